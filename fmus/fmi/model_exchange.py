@@ -27,14 +27,14 @@ class ModelExchange:
     """The calls of model exchange on an instance of fmpy's, `fmu`.
 
     `next_event` is the time (s) of the next time event, or infinite. `continuous`: it is in continuous-time
-    mode; else, after initialisation, in event mode.
+    mode; else, after initialisation, in event mode. `signs` are those of the indicators after the last event.
     """
 
     def __init__(self, fmu: Any, second: bool, states: int, indicators: int) -> None:
         self.fmu, self.size, self.indicators = fmu, states, indicators
         self.next_event = math.inf
         self.continuous = False
-        self._signs = np.ones(indicators)
+        self.signs = np.ones(indicators)
         self._x, self._rate, self._z = np.zeros(states), np.zeros(states), np.zeros(indicators)
         self._get_rate = fmu.getDerivatives if second else fmu.getContinuousStateDerivatives
         self._update = fmu.newDiscreteStates if second else fmu.updateDiscreteStates
@@ -67,7 +67,7 @@ class ModelExchange:
 
     def guards(self) -> Values:
         """The event indicators with the signs of the last event."""
-        return np.asarray(self._signs * self._read_indicators())
+        return np.asarray(self.signs * self._read_indicators())
 
     def enter_events(self) -> None:
         """From continuous-time mode to event mode."""
@@ -86,7 +86,7 @@ class ModelExchange:
         """From event mode to continuous-time mode."""
         self.fmu.enterContinuousTimeMode()
         self.continuous = True
-        self._signs = np.where(self._read_indicators() > 0.0, 1.0, -1.0)
+        self.signs = np.where(self._read_indicators() > 0.0, 1.0, -1.0)
 
     def settle(self) -> None:
         """Iterate until the FMU needs no more, and leave event mode; for an FMU whose inputs stay."""

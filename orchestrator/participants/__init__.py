@@ -9,17 +9,19 @@ from pathlib import Path
 from models.core.system import Instance
 
 from .capabilities import find_missing
-from .description import is_made_here
+from .description import CO_SIMULATION, MODEL_EXCHANGE, is_made_here
 from .fmu import FmuParticipant
 from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
 from .opened_fmu import FmuSettings
-from .protocol import Participant
+from .opening import open_here
+from .protocol import GivesWarnings, Participant
 from .third_party import ThirdPartyComponent, read_component
 from .transformed import Transformed as transformed
 
 __all__ = [
     "FmuParticipant",
+    "GivesWarnings",
     "InOwnProcess",
     "Participant",
     "ThirdPartyComponent",
@@ -39,9 +41,9 @@ NO_STRINGS: Mapping[str, str] = {}
 
 def open_fmu(
     name: str, path: Path, instance: Instance, strings: Mapping[str, str] = NO_STRINGS
-) -> FmuParticipant:
+) -> Participant:
     """The FMU at `path` in the place of `instance`, which knows no texts."""
-    return FmuParticipant(name, path, collect_settings(instance, strings))
+    return open_here(name, path, collect_settings(instance, strings))
 
 
 def open_in_own_process(
@@ -54,8 +56,10 @@ def open_in_own_process(
 def collect_settings(instance: Instance, strings: Mapping[str, str] = NO_STRINGS) -> FmuSettings:
     """What the FMU in the place of `instance` is asked for and given."""
     component = instance.component
-    own = isinstance(component, ThirdPartyComponent)
+    about = component.about if isinstance(component, ThirdPartyComponent) else None
     starts = {
-        k if own else component.state.field(k).add_suffix("_start"): v for k, v in instance.start.items()
+        k if about else component.state.field(k).add_suffix("_start"): v for k, v in instance.start.items()
     }
-    return FmuSettings(component.outputs.names, {**instance.parameters, **starts}, instance.inputs, strings)
+    interface = MODEL_EXCHANGE if about and about.integrated else CO_SIMULATION
+    values = {**instance.parameters, **starts}
+    return FmuSettings(component.outputs.names, values, instance.inputs, strings, interface)

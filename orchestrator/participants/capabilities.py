@@ -29,12 +29,17 @@ def find_missing(path: Path, names: Iterable[str]) -> list[str]:
 def signal_degrees(about: Description, names: Iterable[str]) -> list[int]:
     """The degree of the polynomial in time that the FMU follows, for each of these inputs; 0: it holds it.
 
-    A whole number or truth value has no slope to follow: nothing limits its signal.
+    A whole number or truth value has no slope to follow: nothing limits its signal. Nor does anything limit
+    those of an FMU that is integrated here.
     """
     known = about.variables
 
     def degree(name: str) -> int:
-        if known[name].discrete or (about.interpolates and name_derivative(name, 1) not in known):
+        if (
+            about.integrated
+            or known[name].discrete
+            or (about.interpolates and name_derivative(name, 1) not in known)
+        ):
             return HIGHEST
         absent = (k for k in range(1, HIGHEST + 1) if name_derivative(name, k) not in known)
         return next(absent, HIGHEST + 1) - 1

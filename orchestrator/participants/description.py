@@ -19,6 +19,8 @@ from fmpy import read_model_description
 from fmus.fmi.archive import is_sealed
 
 VERSIONS = ("2.0", "3.0")
+# The interfaces by which an FMU can take part.
+CO_SIMULATION, MODEL_EXCHANGE = "co_simulation", "model_exchange"
 OWN_TOOL = "tribocosim "
 REALS = ("Real", "Float64", "Float32")
 BOOLEANS = ("Boolean",)
@@ -86,7 +88,8 @@ class Exchange:
 
 @dataclass(frozen=True)
 class Description:
-    """Of an FMU for co-simulation.
+    """Of an FMU, by the interface that it takes part by: co-simulation, or model exchange if it is
+    `integrated` here.
 
     `variables` by name; `depends` gives, for each output, the inputs it depends on at the same instant, where
     the file says it. `states` are the continuous states and their derivatives by time, if it gives
@@ -119,6 +122,7 @@ class Description:
     stop: float | None
     step: float | None
     exchange: Exchange | None
+    integrated: bool
 
     @property
     def is_own(self) -> bool:
@@ -150,16 +154,24 @@ class DescriptionError(ValueError):
     """The file is no usable FMU; the message lacks the file's name."""
 
 
-def read_description(path: Path) -> Description:
-    """Read the description without running the FMU; DescriptionError if it cannot be used."""
+def read_description(path: Path, interface: str = CO_SIMULATION) -> Description:
+    """Read the description without running the FMU; DescriptionError if it cannot be used.
+
+    An FMU that has only one interface is described by that.
+    """
     try:
         found = _read(path)
     except Exception as error:
         raise DescriptionError(f"cannot be read as an FMU: {' '.join(str(error).split())}") from None
     about = found.coSimulation
+    integrated = found.modelExchange is not None and (about is None or interface == MODEL_EXCHANGE)
+    if integrated:
+        about = found.modelExchange
     if about is None or found.fmiVersion not in VERSIONS:
         said = "" if found.fmiVersion in VERSIONS else f" (it says fmiVersion = {found.fmiVersion!r})"
-        raise DescriptionError(f"is not a co-simulation FMU of FMI 2.0 or 3.0{said}")
+        raise DescriptionError(f"is not an FMU for co-simulation or model exchange of FMI 2.0 or 3.0{said}")
+    if interface == MODEL_EXCHANGE and not integrated:
+        raise DescriptionError("has no model exchange; leave `interface` out")
     variables = [v for variable in found.modelVariables for v in _list_scalars(variable)]
     names = Counter(v.name for v in variables)
     if len(names) < len(variables):
@@ -177,17 +189,18 @@ def read_description(path: Path) -> Description:
         identifier=about.modelIdentifier,
         variables={v.name: v for v in variables},
         depends=_read_dependencies(found),
-        states=_read_states(found) if _differentiates(path, about, found.fmiVersion) else None,
+        states=_read_states(found) if _differentiates(path, about, integrated, found.fmiVersion) else None,
         units={unit.name: _read_unit(unit.baseUnit) for unit in found.unitDefinitions if unit.baseUnit},
         restorable=bool(about.canGetAndSetFMUstate),
         serialisable=bool(about.canSerializeFMUstate),
-        variable_step=bool(about.canHandleVariableCommunicationStepSize),
-        fixed_step=float(about.fixedInternalStepSize or 0.0),
-        returns_early=bool(about.mightReturnEarlyFromDoStep),
-        interpolates=bool(about.canInterpolateInputs) and found.fmiVersion == "2.0",
-        gives_rates=int(about.maxOutputDerivativeOrder or 0) > 0,
+        variable_step=integrated or bool(about.canHandleVariableCommunicationStepSize),
+        fixed_step=0.0 if integrated else float(about.fixedInternalStepSize or 0.0),
+        returns_early=not integrated and bool(about.mightReturnEarlyFromDoStep),
+        interpolates=not integrated and bool(about.canInterpolateInputs) and found.fmiVersion == "2.0",
+        gives_rates=not integrated and int(about.maxOutputDerivativeOrder or 0) > 0,
         once_per_process=bool(about.canBeInstantiatedOnlyOncePerProcess),
         exchange=_read_exchange(found),
+        integrated=integrated,
         **{
             short: _parse_number(getattr(experiment, name, None))
             for short, name in {"start": "startTime", "stop": "stopTime", "step": "stepSize"}.items()
@@ -282,12 +295,13 @@ def _read_dependencies(found: Any) -> dict[str, tuple[str, ...]]:
     return depends
 
 
-def _differentiates(path: Path, about: Any, version: str) -> bool:
+def _differentiates(path: Path, about: Any, integrated: bool, version: str) -> bool:
     """Whether it gives directional derivatives; fmpy does not read this for FMI 3.0."""
     if version == "2.0":
         return bool(about.providesDirectionalDerivative)
     with zipfile.ZipFile(path) as archive:
-        kind = ElementTree.fromstring(archive.read("modelDescription.xml")).find("CoSimulation")
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    kind = root.find("ModelExchange" if integrated else "CoSimulation")
     return kind is not None and kind.get("providesDirectionalDerivatives") in ("true", "1")
 
 

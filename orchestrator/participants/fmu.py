@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
@@ -11,7 +10,6 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ..errors import CannotSerializeError, ParticipantError
 from .bound_variables import BoundInputs, BoundOutputs
 from .capabilities import signal_degrees
 from .compiled import GET, RELEASE, SAVE, SET, STEP, CompiledCalls
@@ -41,7 +39,6 @@ class FmuParticipant(OpenedFmu):
     def __init__(self, name: str, path: Path, settings: FmuSettings, folder: Path | None = None) -> None:
         super().__init__(name, path, settings, folder)
         description = self._fmu.description
-        self.restorable = description.restorable
         self._records: list[Any] = []
         self._step = self._fmi.bind_step(self._errors.fail_step)
         holds = 0 in signal_degrees(description, [v.name for v in description.list_variables("input")])
@@ -89,10 +86,6 @@ class FmuParticipant(OpenedFmu):
             outputs.rated, self._describe, self._raise_failed, self._errors.check_end, self._find_readable,
         )  # fmt: skip
 
-    def set_inputs(self, values: Mapping[str, float]) -> None:
-        with self._errors.name_errors("setting the inputs"):
-            self._assign(values)
-
     def _describe(self, record: Any) -> None:
         """Fill in the addresses (see `compiled`) and keep the record, which counts warnings."""
         self._records.append(record)
@@ -139,34 +132,6 @@ class FmuParticipant(OpenedFmu):
         with self._errors.name_errors("directional derivatives"):
             columns = [self._fmi.differentiate(of, one) for one in by] if of else []
         return np.array(columns).T.reshape(len(of), len(by))
-
-    def save(self) -> ctypes.c_void_p:
-        if not self.restorable:
-            raise ParticipantError(
-                f"{self.name}: the FMU cannot save its state (canGetAndSetFMUstate = false); take the master "
-                "jacobi or gauss_seidel with steps of fixed length"
-            )
-        state = ctypes.c_void_p()
-        self._errors.check(self._fmi.save(state), FAILED_CALLS[SAVE])
-        return state
-
-    def restore(self, saved: ctypes.c_void_p) -> None:
-        self._errors.check(self._fmi.restore(saved), "restoring the state")
-
-    def to_bytes(self, saved: ctypes.c_void_p) -> bytes:
-        if not self._fmu.description.serialisable:
-            raise CannotSerializeError(
-                f"{self.name}: the FMU cannot serialise its state (canSerializeFMUstate = false)"
-            )
-        with self._errors.name_errors("serialising the state"):
-            return self._fmi.serialise(saved)
-
-    def from_bytes(self, data: bytes) -> ctypes.c_void_p:
-        with self._errors.name_errors("taking a serialised state"):
-            return self._fmi.deserialise(data)
-
-    def release(self, saved: ctypes.c_void_p) -> None:
-        self._errors.check(self._fmi.release(saved), FAILED_CALLS[RELEASE])
 
     def warnings(self) -> tuple[int, str]:
         """How many there were, by status or by message, and the first message."""

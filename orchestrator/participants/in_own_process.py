@@ -29,10 +29,11 @@ class InOwnProcess(OwnProcess):
 
     def __init__(self, name: str, path: Path, settings: FmuSettings) -> None:
         super().__init__(name, path, settings)
-        self.restorable = read_description(path).restorable
+        self._about = read_description(path, settings.interface)
+        self.restorable = self._about.restorable
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
-        return signal_degrees(read_description(self._path), input_names)
+        return signal_degrees(self._about, input_names)
 
     def compiled_calls(self) -> str:
         return "it runs in its own process"

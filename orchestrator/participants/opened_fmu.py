@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,10 +12,10 @@ from typing import Any, ClassVar
 
 from fmpy import extract
 
-from ..errors import ParticipantError, RefusedError
+from ..errors import CannotSerializeError, ParticipantError, RefusedError
 from .binding import find_array
 from .bound_variables import OpenFmu
-from .description import read_description
+from .description import CO_SIMULATION, read_description
 from .failures import ErrorReporter
 from .fmi_instance import FmiInstance
 from .staying import stay_in_folder
@@ -25,13 +26,14 @@ class FmuSettings:
     """What a run wants of an FMU, by the names of its variables.
 
     `outputs` are to be recorded. `values` are those of parameters and starts, `inputs` those of inputs that
-    nothing drives, `strings` those of parameters that are strings.
+    nothing drives, `strings` those of parameters that are strings. It takes part by `interface`.
     """
 
     outputs: Sequence[str]
     values: Mapping[str, float] = field(default_factory=dict)
     inputs: Mapping[str, float] = field(default_factory=dict)
     strings: Mapping[str, str] = field(default_factory=dict)
+    interface: str = CO_SIMULATION
 
 
 class OpenedFmu:
@@ -47,7 +49,7 @@ class OpenedFmu:
         self._errors = ErrorReporter(name)
         self._instantiated = False
         try:
-            description = read_description(path)
+            description = read_description(path, settings.interface)
             self._folder = extract(str(path), unzipdir=None if folder is None else str(folder))
         except Exception as error:
             raise ParticipantError(f"{name}: {path} {error}") from None
@@ -67,6 +69,7 @@ class OpenedFmu:
         except BaseException:
             self.close()
             raise
+        self.restorable = description.restorable
         self._fmu = OpenFmu(description, self._fmi, self._errors)
 
     def initialise(self, start_time: float, stop_time: float) -> None:
@@ -85,6 +88,10 @@ class OpenedFmu:
             self._fmi.exit_initialization()
         self._fmu.stepping = True
 
+    def set_inputs(self, values: Mapping[str, float]) -> None:
+        with self._errors.name_errors("setting the inputs"):
+            self._assign(values)
+
     def _assign(self, values: Mapping[str, float]) -> None:
         """Set variables by name; of an array that is named in part the other elements start as they do."""
         done: set[tuple[int, str]] = set()
@@ -94,6 +101,38 @@ class OpenedFmu:
                 done.add(key)
                 whole = find_array(self._fmu.description.variables, variable)
                 self._fmi.set(whole, [values.get(v.name, v.start or 0.0) for v in whole])
+
+    def save(self) -> Any:
+        if not self.restorable:
+            raise ParticipantError(
+                f"{self.name}: the FMU cannot save its state (canGetAndSetFMUstate = false); take the master "
+                "jacobi or gauss_seidel with steps of fixed length"
+            )
+        state = ctypes.c_void_p()
+        self._errors.check(self._fmi.save(state), "saving the state")
+        return state
+
+    def restore(self, saved: Any) -> None:
+        self._errors.check(self._fmi.restore(saved), "restoring the state")
+
+    def to_bytes(self, saved: Any) -> bytes:
+        if not self._fmu.description.serialisable:
+            raise CannotSerializeError(
+                f"{self.name}: the FMU cannot serialise its state (canSerializeFMUstate = false)"
+            )
+        with self._errors.name_errors("serialising the state"):
+            return self._fmi.serialise(saved)
+
+    def from_bytes(self, data: bytes) -> Any:
+        with self._errors.name_errors("taking a serialised state"):
+            return self._fmi.deserialise(data)
+
+    def release(self, saved: Any) -> None:
+        self._errors.check(self._fmi.release(saved), "freeing a saved state")
+
+    def warnings(self) -> tuple[int, str]:
+        """How many there were, by status or by message, and the first message."""
+        return max(self._fmi.warned, self._errors.warnings), self._errors.first_warning
 
     def close(self) -> None:
         # After fmi2Fatal the standard allows no call at all; the instance is given up.

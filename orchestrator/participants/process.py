@@ -12,17 +12,21 @@ import os
 import signal
 import sys
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from models.core.quantities import Vector
 
 from ..errors import RunError
-from .fmu import FmuParticipant
 from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
 from .opened_fmu import FmuSettings
+from .opening import open_here
 from .protocol import BoundVariables
+
+if TYPE_CHECKING:
+    from .fmu import FmuParticipant
+    from .model_exchange.integrated import IntegratedFmu
 
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
 
@@ -30,7 +34,7 @@ _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
 class Server:
     """Carries out messages; the first one, instantiate, opens the FMU."""
 
-    unit: FmuParticipant
+    unit: FmuParticipant | IntegratedFmu
     inputs: Vector
     outputs: Vector
     rates: Vector
@@ -62,7 +66,7 @@ class Server:
         return self.outputs.tobytes() + self.rates.tobytes()
 
     def instantiate(self, name: str, path: str, given: dict[str, Any], folder: str) -> None:
-        self.unit = FmuParticipant(name, Path(path), FmuSettings(**given), Path(folder))
+        self.unit = open_here(name, Path(path), FmuSettings(**given), Path(folder))
 
     def connect(self, inputs: list[str], rows: int, outputs: list[str], rated: bool) -> list[bool]:
         self.inputs = np.zeros((rows, len(inputs)))

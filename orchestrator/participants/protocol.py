@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from models.core.quantities import Vector
 
@@ -24,6 +24,15 @@ class BoundVariables(NamedTuple):
     output_names: Sequence[str]
     outputs: Vector
     rates: Vector
+
+
+@runtime_checkable
+class GivesWarnings(Protocol):
+    """A participant that counts the warnings of an FMU."""
+
+    def warnings(self) -> tuple[int, str]:
+        """How many there were, and the first message."""
+        ...
 
 
 class Participant(Protocol):

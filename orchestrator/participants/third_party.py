@@ -19,7 +19,7 @@ from models.core.component import Component
 from models.core.quantities import Field, Layout, Quantity, Vector
 from models.core.system import ModelError
 
-from .description import BOOLEANS, Description, DescriptionError, Variable, read_description
+from .description import BOOLEANS, CO_SIMULATION, Description, DescriptionError, Variable, read_description
 
 # `initial` of what can be given a start value though it is no parameter and no input.
 WITH_START = ("exact", "approx")
@@ -49,22 +49,22 @@ class ThirdPartyComponent(Component):
     about: Description = None  # type: ignore[assignment]  # given always, after fields with defaults
 
 
-def read_component(path: Path) -> Component:
-    """Read the FMU as a component; ValueError, with the path, if it cannot be used."""
+def read_component(path: Path, interface: str = CO_SIMULATION) -> Component:
+    """Read the FMU as a component; ValueError, with the path, if it cannot be used by this interface."""
     try:
         status = path.stat()
     except OSError:
         raise ValueError(f"{path}: no such file") from None
-    return _read_component(path, status.st_mtime_ns, status.st_size)
+    return _read_component(path, interface, status.st_mtime_ns, status.st_size)
 
 
 @functools.lru_cache(maxsize=256)
-def _read_component(path: Path, changed: int, size: int) -> Component:
+def _read_component(path: Path, interface: str, changed: int, size: int) -> Component:
     try:
         with open_archive(path) as archive:
             if faults := archive_faults(archive):
                 raise FmuFileError(f"{path}: {faults[0]}; give another file")
-        about = read_description(path)
+        about = read_description(path, interface)
     except DescriptionError as error:
         raise ValueError(f"{path}: {error}; give another file") from None
     outputs = [v for v in about.variables.values() if v.causality == "output" and v.numeric]

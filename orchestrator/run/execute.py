@@ -16,7 +16,7 @@ from ..engine.energy import Ledger, Trimmed, add_counting, add_estimates
 from ..engine.observer import Observer
 from ..engine.step import Step
 from ..errors import MistakeError, ParticipantError, RefusedError, RunError, StalledError
-from ..participants import FmuParticipant, InOwnProcess, Participant
+from ..participants import GivesWarnings, Participant
 from ..reporter import Reporter
 from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
 from ..store.json_codec import Plain
@@ -166,7 +166,7 @@ def _collect_warnings(units: Mapping[str, Participant]) -> dict[str, Warnings]:
     """The warnings of the FMUs that gave any."""
     found = {}
     for name, unit in units.items():
-        if isinstance(unit, (FmuParticipant, InOwnProcess)):
+        if isinstance(unit, GivesWarnings):
             with suppress(RunError):  # the run has ended, and the reason is known
                 count, first = unit.warnings()
                 if count:

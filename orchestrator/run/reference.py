@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from models.core.quantities import Vector
 from models.monolithic.difference import Difference
 
 from ..participants import ThirdPartyComponent, collect_settings
+from ..participants.description import MODEL_EXCHANGE
 from ..participants.model_exchange import FmuEquations, open_equations
 from ..reporter import Reporter
 from ..scenario import Scenario
@@ -89,7 +90,7 @@ def _solve_by_parts(plan: Plan, times: Vector, reporter: Reporter, began: float)
             for name, instance in instances.items():
                 if isinstance(instance.component, ThirdPartyComponent):
                     table = scenario.components[name]
-                    settings = collect_settings(instance, table.strings)
+                    settings = replace(collect_settings(instance, table.strings), interface=MODEL_EXCHANGE)
                     inputs = tuple(n for n in instance.component.inputs.names if n not in instance.inputs)
                     path = plan.fmus[name].path
                     opened[name] = open_equations(name, path, settings, inputs, table.own_process)
@@ -116,9 +117,15 @@ def _solve_by_parts(plan: Plan, times: Vector, reporter: Reporter, began: float)
 
 def _describe_solvers(scenario: Scenario) -> str:
     """The end of a verdict where FMUs of others take part."""
-    if not any(table.third_party for table in scenario.components.values()):
+    stepping = [
+        name
+        for name, table in scenario.components.items()
+        if table.third_party and not table.describe().integrated
+    ]
+    if not stepping:
         return ""
     return (
-        "; the errors of the FMUs' own solvers are included (reference.method = 'refinement' shows those of "
-        "the coupling alone)"
+        f"; this includes the errors of the own solvers of {', '.join(stepping)}: interface = "
+        "'model_exchange' integrates their equations here instead, reference.method = 'refinement' shows the "
+        "errors of the coupling alone"
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import fmpy
 
-from ..participants.description import Description, read_description
+from ..participants.description import Description
 from . import Scenario, ScenarioError, parse_line
 
 # Tolerance, in steps, of "a whole number of steps": far more than rounding.
@@ -55,7 +55,7 @@ def describe_unsolvable(scenario: Scenario) -> str:
     closed = [
         name
         for name, table in scenario.components.items()
-        if table.third_party and read_description(Path(table.participant)).exchange is None
+        if table.third_party and table.describe().exchange is None
     ]
     if closed:
         return f"{', '.join(closed)}: third-party FMUs without model exchange, whose equations are unknown"
@@ -88,15 +88,14 @@ def check_capabilities(scenario: Scenario) -> None:
         if table.participant.endswith(".fmu")
     }
     for name, path in files.items():
-        if fault := _find_library_fault(path, read_description(path)) or _find_fault(
-            scenario, name, read_description(path)
-        ):
+        about = scenario.components[name].describe()
+        if fault := _find_library_fault(path, about) or _find_fault(scenario, name, about):
             raise ScenarioError(f"components.{name}.participant: {path}: {fault}")
     shared = Counter(
         path.resolve() for name, path in files.items() if not scenario.components[name].own_process
     )
     for name, path in files.items():
-        if shared[path.resolve()] > 1 and read_description(path).once_per_process:
+        if shared[path.resolve()] > 1 and scenario.components[name].describe().once_per_process:
             raise ScenarioError(
                 f"components.{name}.participant: {path}: allows one instance per process "
                 f"(canBeInstantiatedOnlyOncePerProcess); set components.{name}.process = 'own'"
@@ -163,7 +162,7 @@ def list_unsynchronised(scenario: Scenario) -> list[str]:
     for name, table in scenario.components.items():
         if not table.participant.endswith(".fmu"):
             continue
-        own, step = read_description(Path(table.participant)).fixed_step, scenario.macro_step / table.substeps
+        own, step = table.describe().fixed_step, scenario.macro_step / table.substeps
         if own and (scenario.step_control or _leaves_remainder(step, own)):
             found.append(
                 f"components.{name}: its internal steps of {own:g} s (fixedInternalStepSize) do not fit into "

@@ -15,6 +15,7 @@ from models.core.quantities import Layout
 
 from ..errors import one_of
 from ..participants import ThirdPartyComponent, is_made_here, read_component
+from ..participants.description import CO_SIMULATION, Description, read_description
 from .angle_table import AngleTableError
 from .drawing import ShaftDrawing, insert_drawing
 from .fields import Table, Written
@@ -43,6 +44,11 @@ class ComponentTable(Table):
         None,
         description="own: the FMU runs in a process of its own, so that it cannot end the run's; shared: in "
         "the run's, faster; left out: own for .fmu files that are not as tribocosim made them, else shared",
+    )
+    interface: Literal["co_simulation", "model_exchange"] = Field(
+        "co_simulation",
+        description="co_simulation: a third-party FMU steps with its own solver; model_exchange: its "
+        "equations are integrated here, with located events; an FMU that has only one takes part by that",
     )
     component: str | None = Field(
         None,
@@ -110,7 +116,7 @@ class ComponentTable(Table):
             file = table.get("participant")
             if isinstance(file, str) and file.endswith(".fmu"):
                 try:
-                    read_component(Path(file))
+                    read_component(Path(file), str(table.get("interface", CO_SIMULATION)))
                 except ValueError as error:
                     raise Faults(("participant", f": {error}")) from None
         return table
@@ -223,7 +229,7 @@ class ComponentTable(Table):
     def _parse_values(cls, values: dict[str, Value], info: ValidationInfo) -> dict[str, Value]:
         if not {"participant", "component", "structure"} <= set(info.data):
             return values  # an earlier check has failed
-        component = _resolve(info.data["participant"], info.data["component"], info.data["structure"])
+        component = _resolve(info.data)
         layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
         kinds = {"parameters": "parameter", "start": "state", "inputs": "input"}
         assert info.field_name
@@ -261,7 +267,11 @@ class ComponentTable(Table):
 
     def resolve(self) -> Component:
         """The catalogue's component with these sizes, or the third-party FMU's."""
-        return _resolve(self.participant, self.component, self.structure)
+        return _resolve(dict(self))
+
+    def describe(self) -> Description:
+        """The description of its .fmu file; DescriptionError if it cannot be used."""
+        return read_description(Path(self.participant), self.interface)
 
 
 def spread_arrays(values: Mapping[str, Value], layout: Layout) -> dict[str, Value]:
@@ -273,7 +283,8 @@ def spread_arrays(values: Mapping[str, Value], layout: Layout) -> dict[str, Valu
     return found | {name: value for name, value in values.items() if name in layout}
 
 
-def _resolve(participant: str, component: str | None, structure: dict[str, int]) -> Component:
-    if component is None:
-        return read_component(Path(participant))
-    return build_component(component, tuple(sorted(structure.items())))
+def _resolve(values: Mapping[str, Any]) -> Component:
+    """The component of a table with these values."""
+    if values["component"] is None:
+        return read_component(Path(values["participant"]), values["interface"])
+    return build_component(values["component"], tuple(sorted(values["structure"].items())))

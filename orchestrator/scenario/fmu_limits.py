@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 from models.core.system import Connection, Port
 
 from ..participants import ThirdPartyComponent
 from ..participants.capabilities import HIGHEST, name_derivative, signal_degrees
-from ..participants.description import Description, DescriptionError, read_description
+from ..participants.description import Description, DescriptionError
 from ..participants.signal_degrees import find_highest_degrees
 from . import Scenario, parse_ends
 
@@ -24,7 +23,7 @@ class FmuLimits:
         for name, table in scenario.components.items():
             if table.participant.endswith(".fmu"):
                 try:
-                    self._about[name] = read_description(Path(table.participant))
+                    self._about[name] = table.describe()
                 except (DescriptionError, OSError):
                     continue
         self._connections = [

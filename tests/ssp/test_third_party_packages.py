@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fmus.native.fmu import build
+from fmus.native.machine_code import this_platform
 from orchestrator.scenario.files import load
 from tests.orchestrator.commands import tribocosim
 from tests.third_party.c_fmus import fmu
@@ -54,6 +56,19 @@ def test_a_package_runs_as_it_is(tmp_path: Path, files: dict[str, bytes]) -> Non
     summary, found = ran(one, tmp_path / "out")
     assert summary.complete
     np.testing.assert_allclose(found["decay.x"], 0.5 * np.exp(-3.0 * found["time"]), rtol=1e-13)
+
+
+def test_a_component_for_model_exchange_is_integrated_here(tmp_path: Path) -> None:
+    """The reader asks its FMU for that interface; one without it is refused."""
+    built = build("quarter_car_wheel", tmp_path, platforms=[this_platform()], fmi=2)
+    files = {"resources/wheel.fmu": built.read_bytes()}
+    element = component("wheel", "wheel", {"position": "output m"})
+    element = element.replace(" source=", ' implementation="ModelExchange" source=')
+    one = load(package(tmp_path / "a.ssp", element, files=files))
+    assert one.components["wheel"].interface == "model_exchange"
+    files = {"resources/wheel.fmu": fmu("dahlquist", 2, tmp_path).read_bytes()}
+    with pytest.raises(ValueError, match="has no model exchange; leave `interface` out"):
+        load(package(tmp_path / "b.ssp", element.replace("position", "x"), files=files))
 
 
 def test_connections_pass_through_nested_systems(tmp_path: Path, files: dict[str, bytes]) -> None:

@@ -14,7 +14,7 @@ from fmpy.fmi3 import FMU3Model
 from fmus.fmi.model_exchange import EventError, ModelExchange
 from models.core.quantities import Vector
 
-from ...errors import EndedError
+from ...errors import EndedError, ParticipantError
 from ..description import REALS, Description
 from ..fmi2 import Fmi2
 from ..fmi3 import Fmi3
@@ -113,21 +113,26 @@ class ExchangeFmu(OpenedFmu):
     ) -> None:
         super().__init__(name, path, settings, folder)
         about = self._fmu.description
-        assert about.exchange
+        if about.exchange is None:
+            raise ParticipantError(f"{name}: {path} has no model exchange")
         self.states, self.indicators = about.exchange.states, about.exchange.indicators
         fmi: Any = self._fmi
         self._exchange = ModelExchange(fmi.slave, about.version == "2.0", self.states, self.indicators)
+        self._outputs = self._fmu.bind(settings.outputs)
+        self._outputs.bind_get(self._errors.fail_to_read)
+        self.bind_inputs(inputs)
+
+    def bind_inputs(self, inputs: Sequence[str]) -> None:
+        """The driven inputs, in the order of `u`."""
         variables = [self._fmu.find(name) for name in inputs]
         smooth = [v.type in REALS and v.variability in ("", "continuous") for v in variables]
         self._smooth = [i for i, one in enumerate(smooth) if one]
         self._others = [i for i, one in enumerate(smooth) if not one]
-        given = settings.inputs
+        given = self._settings.inputs
         self._smooth_inputs = self._fmu.bind([inputs[i] for i in self._smooth], given)
         self._other_inputs = self._fmu.bind([inputs[i] for i in self._others], given)
-        self._outputs = self._fmu.bind(settings.outputs)
         self._smooth_inputs.bind_set(self._errors.fail_to_set)
         self._other_inputs.bind_set(self._errors.fail_to_set)
-        self._outputs.bind_get(self._errors.fail_to_read)
 
     def outputs(self, t: float, x: Vector, u: Vector) -> Vector:
         self._time = t
@@ -179,6 +184,24 @@ class ExchangeFmu(OpenedFmu):
     def get_states(self) -> Vector:
         with self._errors.name_errors("states"):
             return self._exchange.states()
+
+    @property
+    def description(self) -> Description:
+        """Of the FMU."""
+        return self._fmu.description
+
+    @property
+    def next_event(self) -> float:
+        """The time of the next time event (s), or infinite."""
+        return self._exchange.next_event
+
+    def get_event_memory(self) -> tuple[float, Vector]:
+        """The next time event and the indicators' signs, which no saved state of the FMU has."""
+        return self._exchange.next_event, self._exchange.signs.copy()
+
+    def set_event_memory(self, next_event: float, signs: Vector) -> None:
+        """What `get_event_memory` gave."""
+        self._exchange.next_event, self._exchange.signs = next_event, signs.copy()
 
     def get_nominal(self) -> Vector:
         with self._errors.name_errors("nominal sizes of the states"):

@@ -17,7 +17,13 @@ from models.core.component import Component
 from models.core.system import suggestion
 
 from ...participants import ThirdPartyComponent, read_component
-from ...participants.description import Description, DescriptionError, read_description
+from ...participants.description import (
+    CO_SIMULATION,
+    MODEL_EXCHANGE,
+    Description,
+    DescriptionError,
+    read_description,
+)
 from .. import Line, ScenarioError
 from ..conversion import convert_units
 from ..values import WithUnit, build_component
@@ -154,6 +160,8 @@ def _build_tables(
         # Our own FMU is built anew, unless somebody has put another one in its place.
         if not ours or ours != hashlib.sha256(fmus[path].read_bytes()).hexdigest():
             own["participant"] = str(fmus[path])
+        if path in found.integrated:
+            own["interface"] = MODEL_EXCHANGE
         tables[name] = own
     return tables
 
@@ -162,7 +170,7 @@ def _find_component(table: Mapping[str, Any], where: str, name: str) -> Componen
     try:
         if table.get("component"):
             return build_component(table["component"], tuple(sorted(table.get("structure", {}).items())))
-        return read_component(Path(table["participant"]))
+        return read_component(Path(table["participant"]), table.get("interface", CO_SIMULATION))
     except ValueError as error:
         raise ScenarioError(f"{where}: {name}: {error}") from None
 

@@ -43,13 +43,14 @@ class Edge:
 class Structure:
     """Everything that the package's SSD says.
 
-    `components` gives the FMU's place in the archive, `units` of connectors that state one, `bindings` the
-    elements with parameter bindings from the inside out.
+    `components` gives the FMU's place in the archive, `integrated` are those of model exchange, `units` of
+    connectors that state one, `bindings` the elements with parameter bindings from the inside out.
     """
 
     name: str = ""
     description: str = ""
     components: dict[Path, str] = field(default_factory=dict)
+    integrated: set[Path] = field(default_factory=set)
     kinds: dict[Port, str] = field(default_factory=dict)
     connector_units: dict[Port, str] = field(default_factory=dict)
     edges: dict[Port, Edge] = field(default_factory=dict)
@@ -134,7 +135,7 @@ class _SystemReader:
                 "components are FMUs here; put its content into this file",
             )
         if element.get("implementation") == "ModelExchange":
-            raise self._refuse(f"{shown}: implementation ModelExchange", "give an FMU for co-simulation")
+            self._found.integrated.add(path)
         self._found.components[path] = resolve_source(source, f"{self._where}: {shown}")
         self._read_connectors(element, path)
         self._read_bindings(element, path)
