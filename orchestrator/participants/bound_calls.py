@@ -38,14 +38,15 @@ class BoundCalls:
 
     slave: Any
 
-    def _bind(self, save: str, restore: str, release: str) -> None:
-        """Bind the instance and its functions of states, by their names."""
+    def _bind(self, *states: str) -> None:
+        """Bind the instance and its functions that save, restore and release states, by their names."""
         slave = self.slave
         # A Python FMU runs in this interpreter: PyDLL keeps its lock, which the FMU would only take again.
         self._in_python = Path(slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
         self._library = ctypes.PyDLL(None, handle=slave.dll._handle) if self._in_python else slave.dll
         self._handle = ctypes.c_void_p(slave.component)
-        self._save, self._restore, self._release = map(self._function, (save, restore, release))
+        if states:
+            self._save, self._restore, self._release = map(self._function, states)
 
     def _function(self, name: str) -> Any:
         function = self._library[name]  # a new object at every look-up, so fmpy's own stay as they are

@@ -1,4 +1,4 @@
-"""Reads modelDescription.xml of FMI 2.0 and FMI 3.0, with all scalars by their names."""
+"""Reads modelDescription.xml of FMI 1.0, 2.0 and 3.0, with all scalars by their names."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ from fmpy import read_model_description
 
 from fmus.fmi.archive import is_sealed
 
-VERSIONS = ("2.0", "3.0")
+from .description1 import complete
+
+VERSIONS = ("1.0", "2.0", "3.0")
 # The interfaces by which an FMU can take part.
 CO_SIMULATION, MODEL_EXCHANGE = "co_simulation", "model_exchange"
 OWN_TOOL = "tribocosim "
@@ -163,13 +165,17 @@ def read_description(path: Path, interface: str = CO_SIMULATION) -> Description:
         found = _read(path)
     except Exception as error:
         raise DescriptionError(f"cannot be read as an FMU: {' '.join(str(error).split())}") from None
+    if found.fmiVersion == "1.0":
+        complete(found, path)
     about = found.coSimulation
     integrated = found.modelExchange is not None and (about is None or interface == MODEL_EXCHANGE)
     if integrated:
         about = found.modelExchange
     if about is None or found.fmiVersion not in VERSIONS:
         said = "" if found.fmiVersion in VERSIONS else f" (it says fmiVersion = {found.fmiVersion!r})"
-        raise DescriptionError(f"is not an FMU for co-simulation or model exchange of FMI 2.0 or 3.0{said}")
+        raise DescriptionError(
+            f"is not an FMU for co-simulation, or for model exchange of FMI 2.0 or 3.0{said}"
+        )
     if interface == MODEL_EXCHANGE and not integrated:
         raise DescriptionError("has no model exchange; leave `interface` out")
     variables = [v for variable in found.modelVariables for v in _list_scalars(variable)]
@@ -196,7 +202,7 @@ def read_description(path: Path, interface: str = CO_SIMULATION) -> Description:
         variable_step=integrated or bool(about.canHandleVariableCommunicationStepSize),
         fixed_step=0.0 if integrated else float(about.fixedInternalStepSize or 0.0),
         returns_early=not integrated and bool(about.mightReturnEarlyFromDoStep),
-        interpolates=not integrated and bool(about.canInterpolateInputs) and found.fmiVersion == "2.0",
+        interpolates=not integrated and bool(about.canInterpolateInputs) and found.fmiVersion != "3.0",
         gives_rates=not integrated and int(about.maxOutputDerivativeOrder or 0) > 0,
         once_per_process=bool(about.canBeInstantiatedOnlyOncePerProcess),
         exchange=_read_exchange(found),

@@ -16,6 +16,7 @@ from models.core.quantities import Vector
 from .bound_calls import BoundCalls
 from .description import BOOLEANS, Description, Variable
 from .fmi_instance import DISCARD, WARNING
+from .library import open_library
 
 try:
     from fmpy.logging import addLoggerProxy as formatting
@@ -30,13 +31,31 @@ _listeners: dict[object, Callable[[int, bytes], None]] = {}
 _environments = itertools.count(1)
 
 
-def _pass_message(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
+def pass_message(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    """The logger of C: to whoever listens to that instance."""
     listener = _listeners.get(environment) or _listeners.get(name)
     if listener:
         listener(status, message)
 
 
-_LOGGER = fmi2CallbackLoggerTYPE(_pass_message)
+def add_formatting(callbacks: ctypes.Structure) -> None:
+    """Have C put the arguments of messages in their places before the logger gets them."""
+    if formatting:
+        formatting(ctypes.byref(callbacks))
+
+
+def listen(keys: Sequence[object], log: Callable[[int, bytes], None]) -> None:
+    """Have `log` get the messages of an instance with one of these environments and names."""
+    _listeners.update(dict.fromkeys(keys, log))
+
+
+def forget_listener(keys: Sequence[object]) -> None:
+    """Undo `listen`."""
+    for key in keys:
+        _listeners.pop(key, None)
+
+
+_LOGGER = fmi2CallbackLoggerTYPE(pass_message)
 
 
 class Fmi2(BoundCalls):
@@ -47,12 +66,7 @@ class Fmi2(BoundCalls):
     interface: Any = FMU2Slave
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
-        self.slave = self.interface(
-            guid=description.token,
-            unzipDirectory=folder,
-            modelIdentifier=description.identifier,
-            instanceName=name,
-        )
+        self.slave = open_library(self.interface, name, description, folder)
         # Messages of Python FMUs and ours are complete; their percent signs are no formats.
         self._formats = not (description.is_own or Path(folder, "resources", "slavemodule.txt").is_file())
         self._heard: tuple[object, ...] = ()
@@ -64,15 +78,15 @@ class Fmi2(BoundCalls):
         environment = next(_environments)
         callbacks.componentEnvironment = environment
         self._heard = environment, self.slave.instanceName.encode()
-        _listeners.update(dict.fromkeys(self._heard, log))
-        if formatting and self._formats:
-            formatting(ctypes.byref(callbacks))
+        listen(self._heard, log)
+        if self._formats:
+            add_formatting(callbacks)
         callbacks.allocateMemory = defaultCallbacks.allocateMemory
         callbacks.freeMemory = defaultCallbacks.freeMemory
         try:
             self.slave.instantiate(callbacks=callbacks, loggingOn=True)
         except BaseException:
-            self._forget()
+            forget_listener(self._heard)
             raise
         self._bind("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate")
 
@@ -116,11 +130,7 @@ class Fmi2(BoundCalls):
 
     def free(self) -> None:
         self.slave.freeInstance()
-        self._forget()
-
-    def _forget(self) -> None:
-        for key in self._heard:
-            _listeners.pop(key, None)
+        forget_listener(self._heard)
 
     def get_addresses(self) -> dict[str, int]:
         return self._addresses("fmi2SetReal", "fmi2DoStep", "fmi2GetReal") | {"fmi3": 0, "told": 0}

@@ -1,4 +1,4 @@
-"""A co-simulation FMU of FMI 2.0 or 3.0 as participant."""
+"""A co-simulation FMU of FMI 1.0, 2.0 or 3.0 as participant."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from models.core.quantities import Vector
 from .bound_variables import BoundInputs, BoundOutputs
 from .capabilities import signal_degrees
 from .compiled import GET, RELEASE, SAVE, SET, STEP, CompiledCalls
+from .fmi1 import Fmi1
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
 from .opened_fmu import FmuSettings, OpenedFmu
@@ -34,7 +35,7 @@ class FmuParticipant(OpenedFmu):
     booleans are exchanged as the nearest number. After `connect`, `follows` marks the `inputs` that it takes.
     """
 
-    instances: ClassVar[Mapping[str, Any]] = {"2.0": Fmi2, "3.0": Fmi3}
+    instances: ClassVar[Mapping[str, Any]] = {"1.0": Fmi1, "2.0": Fmi2, "3.0": Fmi3}
 
     def __init__(self, name: str, path: Path, settings: FmuSettings, folder: Path | None = None) -> None:
         super().__init__(name, path, settings, folder)
@@ -77,7 +78,7 @@ class FmuParticipant(OpenedFmu):
         if inputs.called or outputs.called:
             return "it exchanges derivatives by calls of their own"
         if not self._fmi.get_addresses():
-            return "it may return early from a step"
+            return "it is of FMI 1.0, or may return early from a step"
         given, taken = inputs.binding.references, outputs.binding.references
         count = len(given)
         # -0.0 leaves every number as it is, also -0.0.

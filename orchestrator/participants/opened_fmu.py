@@ -79,6 +79,8 @@ class OpenedFmu:
             self._assign(self._settings.values)
             for name, text in self._settings.strings.items():
                 self._fmi.set_string(self._fmu.find(name), text)
+            if self._fmu.description.version == "1.0":  # there, what is given later has no effect on it
+                self._assign(self._settings.inputs)
             self._fmi.enter_initialization(start_time, stop_time)
             self._assign(self._settings.inputs)
 

@@ -67,7 +67,11 @@ def _read_component(path: Path, interface: str, changed: int, size: int) -> Comp
         about = read_description(path, interface)
     except DescriptionError as error:
         raise ValueError(f"{path}: {error}; give another file") from None
-    outputs = [v for v in about.variables.values() if v.causality == "output" and v.numeric]
+    numbers = [v for v in about.variables.values() if v.numeric]
+    # Of one that only shows what is inside, that is recorded.
+    outputs = [v for v in numbers if v.causality == "output"] or [
+        v for v in numbers if v.causality == "local" and v.variability in ("continuous", "discrete")
+    ]
     inputs = list(about.list_variables("input"))
     every = tuple(v.name for v in inputs)
     return ThirdPartyComponent(

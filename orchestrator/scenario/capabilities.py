@@ -9,6 +9,7 @@ from pathlib import Path
 import fmpy
 
 from ..participants.description import Description
+from ..participants.library import find_library, list_libraries
 from . import Scenario, ScenarioError, parse_line
 
 # Tolerance, in steps, of "a whole number of steps": far more than rounding.
@@ -107,12 +108,10 @@ def _find_library_fault(path: Path, about: Description) -> str:
     here = fmpy.platform_tuple if about.version == "3.0" else fmpy.platform
     with zipfile.ZipFile(path) as archive:
         names = archive.namelist()
-    wanted = f"{about.identifier}{fmpy.sharedLibraryExtension}"
-    if f"binaries/{here}/{wanted}" in names:
+    if find_library(names, about):
         return ""
-    libraries = [name for name in names if name.endswith(fmpy.sharedLibraryExtension)]
-    if other := [name for name in libraries if name.startswith(f"binaries/{here}/")]:
-        found = ", ".join(other)
+    if other := list_libraries(names, about):
+        wanted, found = f"{about.identifier}{fmpy.sharedLibraryExtension}", ", ".join(other)
         return f"has no binaries/{here}/{wanted}, its modelIdentifier, but {found}; rename one of them"
     parts = [name.split("/") for name in names]
     places = sorted({part[1] for part in parts if part[0] == "binaries" and len(part) > 2})
@@ -154,6 +153,22 @@ def _find_fault(scenario: Scenario, name: str, about: Description) -> str:
                 f"{scenario.macro_step:g} s; change one of them"
             )
     return ""
+
+
+def list_renamed_libraries(scenario: Scenario) -> list[str]:
+    """A warning for each FMU whose library is called otherwise than its model identifier says."""
+    found = []
+    for name, table in scenario.components.items():
+        if table.participant.endswith(".fmu"):
+            about = table.describe()
+            with zipfile.ZipFile(table.participant) as archive:
+                library = find_library(archive.namelist(), about)
+            if Path(library).stem != about.identifier:
+                found.append(
+                    f"components.{name}: takes {library}, the only library for this machine, though its "
+                    f"modelIdentifier is {about.identifier}"
+                )
+    return found
 
 
 def list_unsynchronised(scenario: Scenario) -> list[str]:

@@ -6,7 +6,7 @@ from models.contact.records import CONTACTS
 
 from ..participants import ThirdPartyComponent
 from . import Scenario, parse_line
-from .capabilities import list_unsynchronised
+from .capabilities import list_renamed_libraries, list_unsynchronised
 from .fmu_limits import list_limit_warnings
 from .lift_table import doubt_event
 from .third_party_values import list_bare_numbers
@@ -33,6 +33,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
         *_list_long_cams(scenario),
         *_list_unloaded(scenario),
         *_list_other_units(scenario),
+        *list_renamed_libraries(scenario),
         *list_unsynchronised(scenario),
         *list_limit_warnings(scenario),
     ]

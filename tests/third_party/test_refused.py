@@ -93,17 +93,6 @@ def test_a_file_for_another_platform_is_refused(version: int, tmp_path: Path) ->
         build_system(scenario({"one": {"participant": other}}))
 
 
-def test_a_library_of_another_name_is_named(tmp_path: Path) -> None:
-    path, other = fmu("dahlquist", 2, tmp_path), tmp_path / "other.fmu"
-    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
-        for name in archive.namelist():
-            target.writestr(name.replace("/dahlquist.", "/decay."), archive.read(name))
-    with pytest.raises(
-        ScenarioError, match=r"has no binaries/\S+/dahlquist\.\S+, .*but binaries/\S+/decay\."
-    ):
-        build_system(scenario({"one": {"participant": other}}))
-
-
 @pytest.mark.parametrize("version", VERSIONS)
 def test_variables_of_one_name_are_refused(version: int, tmp_path: Path) -> None:
     path = changed(fmu("dahlquist", version, tmp_path), tmp_path / "twice.fmu", 'name="k"', 'name="x"')

@@ -1,0 +1,167 @@
+"""FMI 1.0: an instance of an FMU for co-simulation.
+
+It has no initialisation mode: `enter_initialization` initialises it, with the inputs that it has then. Its
+state can be neither saved nor restored.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from fmpy.fmi1 import (
+    FMU1Slave,
+    defaultCallbacks,
+    fmi1CallbackFunctions,
+    fmi1CallbackLoggerTYPE,
+)
+
+from models.core.quantities import Vector
+
+from .bound_calls import BoundCalls
+from .description import BOOLEANS, Description, Variable
+from .fmi2 import add_formatting, forget_listener, listen, pass_message
+from .fmi_instance import DISCARD, WARNING
+from .library import open_library
+
+# fmiStatusKind
+LAST_SUCCESSFUL_TIME = 2
+_LOGGER = fmi1CallbackLoggerTYPE(pass_message)
+
+
+class Fmi1(BoundCalls):
+    """Implements `FmiInstance`."""
+
+    real_types = ("Real",)
+    warned = 0
+    interface: Any = FMU1Slave
+
+    def __init__(self, name: str, description: Description, folder: str) -> None:
+        self.slave = open_library(self.interface, name, description, folder)
+        self._prefix = f"{description.identifier}_"
+        self._interpolates = description.interpolates
+        self.ended_in: list[float] = []
+
+    def instantiate(self, log: Callable[[int, bytes], None]) -> None:
+        callbacks = fmi1CallbackFunctions()
+        callbacks.logger = _LOGGER
+        self._heard = (self.slave.instanceName.encode(),)
+        listen(self._heard, log)
+        add_formatting(callbacks)
+        callbacks.allocateMemory = defaultCallbacks.allocateMemory
+        callbacks.freeMemory = defaultCallbacks.freeMemory
+        callbacks.stepFinished = None
+        try:
+            self.slave.instantiate(functions=callbacks, loggingOn=True)
+            if not self.slave.component:
+                raise RuntimeError("fmiInstantiateSlave gave no instance")
+        except BaseException:
+            forget_listener(self._heard)
+            raise
+        self._bind()
+
+    def _function(self, name: str) -> Any:
+        return super()._function(self._prefix + name.replace("fmi1", "fmi"))
+
+    def set_up(self, start_time: float, stop_time: float) -> None:
+        pass
+
+    def enter_initialization(self, start_time: float, stop_time: float) -> None:
+        arguments = ctypes.c_double(start_time), ctypes.c_char(b"\x01"), ctypes.c_double(stop_time)
+        self._check("fmi1InitializeSlave", *arguments)
+
+    def exit_initialization(self) -> None:
+        pass
+
+    def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
+        (first, *_), reference = variables, [v.reference for v in variables]
+        if first.type == "Real":
+            self.slave.setReal(reference, [float(value) for value in values])
+        elif first.type in BOOLEANS:
+            self.slave.setBoolean(reference, [bool(value) for value in values])
+        else:
+            self.slave.setInteger(reference, [int(value) for value in values])
+
+    def set_string(self, variable: Variable, text: str) -> None:
+        self.slave.setString([variable.reference], [text])
+
+    def get(self, variables: Sequence[Variable]) -> list[float]:
+        (first, *_), reference = variables, [v.reference for v in variables]
+        if first.type == "Real":
+            return list(self.slave.getReal(reference))
+        get = self.slave.getBoolean if first.type in BOOLEANS else self.slave.getInteger
+        return [float(value) for value in get(reference)]
+
+    def terminate(self) -> None:
+        self._check("fmi1TerminateSlave")
+
+    def free(self) -> None:
+        self.slave.freeInstance()
+        forget_listener(self._heard)
+
+    def get_addresses(self) -> dict[str, int]:
+        return {}
+
+    def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+        return self._transfer("fmi1SetReal", references, values=values, fail=fail)
+
+    def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+        return self._transfer("fmi1GetReal", references, values=values, fail=fail)
+
+    def bind_input_derivatives(
+        self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], None]:
+        return self._transfer("fmi1SetRealInputDerivatives", references, orders, values=values, fail=fail)
+
+    def bind_output_derivatives(
+        self, references: Any, values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], None]:
+        raise NotImplementedError("rates are not taken from FMUs of FMI 1.0")
+
+    def differentiate(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
+        raise NotImplementedError("FMI 1.0 has no directional derivatives")
+
+    def bind_step(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
+        call, handle, new = self._function("fmi1DoStep"), self._handle, ctypes.c_char(b"\x01")
+
+        def advance(time: float, step: float) -> None:
+            status = call(handle, ctypes.c_double(time), ctypes.c_double(step), new)
+            if status:
+                if status > WARNING:
+                    fail(status, time, step)
+                else:
+                    self.warned += 1
+
+        return advance
+
+    def get_reached_time(self) -> float | None:
+        value = ctypes.c_double()
+        status = self._function("fmi1GetRealStatus")(self._handle, LAST_SUCCESSFUL_TIME, ctypes.byref(value))
+        return value.value if status <= WARNING else None
+
+    def is_ended(self) -> bool:
+        return False
+
+    def save(self, state: ctypes.c_void_p) -> int:
+        return DISCARD
+
+    def restore(self, state: ctypes.c_void_p) -> int:
+        return DISCARD
+
+    def release(self, state: ctypes.c_void_p) -> int:
+        return DISCARD
+
+    def serialise(self, state: ctypes.c_void_p) -> bytes:
+        raise NotImplementedError("FMI 1.0 has no states to save")
+
+    def deserialise(self, data: bytes) -> ctypes.c_void_p:
+        raise NotImplementedError("FMI 1.0 has no states to save")
+
+    def _check(self, name: str, *arguments: Any) -> None:
+        """Call a function; an error with its status if it does not succeed."""
+        status = self._function(name)(self._handle, *arguments)
+        if status > WARNING:
+            error = RuntimeError(f"{name.replace('fmi1', 'fmi')} returned status {status}")
+            error.status = status  # type: ignore[attr-defined]
+            raise error

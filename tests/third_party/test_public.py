@@ -1,0 +1,71 @@
+"""Every public FMU at hand runs, or is refused with its reason before anything is written."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.warnings import list_warnings
+
+from .c_fmus import fmu
+from .public import public
+from .runs import changed, ran, scenario
+
+RUNNING = (
+    "ecos/ControlledTemperature", "fmpy/Controller", "fmpy/Drivetrain", "quarter_truck/Chassis",
+    "quarter_truck/Wheel", "reference-fmus-2/BouncingBall", "reference-fmus-2/Dahlquist",
+    "reference-fmus-2/Feedthrough", "reference-fmus-2/Resource", "reference-fmus-2/Stair",
+    "reference-fmus-2/VanDerPol", "reference-fmus-3/BouncingBall", "reference-fmus-3/Dahlquist",
+    "reference-fmus-3/Feedthrough", "reference-fmus-3/Resource", "reference-fmus-3/Roberts",
+    "reference-fmus-3/Stair", "reference-fmus-3/StateSpace", "reference-fmus-3/VanDerPol",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", RUNNING)
+def test_a_public_fmu_runs(name: str, tmp_path: Path) -> None:
+    """A second in its own process; all its numbers are finite."""
+    table = {"participant": public(f"{name}.fmu"), "process": "own"}
+    summary, found = ran(scenario({"one": table}), tmp_path / "out")
+    assert summary.complete, summary.message
+    assert len(found["time"]) == 101
+    assert all(np.all(np.isfinite(column)) for column in found.values())
+
+
+def test_an_fmu_for_scheduled_execution_is_refused() -> None:
+    table = {"participant": public("reference-fmus-3/Clocks.fmu")}
+    with pytest.raises(ScenarioError, match="not an FMU for co-simulation, or for model exchange"):
+        scenario({"one": table})
+
+
+def renamed(path: Path, other: Path, more: str = "") -> Path:
+    """The FMU with a library of another name, and perhaps a second one."""
+    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
+        for name in archive.namelist():
+            place = f"{name.rpartition('/')[0]}/other.so" if name.startswith("binaries/") else name
+            target.writestr(place, archive.read(name))
+            if more and name.startswith("binaries/"):
+                target.writestr(f"{name.rpartition('/')[0]}/{more}", b"")
+    return other
+
+
+def test_the_only_library_is_taken_whatever_its_name(tmp_path: Path) -> None:
+    """With a notice; of two, none is."""
+    plain = fmu("dahlquist", 2, tmp_path)
+    one = scenario({"one": {"participant": renamed(plain, tmp_path / "a.fmu")}})
+    assert any("other.so, the only library" in line for line in list_warnings(one))
+    _, found = ran(one, tmp_path / "out")
+    np.testing.assert_allclose(found["one.x"], np.exp(-found["time"]), rtol=1e-12)
+    two = scenario({"one": {"participant": renamed(plain, tmp_path / "b.fmu", "second.so")}})
+    with pytest.raises(ScenarioError, match=r"dahlquist\.so, its modelIdentifier, but .*second\.so"):
+        ran(two, tmp_path / "none")
+
+
+def test_what_is_inside_is_recorded_of_an_fmu_without_outputs(tmp_path: Path) -> None:
+    plain = fmu("dahlquist", 2, tmp_path)
+    path = changed(plain, tmp_path / "inside.fmu", 'causality="output"', 'causality="local"')
+    _, found = ran(scenario({"one": {"participant": path}}), tmp_path / "out")
+    np.testing.assert_allclose(found["one.x"], np.exp(-found["time"]), rtol=1e-12)
