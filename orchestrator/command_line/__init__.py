@@ -17,6 +17,7 @@ from .components import print_components
 from .diagnose import print_diagnosis
 from .fmu import fmu_build, fmu_compare, fmu_cross_check, fmu_info, fmu_validate
 from .friction import print_friction
+from .report import write_page
 from .run import resume_run, run_scenario
 from .scenarios import list_scenarios
 from .speeds import run_speeds
@@ -33,6 +34,7 @@ app.command("run")(run_scenario)
 app.command("resume")(resume_run)
 app.command("scenarios")(list_scenarios)
 app.command("components")(print_components)
+app.command("report")(write_page)
 app.command("diagnose")(print_diagnosis)
 app.command("friction")(print_friction)
 app.command("analyse")(run_analysis)

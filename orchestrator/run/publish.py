@@ -16,6 +16,7 @@ from rich.text import Text
 from ..assessment.contacts import lines as contact_lines
 from ..assessment.diagnosis import brief
 from ..engine.energy.account import lines as energy_lines
+from ..errors import MistakeError
 from ..reporter import Reporter
 from ..scenario.files import to_full_toml
 from ..store.atomic_write import NO_ROOM, naming
@@ -115,8 +116,20 @@ def publish(summary: Summary, folder: OutputFolder, reporter: Reporter) -> Summa
         return replace(summary, complete=False, exit_status=FAILED, message=message)
     if not summary.resumable and (folder.path / RESULT).exists():
         clear_run_state(folder.unfinished)
+    if summary.figures and (folder.path / RESULT).exists():
+        _write_report(folder.path, reporter)
     _print_end(summary, folder.path, list_files(folder.path), reporter)
     return summary
+
+
+def _write_report(folder: Path, reporter: Reporter) -> None:
+    from ..report import write_report  # its libraries take long to import
+
+    with reporter.stage("report"):
+        try:
+            write_report(folder)
+        except MistakeError as error:
+            reporter.line(str(error))
 
 
 def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:

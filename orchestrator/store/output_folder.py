@@ -20,13 +20,14 @@ from .atomic_write import partial
 
 UNFINISHED, LOCK, CHECKPOINT = "unfinished", "lock", "checkpoint"
 REPLACED = "replaced"  # files of an earlier run, put aside until this one has its first values
-RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES = (
+RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES, REPORT = (
     "result.nc",
     "coupled.csv",
     "units.csv",
     "scenario.toml",
     "summary.json",
     "figures",
+    "report.html",
 )
 
 
@@ -136,7 +137,7 @@ def open_folder(out: Path, overwrite: bool) -> Iterator[OutputFolder]:
 
 def list_files(out: Path) -> list[Path]:
     """What a run has written, in the order to be shown."""
-    found = [out / name for name in (SUMMARY, RESULT, CSV, UNITS, SCENARIO)]
+    found = [out / name for name in (REPORT, SUMMARY, RESULT, CSV, UNITS, SCENARIO)]
     return [path for path in [*found, *_figures(out)] if path.exists()]
 
 
@@ -155,7 +156,7 @@ def _check_empty(out: Path) -> None:
 
 
 def _list_written(out: Path) -> list[Path]:
-    paths = [out / name for name in (RESULT, CSV, UNITS, SCENARIO, SUMMARY)]
+    paths = [out / name for name in (RESULT, CSV, UNITS, SCENARIO, SUMMARY, REPORT)]
     return [path for path in [*paths, *map(partial, paths), *_figures(out)] if path.exists()]
 
 

@@ -1,0 +1,42 @@
+"""Numbers for a page: float32, their bytes sorted by place, deflated, in base64."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from typing import Any
+
+import numpy as np
+
+from models.core.quantities import Vector
+
+# Bits of the mantissa that are kept: relative roundings of 8e-6, and of 2e-3 for differences.
+PRECISE, COARSE = 16, 8
+MANTISSA = 23
+
+
+def pack(values: Vector, bits: int = PRECISE) -> str:
+    """The text of these values, rounded to so many bits of mantissa; `unpack` in series.js reads it."""
+    single = np.ascontiguousarray(values, dtype=np.float32)
+    drop = MANTISSA - bits
+    whole = single.view(np.uint32)
+    rounded = ((whole + np.uint32(1 << (drop - 1))) >> np.uint32(drop)) << np.uint32(drop)
+    kept = np.where(np.isfinite(single) & np.isfinite(rounded.view(np.float32)), rounded, whole)
+    return _deflate(kept.view(np.uint8).reshape(-1, 4))
+
+
+def pack_exactly(values: Vector) -> str:
+    """The text of these values as float64."""
+    return _deflate(np.ascontiguousarray(values, dtype=np.float64).view(np.uint8).reshape(-1, 8))
+
+
+def _deflate(rows: Any) -> str:
+    return base64.b64encode(zlib.compress(rows.T.tobytes(), 6)).decode("ascii")
+
+
+def bucket(values: Vector, size: int) -> tuple[Vector, Vector]:
+    """Least and largest value of each `size` rows; NaN only where all are."""
+    count = -(-len(values) // size)
+    padded = np.pad(values, (0, count * size - len(values)), mode="edge").reshape(count, size)
+    low = np.fmin.reduce(padded, axis=1)
+    return low, np.fmax.reduce(padded, axis=1)
