@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import shutil
 import tempfile
+import weakref
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,6 +46,8 @@ class Result:
     steps: xarray.Dataset | None
     summary: Mapping[str, Any]
     folder: Path | None
+    # The files of a run that has no folder; they go when the result does.
+    _kept: Path = field(default=Path(), repr=False, compare=False)
 
     @property
     def verdict(self) -> str:
@@ -59,6 +63,12 @@ class Result:
     def errors(self) -> dict[str, float]:
         """Relative RMS error of each variable against the reference; empty without one."""
         return {name: error["relative_rms"] for name, error in self.summary["errors"].items()}
+
+    def report(self, path: str | Path = "report.html") -> Path:
+        """Write the run as a page for a browser, in one file: its mechanism in motion, plots, errors."""
+        from orchestrator.report import write_report
+
+        return write_report(self.folder or self._kept, Path(path))
 
     def plot(self, *variables: str) -> Figure:
         """Each variable over time, coupled and reference, below each other."""
@@ -99,9 +109,15 @@ def run(
         scenario = load(scenario)
     if out is not None:
         return _run(scenario, Path(out), overwrite, figures, progress)
-    with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
-        found = _run(scenario, Path(folder) / "run", overwrite, figures, progress)
-        return Result(found.coupled, found.reference, found.steps, found.summary, None)
+    kept = Path(tempfile.mkdtemp(prefix="tribocosim-"))
+    try:
+        found = _run(scenario, kept / "run", overwrite, figures, progress)
+    except BaseException:
+        shutil.rmtree(kept, ignore_errors=True)
+        raise
+    result = replace(found, folder=None, _kept=kept / "run")
+    weakref.finalize(result, shutil.rmtree, kept, ignore_errors=True)
+    return result
 
 
 def _run(

@@ -59,8 +59,8 @@ def _read_summary(folder: Path) -> Mapping[str, Any]:
     try:
         found: Mapping[str, Any] = json.loads((folder / SUMMARY).read_text("utf-8"))
     except (OSError, ValueError):
-        return {}
-    return found
+        found = {}
+    return {"exit_status": None, "complete": False, "reference_method": "monolithic", **found}
 
 
 def _read_scenario(folder: Path) -> Scenario | None:
@@ -190,6 +190,7 @@ def _render(records: Records, summary: Mapping[str, Any], content: Mapping[str, 
     script = "\n".join((folder / name).read_text("utf-8") for name in SCRIPTS)
     return template.render(
         summary=summary,
+        title=records.attributes.get("title") or records.attributes.get("scenario", ""),
         verdict=_describe_verdict(records, summary),
         attributes=records.attributes,
         errors=sorted(errors, key=lambda error: error.get("tolerance") is None),

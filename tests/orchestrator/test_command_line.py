@@ -36,9 +36,10 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def test_a_run_leaves_result_csv_figures_scenario_and_summary(result: Path) -> None:
+def test_a_run_leaves_result_csv_figures_report_scenario_and_summary(result: Path) -> None:
     names = {path.name for path in result.iterdir()}
-    assert names == {"result.nc", "coupled.csv", "units.csv", "scenario.toml", "summary.json", "figures"}
+    files = {"result.nc", "coupled.csv", "units.csv", "scenario.toml", "summary.json", "report.html"}
+    assert names == {*files, "figures"}
     figures = list((result / "figures").glob("*.png"))
     assert len(figures) >= 3
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in figures)

@@ -32,7 +32,7 @@ function prepare(canvas) {
 function drawAxes(g, frame, x, y, label) {
   g.strokeStyle = color("line"); g.fillStyle = color("soft"); g.lineWidth = 1;
   g.textAlign = "right"; g.textBaseline = "middle";
-  for (const v of ticks(...y, 4)) {
+  for (const v of ticks(...y, 6)) {
     const at = frame.y(v);
     g.beginPath(); g.moveTo(frame.left, at); g.lineTo(frame.right, at); g.stroke();
     g.fillText(readable(v), frame.left - 6, at);

@@ -1,0 +1,172 @@
+"""report.html in a real browser."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import tribocosim
+from models.core.quantities import Quantity
+from orchestrator.report import write_report
+from orchestrator.store.result_file import ResultFile
+
+playwright = pytest.importorskip("playwright.sync_api", reason="needs the package playwright")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """Headless Chromium; skipped where there is none."""
+    path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if path is None:
+        pytest.skip("needs chromium on the path")
+    with playwright.sync_playwright() as driver:
+        found = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield found
+        found.close()
+
+
+@contextmanager
+def opened(browser: Any, path: Path, **options: Any) -> Iterator[Any]:
+    """The page, ready; it must say nothing on the console and ask nothing of the network."""
+    said: list[str] = []
+    page = browser.new_page(viewport={"width": 1200, "height": 1000}, **options)
+    page.on("console", lambda message: said.append(message.text))
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.on("request", lambda request: said.extend([request.url] * (not request.url.startswith("file:"))))
+    page.goto(path.as_uri())
+    page.wait_for_selector("body[data-ready]", timeout=60_000)
+    yield page
+    assert said == []
+    page.close()
+
+
+def settle(page: Any) -> None:
+    """Wait for the next picture."""
+    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory) -> tribocosim.Result:
+    """A revolution and a half of the valve train, with its reference."""
+    folder = tmp_path_factory.mktemp("run") / "out"
+    found = tribocosim.run(tribocosim.load("valve-train").with_({"stop_time": "60 ms"}), folder)
+    write_report(folder)
+    return found
+
+
+def lowest(page: Any, title: str) -> float:
+    """How far down on the page the shapes of that title reach (mm)."""
+    paths = page.evaluate(
+        f"[...document.querySelectorAll('svg path')].filter((p) => p.dataset.title === '{title}')"
+        ".map((p) => p.getAttribute('d'))"
+    )
+    numbers = [float(y) for d in paths for y in re.findall(r"[ML]\S+ ([-\d.]+)", d)]
+    return max(numbers)
+
+
+def test_the_valve_stands_where_its_lift_says(browser: Any, result: tribocosim.Result) -> None:
+    """At three instants; the page rounds to a thousandth of a millimetre, and values to five digits."""
+    assert result.folder is not None
+    lift = result.coupled["valve_spring.position"]
+    with opened(browser, result.folder / "report.html") as page:
+        page.evaluate("report.setTime(0)")
+        settle(page)
+        closed = lowest(page, "valve_spring") - 1e3 * float(lift[0])
+        for time in (0.02, 0.03, 0.041):
+            page.evaluate(f"report.setTime({time})")
+            settle(page)
+            at = int(np.searchsorted(lift["time"].values, time, side="right")) - 1
+            assert lowest(page, "valve_spring") - closed == pytest.approx(1e3 * float(lift[at]), abs=3e-3)
+
+
+def test_zoom_move_and_instant_go_through_all_plots(browser: Any, result: tribocosim.Result) -> None:
+    assert result.folder is not None
+    with opened(browser, result.folder / "report.html") as page:
+        canvas = page.locator(".panel canvas").first
+        canvas.scroll_into_view_if_needed()
+        box = canvas.bounding_box()
+        page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 50)
+        for _ in range(5):
+            page.mouse.wheel(0, -100)
+        page.wait_for_timeout(100)
+        low, high = page.evaluate("report.view.shown")
+        assert (high - low) == pytest.approx(60.0 * 0.8**5, rel=1e-6)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 0.5 * box["width"] - 100, box["y"] + 50, steps=4)
+        page.mouse.up()
+        assert page.evaluate("report.view.shown[0]") > low
+        page.mouse.click(box["x"] + 0.7 * box["width"], box["y"] + 60)
+        settle(page)
+        shown = page.locator("#now").text_content()
+        first, last = page.evaluate("report.view.shown")
+        assert first < float(shown.split()[0]) < last
+        page.mouse.dblclick(box["x"] + 0.7 * box["width"], box["y"] + 60)
+        assert page.evaluate("report.view.shown") == [0, 60]
+
+
+def test_keys_play_and_step(browser: Any, result: tribocosim.Result) -> None:
+    assert result.folder is not None
+    with opened(browser, result.folder / "report.html") as page:
+        page.keyboard.press("ArrowRight")
+        assert page.evaluate("report.now") == pytest.approx(2e-5)
+        page.keyboard.press(" ")
+        page.wait_for_timeout(300)
+        page.keyboard.press(" ")
+        assert page.evaluate("report.now") > 1e-4
+        assert page.locator("#play").text_content() == "Play"
+
+
+def test_what_is_shown_is_saved_as_csv(browser: Any, result: tribocosim.Result) -> None:
+    assert result.folder is not None
+    with opened(browser, result.folder / "report.html") as page:
+        with page.expect_download() as download:
+            page.click("#csv")
+        header, *rows = Path(download.value.path()).read_text().splitlines()
+        assert header.startswith('"time [s]","contact.load [N]"')
+        assert len(rows) == result.coupled.sizes["time"]
+        load = np.array([float(row.split(",")[1]) for row in rows])
+        np.testing.assert_allclose(load, result.coupled["contact.load"].values, rtol=2e-5)
+
+
+def test_angles_take_the_place_of_time(browser: Any, result: tribocosim.Result) -> None:
+    assert result.folder is not None
+    with opened(browser, result.folder / "report.html", color_scheme="dark") as page:
+        page.select_option("#abscissa", "camshaft.cam_angle")
+        page.wait_for_timeout(300)
+        assert page.evaluate("report.view.unit") == "deg"
+        assert page.evaluate("report.view.whole[1]") == pytest.approx(360.0, rel=1e-4)
+
+
+def test_a_million_rows_stay_few_lines(browser: Any, tmp_path: Path) -> None:
+    """Drawn is at most some points for each pixel, whatever is shown; the file stays below 10 MB."""
+    rows = 1_000_000
+    times = np.linspace(0.0, 10.0, rows)
+    names = [f"part.value{i}" for i in range(8)]
+    values = np.column_stack([np.sin((50.0 + i) * times) for i in range(8)])
+    values[123_456, 0] = 7.0
+    with ResultFile(tmp_path / "result.nc", {"scenario": "large", "versions": "none"}) as made:
+        made.write("coupled", times, {name: Quantity("m", "a length") for name in names}, values)
+        made.finish(True, "")
+    path = write_report(tmp_path)
+    assert path.stat().st_size < 10e6
+    with opened(browser, path) as page:
+        page.evaluate(
+            "() => { window.drawn = 0; const plain = CanvasRenderingContext2D.prototype.lineTo;"
+            "CanvasRenderingContext2D.prototype.lineTo ="
+            " function (...at) { drawn++; plain.apply(this, at); }; }"
+        )
+        for factor in (1.0, 0.5, 0.1, 0.01):
+            page.evaluate(f"drawn = 0; report.view.reset(); report.view.zoom(1.23, {factor})")
+            settle(page)
+            settle(page)
+            assert 0 < page.evaluate("drawn") < 60_000
+        # A single row that stands out is seen from afar.
+        page.evaluate("report.view.reset()")
+        assert page.evaluate("report.panels[0].values.range(0, 24000)[1]") == pytest.approx(7.0, rel=1e-4)

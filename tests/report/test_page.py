@@ -1,0 +1,170 @@
+"""report.html: what is in the file, without a browser."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import re
+import zlib
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+import tribocosim
+from orchestrator.report import write_report
+from orchestrator.report.mechanism import Sketch, list_sketches
+from orchestrator.report.packing import COARSE, PRECISE, bucket, pack, pack_exactly
+from orchestrator.scenario.files import list_shipped, load
+from orchestrator.scenario.system import build_system
+
+EVIL = "</script><script>window.evil = 1</script>"
+
+
+def unpack(text: str, size: int) -> Any:
+    """As series.js does."""
+    kind = {4: np.float32, 8: np.float64}[size]
+    flat = np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8)
+    return np.ascontiguousarray(flat.reshape(size, -1).T).view(kind).ravel()
+
+
+@given(
+    hnp.arrays(np.float64, st.integers(1, 50), elements=st.floats(-1e30, 1e30)),
+    st.sampled_from([PRECISE, COARSE]),
+)
+def test_packed_numbers_come_back_within_half_a_bit(values: Any, bits: int) -> None:
+    """Relative to their size; what float32 has no exponent for becomes 0."""
+    found = unpack(pack(values, bits), 4).astype(float)
+    assert np.all(np.abs(found - values) <= np.abs(values) * (2.0 ** -(bits + 1) + 2.0**-23) + 1e-37)
+
+
+@given(hnp.arrays(np.float64, st.integers(1, 50)))
+def test_times_come_back_to_the_bit(values: Any) -> None:
+    assert unpack(pack_exactly(values), 8).tobytes() == values.tobytes()
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 0.0, 3.4028234e38])
+def test_special_numbers_stay_what_they_are(value: float) -> None:
+    np.testing.assert_equal(unpack(pack(np.array([value])), 4)[0], np.float32(value))
+
+
+@given(hnp.arrays(np.float64, st.integers(1, 200), elements=st.floats(-1e3, 1e3)), st.integers(1, 20))
+def test_stretches_keep_the_extremes(values: Any, size: int) -> None:
+    low, high = bucket(values, size)
+    assert len(low) == math.ceil(len(values) / size)
+    assert low.min() == values.min()
+    assert high.max() == values.max()
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Of a short run whose title is an attack."""
+    folder = tmp_path_factory.mktemp("run") / "out"
+    scenario = tribocosim.load("valve-train").with_(
+        {"stop_time": "4 ms", "description": EVIL, "reference.enabled": False}
+    )
+    tribocosim.run(scenario, folder)
+    return write_report(folder).read_text("utf-8")
+
+
+def test_nothing_of_the_user_becomes_markup(page: str) -> None:
+    assert EVIL not in page
+    assert page.count("<script") == page.count("</script>") == 2
+
+
+def test_the_page_asks_nothing_of_any_network(page: str) -> None:
+    """No address in any attribute, no import; the policy in its head forbids what would."""
+    addresses: list[str] = []
+
+    class Parser(HTMLParser):
+        def handle_starttag(self, tag: str, attrs: Any) -> None:
+            addresses.extend(f"{tag} {key}" for key, _ in attrs if key in ("src", "href", "srcset", "data"))
+
+    Parser().feed(page)
+    assert addresses == []
+    assert "default-src 'none'" in page
+    outside = re.findall(r"https?://[^\s\"'<]+", page)
+    assert set(outside) <= {"http://www.w3.org/2000/svg"}
+
+
+def test_the_page_says_how_to_repeat_the_run(page: str) -> None:
+    assert "stop_time = 0.004" in page
+    assert "SHA-256 of camshaft" in page
+    assert "numpy" in page
+
+
+def test_a_result_without_folder_has_a_page(tmp_path: Path) -> None:
+    result = tribocosim.run(
+        tribocosim.load("two-masses").with_({"stop_time": "50 ms", "reference.enabled": False})
+    )
+    assert result.folder is None
+    path = result.report(tmp_path / "page.html")
+    assert "two-masses" in path.read_text("utf-8")
+    with pytest.raises(tribocosim.MistakeError, match=r"cannot be written"):
+        result.report(tmp_path / "absent" / "page.html")
+
+
+DRAWN = {
+    "valve-train": 1, "pushrod-train": 1, "direct-acting-hla": 1, "finger-follower-hla": 1,
+    "roller-finger": 1,
+    "slider-crank": 1, "piston-slap": 1, "valve-stem": 1, "pushrod-engine": 8, "engine": 2, "quarter-car": 0,
+}  # fmt: skip
+
+
+def sketch(name: str) -> list[Sketch]:
+    scenario = load(list_shipped()[name])
+    return list_sketches(scenario, build_system(scenario).outputs.names)
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_mechanisms_are_drawn(name: str) -> None:
+    """Every variable that moves one is an output, every node is of a frame that there is."""
+    outputs = build_system(load(list_shipped()[name])).outputs.names
+    sketches = sketch(name)
+    assert len(sketches) == DRAWN[name]
+    for one in sketches:
+        assert one.variables <= set(outputs)
+        content = json.loads(json.dumps(one.content()))
+        frames = len(content["frames"])
+        for shape in content["shapes"]:
+            assert all(node[0] < frames and (len(node) == 3 or node[1] < frames) for node in shape["nodes"])
+
+
+def place(one: Sketch, shape: dict[str, Any], values: dict[str, float]) -> np.ndarray:
+    """The points of a shape where the variables have these values: as scene.js does."""
+    points = []
+    for frame, x, y in shape["nodes"]:
+        own = one.frames[frame]
+        angle = sum(factor * values.get(name, 0.0) for name, factor in own.get("turn", ()))
+        a, b = own.get("about", (0.0, 0.0))
+        c, s = math.cos(angle), math.sin(angle)
+        dx = sum(fx * values.get(name, 0.0) for name, fx, _ in own.get("shift", ()))
+        dy = sum(fy * values.get(name, 0.0) for name, _, fy in own.get("shift", ()))
+        points.append((a + c * (x - a) - s * (y - b) + dx, b + s * (x - a) + c * (y - b) + dy))
+    return np.array(points)
+
+
+@pytest.mark.parametrize("angle", [2.2, 2.8, math.pi, 3.6])
+def test_the_drawn_cam_touches_its_flat_follower(angle: float) -> None:
+    """The highest point of the turned contour is base circle and lift: the face of the bucket."""
+    (one,) = sketch("valve-train")
+    scenario = load(list_shipped()["valve-train"])
+    component = scenario.components["camshaft"].resolve()
+    layout = component.parameters
+    y = component.outputs.vector()
+    u = component.inputs.vector({"drive_angle": angle})
+    p = layout.vector()
+    component.flat_output(0.0, component.state.vector(), u, p, y)
+    found = component.outputs.named(y)
+    values = {"camshaft.cam_angle": found["cam_angle"], "valve_spring.position": found["cam_lift"]}
+    cam = next(s for s in one.shapes if s["kind"] == "cam")
+    bucket_face = next(s for s in one.shapes if s["kind"] == "body")
+    top = place(one, cam, values)[:, 1].max()
+    assert top == pytest.approx(place(one, bucket_face, values)[:, 1].min(), abs=0.02)
+    assert top == pytest.approx(1e3 * (layout.named(p)["base_radius"] + found["cam_lift"]), abs=0.02)
