@@ -54,9 +54,10 @@ class _Console(Console):
 
 
 class Reporter:
-    """Prints the progress of a command."""
+    """Prints the progress of a command; of one that is `verbose` also tables and effort."""
 
-    def __init__(self, console: Console | None = None) -> None:
+    def __init__(self, console: Console | None = None, verbose: bool = False) -> None:
+        self.verbose = verbose
         # Lines for a file or a log need no folding to 80 columns.
         wide = None if sys.stdout.isatty() else 110
         self.console = console or _Console(highlight=False, width=wide)

@@ -14,6 +14,12 @@ if TYPE_CHECKING:
     from ..run.summary import Summary
 
 
+NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures and write no report.")]
+Verbose = Annotated[
+    bool, typer.Option("--verbose", help="Print the errors of all compared variables, and the effort.")
+]
+
+
 @report_errors
 def run_scenario(
     scenario: Annotated[str, typer.Argument(help="A shipped scenario, or the path of a .toml file.")],
@@ -38,7 +44,8 @@ def run_scenario(
         bool,
         typer.Option("--overwrite", help="Replace a result in the folder, as soon as the run has begun."),
     ] = False,
-    no_figures: Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")] = False,
+    no_figures: NoFigures = False,
+    verbose: Verbose = False,
 ) -> int:
     """Run a scenario; exit status 0 if it is within its tolerance of the reference, or wants none.
 
@@ -68,14 +75,15 @@ def run_scenario(
         check_native(natives)
     folder = out or Path("results") / loaded.name
     refuse_overwriting_source(find(scenario), to_full_toml(loaded), folder)
-    summary = run(loaded, folder, build_fmu, Reporter(), overwrite, figures=not no_figures)
+    summary = run(loaded, folder, build_fmu, Reporter(verbose=verbose), overwrite, figures=not no_figures)
     return _finish(summary, folder)
 
 
 @report_errors
 def resume_run(
     folder: Annotated[Path, typer.Argument(help="The output folder of the run.")],
-    no_figures: Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")] = False,
+    no_figures: NoFigures = False,
+    verbose: Verbose = False,
 ) -> int:
     """Continue a run that was killed or interrupted from its last checkpoint, with the same results.
 
@@ -85,7 +93,7 @@ def resume_run(
     from ..reporter import Reporter
     from ..run.resume import resume
 
-    summary = resume(folder, build_fmu, Reporter(), figures=not no_figures)
+    summary = resume(folder, build_fmu, Reporter(verbose=verbose), figures=not no_figures)
     return _finish(summary, folder)
 
 

@@ -207,16 +207,8 @@ def _describe_verdict(records: Records, summary: Mapping[str, Any]) -> str:
     """How the run ended, and its largest error, in words."""
     if not summary.get("complete"):
         return str(summary.get("message") or records.attributes.get("message", ""))
-    measured = {
-        name: error["relative_rms"]
-        for name, error in summary["errors"].items()
-        if error.get("tolerance") is not None and _finite(error["relative_rms"]) is not None
-    }
     text = f"{summary['scenario']}: {summary['verdict']}"
-    if not measured:
-        return text
-    worst = max(measured, key=measured.__getitem__)
-    return f"{text}. Largest relative RMS error: {measured[worst]:.1e} in {worst}."
+    return f"{text}; {summary['largest_error']}" if summary.get("largest_error") else text
 
 
 def _finite(value: Any) -> float | None:

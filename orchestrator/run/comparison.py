@@ -91,6 +91,19 @@ def verdict(errors: Errors) -> tuple[bool, str]:
     return True, "within the tolerance"
 
 
+def describe_largest(errors: Errors) -> str:
+    """The largest error of the variables with a tolerance, by its share of that, in words; empty without."""
+    judged = {name: error for name, error in errors.items() if error.tolerance}
+    if not judged:
+        return ""
+    name = max(judged, key=lambda one: judged[one].relative_rms / (judged[one].tolerance or 1.0))
+    error = judged[name]
+    return (
+        f"largest error: {error.relative_rms:.1e} in {name} (relative RMS, {error.tolerance:.0e} allowed); "
+        f"the reference is known to {error.uncertainty.relative_rms:.0e}"
+    )
+
+
 def largest_uncertainty(errors: Errors) -> float:
     """The reference's largest relative RMS uncertainty among variables with a tolerance."""
     return max((e.uncertainty.relative_rms for e in errors.values() if e.tolerance is not None), default=0.0)

@@ -25,6 +25,7 @@ from ..store.journal import Recorded, journals
 from ..store.output_folder import (
     CSV,
     FIGURES,
+    REPORT,
     RESULT,
     SUMMARY,
     UNITS,
@@ -133,7 +134,7 @@ def _write_report(folder: Path, reporter: Reporter) -> None:
 
 
 def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:
-    """The engineering result, the verdict with its table, effort and files."""
+    """The engineering result, the verdict, the largest error, and where the report is."""
     for line in contact_lines(summary.contacts, summary.contacts_from, summary.fixed_steps):
         reporter.line(line)
     for line in energy_lines(summary.energy) if summary.energy else ():
@@ -147,15 +148,27 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
         reporter.line(
             f"{name}: not a number (NaN) from t = {since:.6g} s on, or at times; look at its participant"
         )
+    if summary.witness:
+        reporter.console.print(_tabulate_witness(summary.witness))
+    if reporter.verbose:
+        _print_details(summary, out, written_files, reporter)
+    if not summary.complete:
+        return
+    for line in (f"{summary.scenario}: {summary.verdict}", summary.largest_error):
+        if line:
+            reporter.line(line)
+    report = out / REPORT
+    place = f"report in {format_path(report)}" if report.exists() else f"results in {format_path(out)}"
+    reporter.line(f"{place}, after {summary.wall_time_s:.1f} s")
+
+
+def _print_details(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:
+    """What few need: all errors, effort, files."""
     if summary.python_sweeps:
         reasons = ", ".join(f"{name} ({why})" for name, why in summary.python_sweeps.items())
         reporter.line(f"macro steps in Python, not in compiled code, for {reasons}")
-    if summary.complete:
-        reporter.line(f"{summary.scenario}: {summary.verdict}")
     if summary.errors:
         reporter.console.print(_tabulate(summary.errors, summary.reference_method))
-    if summary.witness:
-        reporter.console.print(_tabulate_witness(summary.witness))
     if summary.coupled_time_s:
         speed = summary.macro_steps / summary.coupled_time_s
         reference = summary.reference_time_s
@@ -163,7 +176,6 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
             f"{summary.macro_steps} macro steps, {summary.iterations} iterations in "
             f"{summary.coupled_time_s:.2f} s ({speed:.0f} steps/s)"
             + ("" if reference is None else f"; reference {reference:.2f} s")
-            + f"; all {summary.wall_time_s:.1f} s"
         )
     names = ", ".join(str(file.relative_to(out)) for file in written_files)
     reporter.line(f"results in {format_path(out)}: {names}")

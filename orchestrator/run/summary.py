@@ -15,7 +15,7 @@ from ..assessment.diagnosis import Diagnosis
 from ..engine.energy.account import Account
 from ..store.atomic_write import replace
 from .assess import MACRO_STEPS, Report
-from .comparison import Errors
+from .comparison import Errors, describe_largest
 from .plan import Plan
 from .record import FAILED, Ending, Record, Warnings
 from .witness import Testimony
@@ -37,6 +37,7 @@ class Summary:
     resumable: bool = True  # `tribocosim resume` can continue it
     message: str = Ending.message
     verdict: str = Report.verdict
+    largest_error: str = ""
     exit_status: int = FAILED
     macro_steps: int = 0
     rejected_steps: int = 0
@@ -93,6 +94,7 @@ def summarise(
         figures=plan.figures,
         fmus=plan.sha256,
         wall_time_s=seconds,
+        largest_error=describe_largest(report.errors) if report else "",
         **vars(ending),
         **found,
     )
