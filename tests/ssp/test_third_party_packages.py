@@ -221,7 +221,7 @@ TRANSFORMED = (
     "</ssc:BooleanMappingTransformation>"
 )
 CONNECTIONS = {
-    "mapped": (connection("decay.x", "vector.u[1]", TRANSFORMED), "only linear transformations"),
+    "mapped": (connection("decay.x", "vector.u[1]", TRANSFORMED), "has 1 entries; give it all that occur"),
     "twice": (2 * connection("decay.x", "vector.u[1]"), "two sources"),
     "nobody": (connection("decoy.x", "vector.u[1]"), "names no element 'decoy'"),
     "parameter": (connection("vector.y[1]", "decay.k"), "only inputs are connected here"),

@@ -28,6 +28,20 @@ for _prefix, _uri in NAMESPACES.items():
     ElementTree.register_namespace(_prefix, _uri)
 
 
+# Names that some tools write for the standard's.
+_ALIASES = {
+    _SSP + "ParameterValues": NAMESPACES["ssv"],
+    _SSP + "ParameterMapping": NAMESPACES["ssm"],
+    _SSP + "SignalDictionary": NAMESPACES["ssb"],
+}
+
+
+def correct_tag(tag: str) -> str:
+    """An element's tag with the namespace that the standard has for it."""
+    namespace, closed, local = tag[1:].partition("}")
+    return f"{{{_ALIASES[namespace]}}}{local}" if closed and namespace in _ALIASES else tag
+
+
 def expand_tag(name: str) -> str:
     """ssd:System as ElementTree writes it."""
     prefix, _, local = name.partition(":")

@@ -12,7 +12,8 @@ from xml.etree import ElementTree
 
 from ...participants.description import Unit
 from .. import ScenarioError
-from .names import FMU_TYPE, expand_tag
+from .names import FMU_TYPE, correct_tag, expand_tag
+from .tables import find_table, to_line
 
 Path = tuple[str, ...]
 # Gives the bytes of a file of the archive, by its path.
@@ -64,9 +65,13 @@ class Structure:
 def parse_xml(content: bytes, what: str) -> Any:
     """The root element; ScenarioError if it is no XML."""
     try:
-        return ElementTree.fromstring(content)
+        root = ElementTree.fromstring(content)
     except ElementTree.ParseError as error:
         raise ScenarioError(f"{what}: not a valid XML file: {error}") from None
+    for element in root.iter():
+        if isinstance(element.tag, str):
+            element.tag = correct_tag(element.tag)
+    return root
 
 
 def read_structure(content: bytes, where: str) -> Structure:
@@ -178,10 +183,8 @@ def read_transformation(element: Any, where: str) -> tuple[float | None, float |
     for child in element:
         if child.tag == expand_tag("ssc:LinearTransformation"):
             return _parse_float(child.get("factor")), _parse_float(child.get("offset"))
-        if "Transformation" in child.tag:
-            name = child.tag.rpartition("}")[2]
-            raise ScenarioError(f"{where}: a {name}; only linear transformations are known here, take one")
-    return None, None
+    table = find_table(element)
+    return to_line(*table, where) if table else (None, None)
 
 
 def _parse_float(text: str | None) -> float | None:

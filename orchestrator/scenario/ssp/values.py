@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -20,8 +21,10 @@ from .structure import (
     read_units,
     resolve_source,
 )
+from .tables import find_table, look_up
 
 Number = float | bool | str
+_log = logging.getLogger("tribocosim")
 
 
 @dataclass(frozen=True)
@@ -80,11 +83,14 @@ def _read_binding(
     for entry in () if entries is None else entries.findall(expand_tag("ssm:MappingEntry")):
         name = entry.get("source")
         if name not in stated:
-            raise ScenarioError(
-                f"{where}: the mapping's source {name!r} is no parameter of the set; correct it"
-            )
-        factor, offset = read_transformation(entry, f"{where}: {name}")
+            _log.warning("%s: the mapping's source %r is no parameter of the set: left out", where, name)
+            continue
         suppressed = entry.get("suppressUnitConversion") in ("true", "1")
+        if table := find_table(entry):
+            value = look_up(*table, stated[name].value, f"{where}: {name}")
+            yield entry.get("target"), replace(stated[name], value=value, suppressed=suppressed)
+            continue
+        factor, offset = read_transformation(entry, f"{where}: {name}")
         changed = replace(stated[name], factor=factor, offset=offset, suppressed=suppressed)
         yield entry.get("target"), changed
 
@@ -136,6 +142,10 @@ def _find_targets(found: Structure, path: Path, name: str, where: str) -> Iterat
     element, dot, rest = name.partition(".")
     child = (*path, element)
     known = [*found.components, *(port.path for port in found.kinds)]
-    if not dot or not any(other[: len(child)] == child for other in known):
+    if not dot:
         raise ScenarioError(f"{where}: no parameter {name!r}; name a connector, or ELEMENT.PARAMETER")
+    if not any(other[: len(child)] == child for other in known):
+        # Sets are often shared between packages of different parts.
+        _log.warning("%s: the value of %r is of no element of this package: left out", where, name)
+        return
     yield from _find_targets(found, child, rest, where)
