@@ -8,29 +8,34 @@ from typing import Annotated
 import typer
 
 from .error_report import report_errors
+from .json_output import Json, build_reporter, print_json
 
 
 @report_errors
 def print_diagnosis(
     folder: Annotated[Path, typer.Argument(help="A run's output folder.")],
     figure: Annotated[Path | None, typer.Option(help="Draw the steps into this file (.png).")] = None,
+    as_json: Json = False,
 ) -> None:
     """Say what limited the steps of a run, finished or killed, and what would help."""
     from ..assessment.diagnosis.report import diagnose
     from ..errors import MistakeError
     from ..plots.steps import draw_steps
     from ..plots.style import save_figure
-    from ..reporter import Reporter
 
     if figure and figure.suffix != ".png":
         raise MistakeError(f"--figure {figure}: must end in .png")
-    reporter = Reporter()
-    steps, scenario, lines = diagnose(folder)
-    for line in lines:
+    reporter = build_reporter(as_json)
+    found = diagnose(folder)
+    if as_json:
+        print_json({"diagnosis": found.diagnosis, "suggestions": found.suggestions})
+    for line in found.lines:
         reporter.line(line)
     if figure:
         try:
-            reporter.line(f"figure in {save_figure(lambda: draw_steps(steps, scenario.name), figure)}")
+            reporter.line(
+                f"figure in {save_figure(lambda: draw_steps(found.steps, found.scenario.name), figure)}"
+            )
         except OSError as error:
             raise MistakeError(
                 f"--figure {figure}: cannot be written ({error.strerror}); choose another"

@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from .error_report import report_errors, say
+from .json_output import Json, print_json
 from .without_cache import build_without_cache
 
 
@@ -254,18 +255,20 @@ def _parse_size(text: str) -> tuple[str, int]:
 
 
 @report_errors
-def fmu_validate(files: Annotated[list[Path], typer.Argument(help="The .fmu files.")]) -> int:
+def fmu_validate(
+    files: Annotated[list[Path], typer.Argument(help="The .fmu files.")], as_json: Json = False
+) -> int:
     """Check FMU files; exit status 1 if something is found."""
     from fmus.fmi.validate import validate
 
-    found = 0
-    for file in files:
-        problems = validate(_check_file(file))
-        found += len(problems)
+    found = {file: validate(_check_file(file)) for file in files}
+    if as_json:
+        print_json(found)
+    for file, problems in () if as_json else found.items():
         print(f"{file}: {'nothing found' if not problems else ''}")
         for problem in problems:
             print(f"  {problem}")
-    return 1 if found else 0
+    return 1 if any(found.values()) else 0
 
 
 @report_errors
@@ -335,7 +338,7 @@ def fmu_compare(
 
 
 @report_errors
-def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> None:
+def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")], as_json: Json = False) -> None:
     """Show what an FMU is and its variables."""
     from fmus.fmi.archive import FmuFileError
     from fmus.fmi.validate import info
@@ -343,9 +346,13 @@ def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> No
     from ..errors import MistakeError
 
     try:
-        print(info(_check_file(file)))
+        found = info(_check_file(file))
     except FmuFileError as error:
         raise MistakeError(str(error)) from None
+    if as_json:
+        print_json(found)
+    else:
+        print(found)
 
 
 def _check_file(file: Path) -> Path:

@@ -9,6 +9,7 @@ import typer
 
 from .error_report import INTERRUPTED, report_errors, say
 from .fmu import build_fmu, check_native
+from .json_output import Json, build_reporter, print_json
 
 if TYPE_CHECKING:
     from ..run.summary import Summary
@@ -21,7 +22,7 @@ Verbose = Annotated[
 
 
 @report_errors
-def run_scenario(
+def run_scenario(  # noqa: PLR0913  # options of a command
     scenario: Annotated[str, typer.Argument(help="A shipped scenario, or the path of a .toml file.")],
     out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO")] = None,
     set_: Annotated[
@@ -46,13 +47,13 @@ def run_scenario(
     ] = False,
     no_figures: NoFigures = False,
     verbose: Verbose = False,
+    as_json: Json = False,
 ) -> int:
     """Run a scenario; exit status 0 if it is within its tolerance of the reference, or wants none.
 
     1: outside the tolerance, 2: a mistake in the scenario or the command, 3: the run failed,
     4: a reference was wanted and could not be computed, 130: interrupted.
     """
-    from ..reporter import Reporter
     from ..run.pipeline import run
     from ..scenario.files import find, load, to_full_toml
     from ..store.output_folder import refuse_overwriting_source
@@ -75,8 +76,10 @@ def run_scenario(
         check_native(natives)
     folder = out or Path("results") / loaded.name
     refuse_overwriting_source(find(scenario), to_full_toml(loaded), folder)
-    summary = run(loaded, folder, build_fmu, Reporter(verbose=verbose), overwrite, figures=not no_figures)
-    return _finish(summary, folder)
+    summary = run(
+        loaded, folder, build_fmu, build_reporter(as_json, verbose), overwrite, figures=not no_figures
+    )
+    return _finish(summary, folder, as_json)
 
 
 @report_errors
@@ -84,21 +87,26 @@ def resume_run(
     folder: Annotated[Path, typer.Argument(help="The output folder of the run.")],
     no_figures: NoFigures = False,
     verbose: Verbose = False,
+    as_json: Json = False,
 ) -> int:
     """Continue a run that was killed or interrupted from its last checkpoint, with the same results.
 
     Exit status as of `run`; 2 also if the run cannot go on (another FMU, version or scenario, or a damaged
     checkpoint).
     """
-    from ..reporter import Reporter
     from ..run.resume import resume
 
-    summary = resume(folder, build_fmu, Reporter(verbose=verbose), figures=not no_figures)
-    return _finish(summary, folder)
+    summary = resume(folder, build_fmu, build_reporter(as_json, verbose), figures=not no_figures)
+    return _finish(summary, folder, as_json)
 
 
-def _finish(summary: Summary, folder: Path) -> int:
-    """Return the exit status; report why a run is incomplete and how to continue it."""
+def _finish(summary: Summary, folder: Path, as_json: bool) -> int:
+    """Print the summary if it is asked for; report why a run is incomplete and how to continue it.
+
+    Returns the exit status.
+    """
+    if as_json:
+        print_json(summary.content())
     if not summary.complete:
         remedy = ""
         if summary.resumable and "tribocosim resume" not in summary.message:

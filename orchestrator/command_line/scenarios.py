@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from .error_report import report_errors
+from .json_output import Json, print_json
 
 
 @report_errors
@@ -14,6 +15,7 @@ def list_scenarios(
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of scenario files.")
     ] = False,
+    as_json: Json = False,
 ) -> None:
     """List the shipped scenarios."""
     if schema:
@@ -25,5 +27,12 @@ def list_scenarios(
 
     from ..scenario.files import list_shipped
 
-    for name, path in list_shipped().items():
-        print(f"{name:24} {tomllib.loads(path.read_text('utf-8')).get('description', '')}")
+    found = {
+        name: tomllib.loads(path.read_text("utf-8")).get("description", "")
+        for name, path in list_shipped().items()
+    }
+    if as_json:
+        print_json(found)
+        return
+    for name, description in found.items():
+        print(f"{name:24} {description}")

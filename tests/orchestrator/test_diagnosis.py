@@ -312,7 +312,7 @@ def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: P
     for name in ("end", "length", "iterations", "rejected", "error", "source", "reason"):
         np.testing.assert_array_equal(getattr(found, name), getattr(steps, name))
     (tmp_path / SCENARIO).write_text(to_full_toml(load("valve-train-controlled")), "utf-8")
-    assert "was killed" in diagnose(tmp_path)[2][0]
+    assert "was killed" in diagnose(tmp_path).lines[0]
 
 
 def test_sources_are_the_same_outputs_where_energies_are_counted() -> None:

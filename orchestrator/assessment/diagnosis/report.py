@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from ...errors import MistakeError
@@ -10,14 +12,25 @@ from ...scenario import Scenario, ScenarioError
 from ...scenario.files import load
 from ...store.output_folder import SCENARIO, SUMMARY
 from .facts import Facts
-from .numbers import diagnose_steps
+from .numbers import Diagnosis, diagnose_steps
 from .steps import Steps, read_steps
 from .suggestions import suggestions
 from .text import full
 
 
-def diagnose(out: Path) -> tuple[Steps, Scenario, list[str]]:
-    """The steps of the run in `out`, its scenario and the lines of the report; MistakeError without a run."""
+@dataclass(frozen=True)
+class Findings:
+    """The steps of a run, its scenario, what limited them, what would help, and the lines of the report."""
+
+    steps: Steps
+    scenario: Scenario
+    diagnosis: Diagnosis
+    suggestions: Sequence[str]
+    lines: Sequence[str]
+
+
+def diagnose(out: Path) -> Findings:
+    """Of the run in `out`; MistakeError without a run."""
     steps, message = read_steps(out)
     diagnosis = diagnose_steps(steps, _do_steps(out / SUMMARY))
     if diagnosis is None:
@@ -29,7 +42,8 @@ def diagnose(out: Path) -> tuple[Steps, Scenario, list[str]]:
     except ScenarioError as error:
         raise MistakeError(f"{error}; the steps are judged with the scenario of the run") from None
     facts = Facts(diagnosis, steps, scenario)
-    return steps, scenario, full(facts, suggestions(facts), message)
+    remedies = suggestions(facts)
+    return Findings(steps, scenario, diagnosis, remedies, full(facts, remedies, message))
 
 
 def _do_steps(summary: Path) -> int | None:

@@ -1,0 +1,54 @@
+"""--json: standard output is the result and nothing else."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import tribocosim.errors
+from orchestrator.scenario.files import list_shipped
+
+from .commands import tribocosim as command
+
+SHORT = ["--set", "stop_time=50 ms", "--set", "reference.enabled=false", "--no-figures"]
+
+
+def read(*arguments: str, status: int = 0) -> Any:
+    """What the command prints, as JSON."""
+    done = command(*arguments, "--json")
+    assert done.returncode == status, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_a_run_prints_its_summary(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    printed = read("run", "two-masses", "--out", str(out), *SHORT)
+    assert printed == json.loads((out / "summary.json").read_text())
+    found = read("diagnose", str(out))
+    assert found["diagnosis"]["steps"] == printed["macro_steps"]
+
+
+def test_a_mistake_prints_nothing(tmp_path: Path) -> None:
+    done = command("run", "two-mases", "--json", "--out", str(tmp_path / "out"))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "two-masses" in done.stderr
+
+
+def test_scenarios_are_all_there() -> None:
+    assert read("scenarios").keys() == list_shipped().keys()
+
+
+def test_files_that_are_no_fmus_have_their_faults(tmp_path: Path) -> None:
+    file = tmp_path / "no.fmu"
+    file.write_text("no archive")
+    assert read("fmu", "validate", str(file), status=1)[str(file)]
+
+
+@pytest.mark.parametrize("name", tribocosim.errors.__all__)
+def test_errors_say_what_they_are(name: str) -> None:
+    kind = getattr(tribocosim.errors, name)
+    assert issubclass(kind, Exception)
+    assert kind.__doc__
