@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from models.monolithic.difference import difference
+from models.oscillators.exact import quarter_car
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.warnings import list_warnings
 
@@ -33,6 +36,27 @@ def test_a_public_fmu_runs(name: str, tmp_path: Path) -> None:
     assert summary.complete, summary.message
     assert len(found["time"]) == 101
     assert all(np.all(np.isfinite(column)) for column in found.values())
+
+
+def test_the_error_of_a_public_quarter_truck_is_the_true_one(tmp_path: Path, record: Any) -> None:
+    """Two FMUs of another tool against the matrix exponential. Their own solvers' tolerance is 1e-4."""
+    one = scenario(
+        {
+            "chassis": {"participant": public("quarter_truck/Chassis.fmu")},
+            "wheel": {"participant": public("quarter_truck/Wheel.fmu")},
+        },
+        connections=["chassis.velocity -> wheel.in_vel", "wheel.out_spring_damper_f -> chassis.force"],
+        stop_time=2.0,
+        macro_step=1e-3,
+        reference={},
+        tolerance={"chassis.position": 1e-2},
+    )
+    summary, found = ran(one, tmp_path / "out")
+    error = summary.errors["chassis.position"]
+    true = difference(found["chassis.position"], quarter_car(found["time"])[:, 0]).relative_rms
+    case = "public quarter truck: relative RMS error of chassis.position by refinement"
+    own = error.uncertainty.relative_rms + 1e-4
+    record("FMUs", case, error.relative_rms, true, "matrix exponential", tolerance=own)
 
 
 def test_an_fmu_for_scheduled_execution_is_refused() -> None:
