@@ -43,7 +43,9 @@ class ErrorReporter:
 
     def log(self, status: int, message: bytes) -> None:
         # The last line of a Python traceback names the error.
-        if message and (lines := message.decode(errors="replace").strip().splitlines()):
+        text = message.decode(errors="replace") if message else ""
+        # What a terminal would take for a command is none here.
+        if lines := ["".join(c if c.isprintable() else "?" for c in s) for s in text.strip().splitlines()]:
             self._messages.append(lines[-1])
             if status == WARNING:
                 self.warnings += 1

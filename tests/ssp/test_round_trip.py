@@ -12,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from models.compile.cache_folder import user_cache_directory
 from orchestrator.command_line.fmu import build_fmu
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import list_shipped, load, override, read_contents
@@ -115,7 +116,10 @@ def test_third_party_fmus_go_and_come_back(version: int, tmp_path: Path) -> None
     for name, table in scenario.components.items():
         assert places[name].read_bytes() == Path(table.participant).read_bytes()
     same = {
-        name: table.model_copy(update={"participant": scenario.components[name].participant})
+        name: table.model_copy(
+            # Who runs the package decides anew whether its FMUs come into the run's process.
+            update={key: getattr(scenario.components[name], key) for key in ("participant", "process")}
+        )
         for name, table in back.components.items()
     }
     assert back.model_copy(update={"components": same}) == scenario
@@ -179,3 +183,25 @@ def test_settings_are_readable_json(tmp_path: Path) -> None:
         text = archive.read("SystemStructure.ssd").decode()
     start, end = text.index("<tribocosim:Settings>") + 21, text.index("</tribocosim:Settings>")
     assert json.loads(text[start:end].replace("&gt;", ">"))["master"]["name"] == "gauss_seidel"
+
+
+def test_a_package_decides_nothing_that_is_the_users(tmp_path: Path) -> None:
+    """It can name no file outside of it and no code, and keeps its FMUs out of the run's process."""
+    export(load("two-masses"), tmp_path / "made.ssp", build_fmu)
+    with zipfile.ZipFile(tmp_path / "made.ssp") as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    text = content["SystemStructure.ssd"].decode()
+    for old, new in (
+        ('"component": "sprung_mass"', '"process": "shared", "component": "code:factory"'),
+        ('{"name": "two-masses"', '{"extends": "/etc/passwd", "name": "two-masses"'),
+    ):
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    content["SystemStructure.ssd"] = text.encode()
+    with zipfile.ZipFile(tmp_path / "evil.ssp", "w") as archive:
+        for name, data in content.items():
+            archive.writestr(name, data)
+    second = load(tmp_path / "evil.ssp").components["second"]
+    assert second.third_party
+    assert second.process is None
+    assert Path(second.participant).is_relative_to(user_cache_directory())

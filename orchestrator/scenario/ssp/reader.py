@@ -25,6 +25,7 @@ from ...participants.description import (
     read_description,
 )
 from .. import Line, ScenarioError
+from ..component_table import KINDS
 from ..conversion import convert_units
 from ..values import WithUnit, build_component
 from .names import NAMESPACES, OURS, STRUCTURE
@@ -128,7 +129,9 @@ def _read_settings(found: Structure, where: str) -> dict[str, Any]:
     for annotation in found.annotations:
         if annotation.get("type") == OURS and len(annotation):
             try:
-                return dict(json.loads(annotation[0].text or ""))
+                settings = dict(json.loads(annotation[0].text or ""))
+                settings.pop("extends", None)  # another file, of whoever runs the package
+                return settings
             except ValueError as error:
                 raise ScenarioError(
                     f"{where}: the annotation {OURS} is damaged: {error}; delete it"
@@ -155,15 +158,26 @@ def _build_tables(
     for path, name in _name_components(fmus).items():
         if not fmus[path].is_file():
             raise ScenarioError(f"{where}: {found.components[path]} is not in the package; add it")
-        own = dict(settings.get("components", {}).get(name, {}))
+        own = _restrict(settings.get("components", {}).get(name, {}))
         ours = own.pop("sha256", "")
+        built = own.get("participant", "fmu") in KINDS and own.get("component")
         # Our own FMU is built anew, unless somebody has put another one in its place.
-        if not ours or ours != hashlib.sha256(fmus[path].read_bytes()).hexdigest():
+        if not built or ours != hashlib.sha256(fmus[path].read_bytes()).hexdigest():
             own["participant"] = str(fmus[path])
+            if own.get("process") != "own":  # only who runs the package lets a file of it into the run
+                own.pop("process", None)
         if path in found.integrated:
             own["interface"] = MODEL_EXCHANGE
         tables[name] = own
     return tables
+
+
+def _restrict(stated: Mapping[str, Any]) -> dict[str, Any]:
+    """A component's table from a package, without code that it would have imported."""
+    own = dict(stated)
+    if ":" in str(own.get("component", "")):
+        del own["component"]
+    return own
 
 
 def _find_component(table: Mapping[str, Any], where: str, name: str) -> Component:
