@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import asdict, is_dataclass
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..reporter import Reporter
+if TYPE_CHECKING:
+    from ..reporter import Reporter
 
 Json = Annotated[
     bool, typer.Option("--json", help="Print the result as JSON; messages go to standard error.")
@@ -19,6 +20,8 @@ Json = Annotated[
 def build_reporter(as_json: bool, verbose: bool = False) -> Reporter:
     """A reporter whose lines leave standard output to the JSON."""
     from rich.console import Console
+
+    from ..reporter import Reporter
 
     return Reporter(Console(stderr=True) if as_json else None, verbose)
 

@@ -12,7 +12,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from models.compile.cache_folder import user_cache_directory
 from orchestrator.command_line.fmu import build_fmu
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import list_shipped, load, override, read_contents
@@ -204,4 +203,4 @@ def test_a_package_decides_nothing_that_is_the_users(tmp_path: Path) -> None:
     second = load(tmp_path / "evil.ssp").components["second"]
     assert second.third_party
     assert second.process is None
-    assert Path(second.participant).is_relative_to(user_cache_directory())
+    assert Path(second.participant).is_relative_to(tmp_path)
