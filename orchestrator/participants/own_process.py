@@ -42,13 +42,18 @@ class OwnProcess:
         self._lost = self._made = self._stepped = False
         self._path = path
         self._doing = "start"
+        asked = asdict(settings) | {"outputs": list(settings.outputs)}
+        self._wanted = {"name": name, "path": str(path), "given": asked, "folder": self._folder, **given}
         try:
-            asked = asdict(settings) | {"outputs": list(settings.outputs)}
-            self._call("instantiate", name=name, path=str(path), given=asked, folder=self._folder, **given)
+            self.renew()
             self._made = True
         except BaseException:
             self.close()
             raise
+
+    def renew(self) -> None:
+        """A fresh instance, in the place of the one before; it has to be connected and initialised."""
+        self._call("instantiate", **self._wanted)
 
     def _ask(self, kind: bytes, *parts: Any) -> bytes:
         """Send a message and return the answer; raise the error that it contains."""

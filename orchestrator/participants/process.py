@@ -66,6 +66,8 @@ class Server:
         return self.outputs.tobytes() + self.rates.tobytes()
 
     def instantiate(self, name: str, path: str, given: dict[str, Any], folder: str) -> None:
+        if hasattr(self, "unit"):
+            self.unit.close()
         self.unit = open_here(name, Path(path), FmuSettings(**given), Path(folder))
 
     def connect(self, inputs: list[str], rows: int, outputs: list[str], rated: bool) -> list[bool]:

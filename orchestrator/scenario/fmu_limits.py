@@ -37,9 +37,14 @@ class FmuLimits:
         return all(about.restorable for about in self._about.values())
 
     @property
+    def variable_step(self) -> bool:
+        """Whether all take steps of any length."""
+        return all(about.variable_step for about in self._about.values())
+
+    @property
     def controllable(self) -> bool:
         """Whether all can restore a state and take steps of any length."""
-        return self.restorable and all(about.variable_step for about in self._about.values())
+        return self.restorable and self.variable_step
 
     @property
     def held_inputs(self) -> list[Port]:

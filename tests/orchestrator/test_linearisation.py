@@ -214,13 +214,3 @@ def test_the_command_tells_how_each_participant_was_linearised(tmp_path):
     assert "By their equations: first" in output
     assert "saved and restored states: second (residual" in output
     assert "second holds its inputs force over a step" in output
-
-
-def test_an_fmu_that_cannot_save_its_state_is_named_with_a_remedy(tmp_path):
-    shown = analyse(tmp_path, small_fmu("sound", tmp_path))
-    assert shown.exit_code == 2
-    output = " ".join(shown.output.split())
-    assert "components.second.participant" in output
-    assert "canGetAndSetFMUstate = false" in output
-    assert "components.second.participant='in-process'" in output
-    assert not (tmp_path / "out").exists()

@@ -232,6 +232,8 @@ MODELS["called"] = replace(
 )
 # The mass that takes no slope of its force, and can be taken back.
 MODELS["held_mass"] = replace(MODELS["sprung"], abilities=MODELS["dahlquist"].abilities)
+# The same without the way back.
+MODELS["stateless_mass"] = replace(MODELS["sprung"], abilities="")
 # A mass of 1 kg that falls, exactly for held forces, and a spring without mass that it may touch at 0.
 MODELS["falling"] = Model(
     (

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from fmus.fmi.validate import validate
-from orchestrator.analyses.stability.linearisation import open_linearisations
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import list_shipped, read_contents
 from orchestrator.scenario.system import build_system
@@ -69,18 +68,6 @@ def test_no_equations_are_solved_that_an_fmu_does_not_give(tmp_path: Path) -> No
     asked = scenario({"one": one}, reference={"method": "monolithic"}, tolerance={"one.x": 1e-3})
     with pytest.raises(ScenarioError, match=r"one: third-party FMUs without model exchange.*'refinement'"):
         build_system(asked)
-
-
-def test_what_an_analysis_does_not_know_is_refused(tmp_path: Path) -> None:
-    third_party = scenario({"one": {"participant": fmu("dahlquist", 2, tmp_path)}})
-    content = read_contents(list_shipped()["two-masses"]) | {"reference": {"enabled": False}}
-    changed = build_scenario(content | {"connections": ["first.force * 2 -> second.force"]})
-    for one, said in (
-        (third_party, r"components\.one: a third-party FMU, .* is not analysed"),
-        (changed, r"second\.force: its connection .* not known to the analysis"),
-    ):
-        with pytest.raises(ScenarioError, match=said), open_linearisations(one, build_system(one), None):
-            pass
 
 
 @pytest.mark.parametrize("version", VERSIONS)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Protocol
 
@@ -19,13 +19,23 @@ from models.core.system import Instance, ModelError, Port, System
 from models.monolithic.trajectory import Trajectory
 
 from ...errors import ParticipantError
-from ...participants import FmuParticipant, Participant, in_process, open_fmu
+from ...participants import (
+    FmuParticipant,
+    Participant,
+    in_process,
+    open_fmu,
+    open_in_own_process,
+    transformed,
+)
 from ...participants.transformed import Linear as Transformation
 from ...scenario import Scenario, ScenarioError
+from ...scenario.capabilities import list_foreign
+from ...scenario.component_table import KINDS
 from ...scenario.conversion import find_transformations
 from ...scenario.system import Builder, build_instances
 from .linear import ROWS, Linear, compute_eigenvalues
-from .responses import Responses
+from .reopened import Reopened
+from .responses import FRESH, SAMPLES, SAVED, Responses
 from .trajectory import (
     NotLinearError,
     ParticipantLinearisation,
@@ -41,6 +51,10 @@ SHARE = 1e-6
 KINK = 1e-2
 # Relative rounding of a kernel's result: a thousand roundings of a double.
 ROUNDING = 1e-13
+# Instants of the trajectory at which a system is linearised.
+POINTS = 12
+# Steps of an FMU without saved states, to come to these instants again: some minutes.
+MOST_REPEATED = 2e6
 
 
 def linearise(instance: Instance, t: float, x: Vector, u: Vector, outputs: Collection[str]) -> Linear:
@@ -248,21 +262,9 @@ def linearise_points(
     return points, [str(error) for error in left]
 
 
-def check_analysable(scenario: Scenario) -> None:
-    """Raise ScenarioError for a third-party FMU and for a connection that changes values."""
-    for name, table in scenario.components.items():
-        if table.third_party:
-            raise ScenarioError(
-                f"components.{name}: a third-party FMU, whose equations are not known here, is not "
-                "analysed; tribocosim run with several macro steps shows what they do"
-            )
-    for name, inputs in find_transformations(*build_instances(scenario)).items():
-        for variable, transformation in inputs.items():
-            if transformation != Transformation():
-                raise ScenarioError(
-                    f"{name}.{variable}: its connection has a factor, an offset or converts units, which is "
-                    "not known to the analysis; connect variables of one unit as they are"
-                )
+def needs_run(scenario: Scenario) -> bool:
+    """Whether the motion can only be had by a run, as not all of the system is in our equations."""
+    return bool(list_foreign(scenario))
 
 
 @contextmanager
@@ -272,12 +274,12 @@ def open_linearisations(
     """Choose the linearisation of every instance; participants live as long as the block.
 
     Components are linearised by their equations, FMU files by directional derivatives, those with neither by
-    their responses; with `every`, all by their responses. Raises ScenarioError for a participant that cannot
-    save its state or that has a field, and for what `check_analysable` refuses.
+    their responses; with `every`, all by their responses. Raises ScenarioError for a participant that has a
+    field, and for one that cannot save its state if the repetition of its run would cost too much.
     """
-    check_analysable(scenario)
     with ExitStack() as stack:
         linearisations: dict[str, Linearisation] = {}
+        transformations = list_transformations(scenario)
         for name, table in scenario.components.items():
             component = system.instances[name].component
             ode = component.ode
@@ -288,29 +290,74 @@ def open_linearisations(
                     "(field_tolerance) hide the responses to small changes; take a film formula in its "
                     f"place, --set components.{name}.component=ehl_contact"
                 )
-            if ode and not (every or table.participant.endswith(".fmu")):
+            by_equations = ode and not needs_run(scenario)
+            if by_equations and not (every or table.participant.endswith(".fmu")):
                 linearisations[name] = Equations(system, name)
                 continue
-            unit = _open_participant(scenario, system, name, build)
+            own = None if not every and table.participant in KINDS else build
+            unit = _open_participant(scenario, system, name, own)
+            returns = SAVED
+            if not unit.restorable:
+                unit.close()
+                check_repetition(scenario, name, len(list_connected_inputs(name, system)))
+                unit = Reopened(partial(_open_participant, scenario, system, name, own))
+                returns = FRESH
+            if name in transformations:
+                unit = transformed(unit, transformations[name])
             stack.callback(unit.close)
             exchanged = [*list_connected_inputs(name, system), *list_continuous_outputs(name, system)]
             if not every and isinstance(unit, FmuParticipant) and unit.linearisable(exchanged):
                 linearisations[name] = Directional(name, unit, system)
                 continue
-            if not unit.restorable:
-                raise ScenarioError(
-                    f"components.{name}.participant: {table.participant} cannot save and restore its state "
-                    "(canGetAndSetFMUstate = false), which linearisation needs; take an FMU that can, or set "
-                    f"components.{name}.participant='in-process' to analyse the component in its place"
-                )
-            linearisations[name] = Responses(name, unit, system, scenario.macro_step)
+            linearisations[name] = Responses(name, unit, system, scenario.macro_step, returns)
         yield linearisations
+
+
+@contextmanager
+def open_units(scenario: Scenario, system: System) -> Iterator[dict[str, Participant]]:
+    """A participant for every instance, to run the scenario once: files as they are, components of ours in
+    this process."""
+    transformations = list_transformations(scenario)
+    with ExitStack() as stack:
+        units: dict[str, Participant] = {}
+        for name in system.instances:
+            unit = _open_participant(scenario, system, name, None)
+            stack.callback(unit.close)
+            units[name] = transformed(unit, transformations[name]) if name in transformations else unit
+        yield units
+
+
+def list_transformations(scenario: Scenario) -> dict[str, dict[str, Transformation]]:
+    """The transformations of inputs that change values, by instance."""
+    found = find_transformations(*build_instances(scenario))
+    return {
+        name: inputs for name, inputs in found.items() if any(i != Transformation() for i in inputs.values())
+    }
+
+
+def check_repetition(scenario: Scenario, name: str, inputs: int) -> None:
+    """ScenarioError if a participant without saved states would have to make too many steps.
+
+    Every response begins with a fresh instance that makes the run up to its instant again: on average half
+    of the macro steps, for two responses by input and two more, at each instant.
+    """
+    table = scenario.components[name]
+    responses = POINTS * (2 * inputs + 2)
+    steps = responses * (0.5 * scenario.stop_time / scenario.macro_step + SAMPLES)
+    if steps > MOST_REPEATED:
+        raise ScenarioError(
+            f"components.{name}.participant: {table.participant} cannot save its state "
+            f"(canGetAndSetFMUstate = false), so {responses} fresh instances would make {steps:.2g} steps to "
+            f"come to the instants of the analysis; at most {MOST_REPEATED:.0e} are made: shorten stop_time, "
+            "or give an FMU that can"
+        )
 
 
 def _open_participant(scenario: Scenario, system: System, name: str, build: Builder | None) -> Participant:
     table, instance = scenario.components[name], system.instances[name]
     if table.participant.endswith(".fmu"):
-        return open_fmu(name, Path(table.participant), instance)
+        opened = open_in_own_process if table.own_process else open_fmu
+        return opened(name, Path(table.participant), instance, table.strings)
     if table.participant == "in-process" or build is None:
         return in_process(name, instance)
     return open_fmu(name, build(str(table.component), table.structure, table.participant), instance)

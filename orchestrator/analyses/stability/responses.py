@@ -34,19 +34,25 @@ EVEN, KINK = 1e-3, 1e-2
 SILENT = 1e-13
 # Effects of a Taylor coefficient below this, in nominal sizes, are lost in integration errors.
 FAINT = 1e-10
+# How a participant comes back to an instant, in words.
+SAVED, FRESH = "saved and restored states", "fresh instances brought to the same instants"
 # Residuals above which the report warns, and above which the instant is left out.
 DOUBTFUL, USELESS = 1e-2, 0.5
 
 
 class Responses(ParticipantLinearisation):
-    """Implements `Linearisation` for a participant that can save and restore its state.
+    """Implements `Linearisation` for a participant that can save and restore its state, or `returns` to it
+    otherwise.
 
     At an instant of the trajectory its inputs are held, and each gets a pulse of one sample, up and down.
     A linear system is fitted to the change of its outputs over SAMPLES samples of `spacing` seconds.
     """
 
-    def __init__(self, name: str, participant: Participant, system: System, spacing: float) -> None:
+    def __init__(
+        self, name: str, participant: Participant, system: System, spacing: float, returns: str = SAVED
+    ) -> None:
         super().__init__(name, participant, system)
+        self._returns = returns
         component = system.instances[name].component
         self._spacing, self._beyond = spacing, SAMPLES * spacing
         self._instead = ""
@@ -54,10 +60,15 @@ class Responses(ParticipantLinearisation):
             self._instead = ", or analyse the component in its place (participant = 'in-process')"
         whole = [component.inputs.field(n).quantity.discrete for n in self.input_names]
         self._perturbed = np.flatnonzero(~np.array(whole, dtype=bool))
+        self._opaque = component.opaque
+        self._sizes = self._layouts[0].nominal[self._columns]
         self.residuals: dict[float, float] = {}
 
     def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
         self._advance_to(trajectory, row)
+        if self._opaque:  # whose nominal sizes are often 1 for want of better
+            spans = np.ptp(self._values, axis=0)
+            self._sizes = np.where(spans > 0.0, spans, self._layouts[0].nominal[self._columns])
         t = float(trajectory.times[row])
         held = trajectory.inputs[row][self._slots][self._columns]
         saved = self._participant.save()
@@ -104,14 +115,13 @@ class Responses(ParticipantLinearisation):
             noise[:, j] = SILENT * self._layouts[1].nominal[self._rows] / pulse
             if even > KINK:
                 kinks.append(self.input_names[j])
-        sizes = self._layouts[0].nominal[self._columns]
-        return realise(answers[1:], answers[0], self._spacing, sizes, noise), kinks
+        return realise(answers[1:], answers[0], self._spacing, self._sizes, noise), kinks
 
     def _measure_response(
         self, t: float, held: Vector, saved: object, rest: Vector, j: int
     ) -> tuple[Vector, float, float]:
         """The response to a pulse in input j over its size; how much both signs differ; the pulse's size."""
-        nominal = self._layouts[0].nominal[self._columns[j]]
+        nominal = self._sizes[j]
         size = self._layouts[1].nominal[self._rows]
         best: tuple[float, Vector, float] | None = None
         failed: RecoverableError | None = None
@@ -156,8 +166,7 @@ class Responses(ParticipantLinearisation):
         for k in range(1, ROWS - 1):
             for j in self._perturbed[degrees[self._perturbed] > 0]:
                 # The value at the end changes by a small share.
-                nominal = self._layouts[0].nominal[self._columns[j]]
-                amount = SHARES[2] * nominal * math.factorial(k) / h**k
+                amount = SHARES[2] * self._sizes[j] * math.factorial(k) / h**k
                 expected = effect[:, k * len(self.input_names) + j] * amount / size
                 if np.linalg.norm(expected) < FAINT:
                     continue
@@ -180,7 +189,7 @@ class Responses(ParticipantLinearisation):
 
     @property
     def description(self) -> tuple[str, str]:
-        how = "By responses to pulses, from saved and restored states"
+        how = f"By responses to pulses, from {self._returns}"
         return how, f"{self.name} (residual {self.residual:.1g})"
 
     def describe_doubts(self) -> Iterator[str]:

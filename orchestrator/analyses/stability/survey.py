@@ -10,18 +10,27 @@ from typing import Any
 
 import numpy as np
 
+from models.core.quantities import Vector
 from models.core.system import Port, System, parse_port
 from models.monolithic.trajectory import Trajectory
 
 from ...engine.signals import DEGREES
 from ...masters import MASTERS, Master, find_name
-from ...scenario import Scenario
+from ...scenario import Scenario, ScenarioError
 from ...scenario.fmu_limits import FmuLimits
 from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
-from .linearisation import Linearisation, Point, linearise_points, select_participants
+from .linearisation import (
+    POINTS,
+    Linearisation,
+    Point,
+    linearise_points,
+    needs_run,
+    open_units,
+    select_participants,
+)
 from .macro_step import SampledTrajectory, predict_errors, sample_trajectory
 from .partition import Partition
-from .trajectory import ParticipantLinearisation, solve_course
+from .trajectory import STRIDE, ParticipantLinearisation, run_course, solve_course
 
 
 @dataclass
@@ -89,8 +98,6 @@ class Survey:
 # Trajectory: instants per macro step, most instants, and the integrator's tolerance; differences of fourth
 # order amplify its error by sixteen.
 FINER, INSTANTS, COURSE_TOLERANCE = 2, 60_000, 1e-9
-# Instants of the trajectory at which the system is linearised.
-POINTS = 12
 # The range of steps: from the scenario's step over DOWN to the scenario's step times UP.
 DOWN, UP = 8.0, 256.0
 # Safety factors of the advised step, towards the stability limit (because of nonlinearity) and towards the
@@ -115,13 +122,20 @@ def survey(
     by their equations.
     """
     watched = [parse_port(n, system.instances, "output") for n in scenario.tolerance]
+    if not watched:
+        raise ScenarioError(
+            "tolerance: missing; state the error allowed of an output, by which methods are compared"
+        )
+    limits = FmuLimits(scenario)
     interval = scenario.macro_step / FINER
     count = min(INSTANTS, round(scenario.stop_time / interval))
-    trajectory = solve_course(
-        system, np.arange(count + 1) * np.float64(interval), COURSE_TOLERANCE, lambda s: progress(0.2 * s)
+    trajectory = _find_course(
+        scenario, system, np.arange(count + 1) * np.float64(interval), lambda s: progress(0.2 * s)
     )
     rows = np.linspace(0, count, POINTS, endpoint=False).astype(int)
     rows = np.unique([*rows, *(round(min(max(t / interval, 0.0), count)) for t in at)])
+    if not limits.variable_step:  # which gets to whole strides only
+        rows = np.unique(rows // STRIDE * STRIDE)
     points, left = linearise_points(system, trajectory, rows.tolist(), watched, linearisations)
     surveyor = _Surveyor(scenario, system, trajectory, watched, points)
     methods = []
@@ -130,7 +144,7 @@ def survey(
         methods.append(surveyor.assess(master))
         progress(0.3 + 0.7 * (i + 1) / len(masters))
     own = methods[0]
-    restorable = FmuLimits(scenario).restorable
+    restorable = limits.restorable
     usable = [m for m in methods if m.advised_step > 0.0 and (restorable or not m.master.implicit)]
     methods.sort(key=lambda m: m.cost)
     return Survey(
@@ -138,6 +152,16 @@ def survey(
         min(usable, key=lambda m: m.cost, default=None), float(trajectory.times[-1]), surveyor.typical.time,
         select_participants(linearisations or {}), left,
     )  # fmt: skip
+
+
+def _find_course(
+    scenario: Scenario, system: System, times: Vector, progress: Callable[[float], None]
+) -> Trajectory:
+    """The motion: solved, or where that is not possible run as the scenario is, in shorter steps."""
+    if not needs_run(scenario):
+        return solve_course(system, times, COURSE_TOLERANCE, progress)
+    with open_units(scenario, system) as units:
+        return run_course(system, units, scenario.master.build(), times, progress)
 
 
 def _list_masters(scenario: Scenario, system: System, surveyor: _Surveyor) -> list[Master]:

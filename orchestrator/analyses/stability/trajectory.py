@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from models.core.system import ModelError, System
 from models.monolithic.trajectory import Trajectory, compute_trajectory
 
 from ...engine.step import Step
-from ...masters import MASTERS
+from ...masters import MASTERS, Master
 from ...participants import Participant, in_process
 from ...participants.protocol import BoundVariables
 from ...run.simulation import simulate
@@ -42,13 +42,52 @@ def solve_course(
     return Trajectory(times, recorder.states, inputs, recorder.outputs, recorder.rates)
 
 
-class _CourseRecorder:
-    """An observer that records a trajectory."""
+def run_course(
+    system: System,
+    units: Mapping[str, Participant],
+    master: Master,
+    times: Vector,
+    progress: Callable[[float], None],
+) -> Trajectory:
+    """Couple `units` by `master` with a step from each of the equally spaced `times` to the next.
+
+    Rates are differences of the outputs, and no states are known.
+    """
+    recorder = _OutputsRecorder(system, times, progress)
+    interval = float(times[1] - times[0])
+    simulate(system, units, master, FixedSteps(interval), float(times[-1]), [recorder], float(times[0]))
+    inputs = np.tile(system.u0, (len(times), 1))
+    inputs[:, system.target_index] = recorder.outputs[:, system.source_index]
+    return Trajectory(times, {}, inputs, recorder.outputs, differentiate(recorder.outputs) / interval)
+
+
+class _OutputsRecorder:
+    """An observer that records outputs at each of `times`."""
 
     def __init__(self, system: System, times: Vector, progress: Callable[[float], None]) -> None:
-        self.units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-        self._slots, self._progress = system.outputs, progress
+        self._progress = progress
         self.outputs = np.zeros((len(times), system.outputs.size))
+        self._row = 0
+
+    def begin(self, names: object) -> None:
+        pass
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        self.outputs[self._row] = outputs()
+        self._row += 1
+        self._progress(self._row / len(self.outputs))
+
+    def end(self, complete: bool, message: str) -> None:
+        pass
+
+
+class _CourseRecorder(_OutputsRecorder):
+    """Records the states and rates of the components too."""
+
+    def __init__(self, system: System, times: Vector, progress: Callable[[float], None]) -> None:
+        super().__init__(system, times, progress)
+        self.units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+        self._slots = system.outputs
         self.rates = np.zeros_like(self.outputs)
         # States of other components are never read, and there may be a thousand.
         self.states = {
@@ -56,23 +95,15 @@ class _CourseRecorder:
             for name, instance in system.instances.items()
             if instance.component.ode
         }
-        self._row = 0
-
-    def begin(self, names: object) -> None:
-        pass
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        row, self._row = self._row, self._row + 1
-        self.outputs[row] = outputs()
+        row = self._row
         for name, unit in self.units.items():
             state, rates = unit.state_and_rates()
             self.rates[row, self._slots.of(name)] = rates
             if name in self.states:
                 self.states[name][row] = state
-        self._progress((row + 1) / len(self.outputs))
-
-    def end(self, complete: bool, message: str) -> None:
-        pass
+        super().observe(time, outputs, step)
 
 
 # Twelve times the derivatives at the first two of five points.

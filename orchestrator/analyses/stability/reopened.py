@@ -1,0 +1,101 @@
+"""A participant that cannot save its state, brought back to an instant as a fresh instance."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NoReturn
+
+from models.core.quantities import Vector
+
+from ...participants import InOwnProcess, Participant
+from ...participants.protocol import BoundVariables
+
+# A call that changes it: its name, its arguments, and the inputs that were written before it.
+Call = tuple[str, tuple[Any, ...], Vector]
+
+
+class Reopened:
+    """Implements `Participant` by fresh instances of `open_unit()`.
+
+    `save` is the number of calls so far, `restore` makes these calls again with a new instance, which gives
+    the same bits as long as the FMU depends on nothing else. `made` counts the steps.
+    """
+
+    restorable = True
+
+    def __init__(self, open_unit: Callable[[], Participant]) -> None:
+        self._open, self._unit = open_unit, open_unit()
+        self.name = self._unit.name
+        self._calls: list[Call] = []
+        self._changed = False
+        self.made = 0
+
+    def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
+        return self._unit.signal_degrees(input_names)
+
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        self._bound = bound
+        return self._unit.connect(bound)
+
+    def compiled_calls(self) -> str:
+        return "it is brought back by fresh instances"
+
+    def initialise(self, start_time: float, stop_time: float) -> None:
+        self._call("initialise", start_time, stop_time)
+
+    def finish_initialisation(self) -> None:
+        self._call("finish_initialisation")
+
+    def set_inputs(self, values: Mapping[str, float]) -> None:
+        self._call("set_inputs", dict(values))
+
+    def write(self) -> None:
+        self._call("write")
+
+    def advance(self, time: float, step: float) -> None:
+        self._call("advance", time, step)
+
+    def read(self) -> None:
+        self._unit.read()
+
+    def read_all(self, values: Vector) -> None:
+        self._unit.read_all(values)
+
+    def save(self) -> int:
+        self._changed = False
+        return len(self._calls)
+
+    def restore(self, saved: int) -> None:
+        if not self._changed and saved == len(self._calls):
+            return
+        again, self._calls = self._calls[:saved], []
+        inputs = self._bound.inputs.copy()
+        if isinstance(self._unit, InOwnProcess):
+            self._unit.renew()
+        else:
+            self._unit.close()
+            self._unit = self._open()
+        self._unit.connect(self._bound)
+        for method, arguments, given in again:
+            self._bound.inputs[:] = given
+            self._call(method, *arguments)
+        self._bound.inputs[:] = inputs
+        self._changed = False
+
+    def release(self, saved: int) -> None:
+        pass
+
+    def to_bytes(self, saved: int) -> NoReturn:
+        raise NotImplementedError("its calls end with their process")
+
+    def from_bytes(self, data: bytes) -> NoReturn:
+        raise NotImplementedError("its calls end with their process")
+
+    def close(self) -> None:
+        self._unit.close()
+
+    def _call(self, method: str, *arguments: Any) -> None:
+        self._calls.append((method, arguments, self._bound.inputs.copy()))
+        self._changed = True
+        self.made += method == "advance"
+        getattr(self._unit, method)(*arguments)

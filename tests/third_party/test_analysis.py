@@ -1,0 +1,102 @@
+"""Analyses of the coupling of third-party FMUs: their responses, by saved states or by fresh instances."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from orchestrator.analyses.stability.linearisation import open_linearisations
+from orchestrator.analyses.stability.reopened import Reopened
+from orchestrator.analyses.stability.survey import Survey, survey
+from orchestrator.participants import collect_settings, open_fmu
+from orchestrator.participants.protocol import BoundVariables
+from orchestrator.reporter import Reporter
+from orchestrator.run.pipeline import run
+from orchestrator.scenario import Scenario, ScenarioError
+from orchestrator.scenario.system import build_system
+
+from .c_fmus import fmu
+from .runs import never, scenario
+from .test_held_inputs import LINES
+
+
+def masses(second: str, folder: Path, **changes: Any) -> Scenario:
+    """Two masses, of which the second is that FMU and holds its force."""
+    tables = {
+        "first": {"component": "coupled_mass", "participant": "in-process", "start": {"position": 1.0}},
+        "second": {"participant": fmu(second, 2, folder)},
+    }
+    more = {"connections": LINES, "tolerance": {"second.position": 0.3}, "stop_time": 0.5}
+    return scenario(tables, **more | changes)
+
+
+def surveyed(one: Scenario) -> Survey:
+    system = build_system(one)
+    with open_linearisations(one, system, None) as made:
+        return survey(one, system, linearisations=made)
+
+
+@pytest.mark.parametrize("process", ["shared", pytest.param("own", marks=pytest.mark.long)])
+def test_a_fresh_instance_repeats_its_calls_to_the_bit(process: str, tmp_path: Path) -> None:
+    one = masses("stateless_mass", tmp_path)
+    instance = build_system(one).instances["second"]
+    path = Path(one.components["second"].participant)
+    assert "position" in collect_settings(instance).outputs
+    unit = Reopened(lambda: open_fmu("second", path, instance))
+    force, position = np.zeros((4, 1)), np.zeros(1)
+    unit.connect(BoundVariables(["force"], force, ["position"], position, np.zeros(0)))
+    unit.initialise(0.0, 1.0)
+    unit.finish_initialisation()
+    found = []
+    for k in range(4):
+        force[0] = 1.0 + k
+        unit.write()
+        if k == 2:
+            saved = unit.save()
+        unit.advance(0.1 * k, 0.1)
+        unit.read()
+        found.append(position[0])
+    unit.restore(saved)
+    for k in (2, 3):
+        force[0] = 1.0 + k
+        unit.write()
+        unit.advance(0.1 * k, 0.1)
+        unit.read()
+        assert position[0] == found[k]
+    unit.close()
+
+
+@pytest.mark.long
+def test_fresh_instances_give_the_analysis_that_saved_states_give(tmp_path: Path) -> None:
+    """Limits and errors of every method."""
+    with_states, without = (surveyed(masses(name, tmp_path)) for name in ("held_mass", "stateless_mass"))
+    explicit = {m.name: m for m in with_states.methods if not m.master.implicit}
+    compared = [m for m in without.methods if m.name in explicit]
+    assert len(compared) >= 6
+    for method in compared:
+        assert method.limit == pytest.approx(explicit[method.name].limit, rel=1e-6)
+    assert without.best is not None
+    assert not without.best.master.implicit
+
+
+@pytest.mark.long
+def test_the_error_of_a_third_party_fmu_without_states_is_predicted(tmp_path: Path, record: Any) -> None:
+    """Against that of the run, by refinement."""
+    one = masses("stateless_mass", tmp_path, reference={"enabled": True})
+    estimated = surveyed(one).own.errors[one.macro_step]["second.position"]
+    summary = run(one, tmp_path / "out", never, Reporter(), figures=False)
+    measured = summary.errors["second.position"].relative_rms
+    case = "two masses, one an FMU that holds its inputs and saves no state: predicted error"
+    record("Coupling", case, estimated, measured, "error of the run", tolerance=0.1 * measured)
+
+
+def test_a_repetition_that_costs_too_much_is_refused_with_its_cost(tmp_path: Path) -> None:
+    one = masses("stateless_mass", tmp_path, stop_time=2e4)
+    with (
+        pytest.raises(ScenarioError, match=r"48 fresh instances would make 4.8e\+07 steps"),
+        open_linearisations(one, build_system(one), None),
+    ):
+        pass
