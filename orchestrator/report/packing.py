@@ -13,6 +13,10 @@ from models.core.quantities import Vector
 # Bits of the mantissa that are kept: relative roundings of 8e-6, and of 2e-3 for differences.
 PRECISE, COARSE = 16, 8
 MANTISSA = 23
+# Parts of the range of a variable of which every row is kept.
+DIVISIONS = 1 << 14
+# Of deflate. The default, 6, takes twice the time and saves 3 %.
+LEVEL = 4
 
 
 def pack(values: Vector, bits: int = PRECISE) -> str:
@@ -30,8 +34,18 @@ def pack_exactly(values: Vector) -> str:
     return _deflate(np.ascontiguousarray(values, dtype=np.float64).view(np.uint8).reshape(-1, 8))
 
 
+def pack_detail(values: Vector) -> dict[str, Any]:
+    """Finite values as multiples of a part of their range, by their second differences: of a smooth signal
+    that is sampled closely, a third of what `pack` takes. `unpackDetail` in series.js reads it."""
+    least = float(np.min(values))
+    step = (float(np.max(values)) - least) / DIVISIONS or 1.0
+    whole = np.rint((values - least) / step).astype(np.int32)
+    second = np.diff(whole, n=2, prepend=np.zeros(2, np.int32)).astype(np.int32)
+    return {"text": _deflate(second.view(np.uint8).reshape(-1, 4)), "least": least, "step": step}
+
+
 def _deflate(rows: Any) -> str:
-    return base64.b64encode(zlib.compress(rows.T.tobytes(), 6)).decode("ascii")
+    return base64.b64encode(zlib.compress(rows.T.tobytes(), LEVEL)).decode("ascii")
 
 
 def bucket(values: Vector, size: int) -> tuple[Vector, Vector]:

@@ -17,6 +17,12 @@ from models.core.quantities import Quantity
 from orchestrator.report import write_report
 from orchestrator.store.result_file import ResultFile
 
+# A browser that asks nothing of any network by itself.
+QUIET = [
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync",
+]  # fmt: skip
+
 playwright = pytest.importorskip("playwright.sync_api", reason="needs the package playwright")
 
 
@@ -27,7 +33,7 @@ def browser() -> Iterator[Any]:
     if path is None:
         pytest.skip("needs chromium on the path")
     with playwright.sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        found = driver.chromium.launch(executable_path=path, args=QUIET)
         yield found
         found.close()
 
@@ -129,10 +135,12 @@ def test_what_is_shown_is_saved_as_csv(browser: Any, result: tribocosim.Result) 
         with page.expect_download() as download:
             page.click("#csv")
         header, *rows = Path(download.value.path()).read_text().splitlines()
-        assert header.startswith('"time [s]","contact.load [N]"')
+        assert header.startswith('"time [s]","contact.load [N]","contact.load, reference [N]"')
         assert len(rows) == result.coupled.sizes["time"]
-        load = np.array([float(row.split(",")[1]) for row in rows])
-        np.testing.assert_allclose(load, result.coupled["contact.load"].values, rtol=2e-5)
+        columns = np.array([[float(text) for text in row.split(",")[1:3]] for row in rows])
+        np.testing.assert_allclose(columns[:, 0], result.coupled["contact.load"].values, rtol=2e-5)
+        assert result.reference is not None
+        np.testing.assert_allclose(columns[:, 1], result.reference["contact.load"].values, rtol=2e-5)
 
 
 def test_angles_take_the_place_of_time(browser: Any, result: tribocosim.Result) -> None:

@@ -19,8 +19,9 @@ from hypothesis.extra import numpy as hnp
 
 import tribocosim
 from orchestrator.report import write_report
-from orchestrator.report.mechanism import Sketch, list_sketches
+from orchestrator.report.mechanism import list_sketches
 from orchestrator.report.packing import COARSE, PRECISE, bucket, pack, pack_exactly
+from orchestrator.report.sketch import Sketch
 from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.system import build_system
 

@@ -1,22 +1,47 @@
-// A lubricated contact, enlarged: gap of two elastic bodies and the pressure of Hertz between them.
+// A lubricated contact, enlarged: film and pressure as they were solved for, or those of Hertz.
 "use strict";
 
-class Contact {
-  constructor(names, values) {
-    this.names = names; this.values = values;
-    this.root = document.createElement("figure");
-    this.root.className = "contact";
+// One contact of all, chosen by name.
+class Contacts {
+  constructor(report, told) {
+    this.all = told.map((one) => new Contact(one, report));
+    this.root = get("contacts");
     this.canvas = document.createElement("canvas");
     this.canvas.setAttribute("role", "img");
     this.caption = document.createElement("figcaption");
-    this.root.append(this.canvas, this.caption);
+    this.choice = document.createElement("select");
+    this.choice.setAttribute("aria-label", "Contact that is enlarged");
+    told.forEach((one, k) => { const option = document.createElement("option"); option.value = k; option.textContent = one.title; this.choice.append(option); });
+    this.choice.onchange = () => report.refresh();
+    const figure = document.createElement("figure");
+    figure.className = "contact";
+    figure.append(this.choice, this.canvas, this.caption);
+    this.root.append(figure);
   }
 
-  start() {
-    const most = (key) => { const s = this.values.get(this.names[key]); return s ? s.range(0, s.levels[0].low.length)[1] : 0; };
+  draw(row) {
+    const one = this.all[this.choice.value];
+    one.draw(this.canvas, row);
+    this.caption.textContent = one.describe(row);
+    this.canvas.setAttribute("aria-label", "Contact " + one.told.title + ", enlarged: " + this.caption.textContent);
+  }
+}
+
+class Contact {
+  constructor(told, report) { this.told = told; this.report = report; this.variables = told.variables; }
+
+  series(key) { return this.report.values.get(this.variables[key]); }
+
+  value(key, row) { const s = this.series(key); return s ? s.at(row) : 0; }
+
+  // Scales, for all instants alike: widest contact, highest pressure, a thick film under load.
+  fit() {
+    const load = this.series("load"), film = this.series("film_thickness");
+    if (this.fitted === load) return;
+    this.fitted = load;
+    const most = (key) => { const s = this.series(key); return s ? s.range(0, s.levels[0].low.length)[1] : 0; };
     this.width = Math.max(most("half_width"), 1e-6);
     this.pressure = Math.max(most("maximum_pressure"), 1);
-    const film = this.values.get(this.names.film_thickness), load = this.values.get(this.names.load);
     const loaded = Array.from(film.levels[0].low).filter((h, i) => load.at(i) > 0 && h > 0).sort((a, b) => a - b);
     this.film = loaded.length ? loaded[Math.floor(0.95 * (loaded.length - 1))] : 1e-6;
   }
@@ -28,30 +53,55 @@ class Contact {
     return s <= 1 ? h : h + b * b / (2 * radius) * (s * Math.sqrt(s * s - 1) - Math.acosh(s));
   }
 
-  draw(row) {
-    const value = (key) => { const s = this.values.get(this.names[key]); return s ? s.at(row) : 0; };
-    const { g, width, height } = prepare(this.canvas), load = value("load");
-    const b = load > 0 ? value("half_width") : 0, h = Math.max(value("film_thickness"), 0), p = load > 0 ? value("maximum_pressure") : 0;
-    const radius = this.names.radius ? Math.abs(value("radius")) || 0.02 : 0.02, span = 2.2 * this.width;
-    const tall = 3.2 * this.film, middle = 0.74 * height, up = 0.3 * height / tall;
+  // Curves [x, film] and [x, pressure] at a row.
+  curves(row) {
+    const load = this.value("load", row), b = load > 0 ? this.value("half_width", row) : 0, span = 2.2 * this.width;
+    if (this.told.field) return this.field(row);
+    const h = Math.max(this.value("film_thickness", row), 0), radius = Math.abs(this.value("radius", row)) || 0.02;
+    const p = load > 0 ? this.value("maximum_pressure", row) : 0;
+    const film = Array.from({ length: 161 }, (_, k) => { const x = span * (k / 80 - 1); return [x, this.gap(x, h, b, radius)]; });
+    const pressure = p > 0 ? Array.from({ length: 81 }, (_, k) => { const s = k / 40 - 1; return [s * b, p * Math.sqrt(Math.max(0, 1 - s * s))]; }) : [];
+    return { film, pressure };
+  }
+
+  draw(canvas, row) {
+    this.fit();
+    const { g, width, height } = prepare(canvas), { film, pressure } = this.curves(row), span = 2.2 * this.width;
+    const middle = 0.8 * height, tall = 3.2 * this.film, up = 0.3 * height / tall;
     const x = (v) => width / 2 + v / span * width / 2, y = (v) => middle - Math.min(v, 3.4 * tall) * up;
+    const base = 0.72 * height, high = (p) => base - 0.66 * height * p / this.pressure;
     g.fillStyle = color("metal");
-    g.beginPath(); g.moveTo(0, height); g.lineTo(0, middle); g.lineTo(width, middle); g.lineTo(width, height); g.fill();
+    g.fillRect(0, middle, width, height - middle);
     g.fillStyle = color("cam");
     g.beginPath(); g.moveTo(0, 0);
-    for (let k = 0; k <= 160; k++) { const v = span * (k / 80 - 1); g.lineTo(x(v), y(this.gap(v, h, b, radius))); }
-    g.lineTo(width, 0); g.fill();
-    if (p > 0) {
-      g.strokeStyle = color("error"); g.lineWidth = 2;
-      g.beginPath();
-      for (let k = 0; k <= 80; k++) {
-        const s = k / 40 - 1, at = 0.5 * height * p / this.pressure * Math.sqrt(Math.max(0, 1 - s * s));
-        g[k ? "lineTo" : "moveTo"](x(s * b), middle - 6 - at);
-      }
-      g.stroke();
-    }
-    this.caption.textContent = this.names.title + (load > 0
-      ? ": load " + readable(load) + " N, film " + readable(1e6 * h) + " um, pressure " + readable(1e-9 * p) + " GPa, width " + readable(2e3 * b) + " mm"
-      : ": no load, gap " + readable(1e6 * h) + " um") + "; heights enlarged";
+    g.lineTo(0, y(film[0][1]));
+    for (const [at, h] of film) g.lineTo(x(at), y(h));
+    g.lineTo(width, y(film[film.length - 1][1])); g.lineTo(width, 0); g.fill();
+    g.strokeStyle = color("error"); g.fillStyle = color("error"); g.lineWidth = 2;
+    g.beginPath();
+    pressure.forEach(([at, p], k) => g[k ? "lineTo" : "moveTo"](x(at), high(p)));
+    g.stroke();
+    this.drawScales(g, width, height, x, high);
+  }
+
+  // What a length and the highest pressure of the run are.
+  drawScales(g, width, height, x, high) {
+    const long = ticks(0, this.width, 2)[1] || this.width;
+    g.fillStyle = g.strokeStyle = color("ink"); g.lineWidth = 1; g.textBaseline = "alphabetic"; g.textAlign = "left";
+    g.beginPath(); g.moveTo(10, height - 8); g.lineTo(10 + x(long) - x(0), height - 8); g.stroke();
+    g.fillText(readable(1e3 * long) + " mm", 14, height - 12);
+    g.setLineDash([2, 4]);
+    g.beginPath(); g.moveTo(0, high(this.pressure)); g.lineTo(width, high(this.pressure)); g.stroke();
+    g.setLineDash([]);
+    g.fillText(readable(1e-9 * this.pressure) + " GPa", 8, high(this.pressure) + 14);
+  }
+
+  describe(row) {
+    const load = this.value("load", row), h = 1e6 * this.value("film_thickness", row);
+    return (load > 0
+      ? "load " + readable(load) + " N, film " + readable(h) + " um, pressure " + readable(1e-9 * this.value("maximum_pressure", row)) +
+        " GPa, width " + readable(2e3 * this.value("half_width", row)) + " mm"
+      : "no load, gap " + readable(Math.max(h, 0)) + " um") + ". " +
+      (this.told.field ? "Film and pressure as solved for" : "Film by its formula, pressure of Hertz") + "; heights enlarged.";
   }
 }

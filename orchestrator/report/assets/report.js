@@ -1,89 +1,117 @@
-// The page: plots, mechanism and player over one instant.
+// The page: mechanism, contacts and plots over one instant.
 "use strict";
+
+const get = (id) => document.getElementById(id);
 
 class Report {
   constructor(content) {
     this.content = content;
-    this.records = new Records(content);
+    this.records = content.sweep ? new SweepRecords(content) : new Records(content);
     this.view = new View(this.records);
-    this.panels = []; this.drawings = [];
-    this.now = 0; this.playing = false;
+    this.marks = new Marks(this.records, content.marks || []);
+    this.panels = []; this.drawings = []; this.values = new Map();
+    this.now = 0; this.playing = false; this.edition = 0;
   }
 
   async start() {
     await this.records.start();
-    if (!this.records.bases.length) return;
+    if (!this.records.bases.length) { document.body.dataset.ready = "true"; return; }
     this.base = this.records.bases[0];
     const time = this.base.times;
     this.now = time[0];
-    await this.view.over("");
+    await this.view.over(this.content.abscissa || "");
+    await this.marks.start();
     for (const name of this.content.panels) this.add(name);
     await this.startDrawings();
+    if (this.content.steps) { this.drawings.push(new Steps(this, this.content.steps)); await this.drawings.at(-1).start(); }
+    this.phase = new Phase(this);
+    this.drawings.push(this.phase);
+    if (this.content.sweep) { this.drawings.push(new Sweep(this, this.content.sweep)); await this.drawings.at(-1).start(); }
     this.fillControls();
     this.view.listeners.push(() => this.refresh());
     window.addEventListener("resize", () => this.refresh());
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.refresh());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolor());
+    // Paper is white.
+    window.addEventListener("beforeprint", () => { document.documentElement.classList.add("light"); this.recolor(); this.draw(); });
+    window.addEventListener("afterprint", () => { document.documentElement.classList.remove("light"); this.recolor(); });
     this.setTime(time[0]);
     document.body.dataset.ready = "true";
   }
 
+  recolor() { colors.clear(); this.edition++; this.refresh(); }
+
   async startDrawings() {
-    const values = new Map(), sketches = this.content.sketches;
+    const sketches = this.content.sketches;
     for (const sketch of sketches) {
-      const names = new Set();
-      for (const frame of sketch.frames) for (const [name] of [...(frame.turn || []), ...(frame.shift || [])]) names.add(name);
-      for (const contact of sketch.contacts) for (const key in contact) if (key !== "title") names.add(contact[key]);
-      for (const name of names) if (!values.has(name)) values.set(name, await this.records.series(name));
+      for (const frame of sketch.frames) for (const [name] of [...(frame.turn || []), ...(frame.shift || [])]) this.values.set(name, null);
+      for (const shape of sketch.shapes) for (const [name] of shape.lit || []) this.values.set(name, null);
+      for (const contact of sketch.contacts) for (const name of Object.values(contact.variables)) this.values.set(name, null);
     }
+    await this.loadValues();
     const last = this.base.times.length - 1, rows = Array.from({ length: 25 }, (_, k) => Math.round(k * last / 24));
     for (const sketch of sketches) {
-      const scene = new Scene(sketch, values);
-      document.getElementById("sketches").append(scene.root);
+      const scene = new Scene(sketch, this.values);
+      get("sketches").append(scene.root);
       scene.fit(rows);
       this.drawings.push(scene);
-      for (const names of sketch.contacts.slice(0, sketches.length > 2 ? 0 : 2)) {
-        const contact = new Contact(names, values);
-        document.getElementById("contacts").append(contact.root);
-        contact.start();
-        this.drawings.push(contact);
-      }
     }
+    const contacts = sketches.flatMap((sketch) => sketch.contacts);
+    if (contacts.length) this.drawings.push(new Contacts(this, contacts));
   }
 
+  // The same of another cycle.
+  async reload() {
+    await this.loadValues();
+    await this.marks.start();
+    await Promise.all([...this.panels, this.phase].map((one) => one.load()));
+  }
+
+  async loadValues() { for (const name of this.values.keys()) this.values.set(name, await this.records.series(name)); }
+
   fillControls() {
-    const get = (id) => document.getElementById(id);
     const span = this.base.end - this.base.times[0];
-    for (const seconds of [5, 10, 20, 60]) {
+    for (const seconds of [2, 5, 10, 20, 60]) {
       const option = document.createElement("option");
       option.value = span / seconds;
-      option.textContent = "1 : " + readable(+(seconds / span).toPrecision(2));
+      option.textContent = readable(seconds) + " s (1 : " + readable(+(seconds / span).toPrecision(2)) + ")";
       get("speed").append(option);
     }
-    get("speed").selectedIndex = 1;
+    get("speed").selectedIndex = 2;
     get("play").onclick = () => this.toggle();
-    get("scrub").oninput = (e) => this.setTime(this.base.times[0] + e.target.value * span);
+    get("scrub").oninput = (e) => this.setTime(this.timeAt(+e.target.value));
     get("whole").onclick = () => this.view.reset();
     get("add").onclick = () => this.add(this.records.variables.keys().next().value);
     get("csv").onclick = () => this.saveCsv();
-    const over = get("abscissa"), time = document.createElement("option");
-    time.value = ""; time.textContent = "time"; over.append(time);
-    for (const [key, v] of this.records.variables)
-      if (v.group === "coupled" && /angle$/.test(v.name) && v.unit === "deg") {
-        const option = document.createElement("option");
-        option.value = key; option.textContent = key; over.append(option);
-      }
-    over.onchange = () => this.over(over);
-    const y = get("phase-y"), x = get("phase-x"), coupled = new Map([...this.records.variables].filter(([, v]) => v.base === 0));
-    const names = [...coupled.keys()];
-    const pick = (ending, other) => names.find((name) => name.endsWith(ending)) || other;
-    fillChoice(x, coupled, pick(".position", pick(".piston_offset", names[0])));
-    fillChoice(y, coupled, pick(".velocity", pick(".psi_rate", names[1] || names[0])));
-    x.onchange = y.onchange = () => this.drawPhase();
+    get("before").onclick = () => this.goToEvent(false);
+    get("after").onclick = () => this.goToEvent(true);
+    get("events").hidden = !this.marks.events.length;
+    for (const button of document.querySelectorAll("button[data-plot]"))
+      if (this.records.variables.has(button.dataset.plot)) button.onclick = () => { this.add(button.dataset.plot); get("panels").lastChild.scrollIntoView(); };
+      else button.hidden = true;
+    const source = get("save-scenario");
+    if (source) source.onclick = () => save("scenario.toml", URL.createObjectURL(new Blob([get("scenario").textContent])));
+    this.fillAbscissae();
     const left = this.content.leftOut, stretch = this.base.stretch;
     get("told").textContent = (left ? left + " variables are left out for the size of this page; result.nc has them. " : "") +
-      (stretch > 1 ? "Lines show the least and largest values of " + stretch + " rows each. " : "") +
+      (stretch > 1 ? "Lines show the least and largest values of " + stretch + " rows each" + this.tellDetail() + ". " : "") +
       "Values are rounded to five digits.";
     document.addEventListener("keydown", (e) => this.key(e));
+  }
+
+  tellDetail() {
+    const names = [...this.records.variables].filter(([, v]) => v.data.detail).map(([name]) => name);
+    return names.length ? "; zoomed in, every row of " + names.join(", ") : "";
+  }
+
+  fillAbscissae() {
+    const over = get("abscissa"), add = (key, text) => {
+      const option = document.createElement("option");
+      option.value = key; option.textContent = text; over.append(option);
+    };
+    add("", "time");
+    for (const [key, v] of this.records.variables) if (v.group === "coupled" && v.unit === "deg" && /angle$/.test(v.name)) add(key, key);
+    over.value = this.view.name;
+    over.onchange = () => this.over(over);
   }
 
   // Only an angle that rises can take the place of time.
@@ -91,15 +119,17 @@ class Report {
     const before = this.view.name;
     await this.view.over(select.value);
     const xs = this.view.xs;
-    if (xs.every((v, i) => i === 0 || v > xs[i - 1])) return;
-    select.value = before;
-    await this.view.over(before);
+    if (!xs.every((v, i) => i === 0 || v > xs[i - 1])) {
+      select.value = before;
+      await this.view.over(before);
+    }
+    this.setTime(this.now);
   }
 
   add(name) {
     const panel = new Panel(this, name);
     this.panels.push(panel);
-    document.getElementById("panels").append(panel.root);
+    get("panels").append(panel.root);
   }
 
   remove(panel) {
@@ -112,54 +142,46 @@ class Report {
 
   goTo(x) { this.setTime(this.base.times[locate(this.view.xs, x)]); }
 
+  goToEvent(ahead) {
+    const event = this.marks.next(this.now, ahead);
+    get("event").textContent = event ? event.part + " " + event.kind : "none";
+    if (event) this.setTime(event.time);
+  }
+
+  // The scrubber runs over the abscissa: time, or an angle.
+  timeAt(share) {
+    const [a, b] = this.view.whole;
+    return this.view.name ? this.base.times[locate(this.view.xs, a + share * (b - a))] : this.base.times[0] + share * (this.base.end - this.base.times[0]);
+  }
+
   setTime(t) {
-    const [first, end] = [this.base.times[0], this.base.end];
-    this.now = Math.min(Math.max(t, first), end);
-    document.getElementById("scrub").value = (this.now - first) / (end - first || 1);
-    const x = this.view.name ? ", " + readable(this.view.xs[this.row(0)]) + " " + this.view.unit : "";
-    document.getElementById("now").textContent = readable(this.view.timeFactor * this.now) + " " + this.view.timeUnit(this.base) + x;
+    this.now = Math.min(Math.max(t, this.base.times[0]), this.base.end);
+    const [a, b] = this.view.whole, x = this.view.name ? ", " + readable(this.view.at(this.now)) + " " + this.view.unit : "";
+    const text = readable(this.view.timeFactor * this.now) + " " + this.view.timeUnit(this.base) + x;
+    get("scrub").value = (this.view.at(this.now) - a) / (b - a);
+    get("scrub").setAttribute("aria-valuetext", text);
+    get("now").textContent = text;
     this.refresh();
   }
 
   refresh() {
     if (this.waiting) return;
     this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      const began = performance.now(), row = this.row(0);
-      for (const one of this.drawings) one.draw(row);
-      for (const one of this.panels) one.draw();
-      this.drawPhase();
-      this.drawTime = performance.now() - began;
-    });
+    requestAnimationFrame(() => { this.waiting = false; this.draw(); });
   }
 
-  async drawPhase() {
-    const canvas = document.getElementById("phase");
-    const names = ["phase-x", "phase-y"].map((id) => document.getElementById(id).value);
-    if (!names[0] || !names[1]) return;
-    const [a, b] = [this.records.variables.get(names[0]), this.records.variables.get(names[1])];
-    const [x, y] = [await this.records.series(names[0]), await this.records.series(names[1])];
-    const { g, width, height } = prepare(canvas), [s0, s1] = this.view.shown;
-    const i = locate(this.view.xs, s0), j = Math.min(locate(this.view.xs, s1) + 1, this.view.xs.length);
-    const limits = (s, f) => { let [p, q] = s.range(i, j).map((v) => v * f); if (!(q > p)) { p -= 1e-9; q += 1e-9; } const d = 0.05 * (q - p); return [p - d, q + d]; };
-    const xr = limits(x, a.factor), yr = limits(y, b.factor), frame = makeFrame(width, height, xr, yr);
-    drawAxes(g, frame, xr, yr, names[0] + (a.unit ? " (" + a.unit + ")" : ""));
-    g.strokeStyle = color("coupled"); g.lineWidth = 1;
-    g.beginPath();
-    const step = Math.max(1, Math.floor((j - i) / 6000));
-    for (let k = i; k < j; k += step) g[k === i ? "moveTo" : "lineTo"](frame.x(x.at(k) * a.factor), frame.y(y.at(k) * b.factor));
-    g.stroke();
-    const now = this.row(0);
-    g.fillStyle = color("now");
-    g.beginPath(); g.arc(frame.x(x.at(now) * a.factor), frame.y(y.at(now) * b.factor), 4, 0, 7); g.fill();
+  draw() {
+    const began = performance.now(), row = this.row(0);
+    for (const one of this.drawings) one.draw(row);
+    for (const one of this.panels) one.draw();
+    this.drawTime = performance.now() - began;
   }
 
   toggle() {
     this.playing = !this.playing;
-    const button = document.getElementById("play");
-    button.textContent = this.playing ? "Stop" : "Play";
-    button.setAttribute("aria-pressed", String(this.playing));
+    get("play").textContent = this.playing ? "Stop" : "Play";
+    get("play").setAttribute("aria-pressed", String(this.playing));
+    get("now").setAttribute("aria-live", this.playing ? "off" : "polite");
     if (this.playing) { this.last = performance.now(); requestAnimationFrame((t) => this.step(t)); }
   }
 
@@ -167,37 +189,50 @@ class Report {
     if (!this.playing) return;
     const passed = Math.max(0, t - this.last) / 1000;
     this.last = t;
-    let next = this.now + passed * document.getElementById("speed").value;
+    let next = this.now + passed * get("speed").value;
     if (next > this.base.end) next = this.base.times[0];
     this.setTime(next);
     requestAnimationFrame((later) => this.step(later));
   }
 
   key(e) {
+    if (e.ctrlKey || e.metaKey || e.altKey) return;
     if (/^(SELECT|INPUT|BUTTON|SUMMARY)$/.test(e.target.tagName) && e.target.id !== "scrub") return;
     const times = this.base.times, row = this.row(0), hop = e.shiftKey ? Math.ceil(times.length / 100) : 1;
+    const span = this.view.shown[1] - this.view.shown[0];
     const actions = {
       " ": () => this.toggle(),
       ArrowRight: () => this.setTime(times[Math.min(row + hop, times.length - 1)]),
       ArrowLeft: () => this.setTime(times[Math.max(row - hop, 0)]),
       Home: () => { this.view.reset(); this.setTime(times[0]); },
+      End: () => this.setTime(this.base.end),
       "+": () => this.view.zoom(this.view.xs[row], 0.5),
       "-": () => this.view.zoom(this.view.xs[row], 2),
+      "<": () => this.view.move(-0.25 * span),
+      ">": () => this.view.move(0.25 * span),
+      n: () => this.goToEvent(true),
+      p: () => this.goToEvent(false),
     };
     if (actions[e.key]) { e.preventDefault(); actions[e.key](); }
   }
 
-  // The rows that are shown, of all variables in plots.
+  // The rows that are shown, of all variables in plots, with their reference where there is one.
   saveCsv() {
-    const panels = this.panels.filter((one) => one.variable.base === 0), [a, b] = this.view.shown;
-    const quote = (text) => '"' + text.replace(/"/g, '""') + '"';
-    const lines = [["time [s]", ...panels.map((one) => one.name + (one.variable.unit ? " [" + one.variable.unit + "]" : ""))].map(quote).join(",")];
-    const i = locate(this.view.xs, a), j = locate(this.view.xs, b);
-    for (let k = i; k <= j; k++)
-      lines.push([this.base.times[k], ...panels.map((one) => +(one.values.at(k) * one.variable.factor).toPrecision(6))].join(","));
+    const panels = this.panels.filter((one) => one.variable.base === 0), [a, b] = this.view.shown, exact = this.base.stretch === 1;
+    const quote = (text) => '"' + text.replace(/"/g, '""') + '"', columns = [];
+    for (const one of panels) {
+      const unit = one.variable.unit ? " [" + one.variable.unit + "]" : "", factor = one.variable.factor, add = (name, series) =>
+        columns.push({ head: name + unit, at: (k) => +(series.at(k) * factor).toPrecision(6) });
+      add(one.name, one.values);
+      if (!exact) columns.push({ head: one.name + ", largest" + unit, at: (k) => +(one.values.levels[0].high[k] * factor).toPrecision(6) });
+      if (exact && one.error) add(one.name + ", reference", one.reference());
+    }
+    const lines = [["time [s]", ...columns.map((one) => one.head)].map(quote).join(",")];
+    for (let k = locate(this.view.xs, a), j = locate(this.view.xs, b); k <= j; k++)
+      lines.push([this.base.times[k], ...columns.map((one) => one.at(k))].join(","));
     save("plots.csv", URL.createObjectURL(new Blob([lines.join("\n") + "\n"], { type: "text/csv" })));
   }
 }
 
-window.report = new Report(JSON.parse(document.getElementById("data").textContent));
+window.report = new Report(JSON.parse(get("data").textContent));
 window.report.start();

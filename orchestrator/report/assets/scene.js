@@ -54,8 +54,15 @@ class Scene {
     return this.sketch.shapes.map((shape) => shape.nodes.map((node) => this.point(frames, node)));
   }
 
+  // A wall lights up under force, and for a while after a blow that its counter counts.
+  isLit(shape, row) {
+    const before = Math.max(0, row - Math.ceil(this.rows / 500));
+    return shape.lit.some(([name, counts]) => this.value(name, row) !== (counts ? this.value(name, before) : 0));
+  }
+
   // The view box around the mechanism at several instants.
   fit(rows) {
+    this.rows = rows[rows.length - 1] + 1;
     const box = [Infinity, Infinity, -Infinity, -Infinity], sign = this.sketch.mirrored ? 1 : -1;
     for (const row of rows)
       for (const shape of this.points(row))
@@ -71,7 +78,9 @@ class Scene {
     const sign = this.sketch.mirrored ? 1 : -1;
     this.points(row).forEach((points, i) => {
       const line = points.map(([x, y]) => x.toFixed(3) + " " + (sign * y).toFixed(3)).join("L");
-      this.paths[i].setAttribute("d", "M" + line + (this.sketch.shapes[i].closed ? "Z" : ""));
+      const shape = this.sketch.shapes[i];
+      this.paths[i].setAttribute("d", "M" + line + (shape.closed ? "Z" : ""));
+      if (shape.lit) this.paths[i].classList.toggle("lit", this.isLit(shape, row));
     });
   }
 }

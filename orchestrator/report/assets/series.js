@@ -16,6 +16,16 @@ async function unpack(text, Kind) {
   return new Kind(bytes.buffer);
 }
 
+// Whole numbers whose second differences were packed, and the range that they divide; see packing.py.
+async function unpackDetail({ text, least, step }) {
+  const values = await unpack(text, Int32Array), found = new Float32Array(values.length);
+  for (let i = 0, slope = 0, at = 0; i < values.length; i++) {
+    slope += values[i]; at += slope;
+    found[i] = least + step * at;
+  }
+  return found;
+}
+
 const FOLD = 4;
 
 // Values over the rows of a base; levels[k] has least and largest values of FOLD^k rows.
@@ -67,14 +77,17 @@ class Records {
     this.open = new Map();
   }
 
-  async start() { for (const b of this.bases) b.times = await unpack(b.time, Float64Array); }
+  async start() {
+    for (const b of this.bases)
+      b.times = b.time ? await unpack(b.time, Float64Array) : Float64Array.from({ length: b.rows }, (_, i) => b.begin + i * b.every);
+  }
 
   async series(name, key = "values") {
     const v = this.variables.get(name);
     if (!v || !v.data[key]) return null;
     const id = key + " " + name;
     if (!this.open.has(id)) this.open.set(id, (async () => {
-      const low = await unpack(v.data[key], Float32Array);
+      const low = await (key === "detail" ? unpackDetail(v.data[key]) : unpack(v.data[key], Float32Array));
       const more = v.data[key + "High"];
       return new Series(low, more ? await unpack(more, Float32Array) : low);
     })());

@@ -1,0 +1,75 @@
+// Where contacts are lost, and when bodies land or strike.
+"use strict";
+
+const MOST_MARKS = 50000;
+
+class Marks {
+  constructor(records, told) { this.records = records; this.told = told; this.lost = new Map(); this.events = []; }
+
+  async start() {
+    this.lost.clear(); this.events = [];
+    const times = this.records.bases[0].times;
+    for (const { part, kind, variable } of this.told) {
+      const series = await this.records.series(variable);
+      if (!series) continue;
+      if (kind === "load") this.findLosses(part, series, times); else this.findCounts(part, series, times);
+    }
+    this.events.sort((a, b) => a.time - b.time);
+  }
+
+  // Spans of rows without load; it lands where one ends.
+  findLosses(part, series, times) {
+    const { low } = series.levels[0], spans = [];
+    for (let i = 0, begin = -1; i <= low.length && spans.length < MOST_MARKS; i++) {
+      const open = i < low.length && low[i] <= 0;
+      if (open && begin < 0) begin = i;
+      if (open || begin < 0) continue;
+      spans.push([begin, i]);
+      if (i < low.length) this.events.push({ part, kind: "lands", time: times[i] });
+      begin = -1;
+    }
+    this.lost.set(part, spans);
+  }
+
+  findCounts(part, series, times) {
+    const { low, high } = series.levels[0];
+    for (let i = 0, before = low[0]; i < low.length && this.events.length < MOST_MARKS; i++) {
+      if (high[i] > before) this.events.push({ part, kind: "strikes", time: times[i] });
+      before = high[i];
+    }
+  }
+
+  // Those of a part; of the only part that has any, for all others too.
+  of(part) {
+    const parts = new Set([...this.told.map((one) => one.part)]);
+    return parts.has(part) ? part : parts.size === 1 ? [...parts][0] : null;
+  }
+
+  draw(g, frame, view, part) {
+    const of = this.of(part), xs = view.xs, [i, j] = view.rows(0);
+    if (of === null) return;
+    g.fillStyle = color("shade");
+    let drawn = -1;
+    for (const [begin, end] of this.lost.get(of) || []) {
+      if (end < i || begin > j) continue;
+      const from = frame.x(xs[begin]), to = Math.max(frame.x(xs[Math.min(end, xs.length - 1)]), from + 1);
+      if (to > drawn) g.fillRect(Math.max(from, drawn), frame.top, to - Math.max(from, drawn), frame.bottom - frame.top);
+      drawn = Math.max(drawn, to);
+    }
+    g.fillStyle = color("now");
+    let last = -10;
+    for (const event of this.events) {
+      if (event.part !== of) continue;
+      const at = frame.x(view.at(event.time));
+      if (at < frame.left || at > frame.right || at - last < 2) continue;
+      last = at;
+      g.beginPath(); g.moveTo(at - 4, frame.top); g.lineTo(at + 4, frame.top); g.lineTo(at, frame.top + 7); g.fill();
+    }
+  }
+
+  // The next event after an instant, or the last one before it.
+  next(time, ahead) {
+    const later = ahead ? this.events.find((e) => e.time > time) : this.events.filter((e) => e.time < time).pop();
+    return later || null;
+  }
+}

@@ -1,0 +1,238 @@
+"""What the scripts of a run's page need, as plain JSON values: times, packed variables, drawings, marks."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from models.core.quantities import Vector
+
+from ..assessment.diagnosis.text import WORDS, percent
+from ..engine.step import REASONS
+from ..scenario import Scenario, parse_ends
+from ..scenario.units import to_unit
+from .mechanism import list_sketches
+from .packing import COARSE, bucket, pack, pack_detail, pack_exactly
+from .records import Group, Records
+from .sketch import Sketch
+
+# Rows that are kept one by one; of more, least and largest values of as many stretches.
+ROWS = 24_000
+# Characters of packed numbers in a page; and of every row of long runs, besides.
+ROOM, DETAIL_ROOM = 3_400_000, 5_600_000
+# Plots at first.
+PANELS = 4
+# What sets steps, shown in a colour of its own; report.css has as many.
+KINDS = 7
+STEP = ("macro_step", "reason", "source")
+# Relative distance of times from an even spacing, below which that is given instead.
+EVEN = 1e-9
+
+
+def collect_run(records: Records, scenario: Scenario | None, summary: Mapping[str, Any]) -> dict[str, Any]:
+    """The content of a run's page."""
+    known = records.groups["coupled"].names if "coupled" in records.groups else []
+    sketches = list_sketches(scenario, known) if scenario else []
+    bases, variables, left_out = _pack_groups(records, scenario, sketches, summary)
+    panels = _choose_panels(variables, scenario, summary)
+    _add_detail(records, bases, variables, panels)
+    return {
+        "bases": bases,
+        "variables": variables,
+        "leftOut": left_out,
+        "sketches": [sketch.content() for sketch in sketches],
+        "panels": panels,
+        "marks": _list_marks(variables),
+        "steps": _tell_steps(records, bases, variables, scenario),
+    }
+
+
+def _pack_groups(
+    records: Records, scenario: Scenario | None, sketches: Sequence[Sketch], summary: Mapping[str, Any]
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]], int]:
+    """Time bases, variables while there is room, and how many had none."""
+    bases: list[dict[str, Any]] = []
+    variables: list[dict[str, Any]] = []
+    room, left_out = ROOM, 0
+    for name, group in records.groups.items():
+        if name == "reference" or not group.rows:
+            continue
+        base = _Base(group, name, len(bases))
+        bases.append(base.content)
+        reference = records.groups.get("reference") if name == "coupled" else None
+        if reference and reference.rows != group.rows:
+            reference = None
+        names = [n for n in group.names if n != "time"]
+        if name == "coupled":
+            names = _rank(names, scenario, sketches, summary)
+        for variable in names:
+            packed = base.pack(group, variable, reference)
+            size = sum(len(text) for text in packed["data"].values())
+            if size > room:
+                left_out += 1
+                continue
+            room -= size
+            variables.append(packed)
+    return bases, variables, left_out
+
+
+def _rank(
+    names: Sequence[str], scenario: Scenario | None, sketches: Sequence[Sketch], summary: Mapping[str, Any]
+) -> list[str]:
+    """Variables that the sketches move by first, then those with an error, contacts' loads, and the rest."""
+    moving = set().union(*(sketch.variables for sketch in sketches)) if sketches else set()
+    compared = set(summary.get("errors", {})) | set(scenario.tolerance if scenario else ())
+
+    def rank(name: str) -> tuple[bool, bool, bool]:
+        return name not in moving, name not in compared, not name.endswith((".load", ".film_thickness"))
+
+    return sorted(names, key=rank)
+
+
+def _choose_panels(
+    variables: Sequence[Mapping[str, Any]], scenario: Scenario | None, summary: Mapping[str, Any]
+) -> list[str]:
+    """The variables that are drawn at first: those with a tolerance, then loads, films and lifts."""
+    known = [str(v["name"]) for v in variables if v["group"] == "coupled"]
+    chosen = [name for name in summary.get("tolerance", {}) if name in known]
+    for endings in ((".load",), (".film_thickness",), (".valve_lift", ".position"), (".piston_offset",)):
+        chosen += [name for ending in endings for name in known if name.endswith(ending)][:1]
+    return (list(dict.fromkeys(chosen)) or known)[:PANELS]
+
+
+def _add_detail(
+    records: Records, bases: list[dict[str, Any]], variables: Sequence[dict[str, Any]], panels: Sequence[str]
+) -> None:
+    """Every row of the variables that are drawn at first, and then of others, while there is room."""
+    if not bases or bases[0]["stretch"] == 1:
+        return
+    group, room = records.groups["coupled"], DETAIL_ROOM
+    base = {"stretch": 1, **_place_times(group.read("time"))}
+    room -= len(base.get("time", ""))
+    for variable in sorted(variables, key=lambda v: v["name"] not in panels):
+        if variable["group"] != "coupled" or room < 0:
+            continue
+        values = group.read(variable["name"])
+        if not np.all(np.isfinite(values)):
+            continue
+        packed = pack_detail(values)
+        if len(packed["text"]) > room:
+            break
+        room -= len(packed["text"])
+        variable["data"]["detail"] = packed
+        variable["detailBase"] = len(bases)
+    bases.append(base)
+
+
+def _place_times(times: Vector) -> dict[str, Any]:
+    """Times that are evenly spaced as begin and distance, others as they are."""
+    every = float(times[-1] - times[0]) / max(len(times) - 1, 1)
+    placed = {"rows": len(times), "end": float(times[-1])}
+    even = times[0] + every * np.arange(len(times))
+    if np.max(np.abs(times - even)) <= EVEN * abs(float(times[-1] - times[0])):
+        return {**placed, "begin": float(times[0]), "every": every}
+    return {**placed, "time": pack_exactly(times)}
+
+
+def _list_marks(variables: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
+    """Loads of contacts, whose loss and return are marked, and counters of blows."""
+    marks = []
+    for name in (str(v["name"]) for v in variables if v["group"] == "coupled"):
+        part, _, ending = name.rpartition(".")
+        if ending == "load" and any(v["name"] == f"{part}.film_thickness" for v in variables):
+            marks.append({"part": part, "kind": "load", "variable": name})
+        elif ending == "impact_count":
+            marks.append({"part": part, "kind": "count", "variable": name})
+    return marks
+
+
+def _tell_steps(
+    records: Records,
+    bases: Sequence[Mapping[str, Any]],
+    variables: Sequence[Mapping[str, Any]],
+    scenario: Scenario | None,
+) -> dict[str, Any] | None:
+    """What set the macro steps, most frequent first; None where all were alike."""
+    packed = [
+        v for v in variables if v["group"] == "steps" and v["name"] in ("macro_step", "reason", "source")
+    ]
+    group = records.groups.get("steps")
+    if group is None or len(packed) < len(STEP) or group.rows < 2:
+        return None
+    length, reason, source = (group.read(name) for name in STEP)
+    if np.ptp(length[:-1]) <= 1e-6 * length[0]:
+        return None
+    names = group.attribute("source", "flag_meanings").split()
+    counted: dict[str, int] = defaultdict(int)
+    pairs: dict[str, list[list[Any]]] = defaultdict(list)
+    found, counts = np.unique(np.column_stack([reason, source]), axis=0, return_counts=True)
+    for (r, s), count in zip(found.astype(int).tolist(), counts.tolist(), strict=True):
+        words = WORDS[REASONS[r]]
+        if REASONS[r] == "error" and 0 <= s < len(names):
+            words = f"error of {_name_connections(names[s], scenario)}"
+        counted[words] += count
+        pairs[words].append([r, s])
+    ranked = sorted(counted, key=lambda words: -counted[words])
+    kinds = [
+        {"words": f"{words}: {percent(counted[words] / group.rows)}", "pairs": pairs[words]}
+        for words in ranked[: KINDS - 1]
+    ]
+    if rest := ranked[KINDS - 1 :]:
+        share = percent(sum(counted[words] for words in rest) / group.rows)
+        kinds.append(
+            {"words": f"others: {share}", "pairs": [pair for words in rest for pair in pairs[words]]}
+        )
+    return {"base": packed[0]["base"], "kinds": kinds}
+
+
+def _name_connections(output: str, scenario: Scenario | None) -> str:
+    """The connections that an output drives; the output where it drives none."""
+    ends = map(parse_ends, scenario.connections) if scenario else ()
+    targets = [target for source, target in ends if source == output]
+    return f"{output} -> {', '.join(targets)}" if targets else output
+
+
+class _Base:
+    """The times of a group, thinned to stretches if there are many rows."""
+
+    def __init__(self, group: Group, kind: str, number: int) -> None:
+        self.kind, self.number = kind, number
+        time = group.read("time")
+        self.size = -(-len(time) // ROWS)
+        self.content = {
+            "rows": len(time),
+            "stretch": self.size,
+            "time": pack_exactly(time[:: self.size]),
+            "end": float(time[-1]),
+        }
+
+    def pack(self, group: Group, name: str, reference: Group | None) -> dict[str, Any]:
+        """A variable with its values, and those of its error where there is a reference on the same rows."""
+        values = group.read(name)
+        data = self._pack(values, "values")
+        if reference and name in reference.stored:
+            data |= self._pack(values - reference.read(name), "error", COARSE)
+        return {**describe(group, name), "group": self.kind, "base": self.number, "data": data}
+
+    def _pack(self, values: Vector, key: str, bits: int | None = None) -> dict[str, str]:
+        own = {} if bits is None else {"bits": bits}
+        if self.size == 1:
+            return {key: pack(values, **own)}
+        low, high = bucket(values, self.size)
+        return {key: pack(low, **own), f"{key}High": pack(high, **own)}
+
+
+def describe(group: Group, name: str) -> dict[str, Any]:
+    """Name, unit in which it is shown with the factor to it, description and choices of a variable."""
+    unit, shown = group.attribute(name, "units"), group.attribute(name, "display_units")
+    factor = 1.0 / to_unit(f"1 {shown}", unit) if shown else 1.0
+    return {
+        "name": name,
+        "unit": shown or (unit if unit != "1" else ""),
+        "factor": factor,
+        "description": group.attribute(name, "long_name"),
+        "choices": group.attribute(name, "flag_meanings").split(),
+    }
