@@ -13,7 +13,7 @@ from models.core.quantities import Quantity, Vector
 
 from ..engine.observer import is_recorded
 from ..engine.step import REASONS, Step
-from ..store.journal import FLUSH_SECONDS, SUFFIX, Journal
+from ..store.journal import FLUSH_SECONDS, SUFFIX, Journal, Mark
 from ..store.json_codec import Plain
 
 STEP_VARIABLES = {
@@ -51,7 +51,7 @@ class ResultRecorder:
     def begin(self, names: Sequence[str]) -> None:
         self._open(names, None, None)
 
-    def _open(self, names: Sequence[str], coupled: int | None, steps: int | None) -> None:
+    def _open(self, names: Sequence[str], coupled: Mark | None, steps: Mark | None) -> None:
         variables = {name: self._quantities[name] for name in names}
         self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled, self._held_for)
         # With the names, so that a journal alone says which variable a number is.
@@ -82,13 +82,7 @@ class ResultRecorder:
             self._steps.flush()
 
     def state(self) -> dict[str, Plain]:
-        self._coupled.sync()
-        self._steps.sync()
-        return {
-            "count": self._count,
-            "coupled": self._coupled.rows,
-            "steps": self._steps.rows,
-        }
+        return {"count": self._count, "coupled": self._coupled.mark(), "steps": self._steps.mark()}
 
     def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
         self._count = state["count"]

@@ -123,9 +123,9 @@ def _find_fault(scenario: Scenario, name: str, about: Description) -> str:
     table = scenario.components[name]
     if scenario.master.build().implicit:
         varied = f"the master {scenario.master.name}", "take the master jacobi or gauss_seidel"
-    elif scenario.step_control:
-        varied = "[step_control]", "leave it out"
-    elif scenario.event_tolerance:
+    elif scenario.step_control and not scenario.step_control.forward:
+        varied = "[step_control]", "set step_control.estimator = 'defect', which makes every step once"
+    elif scenario.event_tolerance and not scenario.step_control:
         varied = "event_tolerance", "leave it out"
     else:
         varied = None

@@ -65,10 +65,16 @@ def _check_master(scenario: Scenario) -> None:
 def _check_energy(scenario: Scenario, system: System) -> None:
     """The energy estimator needs a power bond; the correction needs held or extrapolated inputs."""
     control = scenario.step_control
-    if control and control.estimator == "energy" and not find_exchanged_bonds(system):
+    if control and control.estimator in ("energy", "residual_energy") and not find_exchanged_bonds(system):
         raise ScenarioError(
-            "step_control.estimator = 'energy': no power bond has both its effort and its flow among the "
-            "connections, so that it would see no error; use schierz or step_doubling"
+            f"step_control.estimator = {control.estimator!r}: no power bond has both its effort and its flow "
+            "among the connections, so that it would see no error; use "
+            f"{'defect' if control.forward else 'schierz or step_doubling'}"
+        )
+    if control and control.forward and scenario.event_tolerance is not None:
+        raise ScenarioError(
+            f"event_tolerance: step_control.estimator = {control.estimator!r} makes no step again, as the "
+            "location of events does; leave one of them out"
         )
     if scenario.energy.correction and scenario.master.name != "jacobi":
         raise ScenarioError(

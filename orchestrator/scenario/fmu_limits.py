@@ -102,7 +102,13 @@ def list_limit_warnings(scenario: Scenario) -> list[str]:
             f"{output}: is the time derivative of the input {target.variable}, which is held over a macro "
             f"step and so has no slope: this value and all that depends on it may be wrong; {remedy}"
         )
-    if scenario.step_control and scenario.step_control.maximum_step is None:
+    if scenario.step_control and scenario.step_control.forward:
+        found.append(
+            f"step_control.estimator = {scenario.step_control.estimator!r}: no step is made again, so its "
+            "error is known only afterwards: a contact, or a jump, may be missed by any amount; "
+            "step_control.maximum_step limits the steps, tribocosim diagnose tells which erred too much"
+        )
+    elif scenario.step_control and scenario.step_control.maximum_step is None:
         blind = [
             n for n, table in scenario.components.items() if isinstance(table.resolve(), ThirdPartyComponent)
         ]

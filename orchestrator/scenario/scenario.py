@@ -10,8 +10,7 @@ from pydantic import Field, ValidationError, ValidationInfo, field_validator
 
 from ..errors import MistakeError
 from ..masters import MASTERS
-from ..stepping import ControlledSteps, FixedSteps
-from ..stepping.estimators import ESTIMATORS
+from ..stepping import ControlledSteps, FixedSteps, ForwardSteps, check_estimator, control_steps
 from .component_table import ComponentTable
 from .connection import parse_line
 from .fields import Seconds, SecondsOr0, Table, Tolerance
@@ -204,7 +203,7 @@ class Scenario(Table):
             master = info.data["master"].build()
             try:
                 made = control.build(master.implicit, EVENT_TOLERANCE)
-                ESTIMATORS[made.estimator]().check(master)
+                check_estimator(made.estimator, master)
             except ValueError as error:
                 raise Faults(("", f".{error}")) from None
         return control
@@ -217,12 +216,12 @@ class Scenario(Table):
             return replace(master, tolerance=CONVERGED * self.step_control.relative)
         return master
 
-    def build_steps(self) -> FixedSteps | ControlledSteps:
+    def build_steps(self) -> FixedSteps | ControlledSteps | ForwardSteps:
         """The stepper: fixed or controlled macro steps."""
         if self.step_control is None:
             return FixedSteps(self.macro_step, self.event_tolerance)
         tolerance = self.event_tolerance or EVENT_TOLERANCE
-        return ControlledSteps(
+        return control_steps(
             self.macro_step, self.step_control.build(self.master.build().implicit, tolerance)
         )
 

@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field, field_validator
 
 from ..errors import one_of
-from ..stepping import StepControl
+from ..stepping import INDICATORS, StepControl
 from ..stepping.estimators import ESTIMATORS
 from .fields import Seconds, Table, Tolerance
 
@@ -24,7 +24,8 @@ class StepControlTable(Table):
     estimator: str | None = Field(
         None,
         description="predictor_corrector, step_doubling, schierz or energy; default: predictor_corrector for "
-        "iterated masters, step_doubling for others",
+        "iterated masters, step_doubling for others. defect and residual_energy never make a step again, for "
+        "FMUs that cannot restore their state",
     )
     relative: Annotated[Tolerance, Field(lt=1.0)] = Field(1e-4, description="Local error allowed, of a value")
     absolute: Tolerance | None = Field(
@@ -36,9 +37,14 @@ class StepControlTable(Table):
     @field_validator("estimator")
     @classmethod
     def _check_estimator(cls, name: str | None) -> str | None:
-        if name is not None and name not in ESTIMATORS:
-            raise ValueError(f"{name!r}: {one_of(ESTIMATORS, name)}")
+        if name is not None and name not in (known := (*ESTIMATORS, *INDICATORS)):
+            raise ValueError(f"{name!r}: {one_of(known, name)}")
         return name
+
+    @property
+    def forward(self) -> bool:
+        """Whether steps are never made again."""
+        return self.estimator in INDICATORS
 
     def build(self, implicit: bool, event_tolerance: float) -> StepControl:
         """Build the step control of an iterated (`implicit`) or another master."""

@@ -1,18 +1,42 @@
-"""Ways to choose macro steps: fixed, or controlled by an error estimate; both can locate events."""
+"""Ways to choose macro steps: fixed, or controlled by an error estimate, with or without a way back."""
 
 from ..engine.step import REASONS, STOP, Step
+from ..masters import Master, find_name
 from .controlled import ControlledSteps, StepControl
+from .estimators import ESTIMATORS
 from .fixed import FixedSteps
+from .forward import ForwardSteps
+from .indicators import INDICATORS
 from .locator import list_event_outputs
 from .protocol import Stepper
 
 __all__ = [
+    "INDICATORS",
     "REASONS",
     "STOP",
     "ControlledSteps",
     "FixedSteps",
+    "ForwardSteps",
     "Step",
     "StepControl",
     "Stepper",
+    "check_estimator",
+    "control_steps",
     "list_event_outputs",
 ]
+
+
+def check_estimator(name: str, master: Master) -> None:
+    """ValueError, with the remedy, if this estimator or indicator cannot judge that master."""
+    if name in ESTIMATORS:
+        ESTIMATORS[name]().check(master)
+    elif master.implicit:
+        raise ValueError(
+            f"estimator = {name!r}: judges steps that are made once; {find_name(master)} repeats them: use "
+            "predictor_corrector or step_doubling"
+        )
+
+
+def control_steps(first_step: float, control: StepControl) -> ControlledSteps | ForwardSteps:
+    """Steps controlled by the estimator that is named."""
+    return (ForwardSteps if control.estimator in INDICATORS else ControlledSteps)(first_step, control)

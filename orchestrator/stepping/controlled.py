@@ -28,6 +28,7 @@ from ..errors import EndedError, NonConvergenceError, RecoverableError, RunError
 from ..masters import Master
 from .controller import GROW, PI
 from .estimators import ESTIMATORS, Attempt
+from .indicators import INDICATORS
 from .locator import Locator
 from .unseen import include_unseen_error
 
@@ -54,8 +55,8 @@ class StepControl:
     event_tolerance: float = 1e-9
 
     def __post_init__(self) -> None:
-        if self.estimator not in ESTIMATORS:
-            raise ValueError(f"estimator = {self.estimator!r}: {one_of(ESTIMATORS, self.estimator)}")
+        if self.estimator not in (known := (*ESTIMATORS, *INDICATORS)):
+            raise ValueError(f"estimator = {self.estimator!r}: {one_of(known, self.estimator)}")
         for name in ("relative", "absolute", "minimum_step", "maximum_step", "event_tolerance"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} = {getattr(self, name):g}: must be > 0")

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 import time as clock
+import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
@@ -28,6 +29,9 @@ HELD = 4096  # rows in memory at most: 32 kB for each column
 FLUSH_SECONDS = 2.0  # what a killed process may lose without a checkpoint
 TIME = Quantity("s", "time")
 DOUBLE = np.dtype("<f8")
+BLOCK = 1 << 20  # bytes that are read at once
+# Of the rows that belong to a checkpoint: how many ("rows"), and their CRC-32 ("checksum").
+Mark = Mapping[str, int]
 START_OVER = "start the run over with tribocosim run ... --overwrite"
 
 
@@ -38,31 +42,32 @@ class JournalError(CheckpointError):
 class Journal:
     """A journal being written: `variables` over their own `time`.
 
-    `rows` continues the journal at `path` after so many rows, forgetting later ones; JournalError if it
-    has fewer, or other columns. Rows are in memory for `held_for` (s) at most.
+    `mark` continues the journal at `path` from there, forgetting later rows; JournalError if it has fewer,
+    others than were written, or other columns. Rows are in memory for `held_for` (s) at most.
     """
 
     def __init__(
         self,
         path: Path,
         variables: Mapping[str, Quantity],
-        rows: int | None = None,
+        mark: Mark | None = None,
         held_for: float = FLUSH_SECONDS,
     ) -> None:
         self.path = path
         self._held_for = held_for
         columns = {"time": TIME, **variables}
-        if rows is None:
+        if mark is None:
             with naming(path):
                 self._file = path.open("wb", buffering=0)
                 self._put(_header(columns))
-            self._written = 0
+            self._written = self._checksum = 0
         else:
-            start = _start(path, columns, rows)
+            rows, checksum = mark["rows"], mark["checksum"]
+            start = _start(path, columns, rows, checksum)
             self._file = path.open("r+b", buffering=0)
             self._file.truncate(start + rows * len(columns) * DOUBLE.itemsize)
             self._file.seek(0, os.SEEK_END)
-            self._written = rows
+            self._written, self._checksum = rows, checksum
         self._rows = np.empty((HELD, len(columns)), DOUBLE)
         self._held = 0
         self.flush()
@@ -71,6 +76,11 @@ class Journal:
     def rows(self) -> int:
         """All rows, those in memory too."""
         return self._written + self._held
+
+    def mark(self) -> Mark:
+        """Where a run goes on from, once everything up to here is on the disk."""
+        self.sync()
+        return {"rows": self._written, "checksum": self._checksum}
 
     def append(self, time: float, values: Vector) -> None:
         """One row; `values` is copied."""
@@ -102,9 +112,14 @@ class Journal:
             whole = (self._file.tell() - before) // self._rows[0].nbytes
             self._file.seek(before + whole * self._rows[0].nbytes)
             self._file.truncate()
-            self._written += whole
+            self._count(data, whole)
             raise
+        self._count(data, rows)
+
+    def _count(self, data: memoryview, rows: int) -> None:
+        """So many rows of the data are written."""
         self._written += rows
+        self._checksum = zlib.crc32(data[: rows * self._rows[0].nbytes], self._checksum)
 
     def _put(self, data: bytes | memoryview) -> None:
         """All of it; OSError where there is room for a part only, which is written then."""
@@ -138,6 +153,15 @@ class Recorded:
             return None
         width = len(self.columns) * DOUBLE.itemsize
         return float(np.fromfile(self.path, DOUBLE, 1, offset=self._start + (self.rows - 1) * width)[0])
+
+    def compute_checksum(self, rows: int) -> int:
+        """CRC-32 of the first rows."""
+        left, found = rows * len(self.columns) * DOUBLE.itemsize, 0
+        with self.path.open("rb") as file:
+            file.seek(self._start)
+            while left and (block := file.read(min(left, BLOCK))):
+                left, found = left - len(block), zlib.crc32(block, found)
+        return found
 
     def blocks(self, rows: int) -> Iterator[Vector]:
         """The rows in order, at most `rows` at a time (rows x columns)."""
@@ -194,10 +218,16 @@ def _read_header(path: Path) -> tuple[dict[str, Quantity], int]:
         raise JournalError(f"{path}: is not a journal of this version; {START_OVER}") from None
 
 
-def _start(path: Path, columns: Mapping[str, Quantity], rows: int) -> int:
+def _start(path: Path, columns: Mapping[str, Quantity], rows: int, checksum: int) -> int:
+    """Where the rows begin; JournalError unless the first `rows` are those of the checksum."""
     found = Recorded(path)
     if list(found.columns) != list(columns):
         raise JournalError(f"{path}: has other columns than the run; {START_OVER}")
     if found.rows < rows:
         raise JournalError(f"{path}: has {found.rows} rows, of {rows} at the checkpoint; {START_OVER}")
+    if found.compute_checksum(rows) != checksum:
+        raise JournalError(
+            f"{path}: damaged: its {rows} rows up to the checkpoint are not as they were written; "
+            f"{START_OVER}"
+        )
     return found._start

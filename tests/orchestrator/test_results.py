@@ -15,7 +15,7 @@ from models.core.quantities import Quantity
 from orchestrator.engine.step import Step
 from orchestrator.run.recording import ResultRecorder
 from orchestrator.store.csv_file import ROWS, write_csv, write_units
-from orchestrator.store.journal import HELD, Journal, JournalError, Recorded, journals
+from orchestrator.store.journal import HELD, Journal, JournalError, Mark, Recorded, journals
 from orchestrator.store.result_file import CHUNK, ResultFile, open_result
 
 QUANTITIES = {
@@ -183,8 +183,12 @@ def test_of_a_journal_without_room_all_whole_rows_are_kept_and_its_name_is_told(
     assert (tmp_path / "coupled.journal").read_bytes().split(b"\n", 1)[1] == rows.tobytes()
 
 
-def _filled(path: Path, rows: range, continued: int | None = None) -> bytes:
-    journal = Journal(path, QUANTITIES, continued)
+def _mark(path: Path, rows: int) -> Mark:
+    return {"rows": rows, "checksum": Recorded(path).compute_checksum(rows)}
+
+
+def _filled(path: Path, rows: range, mark: Mark | None = None) -> bytes:
+    journal = Journal(path, QUANTITIES, mark)
     for i in rows:
         journal.append(1e-6 * i, np.array([i, -i]))
     journal.close()
@@ -204,16 +208,16 @@ def test_a_journal_cut_anywhere_has_its_whole_rows_and_goes_on_after_any_of_them
     assert sum(len(block) for block in recorded.blocks(7)) == recorded.rows
     for at in (0, recorded.rows // 2, recorded.rows):
         path.write_bytes(whole[: len(whole) - cut])
-        assert _filled(path, range(at, 50), at) == whole
+        assert _filled(path, range(at, 50), _mark(path, at)) == whole
 
 
 def test_a_journal_that_lacks_rows_or_is_another_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "coupled.journal"
     whole = _filled(path, range(50))
     with pytest.raises(JournalError, match="has 50 rows, of 51 at the checkpoint"):
-        Journal(path, QUANTITIES, 51)
+        Journal(path, QUANTITIES, _mark(path, 51))
     with pytest.raises(JournalError, match="other columns"):
-        Journal(path, {"contact.load": QUANTITIES["contact.load"]}, 50)
+        Journal(path, {"contact.load": QUANTITIES["contact.load"]}, _mark(path, 50))
     assert path.read_bytes() == whole
     for spoilt in (b"", b"{}\n", b"\xff\xfe", b'{"format": "tribocosim journal 0"}\n'):
         path.write_bytes(spoilt)

@@ -174,6 +174,20 @@ def test_lost_records_are_noticed_and_may_be_put_back(killed: Path, whole: Path)
     assert_same_run(killed, whole)
 
 
+@pytest.mark.parametrize("damage", ["a flipped bit", "zeros"])
+def test_records_that_have_changed_are_noticed(killed: Path, damage: str) -> None:
+    """What is before the checkpoint is as it was written, or the run does not go on."""
+    journal = killed / "unfinished" / "coupled.journal"
+    rows = bytearray(journal.read_bytes())
+    begin = rows.index(b"\n") + 1
+    if damage == "zeros":
+        rows[begin : begin + 64] = bytes(64)
+    else:
+        rows[begin + 100] ^= 1
+    journal.write_bytes(rows)
+    _refused(killed, "coupled.journal: damaged: its .* rows up to the checkpoint")
+
+
 def test_a_changed_scenario_is_refused(killed: Path) -> None:
     path = killed / "scenario.toml"
     path.write_text(path.read_text().replace("stop_time = 0.004", "stop_time = 0.005"))

@@ -59,7 +59,8 @@ class Diagnosis:
     `rejections` counts rejected attempts by what the step was finally set by; `length` (s) and `iterations`
     are quantiles; `densest` the shortest intervals that hold a tenth of the work each, merged where they
     touch; `events` counts located ones by the variable that told; `discontinuities` are the first times (s)
-    and variables of steps over the tolerance at the shortest length.
+    and variables of steps over the tolerance at the shortest length; `over` are the others over it, which
+    were not made again: how many, the largest error over what is allowed, and its time (s).
     """
 
     start: float
@@ -76,6 +77,7 @@ class Diagnosis:
     densest: tuple[Interval, ...]
     events: dict[str, int]
     discontinuities: tuple[tuple[float, str], ...]
+    over: tuple[int, float, float]
 
     @property
     def rejected_share(self) -> float:
@@ -96,7 +98,7 @@ def diagnose_steps(steps: Steps, do_steps: int | None = None) -> Diagnosis | Non
     if not len(steps):
         return None
     events = _named(steps, steps.reason == REASONS.index("event"))
-    over = np.flatnonzero(steps.reason == REASONS.index("discontinuity"))[:LISTED]
+    jumps = steps.reason == REASONS.index("discontinuity")
     return Diagnosis(
         start=float(steps.start[0]),
         end=float(steps.end[-1]),
@@ -115,8 +117,19 @@ def diagnose_steps(steps: Steps, do_steps: int | None = None) -> Diagnosis | Non
         iterations=_quantiles(steps.iterations),
         densest=_densest(steps),
         events={name: int(chosen.sum()) for name, chosen in events.items()},
-        discontinuities=tuple((float(steps.end[i]), steps.name(int(steps.source[i]))) for i in over),
+        discontinuities=tuple(
+            (float(steps.end[i]), steps.name(int(steps.source[i]))) for i in np.flatnonzero(jumps)[:LISTED]
+        ),
+        over=_over(steps, ~jumps & (steps.error > 1.0)),
     )
+
+
+def _over(steps: Steps, chosen: Any) -> tuple[int, float, float]:
+    """Of the steps over the tolerance, see `Diagnosis`."""
+    if not chosen.any():
+        return 0, 0.0, 0.0
+    worst = int(np.argmax(np.where(chosen, steps.error, 0.0)))
+    return int(chosen.sum()), float(steps.error[worst]), float(steps.end[worst])
 
 
 def _share(steps: Steps, chosen: Any) -> Share:

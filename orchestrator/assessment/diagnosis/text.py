@@ -40,7 +40,19 @@ def brief(d: Diagnosis, suggestions: Sequence[str]) -> list[str]:
             f"step length {d.length['p05']:.2g} to {d.length['p95']:.2g} s (5 and 95 %), "
             f"{d.mean_iterations:.1f} iterations a step"
         )
+    lines += _over(d)
     return lines + [f"suggestion: {text}" for text in suggestions]
+
+
+def _over(d: Diagnosis) -> list[str]:
+    """A line about steps that were kept though their error was too large."""
+    count, worst, at = d.over
+    if not count:
+        return []
+    return [
+        f"{count} of {d.steps} steps were over the tolerance and not made again, by {worst:.3g} times at "
+        f"most, at t = {at:.6g} s"
+    ]
 
 
 def full(facts: Facts, suggestions: Sequence[str], message: str) -> list[str]:
@@ -68,6 +80,7 @@ def full(facts: Facts, suggestions: Sequence[str], message: str) -> list[str]:
     if d.events:
         told = ", ".join(f"{count} told by {name}" for name, count in d.events.items())
         lines.append(f"events located: {told}")
+    lines += _over(d)
     for time, variable in d.discontinuities[:SHOWN]:
         lines.append(f"minimum step reached at t = {time:.9g} s for {variable}")
     lines += ["", *(f"suggestion: {text}" for text in suggestions)]

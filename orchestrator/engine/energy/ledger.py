@@ -20,7 +20,7 @@ from models.core.bonds import (
 from models.core.quantities import Quantity, Vector
 from models.core.system import System
 
-from ...store.journal import SUFFIX, Journal
+from ...store.journal import SUFFIX, Journal, Mark
 from ..observer import is_recorded
 from ..step import Step
 from .account import Account, BondAccount, ComponentAccount
@@ -112,9 +112,9 @@ class Ledger:
     def begin(self, names: Sequence[str]) -> None:
         self._open(None)
 
-    def _open(self, rows: int | None) -> None:
+    def _open(self, mark: Mark | None) -> None:
         if self._folder is not None:
-            self._journal = Journal(self._folder / f"{GROUP}{SUFFIX}", self.quantities, rows)
+            self._journal = Journal(self._folder / f"{GROUP}{SUFFIX}", self.quantities, mark)
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if is_recorded(self._count, time, self._every, self._stop):
@@ -139,8 +139,6 @@ class Ledger:
             self._journal.close()
 
     def state(self) -> dict[str, Any]:
-        if self._journal:
-            self._journal.sync()
         return {
             "count": self._count,
             "until": self._until,
@@ -148,14 +146,14 @@ class Ledger:
             "last": self._last.copy(),
             "largest": self._largest.copy(),
             "moved": self._moved.copy(),
-            "rows": self._journal.rows if self._journal else 0,
+            "journal": self._journal.mark() if self._journal else {},
         }
 
     def resume(self, names: Sequence[str], state: Mapping[str, Any]) -> None:
         self._count, self._until = state["count"], state["until"]
         self._start[:], self._last[:] = state["start"], state["last"]
         self._largest[:], self._moved[:] = state["largest"], state["moved"]
-        self._open(state["rows"])
+        self._open(state["journal"])
 
     def __getitem__(self, channel: str) -> float:
         """The channel at the last record (J)."""

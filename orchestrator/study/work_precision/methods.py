@@ -17,7 +17,7 @@ from ...masters import MASTERS
 from ...participants import Participant, open_fmu
 from ...run.plan import FmuFile
 from ...run.simulation import Statistics, simulate
-from ...stepping import ControlledSteps, StepControl, Stepper
+from ...stepping import StepControl, Stepper, control_steps
 from .problem import CouplingProblem
 from .row import Row, compute_errors
 
@@ -52,7 +52,7 @@ class Method:
         if not self.estimator:
             return setting
         control = StepControl(self.estimator, relative=setting, absolute=setting)
-        return ControlledSteps(problem.ladder[-1], control)
+        return control_steps(problem.ladder[-1], control)
 
 
 FIXED = tuple(Method(master, extrapolation) for master in MASTERS for extrapolation in DEGREES)
@@ -60,6 +60,8 @@ CONTROLLED = (
     Method("jacobi", "quadratic", "schierz"),
     Method("gauss_seidel", "quadratic", "step_doubling"),
     Method("gauss_seidel", "hermite", "step_doubling"),
+    Method("gauss_seidel", "quadratic", "defect"),
+    Method("gauss_seidel", "quadratic", "residual_energy"),
     Method("iterated", "quadratic", "predictor_corrector"),
     Method("iterated", "hermite", "predictor_corrector"),
 )

@@ -1,0 +1,124 @@
+"""Step control without a way back: what it sees, what it costs, and what it says of itself."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from models.oscillators import exact
+from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
+from orchestrator.engine.observer import Observer
+from orchestrator.engine.step import Step
+from orchestrator.masters import MASTERS
+from orchestrator.participants import in_process
+from orchestrator.run.simulation import Statistics, simulate
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
+from orchestrator.stepping import FixedSteps, ForwardSteps, StepControl, Stepper, check_estimator
+
+STOP = 2.0
+MASSES = build_system(load("two-masses"))
+COUPLED = CoupledMassParameters(**MASSES.instances["first"].parameters)
+SPRUNG = SprungMassParameters(**MASSES.instances["second"].parameters)
+# An output of each problem, and its exact values.
+TRUE: dict[str, Any] = {
+    "quarter-car": ("chassis.position", lambda at: exact.quarter_car(at)[:, 0]),
+    "two-masses": ("first.position", lambda at: exact.two_masses(at, COUPLED, SPRUNG, MASSES.x0)[:, 0]),
+}
+
+
+class OneWay:
+    """A participant that fails where it is asked to go back."""
+
+    def __init__(self, unit: Any) -> None:
+        self._unit, self.restorable = unit, False
+
+    def __getattr__(self, name: str) -> Any:
+        assert name not in ("save", "restore")
+        return getattr(self._unit, name)
+
+
+class Positions:
+    """Records an output, and the steps."""
+
+    def __init__(self, output: str) -> None:
+        self._output = output
+
+    def begin(self, names: Any) -> None:
+        self._column = list(names).index(self._output)
+        self.times: list[float] = []
+        self.values: list[float] = []
+        self.steps: list[Step] = []
+
+    def observe(self, time: float, outputs: Any, step: Step) -> None:
+        if step.length:
+            self.times.append(time)
+            self.values.append(outputs()[self._column])
+            self.steps.append(step)
+
+    def end(self, complete: bool, message: str) -> None:
+        pass
+
+
+def ride(
+    steps: Stepper, master: str = "gauss_seidel", name: str = "quarter-car"
+) -> tuple[float, Statistics, Positions]:
+    """The error of a scenario's first output (RMS over the RMS of its motion), its cost, and its steps."""
+    system = build_system(load(name))
+    units: dict[str, Any] = {name: OneWay(in_process(name, i)) for name, i in system.instances.items()}
+    output, solve = TRUE[name]
+    found = Positions(output)
+    watching: list[Observer] = [found]
+    statistics = simulate(system, units, MASTERS[master](extrapolation="quadratic"), steps, STOP, watching)
+    true = solve(np.array(found.times))
+    error = np.sqrt(np.mean((np.array(found.values) - true) ** 2) / np.mean(true**2))
+    return float(error), statistics, found
+
+
+def control(estimator: str, tolerance: float) -> ForwardSteps:
+    return ForwardSteps(2.5e-3, StepControl(estimator, tolerance, tolerance))
+
+
+@pytest.mark.parametrize(
+    ("name", "estimator", "master", "most"),
+    [
+        ("quarter-car", "defect", "jacobi", 1.0),
+        ("quarter-car", "defect", "gauss_seidel", 1.0),
+        # A motion of even liveliness, where equal steps are best.
+        ("two-masses", "defect", "gauss_seidel", 5.0),
+        ("two-masses", "residual_energy", "jacobi", 5.0),
+    ],
+)
+def test_the_error_falls_with_the_tolerance_and_is_compared_with_fixed_steps(
+    name: str, estimator: str, master: str, most: float, record: Any
+) -> None:
+    """Participants that cannot go back, at the same number of steps."""
+    loose, _, _ = ride(control(estimator, 1e-3), master, name)
+    tight, statistics, _ = ride(control(estimator, 1e-5), master, name)
+    assert tight < 0.1 * loose
+    assert statistics.rejected_steps == 0
+    fixed, same, _ = ride(FixedSteps(STOP / statistics.macro_steps), master, name)
+    assert same.macro_steps == statistics.macro_steps
+    case = f"{name}, {estimator}, {master}: error over that of fixed steps at equal work"
+    record("Coupling", case, tight / fixed, 0.0, "bound", tolerance=most)
+
+
+def test_a_run_repeats_to_the_bit_from_its_state() -> None:
+    one, other = (ride(control("defect", 1e-4))[2] for _ in range(2))
+    assert one.times == other.times
+    assert one.values == other.values
+
+
+def test_a_step_over_the_tolerance_is_kept_and_told() -> None:
+    """The two masses start with a force that is in no signal yet."""
+    _, _, found = ride(control("defect", 1e-8), name="two-masses")
+    assert found.steps[0].length == pytest.approx(2.5e-5)
+    assert max(step.error for step in found.steps[:10]) > 1.0
+    assert np.mean([step.error > 1.0 for step in found.steps[10:]]) < 0.05
+
+
+def test_a_master_that_repeats_its_steps_is_refused() -> None:
+    with pytest.raises(ValueError, match="use predictor_corrector"):
+        check_estimator("defect", MASTERS["iterated"]())
