@@ -10,6 +10,6 @@ import pytest
 ALWAYS = ("camshaft", "valve_spring", "ehl_contact", "slider_crank", "flywheel")
 
 
-def mark_long(names: Iterable[str]) -> list:
-    """Parameters of a test, the others than ALWAYS marked as long."""
-    return [name if name in ALWAYS else pytest.param(name, marks=pytest.mark.long) for name in names]
+def mark_long(names: Iterable[str], always: Iterable[str] = ALWAYS) -> list:
+    """Parameters of a test, the others than `always` marked as long."""
+    return [name if name in always else pytest.param(name, marks=pytest.mark.long) for name in names]

@@ -70,7 +70,11 @@ def both(name: str, path: Path, rows: int) -> tuple[Bound, Bound]:
 
 
 # Every component with all derivatives of its inputs, one with fewer.
-ROWS = [*((name, 4) for name in NAMES), *(("camshaft", rows) for rows in (1, 2, 3))]
+LATE = ("ehl_line_contact", "piston_crank", "free_piston_crank")  # those that compile longest
+ROWS = [
+    *(pytest.param(name, 4, marks=pytest.mark.long if name in LATE else ()) for name in NAMES),
+    *(("camshaft", rows) for rows in (1, 2, 3)),
+]
 
 
 @pytest.mark.parametrize(("name", "rows"), ROWS)

@@ -149,7 +149,10 @@ def random_piston_state(component: Component, random: np.random.Generator) -> Ve
     ("component", "values"),
     [
         *((CRANK, {"form": form}) for form in FORMS),
-        *((piston, {"pin_offset": 1e-3, "mass_offset": -0.5e-3}) for piston in (DRIVEN, FREE)),
+        *(
+            pytest.param(piston, {"pin_offset": 1e-3, "mass_offset": -0.5e-3}, marks=pytest.mark.long)
+            for piston in (DRIVEN, FREE)
+        ),
     ],
 )
 def test_outputs_depend_on_no_other_inputs_than_declared(

@@ -65,8 +65,7 @@ def lift_over(points: np.ndarray, angles: np.ndarray, radius: float | None) -> n
     return np.array(heights)
 
 
-@pytest.mark.parametrize("read", [read_svg, read_dxf])
-@pytest.mark.parametrize("follower", ["flat", "roller"])
+@pytest.mark.parametrize(("follower", "read"), [("flat", read_svg), ("roller", read_dxf)])
 def test_the_drawn_contour_lifts_the_follower_as_the_table_says(tmp_path, record, read, follower):
     """The law is not symmetric, so that a mirrored drawing would fail."""
     options = ["--follower", follower, "--radius", "10 mm", "--base-radius", "24 mm"]

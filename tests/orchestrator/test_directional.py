@@ -67,7 +67,11 @@ def build_native(component, fmi):
 
 @pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.long), 3])
 @pytest.mark.parametrize(
-    "system", [quarter_car(), two_masses(damping=2.0)], ids=["quarter car", "two masses"]
+    "system",
+    [
+        pytest.param(quarter_car(), id="quarter car", marks=pytest.mark.long),
+        pytest.param(two_masses(damping=2.0), id="two masses"),
+    ],
 )
 def test_native_fmus_have_the_matrices_of_their_equations(system, fmi):
     """Equations are differenced, to 1e-9 of what is linear."""

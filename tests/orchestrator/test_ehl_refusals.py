@@ -92,6 +92,7 @@ def test_a_radius_that_is_not_positive_is_named_and_the_step_leaves_no_trace(
     assert asked.saved() == spared.saved()
 
 
+@pytest.mark.long
 def test_a_run_ends_where_the_radius_vanishes_and_keeps_what_was_before(falling: System) -> None:
     found = Recorder()
     with pytest.raises(DiscardedStepError, match=r"contact: step from .*radius_of_curvature = -"):

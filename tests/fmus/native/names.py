@@ -6,4 +6,7 @@ from fmus.native.fmu import NAMES
 
 from ..names import mark_long
 
-EVERY = mark_long(NAMES)
+# Machine code of impacts takes longest: one test has it always.
+FAST = ("valve_spring", "ehl_contact", "flywheel")
+EVERY = mark_long(NAMES, FAST)
+EVERY_WITH_IMPACTS = mark_long(NAMES, (*FAST, "slider_crank"))

@@ -18,7 +18,7 @@ from fmus.native.machine_code import PLATFORMS
 OF_THE_LINKER = frozenset({"_mh_dylib_header", "__dso_handle"})
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.long)])
 @pytest.mark.parametrize(
     "name", [name if name == "valve_spring" else pytest.param(name, marks=pytest.mark.long) for name in NAMES]
 )

@@ -18,10 +18,8 @@ SMALL = [(name, 2) for name in NAMES if name not in LARGER]
 SMALL += [(name, 3) for name in NAMES if name not in LARGER_IN_FMI_3]
 
 
-@pytest.mark.parametrize(
-    ("name", "fmi"),
-    [pytest.param(*case, marks=() if case[0] == "valve_spring" else pytest.mark.long) for case in SMALL],
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "fmi"), SMALL)
 def test_five_platforms_in_a_small_file(name: str, fmi: int, tmp_path: Path) -> None:
     path = build(name, tmp_path, fmi=fmi)
     with zipfile.ZipFile(path) as archive:

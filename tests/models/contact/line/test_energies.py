@@ -208,6 +208,7 @@ def test_the_motion_of_a_field_does_not_see_that_energies_are_counted() -> None:
     assert rate == pytest.approx((counts[STORED] - stored) / 1e-7, rel=0.02)
 
 
+@pytest.mark.long
 def test_a_step_that_fails_leaves_energies_and_field_as_they_were() -> None:
     """Also the first one, before which nothing has begun."""
     unit = counting()
