@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel
 from ..valve_train.cams.lift import Lift
-from .tables import AHEAD, DRIVEN, PERPENDICULAR, Evaluation, Rows
+from .tables import AHEAD, DRIVEN, LEVER, PERPENDICULAR, Evaluation, Rows
 from .vectors import Arrow, add, cross, dot, pick, scale, subtract, to_ground
 
 
@@ -21,6 +21,13 @@ class Moving(NamedTuple):
     value: Arrow
     rate: Arrow
     second: Arrow
+
+
+class Curve(NamedTuple):
+    """Support function R0 + s(psi) of a cam or a lever's end."""
+
+    base_radius: float
+    lift: Lift
 
 
 @kernel
@@ -53,16 +60,11 @@ def second_of_product(a: Moving, b: Moving) -> float:
 
 
 @kernel
-def put(out: Rows, k: int, body: int, force: Arrow, moment: Arrow) -> None:
-    """Add to the row k of the Jacobian at the velocity and angular velocity of the body."""
-    if body > 0:
-        row, c = out.jacobian[k], 6 * (body - 1)
-        row[c] += force.x
-        row[c + 1] += force.y
-        row[c + 2] += force.z
-        row[c + 3] += moment.x
-        row[c + 4] += moment.y
-        row[c + 5] += moment.z
+def put(out: Rows, k: int, side: int, force: Arrow, moment: Arrow) -> None:
+    """The row k of the Jacobian at the velocity and angular velocity of i (side 0) or j (side 1)."""
+    row = out.entries[k, side]
+    row[0], row[1], row[2] = force.x, force.y, force.z
+    row[3], row[4], row[5] = moment.x, moment.y, moment.z
 
 
 @kernel
@@ -70,8 +72,8 @@ def keep_perpendicular(e: Evaluation, out: Rows, k: int, row: Any) -> None:
     """C = a b."""
     a, b = carry(e, row.i, row.a), carry(e, row.j, row.b)
     moment, none = cross(a.value, b.value), Arrow(0.0, 0.0, 0.0)
-    put(out, k, row.i, none, moment)
-    put(out, k, row.j, none, scale(-1.0, moment))
+    put(out, k, 0, none, moment)
+    put(out, k, 1, none, scale(-1.0, moment))
     out.value[k] = dot(a.value, b.value)
     out.gamma[k] = -second_of_product(a, b)
 
@@ -101,8 +103,8 @@ def drive(t: float, e: Evaluation, out: Rows, k: int, row: Any) -> None:
         ),
     )
     moment, none = cross(a, b.value), Arrow(0.0, 0.0, 0.0)
-    put(out, k, row.i, none, moment)
-    put(out, k, row.j, none, scale(-1.0, moment))
+    put(out, k, 0, none, moment)
+    put(out, k, 1, none, scale(-1.0, moment))
     out.value[k] = dot(a, b.value)
     out.rate[k] = speed * dot(turned, b.value)
     out.gamma[k] = -second_of_product(total, b)
@@ -114,8 +116,8 @@ def keep_ahead(e: Evaluation, out: Rows, k: int, row: Any) -> None:
     a = carry(e, row.i, row.a)
     arm_i, arm_j = carry(e, row.i, row.p_i), carry(e, row.j, row.p_j)
     d = differ(point_at(e, row.j, arm_j), point_at(e, row.i, arm_i))
-    put(out, k, row.i, scale(-1.0, a.value), cross(a.value, add(d.value, arm_i.value)))
-    put(out, k, row.j, a.value, cross(arm_j.value, a.value))
+    put(out, k, 0, scale(-1.0, a.value), cross(a.value, add(d.value, arm_i.value)))
+    put(out, k, 1, a.value, cross(arm_j.value, a.value))
     out.value[k] = dot(a.value, d.value) - row.offset
     out.gamma[k] = -second_of_product(a, d)
 
@@ -131,7 +133,7 @@ def find_cam_angle(e: Evaluation, row: Any) -> float:
 
 
 @kernel
-def follow_cam(e: Evaluation, out: Rows, k: int, row: Any, base_radius: float, profile: Lift) -> float:
+def follow_cam(e: Evaluation, out: Rows, k: int, row: Any, curve: Curve) -> float:
     """C = R0 + s(psi) - n d: a flat face with normal n, fixed in j, on the cam i with its centre at P_i.
 
     Kushwaha et al. 2000, section 4.1, with a contact condition in place of (27) and (30). The multiplier is
@@ -148,18 +150,31 @@ def follow_cam(e: Evaluation, out: Rows, k: int, row: Any, base_radius: float, p
     bent = (bent - 2.0 * turning * (c * c_rate + s * s_rate)) / square
     # psi' = g (omega_i - omega_j).
     g = add(scale(c, cross(n.value, second.value)), scale(s, cross(n.value, first.value)))
-    lever = scale(profile.ds / square, g)
-    put(out, k, row.i, n.value, subtract(lever, cross(n.value, arm_i.value)))
+    lever = scale(curve.lift.ds / square, g)
+    put(out, k, 0, n.value, subtract(lever, cross(n.value, arm_i.value)))
     back = cross(n.value, subtract(d.value, arm_j.value))
-    put(out, k, row.j, scale(-1.0, n.value), scale(-1.0, add(lever, back)))
-    out.value[k] = base_radius + profile.s - dot(n.value, d.value)
-    out.gamma[k] = second_of_product(n, d) - profile.dds * turning * turning - profile.ds * bent
+    put(out, k, 1, scale(-1.0, n.value), scale(-1.0, add(lever, back)))
+    out.value[k] = curve.base_radius + curve.lift.s - dot(n.value, d.value)
+    out.gamma[k] = second_of_product(n, d) - curve.lift.dds * turning * turning - curve.lift.ds * bent
     return turning
 
 
 @kernel
+def lift_end(psi: float, row: Any) -> Lift:
+    """s(psi) of a lever's end: an involute, which keeps its lever ratio, or a round pad at the end of an arm.
+
+    Involute: a cos(b) psi. Pad: a (sin(psi - b) + sin(b)), its centre at the distance a from the pivot.
+    """
+    if row.kind == LEVER:
+        arm = row.arm * math.cos(row.tilt)
+        return Lift(arm * psi, arm, 0.0)
+    along, across = row.arm * math.cos(psi - row.tilt), row.arm * math.sin(psi - row.tilt)
+    return Lift(across + row.arm * math.sin(row.tilt), along, -across)
+
+
+@kernel
 def constrain(t: float, e: Evaluation, out: Rows, k: int, row: Any) -> None:
-    """Fill the row k, of a joint without a cam."""
+    """Fill the row k, of a joint without a curve."""
     if row.kind == AHEAD:
         keep_ahead(e, out, k, row)
     elif row.kind == DRIVEN:

@@ -16,19 +16,16 @@ import numpy as np
 
 from ..valve_train.cams.law import LAW
 from ..valve_train.cams.profile import CamProfile
-from ..valve_train.valve_spring import lumping
-from .bodies import GROUND, Body
+from .bodies import GROUND, Body, Y
+from .coils import hang_coils
 from .fill import Force
-from .forces import ElasticField, LubricatedCam, SpringDamper, beam_stiffness, modal_damping
+from .forces import ElasticField, LubricatedCam, beam_stiffness, modal_damping
 from .joints import cylindrical, fixed, flat_cam, prescribed_rotation, translational
 from .mechanism import Mechanism
 
 # K Table 1, middle of the ranges: mass (kg) and moments of inertia (kg m^2) of what the load does not move.
 SHAFT_MASS, SHAFT_INERTIA = 0.175, (62.5e-6, 62.5e-6, 125e-6)  # about z: twice, as a disc (K: 185e-6)
 FOLLOWER_INERTIA = (204e-6, 37.5e-6, 204e-6)
-COIL_INERTIA = (11.25e-9, 11.25e-9, 11.25e-9)
-# Length of the installed spring (m). Forces along the guide do not depend on it.
-SPRING_LENGTH = 0.04
 # Axes of the shaft element: x of K (33) along the shaft.
 ALONG_SHAFT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 
@@ -65,14 +62,17 @@ def direct_train(
     """
     begin = start or TrainStart(coil_positions=(0.0,) * coil_masses)
     length = float(camshaft.shaft_length)
-    coils = [f"spring mass {i + 5}" for i in range(coil_masses)]
+    coils = hang_coils(
+        valve, "follower", [f"spring mass {i + 5}" for i in range(coil_masses)],
+        (0.0, float(camshaft.base_radius), length), Y, begin.coil_positions,
+    )  # fmt: skip
     joints = [
         cylindrical(BEARING, GROUND, "shaft"),
         prescribed_rotation(DRIVE, GROUND, "shaft", speed, begin.angle),
         translational(GUIDE, GROUND, "follower", at_i=(0.0, 0.0, length)),
-        *(translational(f"guide of {name}", GROUND, name, at_i=(0.0, 0.0, length)) for name in coils),
+        *coils.guides,
     ]
-    forces: list[Force] = _list_coils(camshaft, valve, coils)
+    forces: list[Force] = [*coils.springs]
     contact = flat_cam(CONTACT, "cam", "follower", camshaft, foot=_find_foot(camshaft))
     if lubricant is None:
         joints.insert(2, contact)
@@ -82,17 +82,13 @@ def direct_train(
         forces.append(_make_shaft(camshaft))
     else:
         joints.append(fixed("shaft and cam", "shaft", "cam", at_i=(0.0, 0.0, length)))
-    return Mechanism(_list_bodies(camshaft, valve, coils, speed, begin), joints, forces, profile=profile)
+    bodies = [*_list_bodies(camshaft, valve, speed, begin), *coils.bodies]
+    return Mechanism(bodies, joints, forces, profile=profile)
 
 
-def _list_bodies(
-    camshaft: Any, valve: Any, coils: Sequence[str], speed: float, begin: TrainStart
-) -> list[Body]:
+def _list_bodies(camshaft: Any, valve: Any, speed: float, begin: TrainStart) -> list[Body]:
     base, length = float(camshaft.base_radius), float(camshaft.shaft_length)
-    coil_mass = lumping(len(coils)).mass * valve.spring_rate / (math.pi * valve.surge_frequency) ** 2
     transverse, polar = float(camshaft.transverse_inertia), float(camshaft.polar_inertia)
-    installed = SPRING_LENGTH / (len(coils) + 1)
-    places = [base + (i + 1) * installed + y for i, y in enumerate(begin.coil_positions)]
     turning = (0.0, 0.0, speed)
     return [
         Body("shaft", SHAFT_MASS, SHAFT_INERTIA, angles=(0.0, 0.0, begin.angle), angular_velocity=turning),
@@ -101,27 +97,6 @@ def _list_bodies(
             (-begin.slope, 0.0, begin.angle + begin.twist), angular_velocity=turning,
         ),
         Body("follower", float(valve.valve_mass), FOLLOWER_INERTIA, (0.0, base + begin.position, length)),
-        *(
-            Body(name, coil_mass, COIL_INERTIA, (0.0, y, length))
-            for name, y in zip(coils, places, strict=True)
-        ),
-    ]  # fmt: skip
-
-
-def _list_coils(camshaft: Any, valve: Any, coils: Sequence[str]) -> list[Force]:
-    """The segments of the spring, from follower to head; each carries the preload at its installed length."""
-    share, installed = lumping(len(coils)), SPRING_LENGTH / (len(coils) + 1)
-    head = (0.0, float(camshaft.base_radius) + SPRING_LENGTH, float(camshaft.shaft_length))
-    chain = ["follower", *coils, GROUND]
-    shares = [share.end_rate, *[share.inner_rate] * (len(coils) - 1), share.end_rate]
-    rates = [part * float(valve.spring_rate) for part in shares]
-    proportion = valve.damping_ratio / (math.pi * valve.surge_frequency)
-    return [
-        SpringDamper(
-            lower, upper, rate, installed + valve.preload / rate, proportion * rate,
-            at_j=head if upper == GROUND else (0.0, 0.0, 0.0),
-        )
-        for lower, upper, rate in zip(chain, chain[1:], rates, strict=False)
     ]  # fmt: skip
 
 

@@ -7,9 +7,10 @@ from typing import Any
 
 from ..compile.kernel import kernel
 from ..core.quantities import Vector
-from .constraints import constrain, find_cam_angle, follow_cam
-from .loads import load_field, load_spring, push
+from .constraints import Curve, constrain, find_cam_angle, follow_cam, lift_end
+from .loads import load_field, load_spring, press, push
 from .lubrication import lubricate
+from .pattern import Pattern
 from .tables import FLAT_CAM, Evaluation, Tables
 from .vectors import Arrow, cross, fill_rotation, pick, scale, to_body, to_ground, turn_angles
 
@@ -33,11 +34,10 @@ def place_bodies(q: Vector, v: Vector, e: Evaluation) -> None:
 def load_inertia(b: int, tables: Tables, e: Evaluation) -> None:
     """M of the body b and its forces: weight, and -omega x I omega."""
     mass, own, rotation = tables.mass[b], tables.inertia[b], e.rotation[b + 1]
-    first = 6 * b
     for i in range(3):
-        e.mass[first + i, first + i] = mass
+        e.blocks[b, i, i] = mass
         for j in range(3):
-            e.mass[first + 3 + i, first + 3 + j] = (
+            e.blocks[b, 3 + i, 3 + j] = (
                 rotation[i, 0] * own[0] * rotation[j, 0]
                 + rotation[i, 1] * own[1] * rotation[j, 1]
                 + rotation[i, 2] * own[2] * rotation[j, 2]
@@ -53,24 +53,39 @@ def make_evaluate(lift: Any) -> Any:
     """The kernel evaluate(t, q, v, film, tables, evaluation); `lift` is the kernel of cam profiles."""
 
     @kernel
+    def find_profile(e: Evaluation, row: Any, tables: Tables) -> Curve:
+        """Of a cam, or of a lever's end."""
+        psi = find_cam_angle(e, row)
+        if row.kind == FLAT_CAM:
+            cam = tables.cams[row.cam]
+            return Curve(cam.base_radius, lift(psi, cam))
+        return Curve(row.offset, lift_end(psi, row))
+
+    @kernel
     def evaluate(t: float, q: Vector, v: Vector, film: Vector, tables: Tables, e: Evaluation) -> None:
-        e.force[:], e.held.jacobian[:, :], e.held.rate[:], e.touch.jacobian[:, :] = 0.0, 0.0, 0.0, 0.0
+        e.force[:], e.held.rate[:] = 0.0, 0.0
         place_bodies(q, v, e)
         for b in range(tables.mass.shape[0]):
             load_inertia(b, tables, e)
         for k in range(tables.rows.shape[0]):
             row = tables.rows[k]
-            if row.kind == FLAT_CAM:
-                cam = tables.cams[row.cam]
-                follow_cam(e, e.held, k, row, cam.base_radius, lift(find_cam_angle(e, row), cam))
-            else:
+            if row.kind < FLAT_CAM:
                 constrain(t, e, e.held, k, row)
-        for k in range(tables.touches.shape[0]):
+            else:
+                follow_cam(e, e.held, k, row, find_profile(e, row, tables))
+        films = film.shape[0]
+        for k in range(films):
             row = tables.touches[k]
-            cam = tables.cams[row.cam]
-            profile = lift(find_cam_angle(e, row), cam)
-            turning = follow_cam(e, e.touch, k, row, cam.base_radius, profile)
-            lubricate(e, k, row, cam.base_radius, profile, turning, film[k], tables.lubricants[k])
+            curve = find_profile(e, row, tables)
+            turning = follow_cam(e, e.touch, k, row, curve)
+            lubricate(e, k, row, curve, turning, film[k], tables.lubricants[k])
+        for k in range(films, tables.touches.shape[0]):
+            row = tables.touches[k]
+            if row.kind < FLAT_CAM:
+                constrain(t, e, e.touch, k, row)
+            else:
+                follow_cam(e, e.touch, k, row, find_profile(e, row, tables))
+            press(e, k, tables.presses[k - films])
         for k in range(tables.springs.shape[0]):
             load_spring(e, tables.springs[k])
         for k in range(tables.fields.shape[0]):
@@ -103,25 +118,28 @@ def make_residual(lift: Any) -> Any:
     def residual(
         t: float, y: Vector, dy: Vector, tables: Tables, e: Evaluation, moved: Vector, r: Vector
     ) -> None:
-        size, m, contacts = 6 * tables.mass.shape[0], tables.rows.shape[0], tables.touches.shape[0]
+        size, m, films = 6 * tables.mass.shape[0], tables.rows.shape[0], e.film_rate.shape[0]
         q, v = y[:size], y[size : 2 * size]
-        first = 2 * size + contacts
+        first = 2 * size + films
         evaluate(t, q, v, y[2 * size : first], tables, e)
-        for k in range(contacts):
+        for k in range(films):
             r[2 * size + k] = dy[2 * size + k] - e.film_rate[k]
         for i in range(size):
             moved[i] = v[i]
             r[size + i] = -e.force[i]
-            for j in range(6 * (i // 6), 6 * (i // 6) + 6):
-                r[size + i] += e.mass[i, j] * dy[size + j]
+            for j in range(6):
+                r[size + i] += e.blocks[i // 6, i % 6, j] * dy[size + 6 * (i // 6) + j]
         for k in range(m):
             load, correction, rate = y[first + k], y[first + m + k], e.held.rate[k]
-            for i in range(size):
-                share = e.held.jacobian[k, i]
-                if share != 0.0:
-                    moved[i] -= share * correction
-                    r[size + i] += share * load
-                    rate += share * v[i]
+            for side in range(2):
+                body = e.held.bodies[k, side]
+                if body == 0:
+                    continue
+                for i in range(6):
+                    share, at = e.held.entries[k, side, i], 6 * (body - 1) + i
+                    moved[at] -= share * correction
+                    r[size + at] += share * load
+                    rate += share * v[at]
             r[first + k] = rate
             r[first + m + k] = e.held.value[k]
         turn_coordinates(q, moved, r)
@@ -133,36 +151,40 @@ def make_residual(lift: Any) -> Any:
 
 @cache
 def make_matrix(lift: Any) -> Any:
-    """The kernel that fills dF/dy + c dF/dy' of the residual F; its columns of q, v and h by differences."""
+    """The kernel that fills the entries of dF/dy + c dF/dy' of the residual F, by differences.
+
+    Columns of one colour have no row in common and share one evaluation of F.
+    """
     residual = make_residual(lift)
 
     @kernel
     def matrix(
-        t: float, c: float, y: Vector, dy: Vector, tables: Tables, e: Evaluation, scratch: Vector, out: Any
+        t: float,
+        c: float,
+        y: Vector,
+        dy: Vector,
+        tables: Tables,
+        e: Evaluation,
+        pattern: Pattern,
+        scratch: Vector,
+        out: Vector,
     ) -> None:
-        size, m = 6 * tables.mass.shape[0], tables.rows.shape[0]
-        first = 2 * size + tables.touches.shape[0]
         moved, base, other, place = scratch[0], scratch[1], scratch[2], scratch[3]
+        place_rate, change = scratch[4], scratch[5]
         residual(t, y, dy, tables, e, moved, base)
-        out[:, :] = 0.0
-        for k in range(m):
-            turn_coordinates(y[:size], e.held.jacobian[k], other)
-            for i in range(size):
-                out[i, first + m + k] = other[i]
-                out[size + i, first + k] = e.held.jacobian[k, i]
-        for i in range(size):
-            out[i, i] = c
-            for j in range(6 * (i // 6), 6 * (i // 6) + 6):
-                out[size + i, size + j] = c * e.mass[i, j]
-        for i in range(2 * size, first):
-            out[i, i] = c
-        place[:] = y
-        for j in range(first):
-            change = DIFFERENCE * (FILM if j >= 2 * size else max(abs(y[j]), 1e-2))
-            place[j] = y[j] + change
-            residual(t, place, dy, tables, e, moved, other)
-            for i in range(other.shape[0]):
-                out[i, j] += (other[i] - base[i]) / (place[j] - y[j])
-            place[j] = y[j]
+        place[:], place_rate[:] = y, dy
+        for colour in range(pattern.first.shape[0] - 1):
+            columns = pattern.columns[pattern.first[colour] : pattern.first[colour + 1]]
+            for j in columns:
+                step = max(DIFFERENCE * abs(y[j]), pattern.steps[j])
+                place[j] = y[j] + step
+                change[j] = place[j] - y[j]
+                place_rate[j] = dy[j] + c * change[j]
+            residual(t, place, place_rate, tables, e, moved, other)
+            for j in columns:
+                for k in range(pattern.starts[j], pattern.starts[j + 1]):
+                    i = pattern.rows[k]
+                    out[k] = (other[i] - base[i]) / change[j]
+                place[j], place_rate[j] = y[j], dy[j]
 
     return matrix

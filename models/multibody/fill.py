@@ -11,11 +11,11 @@ from ..contact.ehl_contact import ContactParameters
 from ..core.quantities import Layout
 from ..valve_train.cams.profile import CamProfile
 from .bodies import Body, Point
-from .forces import ElasticField, LubricatedCam, SpringDamper
+from .forces import ContactSpring, ElasticField, LubricatedCam, SpringDamper
 from .joints import Joint
-from .tables import FIELD, ROW, SPRING, Tables
+from .tables import FIELD, PRESS, ROW, SPRING, Tables
 
-Force = SpringDamper | ElasticField | LubricatedCam
+Force = SpringDamper | ElasticField | LubricatedCam | ContactSpring
 Find = Callable[[str], int]
 F = TypeVar("F", bound=Force)
 
@@ -30,7 +30,8 @@ def fill_tables(
 ) -> Tables:
     """Bodies have the numbers that `find` gives for their names."""
     lubricated = _select(forces, LubricatedCam)
-    touching = [force.contact for force in lubricated]
+    pressed = _select(forces, ContactSpring)
+    touching = [force.contact for force in lubricated] + [force.contact for force in pressed]
     cams = [joint.cam for joint in (*joints, *touching) if joint.cam is not None]
     held = sum(joint.cam is not None for joint in joints)
     unused_cam = Layout(profile.parameters, {"table_points": 0}).defaults()
@@ -43,6 +44,9 @@ def fill_tables(
         fields=_list_fields(_select(forces, ElasticField), find),
         touches=_list_rows(touching, find, held),
         lubricants=_stack([f.lubricant for f in lubricated], Layout(ContactParameters).defaults()),
+        presses=_make_records(
+            [{"stiffness": f.stiffness, "damping": f.damping, "bonded": f.bonded} for f in pressed], PRESS
+        ),
         cams=_stack([_select_profile(cam, unused_cam.dtype.names) for cam in cams], unused_cam),
     )
 

@@ -46,6 +46,23 @@ class LubricatedCam:
 
 
 @dataclass(frozen=True)
+class ContactSpring:
+    """A spring and damper in place of a contact's constraint: W = k C + c C', C the overlap of the bodies.
+
+    It never pulls unless it is bonded.
+    """
+
+    contact: Joint
+    stiffness: float
+    damping: float = 0.0
+    bonded: bool = False
+
+    @property
+    def name(self) -> str:
+        return self.contact.name
+
+
+@dataclass(frozen=True)
 class ElasticField:
     """(F, T) = -K delta - C delta' on j, in the axes of i's frame (the columns of `axes_i`), K (33), Q (2).
 

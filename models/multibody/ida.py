@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 from sksundae.ida import IDA
 
 from ..core.quantities import Vector
 from .equations import FILM, make_matrix, make_residual
 from .mechanism import Mechanism, Start
 from .motion import Motion, complete, explain_failure
+from .pattern import find_pattern
 from .tables import make_evaluation
 
 # Sizes below which an error is not weighed by what it belongs to: m or rad, m/s or rad/s.
@@ -19,6 +22,8 @@ COORDINATE, VELOCITY = 1e-2, 1.0
 # rounding of the velocities over the step, and `complete` finds them from the motion.
 MULTIPLIER = 1e12
 STEP_LIMIT = 1_000_000
+# From this number of unknowns on the sparse solver is faster.
+SPARSE_FROM = 400
 
 
 def solve_ida(
@@ -31,13 +36,16 @@ def solve_ida(
     times = np.asarray(times, float)
     start = start or mechanism.start(float(times[0]))
     size, m = start.q.size, start.multipliers.size
-    contacts = len(mechanism.contacts)
-    first = 2 * size + contacts
-    tables, e = mechanism.tables, make_evaluation(len(mechanism.bodies), m, contacts)
+    films = start.film.size
+    first = 2 * size + films
+    tables, e = mechanism.tables, make_evaluation(mechanism.tables)
+    pattern = find_pattern(tables)
+    columns = np.repeat(np.arange(first + 2 * m), np.diff(pattern.starts))
     residual, matrix = make_residual(mechanism.profile.lift), make_matrix(mechanism.profile.lift)
     width = first + 2 * m
     # SUNDIALS hands out read-only views, for which numba would compile every kernel once more.
-    own, own_rate, moved, scratch = np.empty(width), np.empty(width), np.empty(width), np.empty((4, width))
+    own, own_rate, moved, scratch = np.empty(width), np.empty(width), np.empty(width), np.empty((6, width))
+    entries = np.empty(pattern.rows.size)
 
     def fill_residual(t: float, y: Vector, dy: Vector, out: Vector) -> None:
         own[:], own_rate[:] = y, dy
@@ -45,22 +53,34 @@ def solve_ida(
 
     def fill_matrix(t: float, y: Vector, dy: Vector, r: Vector, c: float, out: Any) -> None:
         own[:], own_rate[:] = y, dy
-        matrix(t, c, own, own_rate, tables, e, scratch, out)
+        matrix(t, c, own, own_rate, tables, e, pattern, scratch, entries)
+        if out.ndim == 1:
+            out[:] = entries
+        else:
+            out[pattern.rows, columns] = entries
 
     y0, dy0 = np.zeros(width), np.zeros(width)
     y0[:first], y0[first : first + m] = np.concatenate([start.q, start.v, start.film]), start.multipliers
     fill_residual(float(times[0]), y0, dy0, scratch[0])
     dy0[:first] = -scratch[0, :first]
     dy0[size : 2 * size] = start.a
-    sizes = np.repeat([COORDINATE, VELOCITY, FILM, MULTIPLIER], [size, size, contacts, 2 * m])
-    solver = IDA(
-        fill_residual,
-        jacfn=fill_matrix,
-        rtol=tolerance,
-        atol=tolerance * sizes,
-        algebraic_idx=list(range(first, width)),
-        max_num_steps=STEP_LIMIT,
-    )
+    sizes = np.repeat([COORDINATE, VELOCITY, FILM, MULTIPLIER], [size, size, films, 2 * m])
+    options: dict[str, Any] = {}
+    if width >= SPARSE_FROM:
+        shape = sparse.csc_matrix((entries, pattern.rows, pattern.starts), (width, width))
+        options = {"linsolver": "sparse", "sparsity": shape}
+    with warnings.catch_warnings():
+        # The pattern of the sparse solver is also a setting of a matrix by differences, which is not used.
+        warnings.filterwarnings("ignore", "Custom sparse Jacobian", UserWarning)
+        solver = IDA(
+            fill_residual,
+            jacfn=fill_matrix,
+            rtol=tolerance,
+            atol=tolerance * sizes,
+            algebraic_idx=list(range(first, width)),
+            max_num_steps=STEP_LIMIT,
+            **options,
+        )
     # Of an interval without an instant inside the solver returns all its steps.
     inside = times if times.size > 2 else np.linspace(times[0], times[-1], 3)
     result = solver.solve(inside, y0, dy0)

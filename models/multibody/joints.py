@@ -6,6 +6,7 @@ ground, whose axes are those of the global frame.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +15,7 @@ import numpy as np
 
 from ..core.quantities import Vector
 from .bodies import ORIGIN, Point, Y, Z, make_axes
-from .tables import AHEAD, DRIVEN, FLAT_CAM, PERPENDICULAR
+from .tables import AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD, PERPENDICULAR
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,12 @@ def revolute(
     a, b = make_axes(axis_i), make_axes(axis_j)
     held = hold_points(a, ("first axis", "second axis", "third axis"), at_i, at_j)
     return Joint(name, i, j, [*held, *_align(a, b)], at_i, at_j)
+
+
+def support(name: str, i: str, j: str, at_i: Point = ORIGIN, at_j: Point = ORIGIN, axis: Point = Z) -> Joint:
+    """A point of j stays on an axis of i, about which and across which it may turn: 2 constraints."""
+    held = hold_points(make_axes(axis)[:2], ("first axis", "second axis"), at_i, at_j)
+    return Joint(name, i, j, held, at_i, at_j)
 
 
 def spherical(name: str, i: str, j: str, at_i: Point = ORIGIN, at_j: Point = ORIGIN) -> Joint:
@@ -163,3 +170,49 @@ def flat_cam(
     second = np.cross(axis, foot)
     fields = {"kind": FLAT_CAM, "a": foot, "a2": second, "b": normal, "p_i": at_cam, "p_j": at_follower}
     return Joint(name, cam, follower, [Constraint("contact", fields)], at_cam, at_follower, cam=profile)
+
+
+@dataclass(frozen=True)
+class LeverEnd:
+    """The end of a lever: its arm (m) falls by the tilt (rad) below the line across the face's normal.
+
+    It is a round pad of that radius (m), or an involute that keeps the velocity ratio a cos(tilt).
+    """
+
+    arm: float
+    tilt: float = 0.0
+    radius: float = 0.0
+    constant_ratio: bool = False
+
+
+def lever_end(
+    name: str,
+    lever: str,
+    slider: str,
+    end: LeverEnd,
+    *,
+    at_lever: Point = ORIGIN,
+    at_slider: Point = ORIGIN,
+    axis: Point = Z,
+    normal: Point = Y,
+) -> Joint:
+    """The end of a lever stays on a flat face: 1 constraint, R0 + s(psi) = n d. Its multiplier is the load W.
+
+    The lever turns by psi about `axis` through its pivot `at_lever`, which moves the face along its normal,
+    away from the lever.
+    """
+    fields = {
+        "kind": LEVER if end.constant_ratio else PAD, "a": normal, "a2": np.cross(axis, normal), "b": normal,
+        "p_i": at_lever, "p_j": at_slider, "arm": end.arm, "tilt": end.tilt,
+        "offset": end.radius - end.arm * math.sin(end.tilt),
+    }  # fmt: skip
+    return Joint(name, lever, slider, [Constraint("contact", fields)], at_lever, at_slider)
+
+
+def plane_contact(
+    name: str, i: str, j: str, *, normal: Point = Y, at_i: Point = ORIGIN, at_j: Point = ORIGIN
+) -> Joint:
+    """A point of j stays on a plane of i, whose normal points to j: 1 constraint. Its multiplier is W."""
+    inwards = tuple(-x for x in normal)
+    fields = {"kind": AHEAD, "a": inwards, "p_i": at_i, "p_j": at_j}
+    return Joint(name, i, j, [Constraint("contact", fields)], at_i, at_j)

@@ -38,6 +38,37 @@ def load_spring(e: Evaluation, s: Any) -> None:
 
 
 @kernel
+def close(e: Evaluation, k: int) -> float:
+    """Rate of the overlap of the contact k."""
+    rate = 0.0
+    for side in range(2):
+        body = e.touch.bodies[k, side]
+        for i in range(3):
+            rate += e.touch.entries[k, side, i] * e.velocity[body, i]
+            rate += e.touch.entries[k, side, 3 + i] * e.omega[body, i]
+    return rate
+
+
+@kernel
+def push_apart(e: Evaluation, k: int, load: float) -> None:
+    """f = -J^T W of the contact k."""
+    e.load[k] = load
+    for side in range(2):
+        along, about = e.touch.entries[k, side, :3], e.touch.entries[k, side, 3:]
+        push(e, e.touch.bodies[k, side], scale(-load, pick(along)), scale(-load, pick(about)))
+
+
+@kernel
+def press(e: Evaluation, k: int, law: Any) -> None:
+    """W = k C + c C', C the overlap; a contact that is not bonded never pulls."""
+    overlap = e.touch.value[k]
+    load = law.stiffness * overlap + law.damping * close(e, k)
+    if law.bonded == 0.0 and (overlap <= 0.0 or load < 0.0):
+        load = 0.0
+    push_apart(e, k, load)
+
+
+@kernel
 def multiply_field(matrix: Any, shift: Arrow, turn: Arrow, first: int) -> Arrow:
     """Three rows of a 6 x 6 matrix times (shift, turn)."""
     a, b, c = matrix[first], matrix[first + 1], matrix[first + 2]

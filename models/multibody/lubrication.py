@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel
 from ..contact.ehl_contact import contact
-from ..valve_train.cams.lift import Lift
-from .constraints import carry, differ, point_at
+from .constraints import Curve, carry, differ, point_at
+from .loads import close, push_apart
 from .tables import Evaluation
 from .vectors import cross, dot
 
@@ -44,23 +44,17 @@ def find_drift(e: Evaluation, row: Any) -> float:
 
 
 @kernel
-def lubricate(
-    e: Evaluation, k: int, row: Any, base_radius: float, profile: Lift, turning: float, film: float, oil: Any
-) -> None:
+def lubricate(e: Evaluation, k: int, row: Any, curve: Curve, turning: float, film: float, oil: Any) -> None:
     """Load and film rate of the contact k, and its forces f = -J^T W; its row of `touch` is filled.
 
     R = R0 + s + s''; u = psi' (R0 + s + 2 s'')/2 + w/2, sliding psi' (R0 + s) - w, w the axis's drift.
     """
-    overlap, rate = e.touch.value[k], 0.0
-    for i in range(e.force.shape[0]):
-        v = e.velocity[i // 6 + 1, i % 6] if i % 6 < 3 else e.omega[i // 6 + 1, i % 6 - 3]
-        rate += e.touch.jacobian[k, i] * v
-    drift = find_drift(e, row)
+    base_radius, profile, drift = curve.base_radius, curve.lift, find_drift(e, row)
     # The law reads its records by name.
     state: Any = Film(film)
     surfaces: Any = Surfaces(
-        overlap,
-        rate,
+        e.touch.value[k],
+        close(e, k),
         0.0,
         0.0,
         0.5 * (turning * (base_radius + profile.s + 2.0 * profile.dds) + drift),
@@ -70,5 +64,4 @@ def lubricate(
     )
     found = contact(state, surfaces, oil)
     e.load[k], e.film_rate[k] = found.load, found.film_rate
-    for i in range(e.force.shape[0]):
-        e.force[i] -= e.touch.jacobian[k, i] * found.load
+    push_apart(e, k, found.load)

@@ -16,8 +16,9 @@ from ..valve_train.cams.profile import CamProfile
 from .bodies import GROUND, ORIGIN, Body, Point
 from .equations import make_evaluate, turn_coordinates
 from .fill import Force, fill_tables
-from .forces import LubricatedCam
+from .forces import ContactSpring, LubricatedCam
 from .joints import Joint
+from .saddle import solve_saddle
 from .tables import Evaluation, Tables, make_evaluation
 
 # A row of the Jacobian of which less than this share is new depends on the rows before it.
@@ -81,8 +82,13 @@ class Mechanism:
 
     @cached_property
     def contacts(self) -> tuple[str, ...]:
-        """Names of the lubricated contacts."""
-        return tuple(force.name for force in self.forces if isinstance(force, LubricatedCam))
+        """Names of the contacts that no joint holds, those with an oil film first."""
+        return tuple(
+            force.name
+            for kind in (LubricatedCam, ContactSpring)
+            for force in self.forces
+            if isinstance(force, kind)
+        )
 
     @cached_property
     def tables(self) -> Tables:
@@ -91,7 +97,7 @@ class Mechanism:
 
     @cached_property
     def _storage(self) -> Evaluation:
-        return make_evaluation(len(self.bodies), len(self.constraint_names), len(self.contacts))
+        return make_evaluation(self.tables)
 
     def evaluate(self, t: float, q: Vector, v: Vector, film: Vector | None = None) -> Evaluation:
         """The equations at an instant, which the next call overwrites; without `film`, with the start's."""
@@ -159,16 +165,14 @@ class Mechanism:
     def project_velocities(self, t: float, q: Vector, v: Vector) -> Vector:
         """The nearest velocities that the joints allow."""
         e = self.evaluate(t, q, v)
-        return v - e.held.jacobian.T @ np.linalg.solve(
-            e.held.jacobian @ e.held.jacobian.T, e.held.jacobian @ v + e.held.rate
-        )
+        jacobian = e.held.jacobian
+        return v - jacobian.T @ np.linalg.solve(jacobian @ jacobian.T, jacobian @ v + e.held.rate)
 
     def project_coordinates(self, t: float, q: Vector, v: Vector) -> Vector:
         """One of Newton's steps towards coordinates that the joints allow."""
         e, change = self.evaluate(t, q, v), np.empty_like(q)
-        turn_coordinates(
-            q, e.held.jacobian.T @ np.linalg.solve(e.held.jacobian @ e.held.jacobian.T, e.held.value), change
-        )
+        jacobian = e.held.jacobian
+        turn_coordinates(q, jacobian.T @ np.linalg.solve(jacobian @ jacobian.T, e.held.value), change)
         return q - change
 
     @property
@@ -179,12 +183,4 @@ class Mechanism:
     def accelerate(self, t: float, q: Vector, v: Vector, film: Vector) -> tuple[Vector, Vector]:
         """Accelerations and multipliers: M a + J^T lambda = f, J a = gamma."""
         e = self.evaluate(t, q, v, film)
-        m, size = e.held.jacobian.shape
-        matrix = np.zeros((size + m, size + m))
-        matrix[:size, :size], matrix[:size, size:], matrix[size:, :size] = (
-            e.mass,
-            e.held.jacobian.T,
-            e.held.jacobian,
-        )
-        solution = np.linalg.solve(matrix, np.concatenate([e.force, e.held.gamma]))
-        return solution[:size], solution[size:]
+        return solve_saddle(e, e.force, e.held.gamma)

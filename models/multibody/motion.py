@@ -34,7 +34,7 @@ class Drift(NamedTuple):
 class Motion:
     """Coordinates, velocities and accelerations (times, 6 n), multipliers (times, m) of a mechanism.
 
-    Films and loads (times, c) are those of its lubricated contacts. Accelerations and multipliers
+    Loads (times, c) and films are those of the contacts that no joint holds. Accelerations and multipliers
     belong to the coordinates and velocities at each instant: M a + J^T lambda = f, J a = gamma.
     """
 
@@ -63,7 +63,7 @@ class Motion:
         return self.multipliers[:, self.mechanism.find_rows(joint)]
 
     def load(self, contact: str) -> Vector:
-        """Load of a cam (times,): a lubricated contact's, or the multiplier of one that is held."""
+        """Load of a contact (times,): by its law, or the multiplier of one that is held."""
         contacts = self.mechanism.contacts
         return (
             self.loads[:, contacts.index(contact)] if contact in contacts else self.multiplier(contact)[:, 0]
@@ -101,7 +101,7 @@ def complete(mechanism: Mechanism, times: Vector, states: Vector, method: str) -
     """The motion whose states (q, v, films) are rows of `states`, with all that belongs to them."""
     size = 6 * len(mechanism.bodies)
     q, v, film = states[:, :size], states[:, size : 2 * size], states[:, 2 * size :]
-    a, loads = np.empty_like(q), np.empty_like(film)
+    a, loads = np.empty_like(q), np.empty((times.size, len(mechanism.contacts)))
     multipliers = np.empty((times.size, len(mechanism.constraint_names)))
     for n, t in enumerate(times):
         a[n], multipliers[n] = mechanism.accelerate(float(t), q[n], v[n], film[n])

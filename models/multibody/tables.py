@@ -9,7 +9,7 @@ import numpy as np
 from ..core.quantities import Vector
 
 # Kinds of scalar constraints.
-PERPENDICULAR, AHEAD, DRIVEN, FLAT_CAM = range(4)
+PERPENDICULAR, AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD = range(6)
 
 # One scalar constraint between the bodies i and j. `a` and the point p_i are fixed in i, `b` and p_j in j.
 ROW = np.dtype(
@@ -22,13 +22,17 @@ ROW = np.dtype(
         ("b", "f8", 3),
         ("p_i", "f8", 3),
         ("p_j", "f8", 3),
-        ("offset", "f8"),  # of AHEAD (m)
+        ("offset", "f8"),  # of AHEAD; base radius of LEVER and PAD (m)
         ("angle", "f8"),  # of DRIVEN at t = 0 (rad), with its speed and acceleration
         ("speed", "f8"),
         ("acceleration", "f8"),
         ("cam", "i8"),  # number of the cam's profile
+        ("arm", "f8"),  # of LEVER and PAD (m), which falls by the tilt (rad)
+        ("tilt", "f8"),
     ]
 )
+# The law W = k C + c C' of a contact; one that is not bonded never pulls.
+PRESS = np.dtype([("stiffness", "f8"), ("damping", "f8"), ("bonded", "f8")])
 # A spring and damper along the line between two points.
 SPRING = np.dtype(
     [
@@ -66,18 +70,32 @@ class Tables(NamedTuple):
     rows: Any  # (m,) of ROW
     springs: Any  # of SPRING
     fields: Any  # of FIELD
-    touches: Any  # (c,) of ROW: flat cams with an oil film
-    lubricants: Any  # records of their contacts' parameters; at least one, which may be unused
+    touches: Any  # (c,) of ROW: contacts that are not held, first those with an oil film
+    lubricants: Any  # records of the films' parameters; at least one, which may be unused
+    presses: Any  # of PRESS: the laws of the other contacts
     cams: Any  # records of the cams' parameters; at least one, which may be unused
 
 
 class Rows(NamedTuple):
-    """Scalar constraints at an instant: C, J, C_t, gamma."""
+    """Scalar constraints at an instant: C, J, C_t, gamma.
+
+    A row of J has entries at two bodies only; the ground, body 0, has none in J.
+    """
 
     value: Vector  # (m,)
-    jacobian: Vector  # (m, 6 n)
+    entries: Vector  # (m, 2, 6), at the velocities of i and of j
     rate: Vector  # (m,)
     gamma: Vector  # (m,)
+    bodies: Any  # (m, 2), i and j
+    moving: Vector  # (n,), for its length
+
+    @property
+    def jacobian(self) -> Vector:
+        """J, (m, 6 n)."""
+        full = np.zeros((self.value.size, self.moving.size + 1, 6))
+        for side in (0, 1):
+            full[np.arange(self.value.size), self.bodies[:, side]] += self.entries[:, side]
+        return full[:, 1:].reshape(self.value.size, 6 * self.moving.size)
 
 
 class Evaluation(NamedTuple):
@@ -91,21 +109,39 @@ class Evaluation(NamedTuple):
     rotation: Vector  # (n + 1, 3, 3)
     velocity: Vector  # (n + 1, 3)
     omega: Vector  # (n + 1, 3)
-    mass: Vector  # M, (6 n, 6 n), block diagonal
+    blocks: Vector  # of the bodies in M, (n, 6, 6)
     force: Vector  # f, (6 n,), with the gyroscopic moments
     held: Rows  # of the joints
     touch: Rows  # overlaps of the c contacts
     load: Vector  # of the contacts, (c,)
-    film_rate: Vector  # (c,)
+    film_rate: Vector  # of the contacts with a film
+
+    @property
+    def mass(self) -> Vector:
+        """M, (6 n, 6 n)."""
+        own, bodies = np.arange(len(self.blocks)), len(self.blocks)
+        full = np.zeros((bodies, 6, bodies, 6))
+        full[own, :, own] = self.blocks
+        return full.reshape(6 * bodies, 6 * bodies)
 
 
-def make_rows(bodies: int, count: int) -> Rows:
-    """Storage for so many constraints."""
-    return Rows(np.zeros(count), np.zeros((count, 6 * bodies)), np.zeros(count), np.zeros(count))
+def make_rows(tables: Tables, rows: Any) -> Rows:
+    """Storage for these rows."""
+    ends = np.stack([rows["i"], rows["j"]], axis=1)
+    count = len(rows)
+    return Rows(
+        np.zeros(count),
+        np.zeros((count, 2, 6)),
+        np.zeros(count),
+        np.zeros(count),
+        ends,
+        np.zeros(len(tables.mass)),
+    )
 
 
-def make_evaluation(bodies: int, constraints: int, contacts: int) -> Evaluation:
+def make_evaluation(tables: Tables) -> Evaluation:
     """Storage for the equations; the ground rests."""
+    bodies = len(tables.mass)
     rotation = np.zeros((bodies + 1, 3, 3))
     rotation[0] = np.eye(3)
     return Evaluation(
@@ -113,10 +149,10 @@ def make_evaluation(bodies: int, constraints: int, contacts: int) -> Evaluation:
         rotation=rotation,
         velocity=np.zeros((bodies + 1, 3)),
         omega=np.zeros((bodies + 1, 3)),
-        mass=np.zeros((6 * bodies, 6 * bodies)),
+        blocks=np.zeros((bodies, 6, 6)),
         force=np.zeros(6 * bodies),
-        held=make_rows(bodies, constraints),
-        touch=make_rows(bodies, contacts),
-        load=np.zeros(contacts),
-        film_rate=np.zeros(contacts),
+        held=make_rows(tables, tables.rows),
+        touch=make_rows(tables, tables.touches),
+        load=np.zeros(len(tables.touches)),
+        film_rate=np.zeros(len(tables.touches) - len(tables.presses)),
     )

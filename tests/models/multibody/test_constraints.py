@@ -78,6 +78,21 @@ def cam() -> sp.Expr:
     return CAM.base_radius + CAM.lift * (turns - sp.sin(2 * sp.pi * turns) / (2 * sp.pi)) - normal.dot(D)
 
 
+ARM, TILT, RADIUS = 0.4, 0.15, 0.1
+
+
+def lever(shape: str) -> sp.Expr:
+    """Distance of the face from the pivot, less that of the end of an arm that has turned by psi."""
+    normal, foot, side = R_J * sp.Matrix([0, 1, 0]), R_I * sp.Matrix([0, 1, 0]), R_I * sp.Matrix([-1, 0, 0])
+    psi = sp.atan2(-normal.dot(side), normal.dot(foot))
+    # The pad's lowest point; an involute unwinds from it with the arm's rate at psi = 0.
+    reach = {
+        "pad": RADIUS + ARM * sp.sin(psi - TILT),
+        "involute": RADIUS - ARM * sp.sin(TILT) + ARM * sp.cos(TILT) * psi,
+    }
+    return reach[shape] - normal.dot(D)
+
+
 PHASE = 2.4
 FOOT = (-math.sin(PHASE), math.cos(PHASE), 0.0)
 XYZ = [sp.Matrix(list(row)) for row in np.eye(3)]
@@ -98,6 +113,24 @@ CASES: dict[str, tuple[Joint, Callable[[], list[sp.Expr]]]] = {
         lambda: held([0, 1]) + parallel_frames(A, B),
     ),
     "spherical": (joints.spherical("joint", *NONE, **AT), lambda: [(R_I * x).dot(D) for x in XYZ]),
+    "support": (joints.support("joint", *NONE, **AT, axis=AXIS_I), lambda: held([0, 1])),
+    "plane contact": (
+        joints.plane_contact("joint", *NONE, **AT, normal=(0.0, 1.0, 0.0)),
+        lambda: [-(R_I * XYZ[1]).dot(D)],
+    ),
+    **{
+        f"lever's end, {shape}": (
+            joints.lever_end(
+                "joint",
+                *NONE,
+                joints.LeverEnd(ARM, TILT, RADIUS, shape == "involute"),
+                at_lever=AT_I,
+                at_slider=AT_J,
+            ),
+            lambda shape=shape: [lever(shape)],
+        )
+        for shape in ("pad", "involute")
+    },
     "fixed": (
         joints.fixed("joint", *NONE, **AT),
         lambda: [(R_I * x).dot(D) for x in XYZ] + parallel_frames(XYZ, XYZ),

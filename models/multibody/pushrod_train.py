@@ -1,0 +1,242 @@
+"""The single valve train of Qin and Zuo 2000 (Q): cam, tappet, pushrod, rocker, valve and spring.
+
+Axes: z along the shaft, y along tappet and pushrod; the valve opens towards -y. Q section 1.2 has revolute,
+translational and fixed joints and contacts of curves. The pushrod is rigid, or stands in finite segments,
+Q (1).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from ..valve_train.cams.law import LAW
+from ..valve_train.cams.profile import CamProfile
+from ..valve_train.valve_spring import lumping
+from .bodies import GROUND, Body, Point
+from .coils import Coils, hang_coils
+from .fill import Force
+from .forces import ContactSpring, LubricatedCam, SpringDamper, rod_rate
+from .joints import (
+    Joint,
+    LeverEnd,
+    flat_cam,
+    lever_end,
+    plane_contact,
+    prescribed_rotation,
+    revolute,
+    translational,
+)
+from .mechanism import Mechanism
+
+BEARING, DRIVE, PIVOT = "bearing", "drive", "rocker's pivot"
+CAM, SEAT, ROD_END, TIP = "cam and tappet", "tappet and pushrod", "pushrod and rocker", "rocker and valve"
+VALVE_SEAT = "valve's seat"
+DOWN: Point = (0.0, -1.0, 0.0)
+BACK: Point = (0.0, 0.0, -1.0)
+# Moments of inertia (kg m^2) of parts that only slide: they have no effect.
+SLIDING_INERTIA = (1e-5, 1e-5, 1e-5)
+# Of a rocker with its centre of mass on its pivot, and of a cam at constant speed; neither has an effect.
+ROCKER_MASS = 0.2
+CAM_MASS, CAM_INERTIA = 0.2, (1e-4, 1e-4, 1.2e-4)
+
+
+@dataclass(frozen=True)
+class PushrodStart:
+    """Where the parts are at t = 0, as the components' states tell it (m, rad); default: at rest, unloaded.
+
+    `films` has the thickness of the lubricated contacts.
+    """
+
+    angle: float = 0.0
+    position: float = 0.0
+    displacements: Sequence[float] | None = None
+    rotation: float = 0.0
+    opening: float = 0.0
+    coil_positions: Sequence[float] | None = None
+    films: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class PushrodTrain:
+    """The train from the parameters of `tappet` (with its cam), `rod`, `rocker` and `valve_spring`.
+
+    The pushrod has so many segments; with 0 it is rigid. `oils` are parameters of `ehl_contact` for the
+    contacts CAM and TIP; without them the surfaces stay together. `place` is how far along the shaft the
+    train stands (m); `mark` ends the names of its parts.
+    """
+
+    tappet: Any
+    rod: Any
+    rocker: Any
+    valve: Any
+    segments: int = 4
+    coil_masses: int = 2
+    oils: Mapping[str, Any] = field(default_factory=dict)
+    place: float = 0.0
+    mark: str = ""
+    start: PushrodStart = PushrodStart()
+
+    @cached_property
+    def heights(self) -> tuple[float, float, float]:
+        """Of the tappet, of the rocker's pivot and of the valve (m), with the valve closed."""
+        r = self.rocker
+        tappet = float(self.tappet.base_radius)
+        # At the angle 0 the ends are tip_radius -+ arm sin(angle) below the pivot.
+        pivot = (
+            tappet + self.rod.length + self.rod.clearance + r.tip_radius + r.rod_arm * math.sin(r.rod_angle)
+        )
+        return tappet, pivot, pivot - r.tip_radius + r.valve_arm * math.sin(r.valve_angle)
+
+    @cached_property
+    def columns(self) -> tuple[float, float]:
+        """x of the rocker's pivot and of the valve; the pushrod is at 0 (m)."""
+        pivot = float(self.rocker.rod_arm * math.cos(self.rocker.rod_angle))
+        return pivot, pivot + float(self.rocker.valve_arm * math.cos(self.rocker.valve_angle))
+
+    @cached_property
+    def rods(self) -> list[str]:
+        """Names of the pushrod's segments, from the tappet on."""
+        if not self.segments:
+            return [f"pushrod{self.mark}"]
+        return [f"pushrod segment {i + 1}{self.mark}" for i in range(self.segments)]
+
+    @cached_property
+    def coils(self) -> Coils:
+        names = [f"spring mass {i + 1}{self.mark}" for i in range(self.coil_masses)]
+        place = (self.columns[1], self.heights[2], self.place)
+        moved = self.start.coil_positions or [0.0] * self.coil_masses
+        return hang_coils(self.valve, f"valve{self.mark}", names, place, DOWN, moved)
+
+    def follow_cam(self, angle: float = 0.0, profile: CamProfile = LAW) -> PushrodStart:
+        """Near the places at a cam angle of parts without elasticity; exact at constant lever ratio."""
+        r, n = self.rocker, self.coil_masses
+        lift = float(profile.lift(angle + float(self.tappet.phase), self.tappet).s)
+        turned = lift / float(r.rod_arm * math.cos(r.rod_angle))
+        opening = turned * float(r.valve_arm * math.cos(r.valve_angle))
+        # The segments of the spring carry alike.
+        share = lumping(max(1, n))
+        coils = [opening * (1.0 - 1.0 / share.end_rate - i / share.inner_rate) for i in range(n)]
+        return PushrodStart(angle, lift, [lift] * len(self.rods), turned, opening, coils)
+
+    def list_bodies(self) -> list[Body]:
+        """Tappet, pushrod, rocker, valve and masses of the spring."""
+        begin, z = self.start, self.place
+        tappet, pivot, valve = self.heights
+        length = float(self.rod.length) / len(self.rods)
+        mass = float(self.rod.density * self.rod.area) * length
+        inertia = (
+            mass * length**2 / 12.0,
+            mass * float(self.rod.area) / (2.0 * math.pi),
+            mass * length**2 / 12.0,
+        )
+        moved = begin.displacements or [begin.position] * len(self.rods)
+        turning = float(self.rocker.inertia)
+        return [
+            Body(
+                f"tappet{self.mark}", float(self.tappet.mass), SLIDING_INERTIA,
+                (0.0, tappet + begin.position, z),
+            ),
+            *(
+                Body(name, mass, inertia, (0.0, tappet + (i + 0.5) * length + moved[i], z))
+                for i, name in enumerate(self.rods)
+            ),
+            Body(
+                f"rocker{self.mark}", ROCKER_MASS, (turning, turning, turning),
+                (self.columns[0], pivot, z), (0.0, 0.0, -begin.rotation),
+            ),
+            Body(
+                f"valve{self.mark}", float(self.valve.valve_mass), SLIDING_INERTIA,
+                (self.columns[1], valve - begin.opening, z),
+            ),
+            *self.coils.bodies,
+        ]  # fmt: skip
+
+    def list_joints(self, cam: str) -> list[Joint]:
+        """Guides, pivot, and the contacts that are held, on that body with the cam."""
+        tappet, pivot, valve = (f"{part}{self.mark}" for part in ("tappet", "rocker", "valve"))
+        on_axis, at_valve = (0.0, 0.0, self.place), (self.columns[1], 0.0, self.place)
+        held = [self._touch(CAM, cam)] if CAM not in self.oils else []
+        held += [self._touch(TIP, cam)] if TIP not in self.oils else []
+        held += [] if self.segments else [self._touch(SEAT, cam), self._touch(ROD_END, cam)]
+        return [
+            *held,
+            translational(f"guide of {tappet}", GROUND, tappet, at_i=on_axis),
+            *(translational(f"guide of {name}", GROUND, name, at_i=on_axis) for name in self.rods),
+            revolute(f"{PIVOT}{self.mark}", GROUND, pivot, at_i=(*self._pivot, self.place)),
+            translational(f"guide of {valve}", GROUND, valve, at_i=at_valve),
+            *self.coils.guides,
+        ]
+
+    def list_forces(self, cam: str) -> list[Force]:
+        """Oil films, the pushrod's springs, seat and spring of the valve."""
+        start = self.start.films
+        found: list[Force] = [
+            LubricatedCam(self._touch(name, cam), oil, start.get(name, 1e-6))
+            for name, oil in self.oils.items()
+        ]
+        if self.segments:
+            inner = rod_rate(self.rod.youngs_modulus, self.rod.area, self._length)
+            damping, bonded = float(self.rod.damping_time) * inner, bool(self.rod.bonded)
+            # Q (1): 2 A E/L at both ends of each segment, so A E/L between two centres.
+            found += [
+                ContactSpring(self._touch(name, cam), 2.0 * inner, 2.0 * damping, bonded)
+                for name in (SEAT, ROD_END)
+            ]
+            found += [
+                SpringDamper(lower, upper, inner, self._length, damping)
+                for lower, upper in zip(self.rods, self.rods[1:], strict=False)
+            ]
+        if self.valve.seat_stiffness > 0.0:
+            found.append(
+                ContactSpring(
+                    self._touch(VALVE_SEAT, cam), self.valve.seat_stiffness, self.valve.seat_damping
+                )
+            )
+        return [*found, *self.coils.springs]
+
+    @property
+    def _length(self) -> float:
+        return float(self.rod.length) / len(self.rods)
+
+    @property
+    def _pivot(self) -> tuple[float, float]:
+        return self.columns[0], self.heights[1]
+
+    def _touch(self, name: str, cam: str) -> Joint:
+        """The contact of that name."""
+        tappet, rocker, valve = (f"{part}{self.mark}" for part in ("tappet", "rocker", "valve"))
+        marked, half, r = f"{name}{self.mark}", 0.5 * self._length, self.rocker
+        if name == CAM:
+            foot = (-math.sin(self.tappet.phase), math.cos(self.tappet.phase), 0.0)
+            return flat_cam(marked, cam, tappet, self.tappet, foot=foot)
+        if name == SEAT:
+            return plane_contact(marked, tappet, self.rods[0], at_j=(0.0, -half, 0.0))
+        if name == VALVE_SEAT:
+            lashed = (self.columns[1], self.heights[2] - float(self.valve.lash), self.place)
+            return plane_contact(marked, GROUND, valve, normal=DOWN, at_i=lashed)
+        radius, constant = float(r.tip_radius), bool(r.small_motion)
+        if name == ROD_END:
+            # The arm rises, and the lever turns against the axis Z, as the pushrod lifts it.
+            end = LeverEnd(float(r.rod_arm), -float(r.rod_angle), radius, constant)
+            return lever_end(marked, rocker, self.rods[-1], end, at_slider=(0.0, half, 0.0), normal=DOWN)
+        end = LeverEnd(float(r.valve_arm), float(r.valve_angle), radius, constant)
+        return lever_end(marked, rocker, valve, end, axis=BACK, normal=DOWN)
+
+
+def pushrod_train(train: PushrodTrain, speed: float, profile: CamProfile = LAW) -> Mechanism:
+    """The train on a cam of its own at a constant speed (rad/s)."""
+    cam = f"cam{train.mark}"
+    bearing = (0.0, 0.0, train.place)
+    turning = Body(
+        cam, CAM_MASS, CAM_INERTIA, bearing, (0.0, 0.0, train.start.angle), angular_velocity=(0.0, 0.0, speed)
+    )
+    joints = [
+        revolute(f"{BEARING}{train.mark}", GROUND, cam, at_i=bearing),
+        prescribed_rotation(f"{DRIVE}{train.mark}", GROUND, cam, speed, train.start.angle),
+        *train.list_joints(cam),
+    ]
+    return Mechanism([turning, *train.list_bodies()], joints, train.list_forces(cam), profile=profile)
