@@ -19,6 +19,7 @@ SPEED = Plausible(
     0.0, 300.0 * math.pi, (("rpm", math.pi / 30.0),), "engines of production cars turn at 9000 rpm at most"
 )
 ANGLE = Plausible(0.0, 4.0 * math.pi, _ANGLE, "a four-stroke cycle has 720 deg")
+LEVER_ANGLE = Plausible(0.0, 0.5 * math.pi, _ANGLE, "levers rest within 90 deg of the level")
 RAMP = Plausible(1e-6, 10.0, (("ms", 1e-3),), "runs of these models last some seconds at most")
 
 VALVE_MASS = Plausible(5e-3, 5.0, _MASS, "valves with their followers have 5 g to 5 kg")
@@ -31,7 +32,8 @@ LASH = Plausible(1e-6, 5e-3, _LENGTH, "valves have a few tenths of a millimetre 
 CAM_LIFT = Plausible(1e-4, 0.1, _LENGTH, "cams lift by 0.1 to 100 mm")
 PART_LENGTH = Plausible(1e-3, 2.0, _LENGTH, "parts of engines measure 1 mm to 2 m")
 CAM_RADIUS = Plausible(1e-3, 0.5, _LENGTH, "cams and their shafts measure 1 to 500 mm")
-CURVATURE = Plausible(1e-4, 10.0, _LENGTH, "contacts have radii of 0.1 mm to 10 m")
+# Below 10 m: pads and rollers of 10 mm are usual.
+CURVATURE = Plausible(1e-4, 5.0, _LENGTH, "contacts have radii of 0.1 mm to 5 m")
 PLAY = Plausible(1e-7, 0.02, _LENGTH, "pistons have 0.1 um to 20 mm of play")
 OFFSET = Plausible(1e-5, 0.2, _LENGTH, "pins and centres of mass lie 0.01 to 200 mm off")
 AREA = Plausible(1e-8, 1e-2, (("mm2", 1e-6),), "sections of rods measure 0.01 to 10000 mm2")

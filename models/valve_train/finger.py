@@ -16,7 +16,7 @@ from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
-from ..plausible import ANGLE, CURVATURE, PART_LENGTH, PART_MASS, SEAT_STIFFNESS
+from ..plausible import ANGLE, CURVATURE, LEVER_ANGLE, PART_LENGTH, PART_MASS, SEAT_STIFFNESS
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
 from .cams.profile import CamProfile, time_to_break
@@ -74,7 +74,9 @@ class LeverParameters(TipParameters):
     ] = 28e-3
     pivot_angle: Annotated[
         float,
-        Quantity("rad", "angle by which that line falls, valve closed", display_unit="deg", plausible=ANGLE),
+        Quantity(
+            "rad", "angle by which that line falls, valve closed", display_unit="deg", plausible=LEVER_ANGLE
+        ),
     ] = math.radians(8.0)
     valve_arm: Annotated[
         float,
@@ -88,7 +90,7 @@ class LeverParameters(TipParameters):
     ] = 40e-3
     valve_angle: Annotated[
         float,
-        Quantity("rad", "angle by which that line falls further", display_unit="deg", plausible=ANGLE),
+        Quantity("rad", "angle by which that line falls further", display_unit="deg", plausible=LEVER_ANGLE),
     ] = math.radians(2.0)
     mass: Annotated[
         float, Quantity("kg", "mass of the finger", nominal=0.1, positive=True, plausible=PART_MASS)

@@ -11,7 +11,7 @@ from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import ANGLE, PART_LENGTH
+from ..plausible import LEVER_ANGLE, PART_LENGTH
 from .followers.tip import TIP_BONDS, Tip, TipInputs, TipOutputs, TipParameters, place_tip, show_tip
 
 
@@ -31,7 +31,8 @@ class RockerParameters(TipParameters):
         ),
     ] = 32e-3
     rod_angle: Annotated[
-        float, Quantity("rad", "angle by which the pushrod's arm falls", display_unit="deg", plausible=ANGLE)
+        float,
+        Quantity("rad", "angle by which the pushrod's arm falls", display_unit="deg", plausible=LEVER_ANGLE),
     ] = 0.0
     valve_arm: Annotated[
         float,
@@ -45,7 +46,8 @@ class RockerParameters(TipParameters):
         ),
     ] = 40e-3
     valve_angle: Annotated[
-        float, Quantity("rad", "angle by which the valve's arm falls", display_unit="deg", plausible=ANGLE)
+        float,
+        Quantity("rad", "angle by which the valve's arm falls", display_unit="deg", plausible=LEVER_ANGLE),
     ] = 0.0
     small_motion: Annotated[
         float,

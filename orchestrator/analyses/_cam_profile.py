@@ -12,6 +12,7 @@ import numpy as np
 
 from models.core.component import Component
 from models.core.quantities import Quantity
+from models.plausible import CURVATURE, LEVER_ANGLE, OFFSET, PART_LENGTH
 from models.valve_train.cams.law import LAW, LawParameters, law_lift
 from models.valve_train.cams.lift import Lift
 from models.valve_train.cams.profile import CamProfile
@@ -29,17 +30,28 @@ from .protocol import Parameter
 
 # Of a follower: the geometry's field, and the parameter with its default.
 GEOMETRY = {
-    "radius": Parameter(10e-3, "m", "radius of roller or pad", positive=True),
+    "radius": Parameter(10e-3, "m", "radius of roller or pad", positive=True, plausible=CURVATURE),
     "tilt": Parameter(
         0.0, "rad", "tilt of a flat follower's face from normal to its path", minimum=-1.0, maximum=1.0
     ),
-    "offset": Parameter(0.0, "m", "offset of a translating follower's path from the cam's axis"),
-    "cam_arm": Parameter(28e-3, "m", "finger: from the pivot to the centre of roller or pad"),
-    "pivot_angle": Parameter(
-        math.radians(8.0), "rad", "finger: fall of that line from the pivot, valve closed"
+    "offset": Parameter(
+        0.0, "m", "offset of a translating follower's path from the cam's axis", plausible=OFFSET
     ),
-    "valve_arm": Parameter(40e-3, "m", "finger: from the pivot to the centre of the pad on the valve"),
-    "valve_angle": Parameter(math.radians(2.0), "rad", "finger: further fall of that line"),
+    "cam_arm": Parameter(
+        28e-3, "m", "finger: from the pivot to the centre of roller or pad", plausible=PART_LENGTH
+    ),
+    "pivot_angle": Parameter(
+        math.radians(8.0),
+        "rad",
+        "finger: fall of that line from the pivot, valve closed",
+        plausible=LEVER_ANGLE,
+    ),
+    "valve_arm": Parameter(
+        40e-3, "m", "finger: from the pivot to the centre of the pad on the valve", plausible=PART_LENGTH
+    ),
+    "valve_angle": Parameter(
+        math.radians(2.0), "rad", "finger: further fall of that line", plausible=LEVER_ANGLE
+    ),
 }
 NONE = "none"
 TABLE_EVENT = {

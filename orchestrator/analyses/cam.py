@@ -13,11 +13,12 @@ from scipy.optimize import brentq
 from models.core.quantities import Vector
 from models.plausible import SPEED
 from models.valve_train.cams.lift import Lift
+from models.valve_train.cams.smoothing import SmoothedLift
 from models.valve_train.cams.table import TURN
 from models.valve_train.followers.shape import FOLLOWERS, Follower, sample_angles, trace_shape
 
 from ..errors import MistakeError
-from ..scenario.lift_table import doubt_event
+from ..scenario.lift_table import doubt_cam
 from ._cam_profile import (
     GEOMETRY,
     NONE,
@@ -156,18 +157,18 @@ def _evaluate_table(
         "largest_pressure_angle": float(np.abs(pressure).max()),
         "reversals": ", ".join(f"{math.degrees(a):.2f}" for a in zeros) or "none",
         "slope_at_reversals": float(max(slopes, default=math.nan)),
-        "table_doubts": _list_doubts(profile) if smoothing else "",
+        "table_doubts": _list_doubts(profile, smoothing) if smoothing else "",
         "table_residual": smoothing.residual if smoothing else math.nan,
         "table_resolution": smoothing.resolution if smoothing else math.nan,
         "curvature_uncertainty": smoothing.curvature_error if smoothing else math.nan,
     }
 
 
-def _list_doubts(profile: Profile) -> str:
+def _list_doubts(profile: Profile, smoothing: SmoothedLift) -> str:
     """What may be wrong with a lift table."""
-    doubts = [doubt] if (doubt := doubt_event(*profile.event)) else []
-    if profile.smoothing and profile.smoothing.doubtful:
-        angle, deviation = profile.smoothing.doubtful
+    doubts = [doubt] if (doubt := doubt_cam(*profile.event, smoothing.points.lift)) else []
+    if smoothing.doubtful:
+        angle, deviation = smoothing.doubtful
         doubts.append(f"the row at {math.degrees(angle):.5g} deg is {1e3 * deviation:.3g} mm off the others")
     return "; ".join(doubts) or "none"
 

@@ -19,6 +19,8 @@ from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 RPM = 30.0 / math.pi
 COLOURS = (COUPLED, REFERENCE, ACCENT, MUTED)
 MOST_ORDERS = 24
+# Speeds that make a curve.
+LEAST_SHOWN = 3
 # Colours of natural frequencies, by their kind.
 NATURAL = {"surge": REFERENCE, "torsion": COUPLED, "bending": ACCENT}
 # Title, unit with its factor, endings of results: a panel for each that the table has.
@@ -80,11 +82,11 @@ def _limit_to_contact(
 
 
 def _shown_speeds(table: xarray.Dataset) -> NDArray[np.bool_]:
-    """The speeds at which no contact is lost, or all where that is less than half."""
+    """The speeds at which no contact is lost, or all where these are too few for a curve."""
     every = np.ones(table.sizes["speed"], dtype=np.bool_)
     lost = [table[name].values > 0.0 for name in table.data_vars if str(name).endswith(".lost")]
     kept = ~np.any(lost, axis=0) if lost else every
-    return kept if 2 * np.count_nonzero(kept) >= kept.size else every
+    return kept if np.count_nonzero(kept) >= LEAST_SHOWN else every
 
 
 def _has_values(table: xarray.Dataset, name: str) -> bool:

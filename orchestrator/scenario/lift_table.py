@@ -124,8 +124,13 @@ def replace_law(table: dict[str, Any], key: str) -> None:
         table["parameters"] = {name: value for name, value in parameters.items() if name not in OF_LAWS}
 
 
-def doubt_event(begin: float, end: float) -> str:
-    """Why a cam through points that lifts between these angles (rad) is doubtful; "" if it isn't."""
+def doubt_cam(begin: float, end: float, lifts: Vector) -> str:
+    """Why a cam through points is doubtful that lifts between these angles (rad); "" if it isn't."""
+    if abs(lifts.min()) > ROUND * lifts.max():
+        return (
+            f"its least lift is {1e3 * lifts.min():.3g} mm: lifts count from the base circle; subtract it "
+            "from all lifts of the table"
+        )
     if end - begin <= LONGEST_EVENT:
         return ""
     turned = math.degrees(end - begin)

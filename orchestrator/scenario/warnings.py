@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from models.contact.records import CONTACTS
 
 from ..participants import ThirdPartyComponent
 from . import Scenario, parse_line
 from .capabilities import list_renamed_libraries, list_unsynchronised
 from .fmu_limits import list_limit_warnings
-from .lift_table import doubt_event
+from .lift_table import doubt_cam
 from .third_party_values import list_bare_numbers
 from .values import WithUnit
 
@@ -30,7 +32,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
     return [
         *found,
         *_list_doubtful(scenario),
-        *_list_long_cams(scenario),
+        *_list_doubtful_cams(scenario),
         *_list_unloaded(scenario),
         *_list_other_units(scenario),
         *list_renamed_libraries(scenario),
@@ -63,13 +65,16 @@ def _list_doubtful(scenario: Scenario) -> list[str]:
     return found
 
 
-def _list_long_cams(scenario: Scenario) -> list[str]:
-    """Warn of cams through points that lift too long."""
+def _list_doubtful_cams(scenario: Scenario) -> list[str]:
+    """Warn of cams through points that lift too long, or that have no base circle."""
     found = []
     for name, table in scenario.components.items():
         if "table_points" in table.structure:
             begin, end = (float(table.parameters[key]) for key in ("event_begin", "event_end"))
-            found += [f"components.{name}: {doubt}"] if (doubt := doubt_event(begin, end)) else []
+            lifts = [float(v) for key, v in table.parameters.items() if key.startswith("table_lift[")]
+            found += (
+                [f"components.{name}: {doubt}"] if (doubt := doubt_cam(begin, end, np.array(lifts))) else []
+            )
     return found
 
 

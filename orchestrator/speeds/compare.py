@@ -26,6 +26,7 @@ LEAST_IS_WORST = (
     "spring_margin",
     "least_gap",
     "largest_lift",
+    "lift_area",
     "least_torque",
 )
 # Numbers that are neither good nor bad.

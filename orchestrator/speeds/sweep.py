@@ -28,6 +28,7 @@ from ..plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_s
 from ..plots.style import save_figure
 from ..reporter import Reporter
 from ..scenario import build_scenario
+from ..scenario.system import build_system
 from ..study.files import Plan, parse_study
 from ..study.points import expand_points
 from ..study.run import Where, run
@@ -55,7 +56,7 @@ def sweep(
     """Find the cycles of a scenario that are missing in the folder `out`, then the speed of separation; draw
     all.
 
-    Returns the command's exit status. MistakeError before anything is written.
+    Returns the command's exit status. MistakeError or ModelError before anything is written.
     """
     plan, subject = make_plan(tables, speeds, out)
     status = run(plan, out / STORE, where, reporter, overwrite)
@@ -95,8 +96,9 @@ def parse_range(low: str, high: str, count: int) -> Range:
 
 
 def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan, SpeedSubject]:
-    """The study of a scenario's cycles; MistakeError for a fault of the scenario."""
+    """The study of a scenario's cycles; MistakeError or ModelError for a fault of the scenario."""
     scenario = build_scenario(copy.deepcopy(dict(tables)))
+    build_system(scenario)
     subject = SpeedSubject(tables, find_flywheel(scenario), str((out / CYCLES).absolute()))
     axis = {"start": speeds.low, "stop": speeds.high, "count": speeds.count}
     study = parse_study(
@@ -155,7 +157,7 @@ def describe_lift_loss(table: xarray.Dataset) -> Iterator[str]:
         loss = 1.0 - area / area[0]
         worst = int(np.argmax(np.abs(loss)))
         if worst:
-            change = f"{100.0 * abs(loss[worst]):.2g} % {'less' if loss[worst] > 0.0 else 'more'}"
+            change = f"{100.0 * abs(loss[worst]):.3g} % {'less' if loss[worst] > 0.0 else 'more'}"
             valve = name.rpartition(".")[0]
             yield (
                 f"{valve}: the area under its lift is {change} at {speeds[worst]:.0f} than at "

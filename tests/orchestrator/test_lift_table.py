@@ -150,6 +150,30 @@ def test_one_wrong_row_is_named_and_none_without_it(rounding, noise, row, error)
     )
 
 
+@given(seed=st.integers(0, 1000), decimals=st.integers(3, 9))
+@settings(max_examples=10, deadline=None)
+def test_uneven_and_coarse_tables_without_errors_but_rounding_are_not_doubted(seed, decimals):
+    angles = np.unique(np.round(np.random.default_rng(seed).uniform(100.0, 260.0, 120), 6))
+    for degrees in (angles, np.arange(100.0, 261.0, 5.0)):
+        lifts = np.round(lift(degrees), decimals)
+        table = LiftTable(np.radians(degrees), 1e-3 * lifts, 10.0 ** (-3 - decimals))
+        assert table.smooth().doubtful is None
+
+
+@pytest.mark.parametrize("least", [-0.05, 0.02, 17.0])
+def test_a_table_that_does_not_count_from_the_base_circle_is_doubted(tmp_path, least):
+    """As one of radii, or of a gauge that was not set to zero."""
+    degrees = np.arange(0.0, 360.0, 2.0)
+    lifts = np.where(np.abs(degrees - 180.0) < 80.0, lift(degrees), 0.0) + least
+    rows = [f"{a:g}, {s:.4f}" for a, s in zip(degrees, lifts, strict=True)]
+    (tmp_path / "cam.csv").write_text("\n".join(["angle [deg], lift [mm]", *rows]))
+    file = tmp_path / "own.toml"
+    file.write_text('extends = "my-cam"\n[components.camshaft]\nlift_table = "cam.csv"\n')
+    (doubt,) = [line for line in list_warnings(load(file)) if "base circle" in line]
+    assert f"its least lift is {least:g} mm" in doubt
+    assert not [line for line in list_warnings(load(file)) if "crank" in line]
+
+
 def test_a_parameter_of_a_law_beside_the_table_is_refused(tmp_path):
     with pytest.raises(ScenarioError, match=r"parameters\.lift: has no meaning beside lift_table"):
         load("my-cam", ["components.camshaft.parameters.lift=9 mm"])

@@ -48,6 +48,20 @@ def test_a_slip_of_the_unit_is_doubted_with_both_readings(setting: str) -> None:
     assert list_warnings(load("valve-train", [f"components.{path}={SLIPS[setting]}"])) == []
 
 
+@pytest.mark.parametrize(
+    ("name", "setting", "meant"),
+    [
+        ("roller-finger", "finger.parameters.follower_radius=10", "10 mm"),
+        ("roller-finger", "finger.parameters.pivot_angle=8", "8 deg"),
+        ("pushrod-train", "rocker.parameters.valve_angle=5", "5 deg"),
+    ],
+)
+def test_slips_of_a_levers_units_are_doubted(name: str, setting: str, meant: str) -> None:
+    assert any(
+        f"did you mean {meant}?" in line for line in list_warnings(load(name, [f"components.{setting}"]))
+    )
+
+
 def test_a_number_with_its_unit_is_not_doubted() -> None:
     assert (
         list_warnings(load("valve-train", ["components.flywheel.parameters.initial_speed=14000 rpm"])) == []

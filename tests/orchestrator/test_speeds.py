@@ -13,8 +13,9 @@ import xarray
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
-from orchestrator.plots.speeds import find_orders
+from orchestrator.plots.speeds import draw_summary, find_orders
 from orchestrator.scenario.files import load
+from orchestrator.speeds.compare import find_worst
 from orchestrator.speeds.figures_of_merit import describe_numbers, measure
 from orchestrator.speeds.separation import CLOSE, bisect_separation
 from orchestrator.speeds.sweep import read_table
@@ -114,6 +115,22 @@ def test_two_sweeps_are_compared(swept: tuple[Path, str], tmp_path: Path) -> Non
     assert (tmp_path / "both.png").stat().st_size > 10_000
 
 
+def test_panels_are_scaled_by_the_speeds_with_contact() -> None:
+    """Also where it is lost at most of the speeds."""
+    loads = [610.0, 600.0, 590.0, 7e3, 6e4, 7e4, 2e5, 2e5]
+    table = xarray.Dataset(
+        {"contact.largest_load": ("speed", loads), "contact.lost": ("speed", np.array(loads) > 1e3)},
+        {"speed": np.linspace(50.0, 500.0, 8)},
+    )
+    drawn = draw_summary({"train": table}).axes[0]
+    assert 610.0 < drawn.get_ylim()[1] < 7e3
+
+
+def test_the_worst_of_the_area_under_the_lift_is_the_least() -> None:
+    table = xarray.Dataset({"valve.lift_area": ("speed", [2e-3, 1e-3])}, {"speed": np.array([1.0, 2.0])})
+    assert find_worst(table, "valve.lift_area", 1e3).startswith("1 at")
+
+
 def test_a_folder_without_a_sweep_is_named(tmp_path: Path) -> None:
     done = called("compare", str(tmp_path), str(tmp_path))
     assert done.returncode == 2
@@ -131,6 +148,7 @@ def test_a_folder_without_a_sweep_is_named(tmp_path: Path) -> None:
         ),
         (("valve-train", "--from", "2 mm"), "--from = '2 mm'"),
         (("valve-tran",), "did you mean valve-train"),
+        (("valve-train", "--set", "components.camshaft.parameters.base_radius=12 mm"), "undercut"),
     ],
 )
 def test_mistakes_are_named_before_anything_is_written(

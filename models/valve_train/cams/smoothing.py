@@ -28,6 +28,8 @@ EVENT = 1e-3
 # A sample is doubtful that deviates from the spline of the others more than this many times the median.
 # Samples with even or normal errors stay below 5.
 DOUBTFUL = 8.0
+# No cam is measured better (m).
+MEASURED = 1e-7
 
 
 @dataclass(frozen=True)
@@ -115,22 +117,31 @@ def smooth_lift(angle: Vector, lift: Vector, rounding: float = 0.0) -> SmoothedL
         residual=math.sqrt(squares / angle.size),
         noise=noise,
         curvature_error=noise * float(spread.max()),
-        doubtful=_find_doubtful(angle, lift, matrix @ to_coefficients, z, kept),
+        doubtful=_find_doubtful(
+            angle,
+            lift,
+            matrix @ to_coefficients @ (kept * z),
+            (matrix @ to_coefficients) ** 2 @ kept,
+            rounding,
+        ),
     )
 
 
 def _find_doubtful(
-    angle: Vector, lift: Vector, basis: Vector, z: Vector, kept: Vector
+    angle: Vector, lift: Vector, smoothed: Vector, leverage: Vector, rounding: float
 ) -> tuple[float, float] | None:
-    """The sample with the largest deviation from the spline of the others, (y - s)/(1 - h), if it is far
-    more than usual; h is its leverage. Craven and Wahba (1979), Lemma 3.1."""
-    leverage = basis**2 @ kept
-    deviation = (lift - basis @ (kept * z)) / np.maximum(1.0 - leverage, 1e-9)
+    """The sample that deviates far more from the spline of the others than usual, and by how much (m).
+
+    The deviation is (y - s)/(1 - h), h the leverage (Craven and Wahba 1979, Lemma 3.1). Its scatter grows
+    with 1/sqrt(1 - h), where samples are few, and is at least that of rounding: the median a quarter step.
+    """
+    free = np.maximum(1.0 - leverage, 1e-9)
+    scaled = np.abs(lift - smoothed) / np.sqrt(free)
     event = lift > EVENT * lift.max()
-    worst = int(np.argmax(np.where(event, np.abs(deviation), 0.0)))
-    if abs(deviation[worst]) <= DOUBTFUL * float(np.median(np.abs(deviation[event]))):
+    worst = int(np.argmax(np.where(event, scaled, 0.0)))
+    if scaled[worst] <= DOUBTFUL * max(float(np.median(scaled[event])), 0.25 * max(rounding, MEASURED)):
         return None
-    return float(angle[worst]), float(deviation[worst])
+    return float(angle[worst]), float((lift - smoothed)[worst] / free[worst])
 
 
 class _PeriodicBasis:
