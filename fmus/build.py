@@ -20,7 +20,8 @@ from typing import Any
 
 import pythonfmu
 
-from fmus.fmi.archive import compute_digest, seal
+from fmus.fmi.archive import compute_digest
+from fmus.fmi.origin import note_built
 from models.catalogue import CATALOGUE, find_factory, identify, is_own
 from models.core.component import Component
 
@@ -118,6 +119,7 @@ def write_fmu(content: bytes, name: str, destination: Path) -> Path:
             file.write(content)
         os.chmod(temporary, 0o644)  # mkstemp makes it readable for its owner only
         os.replace(temporary, target)
+        note_built(content)
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
@@ -134,7 +136,6 @@ def pack_files(files: Mapping[str, bytes]) -> bytes:
             entry.create_system = 3  # Unix, wherever it is built
             entry.external_attr = 0o100644 << 16
             archive.writestr(entry, files[path], compresslevel=9)
-        archive.comment = seal(files)
     return buffer.getvalue()
 
 

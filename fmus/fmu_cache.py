@@ -13,6 +13,7 @@ from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
+from fmus.fmi.origin import SUFFIX
 from models.compile import cache_eviction
 from models.compile.cache_eviction import use
 from models.compile.cache_folder import private_folder
@@ -60,4 +61,5 @@ def use_cached(file: Path) -> bool:
 
 def tidy(folder: Path) -> None:
     """Delete FMUs, notes and parts of killed builds that were not used recently."""
-    cache_eviction.tidy([*folder.glob("*.fmu"), *folder.glob("*.note"), *folder.glob(".*.part")])
+    kinds = "*.fmu", "*.note", f"*{SUFFIX}", ".*.part"
+    cache_eviction.tidy([file for kind in kinds for file in folder.glob(kind)])

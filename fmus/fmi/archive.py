@@ -1,5 +1,4 @@
-"""Checks of an FMU's archive without unpacking it: damage, entries that would leave it, what is missing, and
-whether it is as it was packed.
+"""Checks of an FMU's archive without unpacking it: damage, entries that would leave it, what is missing.
 
 No model needs them: they stand here because the packaging and the master share only this folder.
 """
@@ -17,8 +16,6 @@ DESCRIPTION = "modelDescription.xml"
 
 # More than any FMU here has by a factor of a hundred; a compressed bomb is refused before it is unpacked.
 MAXIMUM_UNPACKED_BYTES = 2_000_000_000
-
-_SEAL = b"tribocosim SHA-256 "
 
 
 class FmuFileError(ValueError):
@@ -87,22 +84,6 @@ def compute_digest(files: Mapping[str, bytes]) -> str:
         digest.update(f"{name} {len(content)}\n".encode())
         digest.update(content)
     return digest.hexdigest()
-
-
-def seal(files: Mapping[str, bytes]) -> bytes:
-    """The archive's comment by which it is known later that its files are as they were packed."""
-    return _SEAL + compute_digest(files).encode()
-
-
-def is_sealed(path: Path) -> bool:
-    """Whether the FMU was made by this program, any version of it, and nothing in it has changed since."""
-    try:
-        with open_archive(path) as archive:
-            if not archive.comment.startswith(_SEAL) or archive_faults(archive):
-                return False
-            return archive.comment == seal({name: archive.read(name) for name in archive.namelist()})
-    except FmuFileError:
-        return False
 
 
 def _version_fault(xml: bytes) -> str | None:

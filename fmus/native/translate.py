@@ -111,7 +111,14 @@ def _translate(name: str, structure: Mapping[str, int]) -> str:
         raise TranslationError(f"its kernels call {', '.join(foreign)}; they may call mathematics only")
     lines = text.splitlines()
     kept = (line for line in lines if not line.startswith(("target ", "source_filename", "; ModuleID")))
-    return "\n".join(kept) + "\n"
+    return _number_names("\n".join(kept) + "\n")
+
+
+def _number_names(text: str) -> str:
+    """The module's text with names in the order of their appearance in the place of numba's, which count what
+    was compiled before in the process."""
+    names: dict[str, str] = {}
+    return re.sub(r"_ZN\w+", lambda found: names.setdefault(found.group(), f"inner_{len(names)}"), text)
 
 
 def _without_counting(text: str) -> str:

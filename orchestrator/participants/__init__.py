@@ -47,13 +47,19 @@ def open_fmu(
 
 
 def open_in_own_process(
-    name: str, path: Path, instance: Instance, strings: Mapping[str, str] = NO_STRINGS
+    name: str,
+    path: Path,
+    instance: Instance,
+    strings: Mapping[str, str] = NO_STRINGS,
+    memory_mb: int | None = None,
 ) -> InOwnProcess:
     """As `fmu`, in a process of its own."""
-    return InOwnProcess(name, path, collect_settings(instance, strings))
+    return InOwnProcess(name, path, collect_settings(instance, strings, memory_mb))
 
 
-def collect_settings(instance: Instance, strings: Mapping[str, str] = NO_STRINGS) -> FmuSettings:
+def collect_settings(
+    instance: Instance, strings: Mapping[str, str] = NO_STRINGS, memory_mb: int | None = None
+) -> FmuSettings:
     """What the FMU in the place of `instance` is asked for and given."""
     component = instance.component
     about = component.about if isinstance(component, ThirdPartyComponent) else None
@@ -62,4 +68,4 @@ def collect_settings(instance: Instance, strings: Mapping[str, str] = NO_STRINGS
     }
     interface = MODEL_EXCHANGE if about and about.integrated else CO_SIMULATION
     values = {**instance.parameters, **starts}
-    return FmuSettings(component.outputs.names, values, instance.inputs, strings, interface)
+    return FmuSettings(component.outputs.names, values, instance.inputs, strings, interface, memory_mb)

@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 
 from fmpy import read_model_description
 
-from fmus.fmi.archive import is_sealed
+from fmus.fmi.origin import is_built_here
 
 from .description1 import complete
 
@@ -142,14 +142,14 @@ class Description:
 
 
 def is_made_here(path: Path) -> bool:
-    """Whether this program built the FMU at `path` and nothing in it was changed."""
+    """Whether this user's tribocosim built the FMU at `path`."""
     status = path.stat()
     return _is_made_here(path, status.st_mtime_ns, status.st_size)
 
 
 @functools.lru_cache(maxsize=256)
 def _is_made_here(path: Path, changed: int, size: int) -> bool:
-    return is_sealed(path) and read_description(path).is_own
+    return is_built_here(path)
 
 
 class DescriptionError(ValueError):

@@ -19,6 +19,7 @@ from .description import CO_SIMULATION, read_description
 from .failures import ErrorReporter
 from .fmi_instance import FmiInstance
 from .staying import stay_in_folder
+from .unpacked import UnpackedFolder
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,8 @@ class FmuSettings:
     """What a run wants of an FMU, by the names of its variables.
 
     `outputs` are to be recorded. `values` are those of parameters and starts, `inputs` those of inputs that
-    nothing drives, `strings` those of parameters that are strings. It takes part by `interface`.
+    nothing drives, `strings` those of parameters that are strings. It takes part by `interface`. A process
+    of its own may have `memory_mb` (MB) of memory; None: as much as there is.
     """
 
     outputs: Sequence[str]
@@ -34,6 +36,7 @@ class FmuSettings:
     inputs: Mapping[str, float] = field(default_factory=dict)
     strings: Mapping[str, str] = field(default_factory=dict)
     interface: str = CO_SIMULATION
+    memory_mb: int | None = None
 
 
 class OpenedFmu:
@@ -48,10 +51,13 @@ class OpenedFmu:
         self.name, self._settings = name, settings
         self._errors = ErrorReporter(name)
         self._instantiated = False
+        self._unpacked = UnpackedFolder() if folder is None else None
+        self._folder = str(self._unpacked.path if self._unpacked else folder)
         try:
             description = read_description(path, settings.interface)
-            self._folder = extract(str(path), unzipdir=None if folder is None else str(folder))
+            extract(str(path), unzipdir=self._folder)
         except Exception as error:
+            self._delete()
             raise ParticipantError(f"{name}: {path} {error}") from None
         try:
             with stay_in_folder():
@@ -144,4 +150,10 @@ class OpenedFmu:
             with contextlib.suppress(Exception):
                 self._fmi.free()
         self._instantiated = False
-        shutil.rmtree(getattr(self, "_folder", ""), ignore_errors=True)
+        self._delete()
+
+    def _delete(self) -> None:
+        """Delete what was unpacked."""
+        if self._unpacked:
+            self._unpacked.delete()
+        shutil.rmtree(self._folder, ignore_errors=True)

@@ -9,11 +9,9 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -23,6 +21,7 @@ from .. import errors
 from ..errors import DiscardedStepError, EndedError, LostParticipantError, ParticipantError
 from .messages import CALL, FAILED, receive, send
 from .opened_fmu import FmuSettings
+from .unpacked import UnpackedFolder
 
 # How long to wait for the process to end by itself (s).
 PATIENCE_S = 5.0
@@ -37,13 +36,22 @@ class OwnProcess:
     def __init__(self, name: str, path: Path, settings: FmuSettings, **given: Any) -> None:
         self.name = name
         # Kept here, as a crashed process does not delete what it unpacked.
-        self._folder = tempfile.mkdtemp(prefix="tribocosim-")
+        self._unpacked = UnpackedFolder()
         self._process = _start_process(self.server)
+        self._memory_mb = settings.memory_mb
+        if settings.memory_mb is not None:
+            limit_memory(self._process.pid, settings.memory_mb)
         self._lost = self._made = self._stepped = False
         self._path = path
         self._doing = "start"
         asked = asdict(settings) | {"outputs": list(settings.outputs)}
-        self._wanted = {"name": name, "path": str(path), "given": asked, "folder": self._folder, **given}
+        self._wanted = {
+            "name": name,
+            "path": str(path),
+            "given": asked,
+            "folder": str(self._unpacked.path),
+            **given,
+        }
         try:
             self.renew()
             self._made = True
@@ -93,6 +101,8 @@ class OwnProcess:
                 f"{self._path} may be damaged, or lack what it needs on this machine (tribocosim fmu "
                 "validate looks at its library); give another file"
             )
+        if self._memory_mb is not None:
+            remedy += f"; its memory is limited to {self._memory_mb} MB (memory_limit_mb)"
         how = _describe_end(self._process.returncode)
         raise LostParticipantError(f"{self.name}: its process ended {how} in the {self._doing}; {remedy}")
 
@@ -117,7 +127,15 @@ class OwnProcess:
         for pipe in (process.stdin, process.stdout):
             with contextlib.suppress(OSError):
                 pipe.close()  # type: ignore[union-attr]
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self._unpacked.delete()
+
+
+def limit_memory(pid: int, memory_mb: int) -> None:
+    """Have the allocations of a process fail beyond this limit (Linux)."""
+    import resource  # which Windows lacks
+
+    limit = memory_mb * 1_000_000
+    resource.prlimit(pid, resource.RLIMIT_DATA, (limit, limit))
 
 
 def _describe_end(status: int | None) -> str:

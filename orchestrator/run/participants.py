@@ -41,8 +41,10 @@ def build_participants(
             table = scenario.components[name]
             bare = without_estimates(instance)
             if name in files:
-                kind = open_in_own_process if table.own_process else open_fmu
-                make: Callable[[], Participant] = partial(kind, name, files[name].path, bare, table.strings)
+                given = name, files[name].path, bare, table.strings
+                make: Callable[[], Participant] = partial(open_fmu, *given)
+                if table.own_process:
+                    make = partial(open_in_own_process, *given, table.memory_limit_mb)
             else:
                 make = partial(in_process, name, bare)
             participants[name] = wrap(name, make)

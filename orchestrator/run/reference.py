@@ -90,7 +90,8 @@ def _solve_by_parts(plan: Plan, times: Vector, reporter: Reporter, began: float)
             for name, instance in instances.items():
                 if isinstance(instance.component, ThirdPartyComponent):
                     table = scenario.components[name]
-                    settings = replace(collect_settings(instance, table.strings), interface=MODEL_EXCHANGE)
+                    settings = collect_settings(instance, table.strings, table.memory_limit_mb)
+                    settings = replace(settings, interface=MODEL_EXCHANGE)
                     inputs = tuple(n for n in instance.component.inputs.names if n not in instance.inputs)
                     path = plan.fmus[name].path
                     opened[name] = open_equations(name, path, settings, inputs, table.own_process)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import zipfile
 from collections import Counter
 from pathlib import Path
@@ -92,6 +93,12 @@ def check_capabilities(scenario: Scenario) -> None:
         about = scenario.components[name].describe()
         if fault := _find_library_fault(path, about) or _find_fault(scenario, name, about):
             raise ScenarioError(f"components.{name}.participant: {path}: {fault}")
+    for name, table in scenario.components.items():
+        if table.memory_limit_mb is not None and not (table.own_process and sys.platform == "linux"):
+            remedy = "leave it out" if table.own_process else f"set components.{name}.process = 'own'"
+            raise ScenarioError(
+                f"components.{name}.memory_limit_mb: limits a process of its own, on Linux; {remedy}"
+            )
     shared = Counter(
         path.resolve() for name, path in files.items() if not scenario.components[name].own_process
     )

@@ -43,12 +43,18 @@ class ComponentTable(Table):
     process: Literal["shared", "own"] | None = Field(
         None,
         description="own: the FMU runs in a process of its own, so that it cannot end the run's; shared: in "
-        "the run's, faster; left out: own for .fmu files that are not as tribocosim made them, else shared",
+        "the run's, faster; left out: own for .fmu files that your tribocosim did not build, else shared",
     )
     interface: Literal["co_simulation", "model_exchange"] = Field(
         "co_simulation",
         description="co_simulation: a third-party FMU steps with its own solver; model_exchange: its "
         "equations are integrated here, with located events; an FMU that has only one takes part by that",
+    )
+    memory_limit_mb: int | None = Field(
+        None,
+        description="Most memory (MB) that the FMU's own process may allocate (Linux); left out: no limit",
+        ge=100,
+        strict=True,
     )
     component: str | None = Field(
         None,
@@ -255,7 +261,7 @@ class ComponentTable(Table):
 
     @property
     def untrusted(self) -> bool:
-        """Whether it is an FMU file that this program did not build, or that was changed since."""
+        """Whether it is an FMU file that this user's tribocosim did not build."""
         return self.participant.endswith(".fmu") and not is_made_here(Path(self.participant))
 
     @property

@@ -219,6 +219,13 @@ for _name, _reached in {"stuck": "t", "backwards": "t - 1", "timeless": "0.0 / 0
     )
 # Is a number until half of the run.
 MODELS["vanishing"] = replace(MODELS["dahlquist"], step=EXPONENTIAL + " if (t > 0.495) $x = 0.0 / 0.0;")
+# Takes 600 MB in its first step after half a second.
+MODELS["greedy"] = replace(
+    MODELS["dahlquist"],
+    step=LIMITED
+    + '{ char *all = malloc(600000000); if (!all) { say(m, ERROR, "no memory left"); return ERROR; } '
+    "memset(all, 1, 600000000); free(all); } " + EXPONENTIAL,
+)
 # Reads standard input in every step, and expects its end.
 MODELS["listening"] = replace(
     MODELS["dahlquist"], step="char byte; if (read(0, &byte, 1) != 0) return ERROR; " + EXPONENTIAL

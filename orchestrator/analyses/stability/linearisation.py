@@ -356,8 +356,10 @@ def check_repetition(scenario: Scenario, name: str, inputs: int) -> None:
 def _open_participant(scenario: Scenario, system: System, name: str, build: Builder | None) -> Participant:
     table, instance = scenario.components[name], system.instances[name]
     if table.participant.endswith(".fmu"):
-        opened = open_in_own_process if table.own_process else open_fmu
-        return opened(name, Path(table.participant), instance, table.strings)
+        given = name, Path(table.participant), instance, table.strings
+        if table.own_process:
+            return open_in_own_process(*given, table.memory_limit_mb)
+        return open_fmu(*given)
     if table.participant == "in-process" or build is None:
         return in_process(name, instance)
     return open_fmu(name, build(str(table.component), table.structure, table.participant), instance)
