@@ -11,6 +11,8 @@ import os
 import platform
 from pathlib import Path
 
+from models.core.system import suggestion
+
 NAMES = (
     "macro_steps", "reference", "start_up", "memory", "checkpoint", "slider_crank", "exponent_map",
     "line_contact", "line_preconditioner", "native", "own_process", "scaling", "whole_command",
@@ -26,7 +28,7 @@ def main() -> None:
     options = parser.parse_args()
     named: list[str] = options.names
     if unknown := [name for name in named if name not in NAMES]:
-        parser.error(f"no benchmark {unknown[0]!r}; known: {', '.join(NAMES)}")
+        parser.error(f"no benchmark {unknown[0]!r}; {suggestion(unknown[0], NAMES)}")
     found = {}
     for name in named or NAMES:
         for figure, value in importlib.import_module(f"benchmarks.{name}").measure():

@@ -44,13 +44,22 @@ autodoc_typehints_format = "short"
 
 html_theme = "pydata_sphinx_theme"
 html_title = "tribocosim"
-html_theme_options = {"header_links_before_dropdown": 8, "show_prev_next": False}
+html_theme_options = {"header_links_before_dropdown": 7, "show_prev_next": False}
+html_sidebars = {f"docs/{page}": [] for page in ("gallery", "faq", "comparison")}
 html_copy_source = html_show_sourcelink = False
 
 SECTIONS = ["tutorials", "how-to", "reference", "theory", "checks"]
 INDEXES = [*(f"docs/{section}/README" for section in SECTIONS), "docs/reference/components"]
 # Relative to docs/, or to the root.
-TOP = [*(f"{section}/README" for section in SECTIONS), "Install </README>", "/CONTRIBUTING", "/CHANGELOG"]
+TOP = [
+    *(f"{section}/README" for section in SECTIONS),
+    "gallery",
+    "faq",
+    "comparison",
+    "Install </README>",
+    "/CONTRIBUTING",
+    "/CHANGELOG",
+]
 CELLS = '---\nfile_format: mystnb\nkernelspec: {name: "python3", display_name: "Python"}\n---\n'
 
 

@@ -13,6 +13,7 @@ from itertools import product
 
 from fmus.native.fmu import NAMES as FMUS
 from fmus.native.machine_code import NativeBuildError
+from models.core.system import suggestion
 
 from .comparison import KINDS, compare
 from .document import make_result, read_results, write_results
@@ -29,7 +30,7 @@ def main() -> int:
     parser.add_argument("--install", action="store_true", help="make an environment for each tool")
     given = parser.parse_args()
     if unknown := [name for name in given.tools if name not in NAMES]:
-        parser.error(f"no tool {unknown[0]!r}: there are {', '.join(NAMES)}")
+        parser.error(f"no tool {unknown[0]!r}; {suggestion(unknown[0], NAMES)}")
     results, absent = read_results(), []
     for name in given.tools or NAMES:
         if given.install and not install(name):

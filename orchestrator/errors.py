@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 def one_of(names: Iterable[str], given: object = "") -> str:
     """The end of a message about a choice: all of them, and the one that was probably meant."""
     known, text = list(names), str(given).lower()
-    close = difflib.get_close_matches(text, known, n=1) or [n for n in known if text and n.startswith(text)]
+    close = difflib.get_close_matches(text, known, n=1) or [n for n in known if len(text) > 2 and text in n]
     return f"must be one of {', '.join(known)}" + (f"; did you mean {close[0]}?" if close else "")
 
 

@@ -44,6 +44,27 @@ def test_a_folder_is_opened_again(result: tribocosim.Result) -> None:
     assert again.summary == result.summary
 
 
+def test_a_notebook_shows_a_plot_with_prefixed_units(result: tribocosim.Result) -> None:
+    picture = result.plot("first.position", "first.force")
+    assert picture._repr_png_().startswith(b"\x89PNG")
+    labels = [text.get_text() for text in picture.axes[0].get_yticklabels()]
+    assert any(text.endswith(" mm") or text.endswith(" m") for text in labels)
+    with pytest.raises(tribocosim.MistakeError, match=r"did you mean first\.position\?"):
+        result.plot("first.positon")
+
+
+@pytest.mark.long
+def test_friction_is_that_of_the_command(tmp_path: Path) -> None:
+    turn = tribocosim.load("valve-train").with_({"stop_time": "1 revolution", "reference.enabled": False})
+    out, file = tmp_path / "run", tmp_path / "friction.nc"
+    found = tribocosim.run(turn, out).friction()
+    assert called("friction", str(out), "--table", str(file)).returncode == 0
+    with xarray.open_dataset(file, engine="h5netcdf") as written:
+        assert written.load().equals(found)
+    with pytest.raises(tribocosim.MistakeError, match="did you mean contact"):
+        tribocosim.open(out).friction("contct")
+
+
 def test_it_has_the_bits_of_the_command(tmp_path: Path) -> None:
     """And leaves no folder behind, nor another working directory."""
     before, files = os.getcwd(), set(tmp_path.iterdir())
@@ -72,6 +93,17 @@ def test_runs_in_threads_have_the_bits_of_runs_in_turn() -> None:
         thread.join()
     for i, scenario in enumerate(scenarios):
         assert found[i].coupled.identical(tribocosim.run(scenario).coupled)
+
+
+def test_a_misspelt_name_gets_a_suggestion() -> None:
+    with pytest.raises(tribocosim.MistakeError, match="did you mean valve-train"):
+        tribocosim.load("valve-trian")
+    with pytest.raises(tribocosim.MistakeError, match="did you mean bifurcation"):
+        tribocosim.analyse("bifurcaton")
+    with pytest.raises(tribocosim.MistakeError, match="did you mean camshaft"):
+        tribocosim.build_fmu("camshft")
+    with pytest.raises(AttributeError, match="did you mean analyse"):
+        tribocosim.analyze  # noqa: B018
 
 
 def test_changes_leave_the_scenario_as_it_is() -> None:

@@ -33,7 +33,13 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Import the interface when it is first asked for: the command begins with less."""
     if name not in __all__:
-        raise AttributeError(f"module 'tribocosim' has no attribute {name!r}")
+        import difflib
+
+        close = difflib.get_close_matches(name, __all__, n=1)
+        raise AttributeError(
+            f"module 'tribocosim' has no attribute {name!r}"
+            + (f"; did you mean {close[0]}?" if close else "")
+        )
     from . import api
 
     return getattr(api, name)

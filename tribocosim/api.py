@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orchestrator.command_line.fmu import build_fmu as build_cached_fmu
-from orchestrator.errors import MistakeError, RunError
+from orchestrator.errors import MistakeError, RunError, one_of
 from orchestrator.run.pipeline import run as run_pipeline
 from orchestrator.store.result_file import open_result
 
@@ -24,7 +24,8 @@ from .studies import analyse, speeds, study
 
 if TYPE_CHECKING:
     import xarray
-    from matplotlib.figure import Figure
+
+    from .pictures import Picture
 
 __all__ = [
     "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "load", "open", "run",
@@ -49,6 +50,9 @@ class Result:
     # The files of a run that has no folder; they go when the result does.
     _kept: Path = field(default=Path(), repr=False, compare=False)
 
+    def __repr__(self) -> str:
+        return f"Result of {self.summary['scenario']}: {self.verdict}"
+
     @property
     def verdict(self) -> str:
         """Whether the run is within the scenario's tolerance."""
@@ -70,24 +74,28 @@ class Result:
 
         return write_report(self.folder or self._kept, Path(path))
 
-    def plot(self, *variables: str) -> Figure:
-        """Each variable over time, coupled and reference, below each other."""
-        from matplotlib.figure import Figure
+    def friction(self, contact: str | None = None, *, wear_coefficient: float = 1e-17) -> xarray.Dataset:
+        """Friction and wear of a contact under a cam over the last revolution, as the command `friction` has.
 
-        figure = Figure(figsize=(8.0, 2.2 * len(variables) + 0.6), layout="constrained")
-        grid = figure.subplots(len(variables), sharex=True, squeeze=False)
-        for axes, name in zip(grid[:, 0], variables, strict=True):
+        `contact` may be left out where there is one. `wear_coefficient` is wear volume over load times
+        sliding distance (m2/N). MistakeError if no contact slides under a cam, or several do.
+        """
+        from orchestrator.assessment.friction.judge import judge_friction
+        from orchestrator.assessment.friction.table import of
+
+        _, found = judge_friction(self.folder or self._kept, contact, wear_coefficient, 1.0)
+        if len(found) > 1:
+            raise MistakeError(f"contact: must be one of {', '.join(one.cycle.contact for one in found)}")
+        return of(found[0].cycle, found[0].worn, found[0].coefficient)
+
+    def plot(self, *variables: str) -> Picture:
+        """Each variable over time, coupled and reference, below each other."""
+        from .pictures import draw
+
+        for name in variables:
             if name not in self.coupled:
-                raise MistakeError(f"{name}: is no variable of the result; see list(result.coupled)")
-            values = self.coupled[name]
-            axes.plot(values["time"], values, label="coupled")
-            if self.reference is not None and name in self.reference:
-                axes.plot(self.reference["time"], self.reference[name], "--", label="reference")
-            axes.set_ylabel(f"{name}\n[{values.attrs.get('units', '1')}]")
-        if len(variables):
-            grid[-1, 0].set_xlabel("time [s]")
-            grid[0, 0].legend()
-        return figure
+                raise MistakeError(f"{name}: {one_of(map(str, self.coupled), name)}")
+        return draw(variables, self.coupled, self.reference)
 
 
 def run(

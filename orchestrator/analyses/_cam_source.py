@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from models.core.system import suggestion
 from models.valve_train.cams.rises import RISES
 
 from ..errors import MistakeError, one_of
@@ -28,8 +29,8 @@ def find_settings(source: str, component: str | None = None) -> dict[str, Any]:
         return {"law": source}
     if not kind:
         raise MistakeError(
-            f"cam {source!r}: must be a lift table (.csv), a scenario (.toml, .ssp or a shipped one), or one "
-            f"of the laws {', '.join(RISES)}"
+            f"cam {source!r}: {suggestion(source, [*RISES, *list_shipped()])} (a law, a shipped "
+            "scenario, or a file: a lift table .csv, a scenario .toml or .ssp)"
         )
     return {"lift_table": source}
 

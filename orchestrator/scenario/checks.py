@@ -46,6 +46,11 @@ def _check_master(scenario: Scenario) -> None:
     if order and sorted(order) != sorted(scenario.components):
         raise ScenarioError(
             f"master.order = {', '.join(order)}: must name each of {', '.join(scenario.components)} once"
+            + "".join(
+                f"; {name}: {suggestion(name, scenario.components)}"
+                for name in order
+                if name not in scenario.components
+            )
         )
     iterate: tuple[str, ...] = getattr(master, "iterate", ())
     if len(iterate) == 1:

@@ -6,6 +6,7 @@ locked while a process works on the run, and removed when the result is whole.
 
 from __future__ import annotations
 
+import difflib
 import os
 import shutil
 from collections.abc import Iterable, Iterator
@@ -143,8 +144,19 @@ def list_files(out: Path) -> list[Path]:
 
 def suggest_folder(path: Path) -> str | None:
     """The run's output folder that was probably meant by `path`, a file in it or the scenario's name."""
-    folders = (path.parent, Path("results") / path.name)
+    beside = {
+        folder.name: folder for parent in (Path("results"), path.parent) for folder in _list_runs(parent)
+    }
+    close = difflib.get_close_matches(path.name, [name for name in beside if beside[name] != path], n=1)
+    folders = [path.parent, Path("results") / path.name, *(beside[name] for name in close)]
     return next((str(folder) for folder in folders if (folder / SCENARIO).is_file()), None)
+
+
+def _list_runs(parent: Path) -> list[Path]:
+    try:
+        return [folder for folder in sorted(parent.iterdir()) if (folder / SCENARIO).is_file()]
+    except OSError:
+        return []
 
 
 def _check_empty(out: Path) -> None:

@@ -110,7 +110,9 @@ def test_scenarios_give_the_cam_and_follower_that_they_have():
 @pytest.mark.parametrize(
     ("source", "component", "message"),
     [
-        ("cycloidl", None, "must be a lift table"),
+        ("cycloidl", None, "did you mean cycloidal?"),
+        ("my-cm", None, "did you mean my-cam?"),
+        ("no-such-thing", None, "or a file: a lift table .csv"),
         ("quarter-car", None, "no component has a cam"),
         ("engine-16v", None, "choose one with --component"),
         ("engine-16v", "tappet_intake_2", "did you mean tappet_intake_2"),

@@ -21,6 +21,7 @@ from orchestrator.assessment.diagnosis import (
     read_steps,
 )
 from orchestrator.assessment.diagnosis.report import diagnose
+from orchestrator.assessment.friction.judge import judge_friction
 from orchestrator.engine.energy import Trimmed, add_counting
 from orchestrator.engine.step import REASONS, Step
 from orchestrator.errors import MistakeError
@@ -349,6 +350,10 @@ def test_a_wrong_folder_or_figure_is_told_before_anything_else(
     shutil.copytree(finished, own)
     with pytest.raises(MistakeError, match=r"did you mean results/valve-train-controlled\?$"):
         diagnose(Path("valve-train-controlled"))
+    with pytest.raises(MistakeError, match=r"did you mean results/valve-train-controlled\?$"):
+        diagnose(Path("results/valve-trian-controlled"))
+    with pytest.raises(MistakeError, match=r"did you mean results/valve-train-controlled\?$"):
+        judge_friction(Path("results/valve-train-controled"), None, 1e-17, 1.0)
     (tmp_path / "file").touch()
     for path in (tmp_path / "steps.txt", tmp_path / "file" / "x.png"):
         assert f"--figure {path}" in said_by(called("diagnose", str(finished), "--figure", str(path)))

@@ -43,6 +43,7 @@ BAD = {
         "--set master.name: 'gauss': must be one of jacobi, gauss_seidel, iterated, newton; did you mean "
         "gauss_seidel?",
     ),
+    "step_control.estimator=doubl": ("did you mean step_doubling?",),
     "master.tolerance=3": ("master.tolerance", "gauss_seidel"),
     "master.extrapolation=cubic": ("extrapolation", "cubic", "quadratic"),
     "reference.enabled=maybe": ("reference.enabled", "maybe", "true or false"),
@@ -128,6 +129,11 @@ def test_an_unknown_key_of_any_table_is_one_message(table: str) -> None:
 def test_what_is_iterated_are_components(master: str) -> None:
     with pytest.raises(ScenarioError, match=r"master\.iterate: .*'contct'; did you mean contact\?"):
         build_system(load("valve-train", [f"master.name={master}", "master.iterate=['camshaft', 'contct']"]))
+
+
+def test_what_is_ordered_are_components() -> None:
+    with pytest.raises(ScenarioError, match=r"master\.order = contct: .*; contct: did you mean contact\?"):
+        build_system(load("valve-train", ["master.order=['contct']"]))
 
 
 def test_the_energy_residual_needs_an_exchanged_power_bond() -> None:

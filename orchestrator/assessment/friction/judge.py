@@ -9,11 +9,11 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ...errors import MistakeError
+from ...errors import MistakeError, one_of
 from ...scenario import Scenario, ScenarioError, parse_ends
 from ...scenario.files import load
 from ...scenario.system import list_parameters
-from ...store.output_folder import RESULT, SCENARIO
+from ...store.output_folder import RESULT, SCENARIO, suggest_folder
 from ...store.result_file import open_result
 from .cycle import OF_CAM, OF_CONTACT, last_revolution, wear
 from .report import Judged
@@ -37,10 +37,8 @@ def judge_friction(
         raise MistakeError(f"--cycles {cycles:g}: must be > 0")
     scenario = _load_scenario(folder)
     cams = find_cams(scenario)
-    if contact and contact not in cams:
-        raise MistakeError(
-            f"--contact {contact}: must be one of {', '.join(cams) or 'none'}, which slide under a cam"
-        )
+    if contact and cams and contact not in cams:
+        raise MistakeError(f"--contact {contact}: {one_of(cams, contact)} (those that slide under a cam)")
     if not cams:
         raise MistakeError(f"{folder}: no contact takes its sliding_velocity from a cam ({', '.join(CAMS)})")
     values = list_parameters(scenario)
@@ -56,7 +54,9 @@ def judge_friction(
 def _load_scenario(folder: Path) -> Scenario:
     for name in (RESULT, SCENARIO):
         if not (folder / name).is_file():
-            raise MistakeError(f"{folder}: there is no {name}; give the output folder of a finished run")
+            close = suggest_folder(folder)
+            remedy = f"did you mean {close}?" if close else "give the output folder of a finished run"
+            raise MistakeError(f"{folder}: there is no {name}; {remedy}")
     try:
         return load(folder / SCENARIO)
     except ScenarioError as error:
