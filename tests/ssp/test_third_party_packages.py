@@ -99,6 +99,44 @@ def test_connections_pass_through_nested_systems(tmp_path: Path, files: dict[str
     np.testing.assert_allclose(found["in_side_thru.real out"][1:], 6.0 * x[:-1] - 1.0, rtol=1e-14)
 
 
+@pytest.mark.parametrize("kind", ["definition", "package"])
+def test_a_system_may_be_in_a_file_of_its_own(kind: str, tmp_path: Path, files: dict[str, bytes]) -> None:
+    """Its sources are relative to it; its own values are weaker than those around it."""
+    thru = component("thru", "feedthrough", {"real in": "input", "real out": "output"})
+    bound = binding({"thru.offset": 'Real value="0.5"', "thru.count": 'Integer value="3"'})
+    inner = package(
+        tmp_path / "inner.ssp",
+        thru,
+        connection(".a", "thru.real in", linear(2.0, 1.0)) + connection("thru.real out", ".b"),
+        inside=connectors({"a": "input", "b": "output"})
+        + f"<ssd:ParameterBindings>{bound}</ssd:ParameterBindings>",
+        files={"resources/feedthrough.fmu": files["resources/feedthrough.fmu"]},
+    )
+    with zipfile.ZipFile(inner) as archive:
+        structure = archive.read("SystemStructure.ssd")
+    more = {"resources/inner.ssp": inner.read_bytes()}
+    if kind == "definition":
+        more = {"resources/inner.ssd": structure.replace(b"resources/", b"../resources/")}
+    outer = binding({"thru.offset": 'Real value="0.25"'})
+    element = component("inside", "inner", {"a": "input", "b": "output"}, outer).replace(
+        'x-fmu-sharedlibrary" source="resources/inner.fmu"',
+        f'x-ssp-{kind}" source="resources/inner.{"ssd" if kind == "definition" else "ssp"}"',
+    )
+    path = package(
+        tmp_path / "a.ssp",
+        component("decay", "dahlquist", DECAY) + element + component("vector", "vector", VECTOR),
+        connection("decay.x", "inside.a") + connection("inside.b", "vector.u[2]"),
+        files=files | more,
+    )
+    one = load(path)
+    assert list(one.components) == ["decay", "inside_thru", "vector"]
+    assert one.connections == [
+        "decay.x * 2.0 + 1.0 -> inside_thru.real in",
+        "inside_thru.real out -> vector.u[2]",
+    ]
+    assert one.components["inside_thru"].parameters == {"offset": 0.25, "count": 3.0}
+
+
 def test_units_are_converted_then_transformed(tmp_path: Path, files: dict[str, bytes]) -> None:
     """m to mm, then 2 x + 1: `the value is already converted to the target unit` (SSP 1.0, factor)."""
     units = (
@@ -191,7 +229,9 @@ def test_a_package_is_written_as_a_scenario(tmp_path: Path, files: dict[str, byt
 
 REFUSED = {
     "start": ({"experiment": 'startTime="1" stopTime="2"'}, r"startTime = 1 s: runs begin at 0"),
-    "type": ({"replace": ("x-fmu-sharedlibrary", "x-ssp-definition")}, "components are FMUs here"),
+    "type": ({"replace": ("x-fmu-sharedlibrary", "x-table")}, "components are FMUs or SSP systems here"),
+    "itself": ({"replace": ('x-fmu-sharedlibrary" source="resources/dahlquist.fmu',
+                            'x-ssp-definition" source="SystemStructure.ssd')}, "contains itself"),
     "elsewhere": ({"replace": ("resources/dahlquist", "https://host/dahlquist")}, "not in this package"),
     "outside": ({"replace": ("resources/dahlquist", "../dahlquist")}, "not in this package"),
     "lost": ({"replace": ("resources/dahlquist", "resources/other")}, r"other.fmu is not in the package"),

@@ -6,7 +6,10 @@ from typing import Any
 from xml.etree import ElementTree
 
 STRUCTURE, RESOURCES = "SystemStructure.ssd", "resources"
+# Where a package inside of one is unpacked, after its own name.
+UNPACKED = ".unpacked"
 FMU_TYPE = "application/x-fmu-sharedlibrary"
+DEFINITION_TYPE, PACKAGE_TYPE = "application/x-ssp-definition", "application/x-ssp-package"
 VALUES_TYPE = "application/x-ssp-parameter-set"
 
 _SSP = "http://ssp-standard.org/SSP1/"

@@ -28,13 +28,15 @@ from .. import Line, ScenarioError
 from ..component_table import KINDS
 from ..conversion import convert_units
 from ..values import WithUnit, build_component
-from .names import NAMESPACES, OURS, STRUCTURE
+from .names import NAMESPACES, OURS, STRUCTURE, UNPACKED
 from .schema import find_schema_fault
 from .structure import Path as Place
 from .structure import Port, Structure, read_structure, trace_back
 from .values import StatedValue, read_values
 from .writer import START
 
+# How deep packages may be inside of packages.
+DEEPEST = 3
 # Steps of a run if no step size is stated.
 STEPS = 1000
 
@@ -64,7 +66,11 @@ def unpack_package(path: Path, folder: Path) -> dict[str, Any]:
     return _read_folder(path.name, folder)
 
 
-def _unpack(path: Path, folder: Path) -> None:
+def _unpack(path: Path, folder: Path, depth: int = 0) -> None:
+    if depth > DEEPEST:
+        raise ScenarioError(
+            f"{path.name}: packages inside of packages, more than {DEEPEST} deep; unpack them"
+        )
     try:
         with open_archive(path) as archive:
             faults = [text for text in archive_faults(archive) if DESCRIPTION not in text]
@@ -75,6 +81,8 @@ def _unpack(path: Path, folder: Path) -> None:
                 raise ScenarioError(f"{path}: damaged archive: a part of it is missing; fetch it again")
             folder.mkdir(parents=True, exist_ok=True)
             archive.extractall(folder)
+        for inner in [file for file in sorted(folder.rglob("*.ssp")) if file.is_file()]:
+            _unpack(inner, inner.with_name(inner.name + UNPACKED), depth + 1)
     except (FmuFileError, zipfile.BadZipFile) as error:
         raise ScenarioError(str(error).replace("so not an FMU", "so not an SSP")) from None
 
@@ -95,11 +103,6 @@ def _read(name: str, folder: Path) -> dict[str, Any]:
     file = folder / STRUCTURE
     if not file.is_file():
         raise ScenarioError(f"{name}: {STRUCTURE} is missing, so this is not an SSP; give another file")
-    found = read_structure(file.read_bytes(), name)
-    if found.experiment.get("startTime", 0.0) != 0.0:
-        raise ScenarioError(
-            f"{name}: startTime = {found.experiment['startTime']:g} s: runs begin at 0; shift the times"
-        )
 
     def read(path: str) -> bytes:
         try:
@@ -107,6 +110,11 @@ def _read(name: str, folder: Path) -> dict[str, Any]:
         except OSError:
             raise ScenarioError(f"{name}: {path} is not in the package; add it") from None
 
+    found = read_structure(read, name)
+    if found.experiment.get("startTime", 0.0) != 0.0:
+        raise ScenarioError(
+            f"{name}: startTime = {found.experiment['startTime']:g} s: runs begin at 0; shift the times"
+        )
     fmus = {path: folder / source for path, source in found.components.items()}
     settings = _read_settings(found, name)
     # An equilibrium is found again by the run.

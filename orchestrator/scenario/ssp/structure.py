@@ -5,6 +5,7 @@ A path is the names of systems and component from the outside in. What is not su
 
 from __future__ import annotations
 
+import posixpath
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -12,10 +13,12 @@ from xml.etree import ElementTree
 
 from ...participants.description import Unit
 from .. import ScenarioError
-from .names import FMU_TYPE, correct_tag, expand_tag
+from .names import DEFINITION_TYPE, FMU_TYPE, PACKAGE_TYPE, STRUCTURE, UNPACKED, correct_tag, expand_tag
 from .tables import find_table, to_line
 
 Path = tuple[str, ...]
+# The elements whose source is a file.
+SOURCED = {expand_tag(f"ssd:{name}") for name in ("Component", "ParameterBinding", "ParameterMapping")}
 # Gives the bytes of a file of the archive, by its path.
 Files = Callable[[str], bytes]
 
@@ -74,14 +77,9 @@ def parse_xml(content: bytes, what: str) -> Any:
     return root
 
 
-def read_structure(content: bytes, where: str) -> Structure:
-    """What the SSD says; ScenarioError for what is not supported."""
-    root = parse_xml(content, where)
-    system = root.find(expand_tag("ssd:System"))
-    if root.tag != expand_tag("ssd:SystemStructureDescription") or system is None:
-        raise ScenarioError(
-            f"{where}: no SystemStructureDescription of SSP 1 with a System; give another file"
-        )
+def read_structure(files: Files, where: str) -> Structure:
+    """What the package's SSD, and those that it names, say; ScenarioError for what is not supported."""
+    root, system = _parse_structure(files(STRUCTURE), where)
     found = Structure(root.get("name", ""), root.get("description") or "")
     found.units = read_units(root)
     found.enumerations = read_enumerations(root)
@@ -91,15 +89,27 @@ def read_structure(content: bytes, where: str) -> Structure:
             key: float(experiment.get(key)) for key in ("startTime", "stopTime") if experiment.get(key)
         }
     found.annotations = [*root.iter(expand_tag("ssc:Annotation"))]
-    _SystemReader(found, where).read(system, (), {})
+    _SystemReader(found, where, files).read(system, (), {})
     return found
+
+
+def _parse_structure(content: bytes, where: str) -> tuple[Any, Any]:
+    """The root of an SSD, and its system."""
+    root = parse_xml(content, where)
+    system = root.find(expand_tag("ssd:System"))
+    if root.tag != expand_tag("ssd:SystemStructureDescription") or system is None:
+        raise ScenarioError(
+            f"{where}: no SystemStructureDescription of SSP 1 with a System; give another file"
+        )
+    return root, system
 
 
 class _SystemReader:
     """Reads systems into a structure."""
 
-    def __init__(self, found: Structure, where: str) -> None:
-        self._found, self._where = found, where
+    def __init__(self, found: Structure, where: str, files: Files) -> None:
+        self._found, self._where, self._files = found, where, files
+        self._inside: tuple[str, ...] = ()  # the SSDs that are being read, from the outside in
 
     def _refuse(self, what: str, remedy: str) -> ScenarioError:
         return ScenarioError(f"{self._where}: {what}; {remedy}")
@@ -134,16 +144,36 @@ class _SystemReader:
     def _read_component(self, element: Any, path: Path) -> None:
         shown, source = ".".join(path), element.get("source", "")
         kind = element.get("type", FMU_TYPE)
+        if kind in (DEFINITION_TYPE, PACKAGE_TYPE):
+            self._read_nested(resolve_source(source, f"{self._where}: {shown}"), kind, path)
+            self._read_bindings(element, path)
+            return
         if kind != FMU_TYPE:
             raise self._refuse(
                 f"{shown}: a component of type {kind}",
-                "components are FMUs here; put its content into this file",
+                "components are FMUs or SSP systems here; put its content into this file",
             )
         if element.get("implementation") == "ModelExchange":
             self._found.integrated.add(path)
         self._found.components[path] = resolve_source(source, f"{self._where}: {shown}")
         self._read_connectors(element, path)
         self._read_bindings(element, path)
+
+    def _read_nested(self, source: str, kind: str, path: Path) -> None:
+        """The system of another SSD, or of another package, in the place of a component."""
+        file = f"{source}{UNPACKED}/{STRUCTURE}" if kind == PACKAGE_TYPE else source
+        if file in self._inside:
+            raise self._refuse(f"{'.'.join(path)}: {source} contains itself", "take it out")
+        root, system = _parse_structure(self._files(file), f"{self._where}: {source}")
+        for element in system.iter():  # its sources are relative to itself
+            inner = element.get("source", "")
+            if inner and element.tag in SOURCED and ":" not in inner and not inner.startswith("/"):
+                element.set("source", posixpath.normpath(posixpath.join(posixpath.dirname(file), inner)))
+        self._found.units = read_units(root) | self._found.units
+        self._found.enumerations = read_enumerations(root) | self._found.enumerations
+        before, self._inside = self._inside, (*self._inside, file)
+        self.read(system, path, {})
+        self._inside = before
 
     def _read_bindings(self, element: Any, path: Path) -> None:
         for binding in element.iterfind(f"{expand_tag('ssd:ParameterBindings')}/*"):
