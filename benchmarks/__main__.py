@@ -15,7 +15,7 @@ from models.core.system import suggestion
 
 NAMES = (
     "macro_steps", "reference", "start_up", "memory", "checkpoint", "slider_crank", "exponent_map",
-    "line_contact", "line_preconditioner", "native", "own_process", "scaling", "whole_command",
+    "line_contact", "line_preconditioner", "native", "own_process", "scaling", "whole_command", "report",
 )  # fmt: skip
 PAGE = Path(__file__).parent.parent / "docs" / "reference" / "benchmarks.md"
 

@@ -65,7 +65,8 @@ def speeds(
     stopped goes on there.
     """
     check_packages()
-    from orchestrator.speeds.sweep import SUMMARY, parse_range, read_table, sweep
+    from orchestrator.speeds.sweep import parse_range, read_table, sweep
+    from orchestrator.store.output_folder import SUMMARY
     from orchestrator.study.run import Where
 
     if not isinstance(scenario, Scenario):

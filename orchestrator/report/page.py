@@ -18,31 +18,40 @@ from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError
 from ..scenario.files import load
 from ..store import atomic_write
-from ..store.output_folder import REPORT, SCENARIO, SUMMARY
+from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY
 from .content import collect_run
 from .records import Records, open_records
 
 SCRIPTS = (
     "series.js", "axes.js", "view.js", "marks.js", "panel.js", "phase.js", "steps.js", "scene.js",
-    "contact.js", "report.js",
+    "contact.js", "sweep.js", "report.js",
 )  # fmt: skip
 
 
 def write_report(folder: Path, path: Path | None = None) -> Path:
-    """Write the report of the run in `folder` to `path`, by default into the folder.
+    """Write the report of the run, or the sweep over speed, in `folder` to `path`, by default in there.
 
     MistakeError if there is no result, or if it cannot be written.
     """
-    summary = _read_summary(folder)
-    with open_records(folder) as records:
-        content = collect_run(records, _read_scenario(folder), summary)
-        page = _render(_tell_run(records, summary), content)
+    if (folder / STORE).exists():
+        from .sweep import collect_sweep  # its libraries take long to import
+
+        page = _render(*collect_sweep(folder))
+    else:
+        page = _render_run(folder)
     path = path or folder / REPORT
     try:
         atomic_write.replace(path, page.encode("utf-8"))
     except OSError as error:
         raise MistakeError(f"{path}: cannot be written ({error.strerror}); choose another") from None
     return path
+
+
+def _render_run(folder: Path) -> str:
+    summary = _read_summary(folder)
+    with open_records(folder) as records:
+        content = collect_run(records, _read_scenario(folder), summary)
+        return _render(_tell_run(records, summary), content)
 
 
 def _read_summary(folder: Path) -> Mapping[str, Any]:
@@ -101,6 +110,8 @@ def _render(told: Mapping[str, Any], content: Mapping[str, Any]) -> str:
         script=Markup("\n".join(map(read, SCRIPTS))),
         data=Markup(_to_script(content)),
         has_scene=bool(content["sketches"]),
+        has_reference=any("error" in variable["data"] for variable in content["variables"]),
+        has_marks=bool(content["marks"]),
         has_steps=bool(content.get("steps")),
         has_sweep=bool(content.get("sweep")),
     )

@@ -15,7 +15,8 @@ from ..errors import MistakeError
 from ..plots.speeds import draw_summary
 from ..plots.style import save_figure
 from ..reporter import Reporter
-from .sweep import STORE, SUMMARY, read_table
+from ..store.output_folder import STORE, SUMMARY
+from .sweep import read_table
 
 RPM = 30.0 / math.pi
 # Numbers of which the least is the worst; of the others it is the largest.

@@ -13,7 +13,7 @@ from typing import Any
 import xarray
 
 from models import plausible
-from models.core.quantities import Vector
+from models.core.quantities import Quantity, Vector
 from models.core.system import ModelError, System
 from models.monolithic.cycle import Cycle, find_cycle
 
@@ -44,6 +44,9 @@ KEPT = (
     "load", "film_thickness", "maximum_pressure", "position", "velocity", "valve_lift", "spring_force",
     "seat_force", "minimum_film_thickness", "friction_torque", "supplied_torque", "pressure", "extension",
     "cam_lift",
+    # What moves the drawing of the report.
+    "cam_angle", "profile_angle", "rotation", "pivot_position", "coil_position", "half_width",
+    "radius_of_curvature", "tip_contact_radius",
 )  # fmt: skip
 
 
@@ -151,20 +154,25 @@ def cycle_path(folder: Path, speed: float) -> Path:
     return folder / f"{speed * 30.0 / math.pi:09.3f}rpm.nc"
 
 
+def _describe(quantity: Quantity) -> dict[str, str]:
+    shown = {"display_units": quantity.display_unit} if quantity.display_unit else {}
+    return {"units": quantity.unit, "long_name": quantity.description, **shown}
+
+
 def save_cycle(cycle: Cycle, angle: Vector, path: Path) -> None:
     """The angle and the main outputs, in SI units."""
     fields = {
         f"{part}.{field.name}": field.quantity
         for part, instance in cycle.system.instances.items()
         for field in instance.component.outputs.fields
-        if field.name in KEPT
+        if field.name.partition("[")[0] in KEPT
     }
     data = xarray.Dataset(
         {
             name: (
                 "time",
                 cycle[name][::KEPT_EVERY],
-                {"units": quantity.unit, "long_name": quantity.description},
+                _describe(quantity),
             )
             for name, quantity in fields.items()
         },

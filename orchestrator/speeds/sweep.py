@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from importlib import metadata
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,7 +29,9 @@ from ..plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_s
 from ..plots.style import save_figure
 from ..reporter import Reporter
 from ..scenario import build_scenario
+from ..scenario.files import to_full_toml
 from ..scenario.system import build_system
+from ..store.output_folder import CYCLES, REPORT, STORE, SUMMARY
 from ..study.files import Plan, parse_study
 from ..study.points import expand_points
 from ..study.run import Where, run
@@ -37,7 +40,7 @@ from .figures_of_merit import is_separated, kinds_of, parameter_of
 from .separation import bisect_separation
 from .subject import SPEED, SpeedSubject, count_turns, cycle_path, find_flywheel
 
-STORE, CYCLES, ALL, SUMMARY = "speeds.zarr", "cycles", "cycles.nc", "summary.json"
+FOLDER = "cycles"  # with a file for each cycle
 RPM = 30.0 / math.pi
 
 
@@ -69,9 +72,18 @@ def sweep(
         reporter.line(separation.text)
     for text in (*describe_lift_loss(table), *describe_feeding(subject, table)):
         reporter.line(text)
-    summary = {"scenario": subject.scenario.name, "separation": separation and separation._asdict()}
+    summary = {
+        "scenario": subject.scenario.name,
+        "separation": separation and separation._asdict(),
+        "version": metadata.version("tribocosim"),
+        "scenario_toml": to_full_toml(subject.scenario),
+    }
     (out / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", "utf-8")
     files = publish(subject, table, out)
+    if (out / CYCLES) in files:
+        from ..report import write_report  # reads what is above
+
+        files.append(write_report(out, out / REPORT))
     reporter.line(f"results in {out}: {', '.join(path.relative_to(out).as_posix() for path in files)}")
     return status
 
@@ -99,7 +111,7 @@ def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan
     """The study of a scenario's cycles; MistakeError or ModelError for a fault of the scenario."""
     scenario = build_scenario(copy.deepcopy(dict(tables)))
     build_system(scenario)
-    subject = SpeedSubject(tables, find_flywheel(scenario), str((out / CYCLES).absolute()))
+    subject = SpeedSubject(tables, find_flywheel(scenario), str((out / FOLDER).absolute()))
     axis = {"start": speeds.low, "stop": speeds.high, "count": speeds.count}
     study = parse_study(
         {
@@ -263,8 +275,8 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Pat
         cam_ratio=1.0 / count_turns(system),
         **{f"{kind}_frequencies": found for kind, found in find_natural_frequencies(system).items() if found},
     )
-    joined.to_netcdf(out / ALL, engine="h5netcdf")
-    files.append(out / ALL)
+    joined.to_netcdf(out / CYCLES, engine="h5netcdf")
+    files.append(out / CYCLES)
     contacts = [name for name, kind in kinds_of(system).items() if kind in CONTACTS]
     for load_name in [f"{name}.load" for name in contacts[:2]]:
         stem = load_name.replace(".", "-")
@@ -298,5 +310,7 @@ def join_cycles(cycles: list[tuple[float, Path]]) -> xarray.Dataset:
         part = part.reset_coords("cam_angle").assign_coords(time=share).rename(time="share")
         parts.append(part.expand_dims(speed=[speed]))
     joined = xarray.concat(parts, "speed", join="exact", combine_attrs="drop")
+    for name, values in joined.data_vars.items():
+        values.attrs.update(parts[0][name].attrs)
     joined["speed"].attrs["units"] = "rad/s"
     return joined

@@ -20,6 +20,7 @@ from ..errors import MistakeError
 from .atomic_write import partial
 
 UNFINISHED, LOCK, CHECKPOINT = "unfinished", "lock", "checkpoint"
+STORE, CYCLES = "speeds.zarr", "cycles.nc"  # of a sweep over speed, instead of a run
 REPLACED = "replaced"  # files of an earlier run, put aside until this one has its first values
 RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES, REPORT = (
     "result.nc",

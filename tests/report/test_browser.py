@@ -13,9 +13,11 @@ import numpy as np
 import pytest
 
 import tribocosim
-from models.core.quantities import Quantity
 from orchestrator.report import write_report
-from orchestrator.store.result_file import ResultFile
+
+from .large import write_large
+from .sweeps import SPEEDS, load_of, write_sweep
+from .test_page import write_evil
 
 # A browser that asks nothing of any network by itself.
 QUIET = [
@@ -51,6 +53,15 @@ def opened(browser: Any, path: Path, **options: Any) -> Iterator[Any]:
     yield page
     assert said == []
     page.close()
+
+
+def wait(page: Any, what: str) -> None:
+    """Until an expression is true; the page's policy forbids playwright's own way."""
+    for _ in range(300):
+        if page.evaluate(what):
+            return
+        page.wait_for_timeout(100)
+    raise AssertionError(f"never: {what}")
 
 
 def settle(page: Any) -> None:
@@ -152,29 +163,79 @@ def test_angles_take_the_place_of_time(browser: Any, result: tribocosim.Result) 
         assert page.evaluate("report.view.whole[1]") == pytest.approx(360.0, rel=1e-4)
 
 
-def test_a_million_rows_stay_few_lines(browser: Any, tmp_path: Path) -> None:
-    """Drawn is at most some points for each pixel, whatever is shown; the file stays below 10 MB."""
-    rows = 1_000_000
-    times = np.linspace(0.0, 10.0, rows)
-    names = [f"part.value{i}" for i in range(8)]
-    values = np.column_stack([np.sin((50.0 + i) * times) for i in range(8)])
-    values[123_456, 0] = 7.0
-    with ResultFile(tmp_path / "result.nc", {"scenario": "large", "versions": "none"}) as made:
-        made.write("coupled", times, {name: Quantity("m", "a length") for name in names}, values)
-        made.finish(True, "")
-    path = write_report(tmp_path)
-    assert path.stat().st_size < 10e6
-    with opened(browser, path) as page:
+def test_a_million_rows_stay_few_marks(browser: Any, tmp_path: Path) -> None:
+    """Drawn is at most some points for each pixel, whatever is shown; zoomed in, every row is there."""
+    write_large(tmp_path, 1_000_000, 4)
+    with opened(browser, write_report(tmp_path)) as page:
+        wait(page, "report.panels.every((one) => one.detail)")
         page.evaluate(
-            "() => { window.drawn = 0; const plain = CanvasRenderingContext2D.prototype.lineTo;"
-            "CanvasRenderingContext2D.prototype.lineTo ="
-            " function (...at) { drawn++; plain.apply(this, at); }; }"
+            "() => { window.drawn = 0; for (const name of ['lineTo', 'fillRect']) {"
+            "const plain = CanvasRenderingContext2D.prototype[name];"
+            "CanvasRenderingContext2D.prototype[name] ="
+            " function (...at) { drawn++; plain.apply(this, at); }; } }"
         )
         for factor in (1.0, 0.5, 0.1, 0.01):
             page.evaluate(f"drawn = 0; report.view.reset(); report.view.zoom(1.23, {factor})")
             settle(page)
             settle(page)
             assert 0 < page.evaluate("drawn") < 60_000
-        # A single row that stands out is seen from afar.
+        # A single row that stands out is seen from afar, and at its place from near.
         page.evaluate("report.view.reset()")
         assert page.evaluate("report.panels[0].values.range(0, 24000)[1]") == pytest.approx(7.0, rel=1e-4)
+        assert page.evaluate("report.panels[0].detail.at(125000)") == pytest.approx(7.0, abs=1e-3)
+        assert page.evaluate("report.panels[0].detail.at(125001)") < 1.1
+
+
+def test_no_text_of_a_result_runs(browser: Any, tmp_path: Path) -> None:
+    """Of names, units, descriptions and messages that are scripts; the losses are marked all the same."""
+    with opened(browser, write_evil(tmp_path)) as page:
+        page.click("#add")
+        page.click("#after")
+        assert page.evaluate("window.evil") is None
+        assert page.evaluate("report.marks.events.map((one) => one.time)") == [pytest.approx(0.75)]
+
+
+def test_a_click_on_a_map_chooses_speed_and_angle(browser: Any, tmp_path: Path) -> None:
+    write_sweep(tmp_path)
+    with opened(browser, write_report(tmp_path)) as page:
+        settle(page)
+        frame = page.evaluate("report.drawings.at(-1).views[0].frame")
+        x = frame["left"] + 0.75 * (frame["right"] - frame["left"])
+        page.click("#maps canvas", position={"x": x, "y": frame["top"] + 5})
+        wait(page, "report.records.chosen === 2")
+        page.wait_for_timeout(200)
+        assert page.evaluate("report.view.at(report.now)") == pytest.approx(270.0, abs=2.5)
+        load = page.evaluate("report.panels[0].values.at(report.row(0))")
+        angle = page.evaluate("report.view.at(report.now)")
+        assert load == pytest.approx(float(load_of(SPEEDS[2], np.radians(angle))), rel=1e-4)
+
+
+def test_keys_of_a_map_change_the_speed(browser: Any, tmp_path: Path) -> None:
+    write_sweep(tmp_path)
+    with opened(browser, write_report(tmp_path)) as page:
+        page.locator("#maps canvas").first.press("ArrowDown")
+        wait(page, "report.records.chosen === 0")
+        assert page.locator("#speeds").input_value() == "0"
+
+
+def test_everything_has_a_name_for_screen_readers(browser: Any, result: tribocosim.Result) -> None:
+    """Every control and every picture."""
+    assert result.folder is not None
+    with opened(browser, result.folder / "report.html") as page:
+        nameless = page.evaluate(
+            "[...document.querySelectorAll('canvas, svg, select, input, button')].filter((one) =>"
+            " !one.getAttribute('aria-label') && !one.closest('label') && !one.textContent.trim())"
+            ".map((one) => one.outerHTML)"
+        )
+        assert nameless == []
+
+
+def test_paper_is_white(browser: Any, result: tribocosim.Result) -> None:
+    """A page in dark colours is drawn in light ones for the printer, and back."""
+    assert result.folder is not None
+    with opened(browser, result.folder / "report.html", color_scheme="dark") as page:
+        dark = page.evaluate("color('paper')")
+        page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+        assert page.evaluate("color('paper')") == "#ffffff"
+        page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+        assert page.evaluate("color('paper')") == dark != "#ffffff"

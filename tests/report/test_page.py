@@ -18,12 +18,17 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import tribocosim
+from models.core.quantities import Quantity
 from orchestrator.report import write_report
 from orchestrator.report.mechanism import list_sketches
-from orchestrator.report.packing import COARSE, PRECISE, bucket, pack, pack_exactly
+from orchestrator.report.packing import COARSE, DIVISIONS, PRECISE, bucket, pack, pack_detail, pack_exactly
 from orchestrator.report.sketch import Sketch
 from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.system import build_system
+from orchestrator.store.result_file import ResultFile
+
+from .large import write_large
+from .sweeps import ROWS, SPEEDS, load_of, write_sweep
 
 EVIL = "</script><script>window.evil = 1</script>"
 
@@ -48,6 +53,16 @@ def test_packed_numbers_come_back_within_half_a_bit(values: Any, bits: int) -> N
 @given(hnp.arrays(np.float64, st.integers(1, 50)))
 def test_times_come_back_to_the_bit(values: Any) -> None:
     assert unpack(pack_exactly(values), 8).tobytes() == values.tobytes()
+
+
+@given(hnp.arrays(np.float64, st.integers(1, 200), elements=st.floats(-1e3, 1e3)))
+def test_every_row_comes_back_within_half_a_part_of_the_range(values: Any) -> None:
+    """As unpackDetail in series.js sums the second differences."""
+    packed = pack_detail(values)
+    second = unpack(packed["text"], 4).view(np.int32)
+    found = packed["least"] + packed["step"] * np.cumsum(np.cumsum(second))
+    assert np.all(np.abs(found - values) <= 0.5 * packed["step"] * (1.0 + 1e-9) + 1e-12)
+    assert packed["step"] * DIVISIONS >= np.ptp(values) * (1.0 - 1e-12)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 0.0, 3.4028234e38])
@@ -77,6 +92,87 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> str:
 def test_nothing_of_the_user_becomes_markup(page: str) -> None:
     assert EVIL not in page
     assert page.count("<script") == page.count("</script>") == 2
+
+
+def read_content(page: str) -> Any:
+    """What the scripts of a page get."""
+    return json.loads(page.split('id="data">')[1].split("</script>")[0])
+
+
+def write_evil(folder: Path) -> Path:
+    """A page of a result whose every text is an attack."""
+    evil = {
+        f"{EVIL}.load": Quantity(EVIL, EVIL, display_unit=""),
+        f"{EVIL}.film_thickness": Quantity("m", EVIL),
+    }
+    attributes = {"scenario": EVIL, "versions": EVIL, "title": EVIL, "scenario_toml": EVIL}
+    with ResultFile(folder / "result.nc", attributes) as made:
+        made.write(
+            "coupled", np.linspace(0.0, 1.0, 5), evil, np.array([[1, 1], [0, 1], [0, 1], [1, 1], [2, 1.0]])
+        )
+        made.finish(True, EVIL)
+    bond = {"exchanged": 1.0, "created": 0.0, "largest_created": 0.0, "relative": 0.0}
+    error = {"max_abs": 0.0, "rms": 0.0, "relative_rms": 0.0, "reference_uncertainty": 0.0, "tolerance": None}
+    summary = {
+        "complete": True, "scenario": EVIL, "verdict": EVIL, "largest_error": EVIL, "version": EVIL,
+        "fmus": {EVIL: EVIL}, "suggestions": [EVIL], "errors": {EVIL: error},
+        "energy": {"bonds": {EVIL: bond}, "components": {}, "created": 0.0, "besides": 0.0},
+    }  # fmt: skip
+    (folder / "summary.json").write_text(json.dumps(summary), "utf-8")
+    return write_report(folder)
+
+
+def test_no_text_of_a_result_becomes_markup(tmp_path: Path) -> None:
+    """Names, units, descriptions, messages, scenario."""
+    page = write_evil(tmp_path).read_text("utf-8")
+    assert EVIL not in page
+    assert page.count("<script") == page.count("</script>") == 2
+    assert {v["unit"] for v in read_content(page)["variables"]} == {EVIL, "m"}
+
+
+def test_losses_and_blows_have_their_marks(tmp_path: Path) -> None:
+    content = read_content(write_evil(tmp_path).read_text("utf-8"))
+    assert content["marks"] == [{"part": EVIL, "kind": "load", "variable": f"{EVIL}.load"}]
+
+
+def test_steps_have_their_reason_and_connection_and_bonds_their_energy(tmp_path: Path) -> None:
+    """Of a run whose steps are controlled; the shares of what set them add up to all."""
+    scenario = tribocosim.load("two-masses").with_(
+        {
+            "stop_time": "2 s",
+            "reference.enabled": False,
+            "energy.ledger": True,
+            "step_control.relative": 1e-4,
+        }
+    )
+    tribocosim.run(scenario, tmp_path / "out")
+    page = write_report(tmp_path / "out").read_text("utf-8")
+    words = [kind["words"] for kind in read_content(page)["steps"]["kinds"]]
+    assert any(text.startswith("error of first.force -> second.force: ") for text in words), words
+    shares = [float(re.search(r": ([\d.]+) ?%", text)[1]) for text in words]  # type: ignore[index]
+    assert sum(shares) == pytest.approx(100.0, abs=1.0)
+    assert "Energy by connection" in page
+    assert 'data-plot="energy: created ' in page
+
+
+@pytest.mark.parametrize(("rows", "variables", "most"), [(24_000, 53, 4e6), (1_000_000, 8, 10e6)])
+def test_large_runs_stay_small(rows: int, variables: int, most: float, tmp_path: Path) -> None:
+    write_large(tmp_path, rows, variables)
+    assert write_report(tmp_path).stat().st_size < most
+
+
+def test_a_sweep_has_all_its_cycles(tmp_path: Path) -> None:
+    """Loads to five digits; what is NaN at all speeds is left out."""
+    write_sweep(tmp_path)
+    content = read_content(write_report(tmp_path).read_text("utf-8"))
+    packed = {
+        v["name"]: unpack(v["data"]["values"], 4).reshape(len(SPEEDS), ROWS) for v in content["variables"]
+    }
+    found = load_of(SPEEDS[:, None], packed["cam_angle"].astype(float))
+    np.testing.assert_allclose(packed["contact.load"], found, rtol=4e-5)
+    # At half the speed of the drive, a turn of the cam takes twice its period.
+    np.testing.assert_allclose(content["sweep"]["periods"], 4.0 * math.pi / SPEEDS)
+    assert [one["name"] for one in content["sweep"]["numbers"]] == ["contact.least_load"]
 
 
 def test_the_page_asks_nothing_of_any_network(page: str) -> None:

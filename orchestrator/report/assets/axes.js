@@ -1,7 +1,7 @@
 // Axes and lines of plots on a canvas.
 "use strict";
 
-const MARGIN = { left: 68, right: 12, top: 8, bottom: 36 };
+const MARGIN = { left: 68, right: 22, top: 8, bottom: 36 };
 
 const colors = new Map();
 
@@ -94,24 +94,35 @@ function drawUpright(g, frame, x, name, dashes = []) {
   g.setLineDash([]);
 }
 
-// A line through rows i to j; where many rows share a pixel, their least and largest values.
+// A line through rows i to j.
 function traceLine(g, frame, series, xs, factor, i, j) {
-  let k = 0;
-  while (Math.pow(FOLD, k) * 2 * (frame.right - frame.left) < j - i) k++;
-  const f = Math.pow(FOLD, k), { low, high } = series.level(k), last = xs.length - 1;
+  const { low, high } = series.levels[0];
+  if (low !== high || j - i > 8 * (frame.right - frame.left)) { traceBand(g, frame, series, xs, factor, i, j); return; }
   g.beginPath();
-  let down = false, before = 0;
-  for (let m = Math.floor(i / f), end = Math.min(Math.ceil((j + 1) / f), low.length); m < end; m++) {
+  for (let m = i, down = false; m < j; m++) {
     if (low[m] !== low[m]) { down = false; continue; }
-    // From the end that is nearer to where the line comes from.
-    const falls = Math.abs(high[m] - before) < Math.abs(low[m] - before);
-    const at = frame.x(xs[Math.min(m * f, last)]), first = falls ? high[m] : low[m];
-    before = falls ? low[m] : high[m];
-    if (down) g.lineTo(at, frame.y(first * factor)); else g.moveTo(at, frame.y(first * factor));
-    if (before !== first) g.lineTo(at, frame.y(before * factor));
+    g[down ? "lineTo" : "moveTo"](frame.x(xs[m]), frame.y(low[m] * factor));
     down = true;
   }
   g.stroke();
+}
+
+// Where many rows share a pixel: from their least to their largest value, joined to what is before. Of upright
+// rectangles a picture takes a tenth of the time that a line takes which goes up and down.
+function traceBand(g, frame, series, xs, factor, i, j) {
+  let k = 0;
+  while (Math.pow(FOLD, k) * (frame.right - frame.left) < j - i) k++;
+  const f = Math.pow(FOLD, k), { low, high } = series.level(k), last = xs.length - 1;
+  g.fillStyle = g.strokeStyle;
+  for (let m = Math.floor(i / f), end = Math.min(Math.ceil(j / f), low.length), before = -1; m < end; m++) {
+    if (low[m] !== low[m]) { before = -1; continue; }
+    let least = low[m], most = high[m];
+    if (before >= 0) { least = Math.min(least, high[before]); most = Math.max(most, low[before]); }
+    const from = frame.x(xs[Math.min(m * f, last)]), to = frame.x(xs[Math.min((m + 1) * f, last)]);
+    const top = frame.y(most * factor), tall = frame.y(least * factor) - top;
+    g.fillRect(from, top - 0.5 * g.lineWidth, Math.max(to - from, 1), tall + g.lineWidth);
+    before = m;
+  }
 }
 
 function save(name, url) {

@@ -1,4 +1,4 @@
-// A lubricated contact, enlarged: film and pressure as they were solved for, or those of Hertz.
+// A lubricated contact, enlarged: gap of two elastic bodies and the pressure of Hertz between them.
 "use strict";
 
 // One contact of all, chosen by name.
@@ -56,7 +56,6 @@ class Contact {
   // Curves [x, film] and [x, pressure] at a row.
   curves(row) {
     const load = this.value("load", row), b = load > 0 ? this.value("half_width", row) : 0, span = 2.2 * this.width;
-    if (this.told.field) return this.field(row);
     const h = Math.max(this.value("film_thickness", row), 0), radius = Math.abs(this.value("radius", row)) || 0.02;
     const p = load > 0 ? this.value("maximum_pressure", row) : 0;
     const film = Array.from({ length: 161 }, (_, k) => { const x = span * (k / 80 - 1); return [x, this.gap(x, h, b, radius)]; });
@@ -101,7 +100,6 @@ class Contact {
     return (load > 0
       ? "load " + readable(load) + " N, film " + readable(h) + " um, pressure " + readable(1e-9 * this.value("maximum_pressure", row)) +
         " GPa, width " + readable(2e3 * this.value("half_width", row)) + " mm"
-      : "no load, gap " + readable(Math.max(h, 0)) + " um") + ". " +
-      (this.told.field ? "Film and pressure as solved for" : "Film by its formula, pressure of Hertz") + "; heights enlarged.";
+      : "no load, gap " + readable(Math.max(h, 0)) + " um") + "; gap and pressure of Hertz, heights enlarged";
   }
 }

@@ -27,10 +27,22 @@ class Panel {
     const name = this.choice.value, v = this.records.variables.get(name);
     const [values, error] = [await this.records.series(name), v.data.error ? await this.records.series(name, "error") : null];
     if (name !== this.choice.value) return;
-    [this.name, this.variable, this.values, this.error, this.detail] = [name, v, values, error, undefined];
+    [this.name, this.variable, this.values, this.error, this.detail] = [name, v, values, error, null];
     this.root.querySelector("label").hidden = !error;
     this.choice.title = v.description;
     this.part = v.group === "coupled" ? v.name.slice(0, v.name.lastIndexOf(".")) : "";
+    this.key = null;
+    this.report.refresh();
+    if (v.data.detail) requestIdleCallback(() => this.loadDetail(name));
+  }
+
+  // Unpacked before it is needed, as that takes longer than a picture may.
+  async loadDetail(name) {
+    const found = await this.records.series(name, "detail");
+    found.range(0, found.levels[0].low.length);
+    if (name !== this.name) return;
+    this.detail = found;
+    this.view.along(this.variable.detailBase);
     this.key = null;
     this.report.refresh();
   }
@@ -73,15 +85,8 @@ class Panel {
     });
   }
 
-  // Every row, where stretches of rows are wider than a pixel; unpacked when it is first needed.
-  findDetail(rows, width) {
-    if (!this.variable.data.detail || this.shown !== this.values || rows > width) return null;
-    if (this.detail === undefined) {
-      this.detail = null;
-      this.records.series(this.name, "detail").then((found) => { this.detail = found; this.key = null; this.report.refresh(); });
-    }
-    return this.detail;
-  }
+  // Every row, where stretches of rows are wider than a pixel.
+  findDetail(rows, width) { return this.detail && this.shown === this.values && rows <= width ? this.detail : null; }
 
   reference() {
     if (!this.ownReference || this.ownReference.of !== this.values) {

@@ -26,9 +26,9 @@ class Phase {
     const limits = (s, f) => widen(s.range(i, j).map((v) => v * f));
     const xr = limits(x, a.factor), yr = limits(y, b.factor), frame = makeFrame(width, height, xr, yr);
     drawAxes(g, frame, xr, yr, label(this.x.value, a));
-    g.strokeStyle = color("coupled"); g.lineWidth = 1;
+    g.strokeStyle = color("coupled"); g.lineWidth = 1; g.lineJoin = "bevel";
     g.beginPath();
-    for (let k = i, step = Math.max(1, Math.floor((j - i) / 6000)); k < j; k += step)
+    for (let k = i, step = Math.max(1, Math.floor((j - i) / 3000)); k < j; k += step)
       g[k === i ? "moveTo" : "lineTo"](frame.x(x.at(k) * a.factor), frame.y(y.at(k) * b.factor));
     g.stroke();
     const now = this.report.row(0);

@@ -26,7 +26,7 @@ async function unpackDetail({ text, least, step }) {
   return found;
 }
 
-const FOLD = 4;
+const FOLD = 2;
 
 // Values over the rows of a base; levels[k] has least and largest values of FOLD^k rows.
 class Series {

@@ -1,0 +1,131 @@
+"""What the page of a sweep over speed needs: all its cycles, their numbers, the mechanism."""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+
+from ..errors import MistakeError
+from ..scenario import Scenario, ScenarioError, build_scenario
+from ..scenario.units import to_unit
+from ..store.output_folder import CYCLES, STORE, SUMMARY
+from .mechanism import list_sketches
+from .packing import pack
+
+ANGLE = "cam_angle"
+# Maps and curves at first, by the endings of variables and numbers.
+MAPS = (".load", ".film_thickness")
+CURVES = (".least_load", ".least_film", ".seating_velocity", ".spring_margin")
+PANELS = (".load", ".film_thickness", ".valve_lift")
+
+
+def collect_sweep(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What the page says of the sweep in `folder`, and its content.
+
+    MistakeError if there are not two cycles, so that nothing spans angle and speed.
+    """
+    if not (folder / CYCLES).is_file():
+        raise MistakeError(f"{folder}: has no {CYCLES}; a report needs the cycles of two speeds at least")
+    summary = json.loads((folder / SUMMARY).read_text("utf-8"))
+    with xarray.open_dataset(folder / CYCLES, engine="h5netcdf") as stored:
+        cycles = stored.load()
+    with xarray.open_zarr(folder / STORE) as stored:
+        numbers = stored.load().sel(speed=cycles["speed"].values)
+    toml = str(summary.get("scenario_toml", ""))
+    return _tell(summary, toml), _collect(cycles, numbers, _read_scenario(toml))
+
+
+def _read_scenario(toml: str) -> Scenario | None:
+    """The scenario that was swept; None where what it names is gone."""
+    try:
+        return build_scenario(tomllib.loads(toml))
+    except (ScenarioError, OSError, ValueError):
+        return None
+
+
+def _tell(summary: Mapping[str, Any], toml: str) -> dict[str, Any]:
+    separation = summary.get("separation")
+    name = str(summary["scenario"])
+    return {
+        "summary": {},
+        "name": name,
+        "title": f"{name} over speed",
+        "good": not separation or separation["text"].startswith("contact is kept"),
+        "verdict": separation["text"] if separation else "no contact can be lost",
+        "version": summary.get("version", ""),
+        "versions": "",
+        "command": "tribocosim speeds scenario.toml",
+        "fmus": {},
+        "toml": toml,
+    }
+
+
+def _collect(cycles: xarray.Dataset, numbers: xarray.Dataset, scenario: Scenario | None) -> dict[str, Any]:
+    speeds = cycles["speed"].values
+    finite = [str(n) for n, v in numbers.data_vars.items() if v.dtype.kind == "f" and np.isfinite(v).any()]
+    turned = cycles[ANGLE].values
+    # Every cycle begins within the first turn.
+    turned = turned - 2.0 * math.pi * np.floor(turned[:, :1] / (2.0 * math.pi) + 1e-9)
+    names = [str(name) for name in cycles.data_vars if name != ANGLE]
+    variables = [_pack(name, cycles[name]) for name in names]
+    variables.insert(0, _pack(ANGLE, cycles[ANGLE].copy(data=turned)))
+    sketches = list_sketches(scenario, names) if scenario else []
+    return {
+        "bases": [{"rows": cycles.sizes["share"], "stretch": 1, "end": 1.0}],
+        "variables": variables,
+        "leftOut": 0,
+        "sketches": [sketch.content() for sketch in sketches],
+        "panels": _choose(names, PANELS) or names[:1],
+        "marks": [
+            {"part": name.rpartition(".")[0], "kind": "load", "variable": name}
+            for name in names
+            if name.endswith(".load") and f"{name.rpartition('.')[0]}.film_thickness" in names
+        ],
+        "abscissa": ANGLE,
+        "sweep": {
+            "angle": ANGLE,
+            "speeds": speeds.tolist(),
+            "periods": (2.0 * math.pi / cycles.attrs["cam_ratio"] / speeds).tolist(),
+            "maps": _choose(names, MAPS) or names[:1],
+            "curves": _choose(finite, CURVES),
+            "numbers": [_list_number(name, numbers[name]) for name in finite],
+        },
+    }
+
+
+def _choose(names: list[str], endings: tuple[str, ...]) -> list[str]:
+    """The first name with each ending; of loads those of films come first."""
+    filmed = sorted(names, key=lambda name: f"{name.rpartition('.')[0]}.film_thickness" not in names)
+    found = (next((name for name in filmed if name.endswith(ending)), None) for ending in endings)
+    return [name for name in found if name]
+
+
+def _pack(name: str, values: xarray.DataArray) -> dict[str, Any]:
+    """All values of a variable, speed by speed."""
+    return {**_describe(name, values), "data": {"values": pack(values.values.ravel())}, "base": 0}
+
+
+def _list_number(name: str, values: xarray.DataArray) -> dict[str, Any]:
+    """A number of every cycle; None where it has none."""
+    found = [float(value) if math.isfinite(value) else None for value in values.values]
+    return {**_describe(name, values), "values": found}
+
+
+def _describe(name: str, values: xarray.DataArray) -> dict[str, Any]:
+    unit = str(values.attrs.get("units", "1"))
+    shown = str(values.attrs.get("display_units", "")) or {"rad": "deg"}.get(unit, "")
+    return {
+        "name": name,
+        "group": "coupled",
+        "unit": shown or (unit if unit != "1" else ""),
+        "factor": 1.0 / to_unit(f"1 {shown}", unit) if shown else 1.0,
+        "description": str(values.attrs.get("long_name", "")),
+        "choices": [],
+    }
