@@ -36,6 +36,9 @@ function prepare(canvas, box = canvas.getBoundingClientRect()) {
   return { g, width, height };
 }
 
+// Whether a box is on the screen, or about to be; on paper all are.
+function isSeen(box) { return document.documentElement.classList.contains("light") || (box.bottom > -200 && box.top < window.innerHeight + 200); }
+
 function drawAxes(g, frame, x, y, label) {
   g.strokeStyle = color("line"); g.fillStyle = color("soft"); g.lineWidth = 1;
   g.textAlign = "right"; g.textBaseline = "middle";
@@ -94,35 +97,34 @@ function drawUpright(g, frame, x, name, dashes = []) {
   g.setLineDash([]);
 }
 
-// A line through rows i to j.
+// A line through rows i to j. Where many share a pixel it goes from their least to their largest value: of upright
+// rectangles a picture takes a tenth of the time that a line takes which goes up and down.
 function traceLine(g, frame, series, xs, factor, i, j) {
-  const { low, high } = series.levels[0];
-  if (low !== high || j - i > 8 * (frame.right - frame.left)) { traceBand(g, frame, series, xs, factor, i, j); return; }
+  const { low, high } = series.levels[0], single = low === high, last = xs.length - 1, thick = g.lineWidth;
+  g.fillStyle = g.strokeStyle;
   g.beginPath();
-  for (let m = i, down = false; m < j; m++) {
-    if (low[m] !== low[m]) { down = false; continue; }
-    g[down ? "lineTo" : "moveTo"](frame.x(xs[m]), frame.y(low[m] * factor));
-    down = true;
+  for (let m = i, before = -1, n; m < j; m = n) {
+    n = m + 1;
+    if (low[m] !== low[m]) { before = -1; continue; }
+    const from = frame.x(xs[m]);
+    let least = low[m], most = high[m], to;
+    while ((to = frame.x(xs[Math.min(n, last)])) - from < 1 && n < j) {
+      if (low[n] < least) least = low[n];
+      if (high[n] > most) most = high[n];
+      n++;
+    }
+    if (before >= 0) { least = Math.min(least, high[before]); most = Math.max(most, low[before]); }
+    if (!single || n > m + 1) {
+      const top = frame.y(most * factor);
+      g.fillRect(from, top - 0.5 * thick, Math.max(to - from, 1), frame.y(least * factor) - top + thick);
+    }
+    if (single && n < j && low[n] === low[n] && to - from > 1) {
+      g.moveTo(n > m + 1 ? to - 1 : from, frame.y(low[n - 1] * factor));
+      g.lineTo(to, frame.y(low[n] * factor));
+    }
+    before = n - 1;
   }
   g.stroke();
-}
-
-// Where many rows share a pixel: from their least to their largest value, joined to what is before. Of upright
-// rectangles a picture takes a tenth of the time that a line takes which goes up and down.
-function traceBand(g, frame, series, xs, factor, i, j) {
-  let k = 0;
-  while (Math.pow(FOLD, k) * (frame.right - frame.left) < j - i) k++;
-  const f = Math.pow(FOLD, k), { low, high } = series.level(k), last = xs.length - 1;
-  g.fillStyle = g.strokeStyle;
-  for (let m = Math.floor(i / f), end = Math.min(Math.ceil(j / f), low.length), before = -1; m < end; m++) {
-    if (low[m] !== low[m]) { before = -1; continue; }
-    let least = low[m], most = high[m];
-    if (before >= 0) { least = Math.min(least, high[before]); most = Math.max(most, low[before]); }
-    const from = frame.x(xs[Math.min(m * f, last)]), to = frame.x(xs[Math.min((m + 1) * f, last)]);
-    const top = frame.y(most * factor), tall = frame.y(least * factor) - top;
-    g.fillRect(from, top - 0.5 * g.lineWidth, Math.max(to - from, 1), tall + g.lineWidth);
-    before = m;
-  }
 }
 
 function save(name, url) {

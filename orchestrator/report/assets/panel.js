@@ -30,6 +30,7 @@ class Panel {
     [this.name, this.variable, this.values, this.error, this.detail] = [name, v, values, error, null];
     this.root.querySelector("label").hidden = !error;
     this.choice.title = v.description;
+    this.canvas.setAttribute("aria-label", "Plot of " + name + ": " + v.description);
     this.part = v.group === "coupled" ? v.name.slice(0, v.name.lastIndexOf(".")) : "";
     this.key = null;
     this.report.refresh();
@@ -48,8 +49,8 @@ class Panel {
   }
 
   draw() {
-    if (!this.values || !this.view.xs) return;
     const box = this.canvas.getBoundingClientRect(), v = this.variable;
+    if (!this.values || !this.view.xs || !isSeen(box)) return;
     // Only what moves is drawn anew while the rest stays.
     const key = [box.width, box.height, ...this.view.shown, this.view.name, this.wantsError.checked, this.report.edition].join();
     if (key !== this.key) { this.key = key; this.drawBack(box); }

@@ -20,7 +20,7 @@ class Phase {
   }
 
   draw() {
-    if (!this.series || !this.series[0] || !this.series[1]) return;
+    if (!this.series || !this.series[0] || !this.series[1] || !isSeen(this.canvas.getBoundingClientRect())) return;
     const [a, b] = [this.x, this.y].map((one) => this.records.variables.get(one.value)), [x, y] = this.series;
     const { g, width, height } = prepare(this.canvas), [i, j] = this.view.rows(0);
     const limits = (s, f) => widen(s.range(i, j).map((v) => v * f));

@@ -29,7 +29,7 @@ class Report {
     if (this.content.sweep) { this.drawings.push(new Sweep(this, this.content.sweep)); await this.drawings.at(-1).start(); }
     this.fillControls();
     this.view.listeners.push(() => this.refresh());
-    window.addEventListener("resize", () => this.refresh());
+    for (const change of ["resize", "scroll"]) window.addEventListener(change, () => this.refresh());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolor());
     // Paper is white.
     window.addEventListener("beforeprint", () => { document.documentElement.classList.add("light"); this.recolor(); this.draw(); });

@@ -24,7 +24,7 @@ class Steps {
   kind(i) { return this.kinds.get(this.reason.at(i) + "," + this.source.at(i)) ?? this.kinds.get(this.reason.at(i) + ",*") ?? 0; }
 
   draw() {
-    if (!this.length) return;
+    if (!this.length || !isSeen(this.canvas.getBoundingClientRect())) return;
     const { g, width, height } = prepare(this.canvas), base = this.told.base, x = this.view.shown;
     const xs = this.view.along(base), [i, j] = this.view.rows(base), [least, most] = this.length.range(i, j);
     const even = most < 1.5 * least, y = even ? [0, 1.5 * most] : [least / 1.6, most * 1.6];
