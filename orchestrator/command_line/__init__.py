@@ -27,7 +27,6 @@ from .study import run_study
 app = typer.Typer(
     help="Co-simulation of valve train and slider-crank tribodynamics, compared with a monolithic reference.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 app.command("run")(run_scenario)

@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from .completion import complete_component
 from .error_report import report_errors, say
 from .json_output import Json, print_json
 from .without_cache import build_without_cache
@@ -76,7 +77,12 @@ def _build_native_here(name: str, destination: Path | None, structure: Mapping[s
 @report_errors
 def fmu_build(
     names: Annotated[
-        list[str] | None, typer.Argument(help="Components; your own as module:factory.", show_default="all")
+        list[str] | None,
+        typer.Argument(
+            help="Components; your own as module:factory.",
+            show_default="all",
+            autocompletion=complete_component,
+        ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("."),
     structure: Annotated[

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from .completion import complete_study
 from .error_report import report_errors
 from .fmu import build_fmu
 
@@ -25,7 +26,10 @@ def check_packages() -> None:
 
 @report_errors
 def run_study(
-    study: Annotated[str, typer.Argument(help="A shipped study, or the path of a .toml file.")],
+    study: Annotated[
+        str,
+        typer.Argument(help="A shipped study, or the path of a .toml file.", autocompletion=complete_study),
+    ],
     out: Annotated[
         Path | None, typer.Option(help="The zarr store.", show_default="results/STUDY.zarr")
     ] = None,

@@ -15,12 +15,15 @@ import numpy as np
 import pytest
 import typer
 
+from fmus.build import NAMES
 from orchestrator.command_line import app
+from orchestrator.command_line.completion import complete_component, complete_scenario, complete_study
 from orchestrator.command_line.error_report import report_errors
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.system import build_system
 from orchestrator.store.result_file import open_result
+from orchestrator.study import files as studies
 
 from .commands import IN_PROCESS, ROOT, SHORT, called, said, tribocosim
 
@@ -227,6 +230,32 @@ MISTAKES = {
     ("fmu", "build", "flywheel", "--libpython", "libm.so.6"): "must be a file's name",
     ("fmu", "build", "valve_spring", "--structure", "coils=3"): "did you mean coil_masses?",
 }
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="asks as bash does")
+def test_the_shell_completes_names() -> None:
+    asked = {
+        "_TRIBOCOSIM_COMPLETE": "complete_bash",
+        "COMP_WORDS": "tribocosim run valve-train-b",
+        "COMP_CWORD": "2",
+    }
+    code = "import sys; sys.argv[0] = 'tribocosim'; from orchestrator.command_line import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | asked,
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.stdout.split() == ["valve-train-bounce"]
+
+
+def test_completed_names_are_those_that_are_known() -> None:
+    assert complete_scenario("") == sorted(list_shipped())
+    assert complete_study("") == sorted(studies.list_shipped())
+    assert complete_component("") == sorted(NAMES)
+    assert complete_component("valve_") == ["valve_spring"]
 
 
 @pytest.mark.parametrize("arguments", MISTAKES)

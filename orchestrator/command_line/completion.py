@@ -1,0 +1,27 @@
+"""Names that the shell completes: from the files that carry them, so that the key answers at once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_ORCHESTRATOR = Path(__file__).parents[1]
+
+
+def complete_scenario(incomplete: str) -> list[str]:
+    """Shipped scenarios that begin so."""
+    return _list_stems(_ORCHESTRATOR / "scenario" / "shipped", incomplete)
+
+
+def complete_study(incomplete: str) -> list[str]:
+    """Shipped studies that begin so."""
+    return _list_stems(_ORCHESTRATOR / "study" / "shipped", incomplete)
+
+
+def complete_component(incomplete: str) -> list[str]:
+    """Components that begin so."""
+    pages = (_ORCHESTRATOR.parent / "fmus").glob("*/README.md")
+    return sorted(page.parent.name for page in pages if page.parent.name.startswith(incomplete))
+
+
+def _list_stems(folder: Path, incomplete: str) -> list[str]:
+    return sorted(file.stem for file in folder.glob("*.toml") if file.stem.startswith(incomplete))
