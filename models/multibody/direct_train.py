@@ -19,8 +19,8 @@ from ..valve_train.cams.profile import CamProfile
 from .bodies import GROUND, Body, Y
 from .coils import hang_coils
 from .fill import Force
-from .forces import ElasticField, LubricatedCam, beam_stiffness, modal_damping
-from .joints import cylindrical, fixed, flat_cam, prescribed_rotation, translational
+from .forces import ContactSpring, ElasticField, LubricatedCam, beam_stiffness, modal_damping
+from .joints import cylindrical, fixed, flat_cam, plane_contact, prescribed_rotation, translational
 from .mechanism import Mechanism
 
 # K Table 1, middle of the ranges: mass (kg) and moments of inertia (kg m^2) of what the load does not move.
@@ -29,7 +29,7 @@ FOLLOWER_INERTIA = (204e-6, 37.5e-6, 204e-6)
 # Axes of the shaft element: x of K (33) along the shaft.
 ALONG_SHAFT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 
-BEARING, DRIVE, CONTACT, GUIDE = "bearing", "drive", "contact", "guide"
+BEARING, DRIVE, CONTACT, GUIDE, SEAT = "bearing", "drive", "contact", "guide", "seat"
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def direct_train(
     """K's train from the parameters of `camshaft` and `valve_spring`, at a cam speed (rad/s).
 
     The follower stays on the cam, or, with the parameters of an `ehl_contact` as `lubricant`, rides on its
-    oil film. Seat and gas force are left out.
+    oil film. A valve with the stiffness of a seat may sit on it. Gas force is left out.
     """
     begin = start or TrainStart(coil_positions=(0.0,) * coil_masses)
     length = float(camshaft.shaft_length)
@@ -73,6 +73,10 @@ def direct_train(
         *coils.guides,
     ]
     forces: list[Force] = [*coils.springs]
+    if valve.seat_stiffness > 0.0:
+        at_rest = (0.0, float(camshaft.base_radius + valve.lash), length)
+        seat = plane_contact(SEAT, GROUND, "follower", at_i=at_rest)
+        forces.append(ContactSpring(seat, valve.seat_stiffness, valve.seat_damping))
     contact = flat_cam(CONTACT, "cam", "follower", camshaft, foot=_find_foot(camshaft))
     if lubricant is None:
         joints.insert(2, contact)

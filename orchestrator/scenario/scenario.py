@@ -52,8 +52,8 @@ class ReferenceTable(Table):
     )
     witness: Literal["none", "multibody"] = Field(
         "none",
-        description="Solve a direct-acting valve train a third time, as bodies with joints and multipliers, "
-        "and put its loads beside those of the run",
+        description="Solve a direct-acting or pushrod valve train a third time, as bodies with joints and "
+        "multipliers, and put its loads beside those of the run",
     )
 
 

@@ -1,0 +1,61 @@
+"""A rod in a floating frame, Q (3): the motion of its frame, and shapes of its deformation.
+
+Of a rod that slides along its axis without turning, the rows of theta and the terms Q_v vanish:
+
+    M_rr r'' + M_rf q_f'' = Q_r,    M_rf^T r'' + M_ff q_f'' + K_ff q_f = Q_f.
+
+The shapes are Legendre's polynomials along the rod, which are orthogonal to each other and to its motion
+as a whole: the frame moves with the centre of mass, and M_rf = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eigh, null_space
+
+from ..core.quantities import Vector
+
+
+class LinearParts(NamedTuple):
+    """M and K of the coordinates of small motions."""
+
+    mass: Vector
+    stiffness: Vector
+
+
+@dataclass(frozen=True)
+class FloatingRod:
+    """A rod (m, m^2, Pa, kg/m^3) with so many shapes; its coordinates are (r, q_1, ..., q_n) (m)."""
+
+    length: float
+    area: float
+    youngs_modulus: float
+    density: float
+    shapes: int
+
+    @property
+    def matrices(self) -> LinearParts:
+        """M_rr = m, M_ff = m/(2 k + 1), K_ff = (2 E A/L) l (l + 1), l = min(j, k), for j + k even."""
+        k = np.arange(self.shapes + 1)
+        least = np.minimum.outer(k, k)
+        even = np.add.outer(k, k) % 2 == 0
+        rate = 2.0 * self.youngs_modulus * self.area / self.length
+        mass = self.density * self.area * self.length / (2.0 * k + 1.0)
+        return LinearParts(np.diag(mass), np.where(even, rate * least * (least + 1.0), 0.0))
+
+    @property
+    def ends(self) -> tuple[Vector, Vector]:
+        """Rows of the displacement at both ends: (-1)^k and 1."""
+        k = np.arange(self.shapes + 1)
+        return np.where(k % 2 == 0, 1.0, -1.0), np.ones(k.size)
+
+
+def find_constrained_frequencies(parts: LinearParts, constraints: Vector) -> Vector:
+    """Frequencies (Hz, ascending) of M q'' + K q + C_q^T lambda = 0 with C_q q = 0, Q (4)."""
+    free = null_space(constraints)
+    squares = eigh(free.T @ parts.stiffness @ free, free.T @ parts.mass @ free, eigvals_only=True)
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi))
