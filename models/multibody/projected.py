@@ -6,6 +6,8 @@ with the first method, but neither the form nor the formulas, and uses gamma, wh
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.integrate import DOP853
 
@@ -15,14 +17,11 @@ from .ida import COORDINATE, VELOCITY
 from .mechanism import Mechanism, Start
 from .motion import Motion, complete, explain_failure
 
+Flow = Callable[[float, Vector], Vector]
 
-def solve_projected(
-    mechanism: Mechanism, times: Vector, tolerance: float = 1e-9, start: Start | None = None
-) -> Motion:
-    """Motion at `times` (s, ascending) from the start at the first of them; see `solve_ida`."""
-    times = np.asarray(times, float)
-    start = start or mechanism.start(float(times[0]))
-    size = start.q.size
+
+def make_flow(mechanism: Mechanism, size: int) -> tuple[Flow, Flow]:
+    """rate(t, y) = y' of y = (q, v, films), with `size` coordinates, and project(t, y) on the constraints."""
 
     def rate(t: float, y: Vector) -> Vector:
         q, v, film = y[:size].copy(), y[size : 2 * size].copy(), y[2 * size :].copy()
@@ -37,6 +36,18 @@ def solve_projected(
         q = mechanism.project_coordinates(t, y[:size].copy(), v)
         return np.concatenate([q, mechanism.project_velocities(t, q, v), y[2 * size :]])
 
+    return rate, project
+
+
+def solve_projected(
+    mechanism: Mechanism, times: Vector, tolerance: float = 1e-9, start: Start | None = None
+) -> Motion:
+    """Motion at `times` (s, ascending) from the start at the first of them; see `solve_ida`."""
+    times = np.asarray(times, float)
+    start = start or mechanism.start(float(times[0]))
+    size = start.q.size
+
+    rate, project = make_flow(mechanism, size)
     sizes = np.repeat([COORDINATE, VELOCITY, FILM], [size, size, start.film.size])
     y0 = np.concatenate([start.q, start.v, start.film])
     method = DOP853(rate, float(times[0]), y0, float(times[-1]), rtol=tolerance, atol=tolerance * sizes)

@@ -1,0 +1,195 @@
+"""Bodies between walls: free flights that the joints constrain, and impacts with restitution.
+
+A flight is solved as by `solve_projected`; its end, where a gap closes, is found on the dense output. The
+impact is that of Newton's law with the joints' impulses, at once for all bodies:
+
+    M (v+ - v-) = G^T P - J^T Lambda,    J v+ + C_t = 0,    G v+ = -e G v-
+
+with the gradient G of the gap. Walls are smooth, and sliding on them is not followed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
+
+from ..core.quantities import Vector
+from ..core.system import ModelError
+from .bodies import ORIGIN, Point
+from .ida import COORDINATE, VELOCITY
+from .mechanism import Mechanism, Start
+from .motion import Motion, complete, explain_failure
+from .projected import make_flow
+from .tables import Evaluation
+
+# Instants of a step at which gaps are looked at: two impacts on a wall between two of them are missed.
+LOOKS = 20
+# A bounce that has not left its wall after this share of a step is no flight any more.
+SHORTEST_BOUNCE = 1e-9
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A plane that the point `at` of a body (in its axes) does not pass: gap n P + clearance >= 0.
+
+    `normal` n is a unit vector of the ground that points away from the wall, `restitution` Newton's e.
+    """
+
+    name: str
+    body: str
+    normal: Point
+    clearance: float
+    restitution: float
+    at: Point = ORIGIN
+
+    def __post_init__(self) -> None:
+        """ModelError for a restitution out of range, or a normal that is no unit vector."""
+        if not 0.0 <= self.restitution <= 1.0:
+            raise ModelError(f"wall {self.name}: restitution = {self.restitution:g} must be from 0 to 1")
+        if abs(np.linalg.norm(self.normal) - 1.0) > 1e-12:
+            raise ModelError(f"wall {self.name}: normal = {list(self.normal)} must have the length 1")
+
+
+class Impact(NamedTuple):
+    """Time (s), wall, closing velocity (m/s) and impulse of the wall (N s)."""
+
+    time: float
+    wall: str
+    closing: float
+    impulse: float
+
+
+class Bounced(NamedTuple):
+    """A motion between walls and its impacts."""
+
+    motion: Motion
+    impacts: tuple[Impact, ...]
+
+
+def solve_bouncing(
+    mechanism: Mechanism,
+    walls: Sequence[Wall],
+    times: Vector,
+    tolerance: float = 1e-10,
+    start: Start | None = None,
+) -> Bounced:
+    """Motion at `times` (s, ascending) from the start at the first of them.
+
+    Raises ModelError where it starts beyond a wall, or where bounces become too short to follow.
+    """
+    times, space = np.asarray(times, float), _Space(mechanism, walls)
+    begun = start or mechanism.start(float(times[0]))
+    y, t, done = np.concatenate([begun.q, begun.v]), float(times[0]), 1
+    states, impacts = np.empty((times.size, y.size)), list[Impact]()
+    states[0] = y
+    space.refuse_overlap(t, y)
+    while done < times.size:
+        for before, after, between in space.fly(t, y, float(times[-1]), tolerance):
+            hit = space.find_impact(before, after, between)
+            end = hit.time if hit else after
+            while done < times.size and times[done] <= end:
+                states[done] = space.project(times[done], between(times[done]))
+                done += 1
+            if hit:
+                t, y = hit.time, space.project(hit.time, between(hit.time))
+                y, impact = space.rebound(t, y, hit.wall)
+                impacts.append(impact)
+                break
+    name = f"projected DOP853 between impacts, relative tolerance {tolerance:g}"
+    return Bounced(complete(mechanism, times, states, name), tuple(impacts))
+
+
+class _Hit(NamedTuple):
+    time: float
+    wall: Wall
+
+
+class _Space:
+    """The walls about a mechanism."""
+
+    def __init__(self, mechanism: Mechanism, walls: Sequence[Wall]) -> None:
+        self.mechanism, self.walls, self.size = mechanism, walls, 6 * len(mechanism.bodies)
+        self.rate, self.project = make_flow(mechanism, self.size)
+        self.left: Wall | None = None  # the wall of the last impact
+
+    def measure(self, t: float, y: Vector, wall: Wall) -> tuple[float, Vector, Evaluation]:
+        """The gap, its gradient G by the velocities, and the equations there."""
+        e = self.mechanism.evaluate(t, y[: self.size].copy(), y[self.size :].copy())
+        body = self.mechanism.find_body(wall.body)
+        arm, normal = e.rotation[body] @ np.asarray(wall.at, float), np.asarray(wall.normal, float)
+        gradient, first = np.zeros(self.size), 6 * (body - 1)
+        gradient[first : first + 3], gradient[first + 3 : first + 6] = normal, np.cross(arm, normal)
+        return float(normal @ (e.position[body] + arm)) + wall.clearance, gradient, e
+
+    def refuse_overlap(self, t: float, y: Vector) -> None:
+        for wall in self.walls:
+            if (gap := self.measure(t, y, wall)[0]) < 0.0:
+                raise ModelError(
+                    f"wall {wall.name}: body {wall.body} begins {-gap:.3g} m beyond it; start between the "
+                    "walls"
+                )
+
+    def fly(self, t: float, y: Vector, end: float, tolerance: float) -> Iterator[tuple[float, float, Any]]:
+        """Steps of a flight: their ends and the states between."""
+        sizes = np.repeat([COORDINATE, VELOCITY], [self.size, self.size])
+        method = DOP853(self.rate, t, y, end, rtol=tolerance, atol=tolerance * sizes)
+        while method.status == "running":
+            reason = method.step()
+            if method.status == "failed":
+                q, v = method.y[: self.size], method.y[self.size :]
+                raise explain_failure(self.mechanism, method.t, q, v, str(reason))
+            yield method.t_old, method.t, method.dense_output()
+            self.left = None
+            method.y = self.project(method.t, method.y)
+            method.f = self.rate(method.t, method.y)
+
+    def find_impact(self, before: float, after: float, between: Any) -> _Hit | None:
+        """The first instant of a step at which a gap closes."""
+        hits = [hit for wall in self.walls if (hit := self._find_closing(wall, before, after, between))]
+        return min(hits, key=lambda hit: hit.time, default=None)
+
+    def _find_closing(self, wall: Wall, before: float, after: float, between: Any) -> _Hit | None:
+        def gap(t: float) -> float:
+            return self.measure(t, between(t), wall)[0]
+
+        looks = np.linspace(before, after, LOOKS + 1)
+        first = looks[0]
+        if wall is self.left:
+            first = self._leave(wall, looks, gap)
+        for one, other in zip([first, *looks[1:-1]], looks[1:], strict=True):
+            if gap(other) < 0.0:
+                return _Hit(float(brentq(gap, one, other, xtol=1e-15, rtol=1e-15)), wall)
+        return None
+
+    def _leave(self, wall: Wall, looks: Vector, gap: Any) -> float:
+        """An instant soon after an impact, at which the gap is open again."""
+        share = 0.5
+        while share > SHORTEST_BOUNCE:
+            soon = float(looks[0] + share * (looks[1] - looks[0]))
+            if gap(soon) > 0.0:
+                return soon
+            share *= 0.5
+        raise ModelError(
+            f"wall {wall.name}: bounces of {wall.body} at t = {looks[0]:.9g} s become too short to follow, "
+            "and sliding is not; take more restitution or stop before"
+        )
+
+    def rebound(self, t: float, y: Vector, wall: Wall) -> tuple[Vector, Impact]:
+        """The state after an impact."""
+        _, gradient, e = self.measure(t, y, wall)
+        v, size = y[self.size :], self.size
+        held = e.held.jacobian.shape[0]
+        closing = float(gradient @ v)
+        matrix = np.zeros((size + held + 1, size + held + 1))
+        matrix[:size, :size] = e.mass
+        matrix[:size, size:-1], matrix[size:-1, :size] = e.held.jacobian.T, e.held.jacobian
+        matrix[:size, -1], matrix[-1, :size] = -gradient, gradient
+        right = np.concatenate([e.mass @ v, -e.held.rate, [-wall.restitution * closing]])
+        found = np.linalg.solve(matrix, right)
+        self.left = wall
+        return np.concatenate([y[:size], found[:size]]), Impact(t, wall.name, -closing, float(found[-1]))
