@@ -115,8 +115,8 @@ function traceLine(g, frame, series, xs, factor, i, j) {
     }
     if (before >= 0) { least = Math.min(least, high[before]); most = Math.max(most, low[before]); }
     if (!single || n > m + 1) {
-      const top = frame.y(most * factor);
-      g.fillRect(from, top - 0.5 * thick, Math.max(to - from, 1), frame.y(least * factor) - top + thick);
+      const top = frame.y(most * factor), wide = Math.max(to - from, thick);
+      g.fillRect(0.5 * (from + to - wide), top - 0.5 * thick, wide, frame.y(least * factor) - top + thick);
     }
     if (single && n < j && low[n] === low[n] && to - from > 1) {
       g.moveTo(n > m + 1 ? to - 1 : from, frame.y(low[n - 1] * factor));
