@@ -171,6 +171,11 @@ def read_description(path: Path, interface: str = CO_SIMULATION) -> Description:
     integrated = found.modelExchange is not None and (about is None or interface == MODEL_EXCHANGE)
     if integrated:
         about = found.modelExchange
+    if about is None and getattr(found, "scheduledExecution", None) is not None:
+        raise DescriptionError(
+            "is an FMU for scheduled execution only, whose clocks a real-time scheduler has to run: runs "
+            "take FMUs for co-simulation or model exchange"
+        )
     if about is None or found.fmiVersion not in VERSIONS:
         said = "" if found.fmiVersion in VERSIONS else f" (it says fmiVersion = {found.fmiVersion!r})"
         raise DescriptionError(
