@@ -13,7 +13,10 @@ from .fmu import build_fmu
 
 @report_errors
 def benchmark_coupling(
-    problem: Annotated[str, typer.Option(help="quarter-car, two-masses or valve-train.")] = "quarter-car",
+    problem: Annotated[
+        str,
+        typer.Option(help="quarter-car, two-masses, precice-oscillator, mass-spring-damper or valve-train."),
+    ] = "quarter-car",
     out: Annotated[
         Path | None, typer.Option(help="Output folder.", show_default="results/benchmark-PROBLEM")
     ] = None,

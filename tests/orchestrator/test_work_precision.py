@@ -218,3 +218,22 @@ def test_the_command_names_a_mistake(capsys):
         app(["benchmark", "coupling", "--problem", "valve_train"])
     assert end.value.code == 2
     assert "did you mean valve-train?" in capsys.readouterr().err
+
+
+def test_published_pairs_of_masses_have_their_modes() -> None:
+    """Closed forms: half the sum of the even and the odd mode."""
+    times = np.linspace(0.016, 0.96, 60)
+    precice = build_problem("precice-oscillator").truth(times)
+    modes = 0.5 * np.cos(2.0 * np.pi * times), 0.5 * np.cos(6.0 * np.pi * times)
+    np.testing.assert_allclose(precice[:, 0], modes[0] + modes[1], atol=1e-11)
+    np.testing.assert_allclose(precice[:, 2], modes[0] - modes[1], atol=1e-11)
+    damped = build_problem("mass-spring-damper").truth(times)
+
+    def decay(rate: float) -> np.ndarray:
+        """x'' + rate (x' + x) = 0 from 1/2 at rest."""
+        turn = np.sqrt(rate - 0.25 * rate**2)
+        swing = np.cos(turn * times) + 0.5 * rate / turn * np.sin(turn * times)
+        return np.asarray(0.5 * np.exp(-0.5 * rate * times) * swing)
+
+    np.testing.assert_allclose(damped[:, 0], decay(1.0) + decay(3.0), atol=1e-11)
+    np.testing.assert_allclose(damped[:, 2], decay(1.0) - decay(3.0), atol=1e-11)

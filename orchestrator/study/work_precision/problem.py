@@ -104,12 +104,45 @@ def build_quarter_car(times: Vector) -> CouplingProblem:
 
 def build_two_masses(times: Vector) -> CouplingProblem:
     """The undamped pair with a force-displacement split, against the matrix exponential."""
-    system = build_system(load("two-masses"))
+    return build_masses("two-masses", "an undamped pair, against the exact solution", [], times)
+
+
+# Two masses of one between walls, on springs of 4 pi^2 N/m and with one of 16 pi^2 N/m between them:
+# Schueller, Rodenberg, Uekermann and Bungartz 2022, the oscillator of preCICE's tutorials, in our split.
+PRECICE = [
+    f"components.first.parameters={{mass=1.0, stiffness={4.0 * np.pi**2!r}, damping=0.0, "
+    f"coupling_stiffness={16.0 * np.pi**2!r}, coupling_damping=0.0}}",
+    f"components.second.parameters={{mass=1.0, stiffness={4.0 * np.pi**2!r}, damping=0.0}}",
+]
+# The mass-spring-damper of INTO-CPS's Maestro: two damped masses, of which one gives its force to the other.
+# The values are ours: ones.
+MAESTRO = [
+    "components.first.parameters={mass=1.0, stiffness=1.0, damping=1.0, coupling_stiffness=1.0, "
+    "coupling_damping=1.0}",
+    "components.second.parameters={mass=1.0, stiffness=1.0, damping=1.0}",
+]
+
+
+def build_precice(times: Vector) -> CouplingProblem:
+    """The oscillator of preCICE's tutorials, against the matrix exponential."""
+    said = "preCICE's oscillator, against the exact solution"
+    return build_masses("precice-oscillator", said, PRECICE, times)
+
+
+def build_maestro(times: Vector) -> CouplingProblem:
+    """Maestro's mass-spring-damper, against the matrix exponential."""
+    said = "Maestro's mass-spring-damper, against the exact solution"
+    return build_masses("mass-spring-damper", said, MAESTRO, times)
+
+
+def build_masses(name: str, description: str, settings: list[str], times: Vector) -> CouplingProblem:
+    """The scenario two-masses with these settings."""
+    system = build_system(load("two-masses", settings))
     coupled = CoupledMassParameters(**system.instances["first"].parameters)
     sprung = SprungMassParameters(**system.instances["second"].parameters)
     return CouplingProblem(
-        name="two-masses",
-        description="an undamped pair, against the exact solution",
+        name=name,
+        description=description,
         system=system,
         times=times,
         halvings=(0, 1, 2, 3, 4, 5, 6),
@@ -173,5 +206,7 @@ def _solve_reference(system: System, outputs: tuple[str, ...], times: Vector) ->
 PROBLEMS: dict[str, Kind] = {
     "quarter-car": Kind(build_quarter_car, 250, 16e-3),
     "two-masses": Kind(build_two_masses, 156, 64e-3),
+    "precice-oscillator": Kind(build_precice, 125, 16e-3),
+    "mass-spring-damper": Kind(build_maestro, 100, 128e-3),
     "valve-train": Kind(build_valve_train, 125, 64e-6),
 }
