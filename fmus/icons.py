@@ -87,6 +87,18 @@ def finger(axes: Axes) -> None:
     axes.plot([8.4, 8.4], [7.9, 9.6], color=INK, linewidth=5)
 
 
+def multibody_valve_train(axes: Axes) -> None:
+    """Cam, follower and a spring mass, with the marks of their joints."""
+    axes.add_patch(Circle((5, 2.6), 2.0, facecolor=STEEL, **_LINE))
+    axes.plot([2.8, 7.2], [5.0, 5.0], color=INK, linewidth=5)
+    axes.plot([5, 5], [5.0, 8.6], color=INK, linewidth=4)
+    axes.add_patch(Rectangle((3.7, 7.2), 2.6, 1.6, facecolor=OIL, **_LINE))
+    for x, y in ((5, 2.6), (5, 8.0)):
+        axes.add_patch(Circle((x, y), 0.5, facecolor="white", **_LINE))
+    for side in (2.2, 7.8):
+        axes.plot([side, side], [6.6, 9.4], color=INK, linewidth=2.5)
+
+
 def rod(axes: Axes) -> None:
     axes.add_patch(Rectangle((4.4, 1.6), 1.2, 6.8, facecolor=OIL, **_LINE))
     for height in (3.3, 5.0, 6.7):
@@ -280,6 +292,7 @@ ICONS: tuple[Callable[[Axes], None], ...] = (
     pad_friction,
     roller,
     lash_adjuster,
+    multibody_valve_train,
     ehl_contact,
     ehl_line_contact,
     flywheel,

@@ -24,6 +24,7 @@ from .valve_train.coil_spring import coil_spring
 from .valve_train.finger import finger
 from .valve_train.journal_bearing import journal_bearing
 from .valve_train.lash_adjuster import lash_adjuster
+from .valve_train.multibody_valve_train import multibody_valve_train
 from .valve_train.pad_friction import pad_friction
 from .valve_train.pivot_friction import pivot_friction
 from .valve_train.rocker import rocker
@@ -50,6 +51,7 @@ CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "pad_friction": pad_friction,
     "roller": roller,
     "lash_adjuster": lash_adjuster,
+    "multibody_valve_train": multibody_valve_train,
     "ehl_contact": ehl_contact,
     "ehl_line_contact": ehl_line_contact,
     "flywheel": flywheel,

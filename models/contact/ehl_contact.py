@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -113,6 +113,12 @@ class Contact(NamedTuple):
 
 
 @kernel
+def damping_margin(deflection_rate: float, p: Any) -> float:
+    """1 + c delta'/W_ref: the load over the elastic one; where it is negative the contact does not pull."""
+    return float(1.0 + p.contact_damping * deflection_rate / p.damping_reference_load)
+
+
+@kernel
 def contact(x: ContactState, u: ContactInputs, p: ContactParameters) -> Contact:
     """Deflection, load and film rate. The film sees the elastic load, which keeps the law explicit."""
     compliance = pair_compliance(p)
@@ -135,7 +141,7 @@ def contact(x: ContactState, u: ContactInputs, p: ContactParameters) -> Contact:
         margin = 1.0
         load = u.applied_load
     else:
-        margin = 1.0 + p.contact_damping * delta_rate / p.damping_reference_load
+        margin = damping_margin(delta_rate, p)
         load = elastic_load * max(0.0, margin)
     return Contact(compliance, film, steady, left, film_rate, delta, delta_rate, elastic_load, margin, load)
 

@@ -115,6 +115,12 @@ class Quantity:
         return f"{unit} ({self.description})"
 
 
+def pick_fields(record: type, *names: str) -> list[tuple[str, Any, Any]]:
+    """Fields of a record as `make_dataclass` takes them, for one that shares these quantities."""
+    hints, starts = get_type_hints(record, include_extras=True), {f.name: f.default for f in fields(record)}
+    return [(name, hints[name], field(default=starts[name])) for name in names]
+
+
 def per_element(start: float = 0.0) -> Vector:
     """Default of a vector-valued field: every element begins with `start`."""
     default: Vector = field(default_factory=lambda: np.zeros(0), metadata={"start": start})

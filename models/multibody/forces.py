@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.linalg import sqrtm
 
 from ..core.quantities import Vector
 from ..core.system import ModelError
+from .beams import fill_beam_stiffness
 from .bodies import ORIGIN, Point
 from .joints import Joint
 
@@ -97,21 +96,8 @@ def beam_stiffness(
             f"beam: length = {length:g} m, diameter = {diameter:g} m, Young's modulus = {youngs_modulus:g} "
             "Pa must be positive"
         )
-    area, second = math.pi * diameter**2 / 4.0, math.pi * diameter**4 / 64.0
-    shear_modulus = youngs_modulus / (2.0 * (1.0 + poissons_ratio))
-    bending = youngs_modulus * second
-    p = 12.0 * bending * shear_factor / (shear_modulus * area * length**2)
-    k = np.diag(
-        [
-            youngs_modulus * area / length,
-            *2 * [12.0 * bending / (length**3 * (1.0 + p))],
-            2.0 * shear_modulus * second / length,
-            *2 * [(4.0 + p) * bending / (length * (1.0 + p))],
-        ]
-    )
-    side = 6.0 * bending / (length**2 * (1.0 + p))
-    k[1, 5] = k[5, 1] = -side
-    k[2, 4] = k[4, 2] = side
+    k = np.empty((6, 6))
+    fill_beam_stiffness(length, diameter, youngs_modulus, poissons_ratio, shear_factor, k)
     return k
 
 
@@ -122,5 +108,6 @@ def modal_damping(stiffness: Vector, masses: Vector, ratio: float) -> Vector:
     axes.
     """
     root = np.sqrt(np.asarray(masses, float))
-    middle = np.real(sqrtm(stiffness / np.outer(root, root)))
-    return 2.0 * ratio * middle * np.outer(root, root)
+    squares, modes = np.linalg.eigh(stiffness / np.outer(root, root))
+    middle = (modes * np.sqrt(np.maximum(squares, 0.0))) @ modes.T
+    return np.asarray(2.0 * ratio * middle * np.outer(root, root))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel
 from .constraints import carry, differ, point_at
@@ -89,13 +89,23 @@ def ground_to_frame(e: Evaluation, body: int, frame: Any, a: Arrow) -> Arrow:
     return to_body(frame, to_body(e.rotation[body], a))
 
 
-@kernel
-def load_field(e: Evaluation, s: Any) -> None:
-    """(F, T) = -K delta - C delta' on j, in the axes of i's frame (K (33) with its lost sign, Q (2)).
+class Bent(NamedTuple):
+    """Deformation of an elastic field, with its rate, in the axes of i's frame; A = R_i^T R_j by columns."""
 
-    delta is the displacement d - rest and the turn theta = (A32 - A23, A13 - A31, A21 - A12)/2 of
-    A = R_i^T R_j, whose rate is theta' = (tr(A) 1 - A) w/2 at the relative angular velocity w. The moment
-    on j is the transpose of that matrix times T, so that power is conserved at large turns too.
+    shift: Arrow
+    shift_rate: Arrow
+    turn: Arrow
+    turn_rate: Arrow
+    first: Arrow
+    second: Arrow
+    third: Arrow
+
+
+@kernel
+def bend_field(e: Evaluation, s: Any) -> Bent:
+    """The displacement d - rest and the turn theta = (A32 - A23, A13 - A31, A21 - A12)/2 of A = R_i^T R_j.
+
+    The turn's rate is (tr(A) 1 - A) w/2 at the relative angular velocity w.
     """
     arm_i, arm_j = carry(e, s.i, s.p_i), carry(e, s.j, s.p_j)
     d = differ(point_at(e, s.j, arm_j), point_at(e, s.i, arm_i))
@@ -110,6 +120,18 @@ def load_field(e: Evaluation, s: Any) -> None:
     w = ground_to_frame(e, s.i, s.e_i, subtract(pick(e.omega[s.j]), omega))
     turned = add(add(scale(w.x, first), scale(w.y, second)), scale(w.z, third))
     turn_rate = scale(0.5, subtract(scale(trace, w), turned))
+    return Bent(shift, shift_rate, turn, turn_rate, first, second, third)
+
+
+@kernel
+def load_field(e: Evaluation, s: Any) -> None:
+    """(F, T) = -K delta - C delta' on j, in the axes of i's frame (K (33) with its lost sign, Q (2)).
+
+    The moment on j is the transpose of (tr(A) 1 - A)/2 times T, so that power is conserved at large turns
+    too.
+    """
+    bent = bend_field(e, s)
+    shift, shift_rate, turn, turn_rate = bent.shift, bent.shift_rate, bent.turn, bent.turn_rate
     force = scale(
         -1.0,
         add(multiply_field(s.stiffness, shift, turn, 0), multiply_field(s.damping, shift_rate, turn_rate, 0)),
@@ -118,9 +140,11 @@ def load_field(e: Evaluation, s: Any) -> None:
         -1.0,
         add(multiply_field(s.stiffness, shift, turn, 3), multiply_field(s.damping, shift_rate, turn_rate, 3)),
     )
-    across = Arrow(dot(first, torque), dot(second, torque), dot(third, torque))
+    trace = bent.first.x + bent.second.y + bent.third.z
+    across = Arrow(dot(bent.first, torque), dot(bent.second, torque), dot(bent.third, torque))
     moment = frame_to_ground(e, s.i, s.e_i, scale(0.5, subtract(scale(trace, torque), across)))
     force = frame_to_ground(e, s.i, s.e_i, force)
-    push(e, s.j, force, add(moment, cross(arm_j.value, force)))
-    reach = add(arm_i.value, d.value)
+    arm_j = carry(e, s.j, s.p_j).value
+    reach = subtract(add(pick(e.position[s.j]), arm_j), pick(e.position[s.i]))
+    push(e, s.j, force, add(moment, cross(arm_j, force)))
     push(e, s.i, scale(-1.0, force), scale(-1.0, add(moment, cross(reach, force))))

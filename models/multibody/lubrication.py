@@ -44,15 +44,13 @@ def find_drift(e: Evaluation, row: Any) -> float:
 
 
 @kernel
-def lubricate(e: Evaluation, k: int, row: Any, curve: Curve, turning: float, film: float, oil: Any) -> None:
-    """Load and film rate of the contact k, and its forces f = -J^T W; its row of `touch` is filled.
+def meet(e: Evaluation, k: int, row: Any, curve: Curve, turning: float) -> Surfaces:
+    """The surfaces of the contact k, whose row of `touch` is filled.
 
     R = R0 + s + s''; u = psi' (R0 + s + 2 s'')/2 + w/2, sliding psi' (R0 + s) - w, w the axis's drift.
     """
     base_radius, profile, drift = curve.base_radius, curve.lift, find_drift(e, row)
-    # The law reads its records by name.
-    state: Any = Film(film)
-    surfaces: Any = Surfaces(
+    return Surfaces(
         e.touch.value[k],
         close(e, k),
         0.0,
@@ -62,6 +60,14 @@ def lubricate(e: Evaluation, k: int, row: Any, curve: Curve, turning: float, fil
         base_radius + profile.s + profile.dds,
         0.0,
     )
+
+
+@kernel
+def lubricate(e: Evaluation, k: int, row: Any, curve: Curve, turning: float, film: float, oil: Any) -> None:
+    """Load and film rate of the contact k, and its forces f = -J^T W."""
+    # The law reads its records by name.
+    state: Any = Film(film)
+    surfaces: Any = meet(e, k, row, curve, turning)
     found = contact(state, surfaces, oil)
-    e.load[k], e.film_rate[k] = found.load, found.film_rate
+    e.film_rate[k] = found.film_rate
     push_apart(e, k, found.load)

@@ -51,18 +51,23 @@ def find_cam(data: FigureData, contact: str) -> str:
     return data.driver(f"{contact}.entraining_velocity")
 
 
+def find_follower(data: FigureData, contact: str) -> str:
+    """What retreats before the contact; a train in one component is its own follower."""
+    return data.driver(f"{contact}.retreat") or find_cam(data, contact)
+
+
 def list_instances(data: FigureData) -> set[str]:
     """The instances that this figure draws."""
     return {
         part
         for contact in find_cam_contacts(data)
-        for part in (contact, find_cam(data, contact), data.driver(f"{contact}.retreat"))
+        for part in (contact, find_cam(data, contact), find_follower(data, contact))
     }
 
 
 def draw(data: FigureData) -> Figure:
     contact, *others = find_cam_contacts(data)
-    cam, follower = find_cam(data, contact), data.driver(f"{contact}.retreat")
+    cam, follower = find_cam(data, contact), find_follower(data, contact)
     own = data.of(cam).in_contact(contact)
     title = f"{data.title}: valve train of {contact}"
     if others:
@@ -112,9 +117,11 @@ def _draw_panel(ax: Axes, data: FigureData, name: str, words: str) -> None:
 
 def _draw_lift(ax: Axes, data: FigureData, contact: str) -> None:
     """Draw the follower's lift over the cam surface."""
-    cam, follower = data.drivers.get(f"{contact}.approach", ""), data.drivers.get(f"{contact}.retreat", "")
+    train = find_cam(data, contact)
+    cam = data.drivers.get(f"{contact}.approach", f"{train}.cam_lift")
+    follower = data.drivers.get(f"{contact}.retreat", f"{train}.position")
     _draw_panel(ax, data, follower, "Lift")
-    if follower and cam:
+    if follower in data.coupled and cam in data.coupled:
         factor, _ = data.shown(cam)
         ax.plot(
             data.x(), factor * data.coupled[cam], color=MUTED, lw=1.2, ls=(0, (3, 2)), label="cam surface"

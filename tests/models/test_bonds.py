@@ -12,7 +12,7 @@ from models.core.integrator import OK
 
 COMPONENTS = sorted(CATALOGUE)
 # Long to compile, or built as another one (coupled_mass, quarter_car_chassis).
-LONG = ("crank", "piston", "falling_mass", "sprung_mass", "quarter_car_wheel", "line_contact")
+LONG = ("crank", "piston", "multibody", "falling_mass", "sprung_mass", "quarter_car_wheel", "line_contact")
 DRY = CATALOGUE["ehl_contact"]().parameters.field("film_model").quantity.choices.index("dry")
 
 

@@ -1,0 +1,117 @@
+"""The parts of the valve train of Kushwaha et al. 2000 (K): shaft, cam, follower and two spring masses.
+
+Parts and joints are K's Tables 1 and 2; the axes are z along the shaft and y along the valve. Five moving
+parts have 30 coordinates; 4 (cylindrical), 1 (drive), 15 (translational) and 1 (contact) are K's 21
+constraints. On a rigid shaft a fixed joint holds the cam with 6 more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .bodies import GROUND, Body, Y
+from .coils import hang_coils
+from .fill import Force
+from .forces import ElasticField, LubricatedCam, beam_stiffness, modal_damping
+from .joints import Joint, cylindrical, fixed, flat_cam, prescribed_rotation, translational
+
+# K Table 1, middle of the ranges: mass (kg) and moments of inertia (kg m^2) of what the load does not move.
+SHAFT_MASS, SHAFT_INERTIA = 0.175, (62.5e-6, 62.5e-6, 125e-6)  # about z: twice, as a disc (K: 185e-6)
+FOLLOWER_INERTIA = (204e-6, 37.5e-6, 204e-6)
+# Axes of the shaft element: x of K (33) along the shaft.
+ALONG_SHAFT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+
+BEARING, DRIVE, CONTACT, GUIDE = "bearing", "drive", "contact", "guide"
+
+
+@dataclass(frozen=True)
+class TrainStart:
+    """Where the train's parts are at t = 0, as the components' states tell it (m, rad); default: at rest."""
+
+    angle: float = 0.0
+    position: float = 0.0
+    coil_positions: Sequence[float] = ()
+    film: float = 1e-6
+    twist: float = 0.0
+    bending: float = 0.0
+    slope: float = 0.0
+
+
+class TrainParts(NamedTuple):
+    """What a mechanism is made of."""
+
+    bodies: list[Body]
+    joints: list[Joint]
+    forces: list[Force]
+
+
+def list_parts(
+    camshaft: Any,
+    valve: Any,
+    speed: float,
+    *,
+    coil_masses: int = 2,
+    lubricant: Any = None,
+    start: TrainStart | None = None,
+) -> TrainParts:
+    """Bodies, joints and forces of `direct_train`."""
+    begin = start or TrainStart(coil_positions=(0.0,) * coil_masses)
+    length = float(camshaft.shaft_length)
+    coils = hang_coils(
+        valve, "follower", [f"spring mass {i + 5}" for i in range(coil_masses)],
+        (0.0, float(camshaft.base_radius), length), Y, begin.coil_positions,
+    )  # fmt: skip
+    joints = [
+        cylindrical(BEARING, GROUND, "shaft"),
+        prescribed_rotation(DRIVE, GROUND, "shaft", speed, begin.angle),
+        translational(GUIDE, GROUND, "follower", at_i=(0.0, 0.0, length)),
+        *coils.guides,
+    ]
+    forces: list[Force] = [*coils.springs]
+    contact = flat_cam(CONTACT, "cam", "follower", camshaft, foot=_find_foot(camshaft))
+    if lubricant is None:
+        joints.insert(2, contact)
+    else:
+        forces.append(LubricatedCam(contact, lubricant, begin.film))
+    if camshaft.flexible:
+        forces.append(_make_shaft(camshaft))
+    else:
+        joints.append(fixed("shaft and cam", "shaft", "cam", at_i=(0.0, 0.0, length)))
+    bodies = [*_list_bodies(camshaft, valve, speed, begin), *coils.bodies]
+    return TrainParts(bodies, joints, forces)
+
+
+def _list_bodies(camshaft: Any, valve: Any, speed: float, begin: TrainStart) -> list[Body]:
+    base, length = float(camshaft.base_radius), float(camshaft.shaft_length)
+    transverse, polar = float(camshaft.transverse_inertia), float(camshaft.polar_inertia)
+    turning = (0.0, 0.0, speed)
+    return [
+        Body("shaft", SHAFT_MASS, SHAFT_INERTIA, angles=(0.0, 0.0, begin.angle), angular_velocity=turning),
+        Body(
+            "cam", float(camshaft.mass), (transverse, transverse, polar), (0.0, begin.bending, length),
+            (-begin.slope, 0.0, begin.angle + begin.twist), angular_velocity=turning,
+        ),
+        Body("follower", float(valve.valve_mass), FOLLOWER_INERTIA, (0.0, base + begin.position, length)),
+    ]  # fmt: skip
+
+
+def _find_foot(camshaft: Any) -> tuple[float, float, float]:
+    """Where the cam's angle is zero: it is `phase` along y."""
+    return -math.sin(camshaft.phase), math.cos(camshaft.phase), 0.0
+
+
+def _make_shaft(camshaft: Any) -> ElasticField:
+    """K (33) between the driven end and the cam, every mode damped alike."""
+    stiffness = beam_stiffness(
+        camshaft.shaft_length, camshaft.shaft_diameter, camshaft.youngs_modulus, camshaft.poissons_ratio
+    )
+    turning = [camshaft.polar_inertia, camshaft.transverse_inertia, camshaft.transverse_inertia]
+    masses = np.array([*3 * [camshaft.mass], *turning], float)
+    damping = modal_damping(stiffness, masses, camshaft.shaft_damping_ratio)
+    rest = (float(camshaft.shaft_length), 0.0, 0.0)
+    return ElasticField("shaft", "cam", stiffness, damping, rest, axes_i=ALONG_SHAFT, axes_j=ALONG_SHAFT)

@@ -1,0 +1,270 @@
+"""The direct train of Kushwaha et al. 2000 (K) as rigid bodies with joints, in one component.
+
+Shaft, cam, follower and spring masses have six coordinates each; Lagrange multipliers hold them in their
+joints (K (34), (35)), and are the torque of the drive and the moment on the guide. Film thickness in, contact
+load out: the component and a film formula are K's own coupling. Its equations are those of `multibody`, not
+those of `camshaft` and `valve_spring`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, make_dataclass
+from typing import Annotated, Any
+
+import numpy as np
+
+from ..compile.kernel import kernel
+from ..contact.ehl_contact import ContactParameters
+from ..core.bonds import counts_energies
+from ..core.component import NO_EVENT, Component, PowerBond
+from ..core.quantities import Layout, Quantity, Vector, per_element, pick_fields
+from ..multibody.coils import COIL_INERTIA, SPRING_LENGTH
+from ..multibody.fill import fill_tables
+from ..multibody.train_energy import fill_energy, lengthen
+from ..multibody.train_kernels import (
+    CAM,
+    DRIVE_ROW,
+    FOLLOWER,
+    GUIDE_ROW,
+    SHAFT,
+    Fixed,
+    change_train,
+    count_room,
+    list_rows,
+    make_spring,
+    make_train,
+    measure_violation,
+)
+from ..multibody.train_parts import ALONG_SHAFT, FOLLOWER_INERTIA, SHAFT_INERTIA, SHAFT_MASS, list_parts
+from ..multibody.vectors import Arrow
+from .cams.law import LAW
+from .cams.profile import CamProfile, require_convexity, time_to_break
+from .cams.table import TABLE, check_table
+from .camshaft import CamshaftInputs, CamshaftOutputs, CamshaftParameters, TableCamshaftParameters
+from .valve_spring import ValveSpringOutputs, ValveSpringParameters, lumping
+
+# Its equations take a time that grows with the cube of the number of constraints, five for each mass.
+MOST_COIL_MASSES = 10
+
+FIXED = Fixed(
+    SHAFT_MASS, Arrow(*SHAFT_INERTIA), Arrow(*FOLLOWER_INERTIA), Arrow(*COIL_INERTIA), SPRING_LENGTH
+)
+
+
+def _extend_parameters(camshaft: type) -> type:
+    """The parameters of a camshaft, a valve on its spring, and two bodies in contact."""
+    added = pick_fields(
+        ValveSpringParameters, "valve_mass", "spring_rate", "surge_frequency", "damping_ratio", "preload"
+    ) + pick_fields(
+        ContactParameters, "length", "youngs_modulus_1", "poissons_ratio_1", "youngs_modulus_2",
+        "poissons_ratio_2", "contact_damping", "damping_reference_load",
+    )  # fmt: skip
+    # Before the camshaft's: numba takes a record that begins as another for that one.
+    train = make_dataclass("TrainParameters", added)
+    return make_dataclass("MultibodyParameters", [], bases=(camshaft, train))
+
+
+@dataclass
+class MultibodyState:
+    """Three of each body: shaft, cam, follower, spring masses. Of shaft and cam the turn about z counts from
+    the drive, all else from the place at zero lift."""
+
+    position: Annotated[
+        Vector,
+        Quantity(
+            "m", "displacement of a body: x, y, z of the first ...", nominal=1e-3, display_unit="mm",
+            size="axes",
+        ),
+    ] = per_element()  # fmt: skip
+    angle: Annotated[
+        Vector, Quantity("rad", "Cardan angles of a body", nominal=1e-3, display_unit="deg", size="axes")
+    ] = per_element()
+    velocity: Annotated[Vector, Quantity("m/s", "velocity of a body", size="axes")] = per_element()
+    angular_velocity: Annotated[Vector, Quantity("rad/s", "angular velocity of a body", size="axes")] = (
+        per_element()
+    )
+
+
+MultibodyInputs = make_dataclass(
+    "MultibodyInputs",
+    [
+        *pick_fields(CamshaftInputs, "drive_angle", "drive_speed", "drive_acceleration"),
+        (
+            "film_thickness",
+            Annotated[float, Quantity("m", "film between cam and follower", nominal=1e-6, display_unit="um")],
+            1e-6,
+        ),
+        (
+            "film_rate",
+            Annotated[float, Quantity("m/s", "its rate, which the contact damps", nominal=1e-3)],
+            0.0,
+        ),
+    ],
+)
+
+_OWN_OUTPUTS = [
+    ("load", Annotated[float, Quantity("N", "contact load W", nominal=500.0)], 0.0),
+    (
+        "elastic_load",
+        Annotated[float, Quantity("N", "contact load without its damping", nominal=500.0)],
+        0.0,
+    ),
+    (
+        "deflection",
+        Annotated[float, Quantity("m", "elastic approach of the bodies", nominal=1e-6, display_unit="um")],
+        0.0,
+    ),
+    (
+        "guide_moment",
+        Annotated[float, Quantity("N.m", "moment of the follower on its guide", nominal=10.0)],
+        0.0,
+    ),
+    ("twist", Annotated[float, Quantity("rad", "cam angle less driven angle", nominal=1e-4)], 0.0),
+    (
+        "axis_x",
+        Annotated[
+            float,
+            Quantity("m", "displacement of the cam across the valve", nominal=1e-5, display_unit="um"),
+        ],
+        0.0,
+    ),
+    (
+        "axis_y",
+        Annotated[
+            float, Quantity("m", "displacement of the cam towards the valve", nominal=1e-5, display_unit="um")
+        ],
+        0.0,
+    ),
+    (
+        "constraint_violation",
+        Annotated[float, Quantity("1", "largest violation of a constraint (m or rad)", nominal=1e-9)],
+        0.0,
+    ),
+]
+MultibodyOutputs = make_dataclass(
+    "MultibodyOutputs",
+    [
+        *_OWN_OUTPUTS,
+        *pick_fields(ValveSpringOutputs, "position", "velocity", "acceleration", "spring_force"),
+        *pick_fields(
+            CamshaftOutputs, "entraining_velocity", "sliding_velocity", "radius_of_curvature",
+            "drive_torque", "cam_angle", "cam_speed", "cam_lift", "contact_offset", "next_event",
+        ),
+    ],
+)  # fmt: skip
+
+
+def draw_train(parameters: Layout, coil_masses: int, profile: CamProfile) -> tuple[Vector, Vector]:
+    """The rows of K's constraints, and that of the contact, of a train with a shaft of unit length."""
+    p = parameters.defaults()
+    p.shaft_length, p.phase, p.flexible = 1.0, 0.0, 0.0
+    parts = list_parts(p, p, 0.0, coil_masses=coil_masses, lubricant=p)
+    names = ["ground", *(body.name for body in parts.bodies)]
+    tables = fill_tables(parts.bodies, parts.joints, parts.forces, (0.0, 0.0, 0.0), profile, names.index)
+    return list_rows(tables.rows), list_rows(tables.touches)
+
+
+@counts_energies
+def multibody_valve_train(coil_masses: int = 2, table_points: int = 0) -> Component:
+    """A direct train of 3 + `coil_masses` bodies; its cam by a law, or through `table_points` points."""
+    check_table(table_points)
+    if not 1 <= coil_masses <= MOST_COIL_MASSES:
+        raise ValueError(
+            f"coil_masses = {coil_masses}: must be from 1 to {MOST_COIL_MASSES} in a train of bodies"
+        )
+    profile, camshaft = (TABLE, TableCamshaftParameters) if table_points else (LAW, CamshaftParameters)
+    sizes = {"coil_masses": coil_masses, "table_points": table_points}
+    parameters = Layout(_extend_parameters(camshaft), sizes)
+    bodies, shares = FOLLOWER + coil_masses, lumping(coil_masses)
+    rows, touch = draw_train(parameters, coil_masses, profile)
+    solve_train = make_train(rows, touch, ALONG_SHAFT, FIXED, shares, profile.lift)
+    size = count_room(bodies, len(rows))
+    find_breaks = profile.find_breaks
+    cam, shaft, follower = CAM - 1, SHAFT - 1, FOLLOWER - 1
+
+    # The train lies in `room`, which the caller keeps.
+    @kernel
+    def change(x: Any, u: Any, p: Any, dx: Any, room: Vector) -> None:
+        change_train(solve_train(x, u, p, room), x, dx)
+
+    @kernel
+    def derivative(t: float, x: Any, u: Any, p: Any, dx: Any) -> None:
+        change(x, u, p, dx, np.zeros(size))
+
+    @kernel
+    def show(t: float, x: Any, u: Any, p: Any, y: Any, room: Vector) -> None:
+        train = solve_train(x, u, p, room)
+        surfaces, held = train.surfaces, train.e.held
+        y.load, y.elastic_load, y.deflection = train.load, train.elastic_load, train.deflection
+        y.entraining_velocity, y.sliding_velocity = surfaces.entraining_velocity, surfaces.sliding_velocity
+        y.radius_of_curvature = surfaces.radius_of_curvature
+        y.drive_torque = p.drive_ratio * train.multipliers[DRIVE_ROW]
+        y.guide_moment = 0.0
+        for k in range(GUIDE_ROW, GUIDE_ROW + 5):
+            y.guide_moment += train.multipliers[k] * held.entries[k, 1, 5]
+        y.position, y.velocity = x.position[3 * follower + 1], x.velocity[3 * follower + 1]
+        y.acceleration = train.acceleration[6 * follower + 1]
+        s = make_spring(0, coil_masses, shares, FIXED, p)
+        length, rate = lengthen(train.e, s)
+        y.spring_force = -s.stiffness * (length - s.length) - s.damping * rate
+        y.twist = x.angle[3 * cam + 2] - x.angle[3 * shaft + 2]
+        y.cam_angle, y.cam_speed = train.drive.angle + x.angle[3 * cam + 2], train.cam_speed
+        y.cam_lift, y.contact_offset = train.cam.s, train.cam.ds
+        y.axis_x, y.axis_y = x.position[3 * cam], x.position[3 * cam + 1]
+        y.constraint_violation = measure_violation(train.e)
+        breaks = find_breaks(train.cam_angle, p)
+        acceleration = train.acceleration[6 * cam + 5]
+        y.next_event = min(t + time_to_break(breaks, train.cam_speed, acceleration), NO_EVENT)
+
+    @kernel
+    def output(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
+        show(t, x, u, p, y, np.zeros(size))
+
+    @kernel
+    def count(x: Any, u: Any, p: Any, e: Vector, room: Vector) -> None:
+        fill_energy(solve_train(x, u, p, room), coil_masses, shares, FIXED, u, p, e)
+
+    @kernel
+    def energy(t: float, x: Any, u: Any, p: Any, e: Vector) -> None:
+        count(x, u, p, e, np.zeros(size))
+
+    inputs = Layout(MultibodyInputs)
+    angle, speed = ("drive_angle",), ("drive_angle", "drive_speed")
+    axes = {"axes": 3 * bodies}
+    # The shaft slides in its bearing (K: a cylindrical joint): along z nothing holds shaft and cam.
+    sliding = {f"{name}[{3 * body + 3}]" for name in ("position", "velocity") for body in (shaft, cam)}
+    state = Layout(MultibodyState, axes)
+    return Component(
+        name="multibody_valve_train",
+        description="Direct-acting valve train as rigid bodies with joints, without its film",
+        parameters=parameters,
+        state=state,
+        inputs=inputs,
+        outputs=Layout(MultibodyOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "load": inputs.names,
+            "elastic_load": ("drive_angle", "film_thickness"),
+            "deflection": ("drive_angle", "film_thickness"),
+            "acceleration": inputs.names,
+            "drive_torque": inputs.names,
+            "guide_moment": inputs.names,
+            "next_event": inputs.names,
+            "entraining_velocity": speed,
+            "sliding_velocity": speed,
+            "radius_of_curvature": angle,
+            "cam_angle": angle,
+            "cam_speed": ("drive_speed",),
+            "cam_lift": angle,
+            "contact_offset": angle,
+            "constraint_violation": angle,
+        },
+        bonds=(PowerBond("drive_torque", "drive_speed", +1),),
+        requirements=(*profile.requirements, require_convexity(profile)),
+        structure=sizes,
+        resting=tuple(name for name in state.names if name not in sliding),
+        event_indicators=("deflection", "entraining_velocity"),
+        next_event="next_event",
+    )
