@@ -256,7 +256,7 @@ def multibody_valve_train(coil_masses: int = 2, table_points: int = 0) -> Compon
             "sliding_velocity": speed,
             "radius_of_curvature": angle,
             "cam_angle": angle,
-            "cam_speed": ("drive_speed",),
+            "cam_speed": speed,
             "cam_lift": angle,
             "contact_offset": angle,
             "constraint_violation": angle,
