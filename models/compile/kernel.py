@@ -64,10 +64,15 @@ class KernelDispatcher(CPUDispatcher if COMPILED else object):  # type: ignore[m
     called_by_kernels: Any
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """The types of a call by another kernel."""
-        if tuple(args) in self.overloads:
-            return super().get_call_template(args, kws)
-        return self.called_by_kernels.get_call_template(args, kws)
+        """The types of a call by another kernel.
+
+        Of all that is compiled only what is compiled for these types: numba would also take a record that
+        begins like theirs for theirs.
+        """
+        called = super() if tuple(args) in self.overloads else self.called_by_kernels
+        template, pysig, args, kws = called.get_call_template(args, kws)
+        template.cases = [case for case in template.cases if case.args == tuple(args)] or template.cases
+        return template, pysig, args, kws
 
     def get_overload(self, sig: Any) -> Any:
         """What another kernel calls."""
