@@ -15,6 +15,7 @@ import pytest
 import xarray
 
 import tribocosim
+from tribocosim.reporting import SilentReporter
 
 from .orchestrator.commands import called
 
@@ -93,6 +94,11 @@ def test_runs_in_threads_have_the_bits_of_runs_in_turn() -> None:
         thread.join()
     for i, scenario in enumerate(scenarios):
         assert found[i].coupled.identical(tribocosim.run(scenario).coupled)
+
+
+def test_a_run_says_nothing_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
+    assert not SilentReporter().console.is_jupyter
 
 
 def test_a_misspelt_name_gets_a_suggestion() -> None:

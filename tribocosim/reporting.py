@@ -18,7 +18,7 @@ class SilentReporter(Reporter):
     """Prints nothing; `progress` is told how far each stage is."""
 
     def __init__(self, progress: Progress | None = None) -> None:
-        super().__init__(Console(file=io.StringIO()))
+        super().__init__(Console(file=io.StringIO(), force_jupyter=False))  # a notebook shows it otherwise
         self._progress = progress
 
     @contextmanager
