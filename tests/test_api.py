@@ -162,7 +162,7 @@ def test_a_figure_has_the_variables_and_names_those_that_there_are_not(result: t
     figure = result.plot(name)
     labels = [line.get_label() for line in figure.axes[0].lines]
     assert labels == ["coupled", "reference"]
-    with pytest.raises(tribocosim.MistakeError, match="no variable"):
+    with pytest.raises(tribocosim.MistakeError, match="nothing: must be one of"):
         result.plot("nothing")
 
 

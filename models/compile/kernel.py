@@ -69,7 +69,7 @@ class KernelDispatcher(CPUDispatcher if COMPILED else object):  # type: ignore[m
         Of all that is compiled only what is compiled for these types: numba would also take a record that
         begins like theirs for theirs.
         """
-        called = super() if tuple(args) in self.overloads else self.called_by_kernels
+        called: Any = super() if tuple(args) in self.overloads else self.called_by_kernels
         template, pysig, args, kws = called.get_call_template(args, kws)
         template.cases = [case for case in template.cases if case.args == tuple(args)] or template.cases
         return template, pysig, args, kws

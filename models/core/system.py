@@ -14,11 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .component import Component
+from .errors import ModelError as ModelError
 from .quantities import Layout, Vector
-
-
-class ModelError(ValueError):
-    """A system that cannot be built or evaluated; the message names the thing and the remedy."""
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..core.errors import ModelError
 from ..core.quantities import Vector
-from ..core.system import ModelError
 
 Point = Sequence[float]
 ORIGIN = (0.0, 0.0, 0.0)

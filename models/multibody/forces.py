@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ..core.errors import ModelError
 from ..core.quantities import Vector
-from ..core.system import ModelError
 from .beams import fill_beam_stiffness
 from .bodies import ORIGIN, Point
 from .joints import Joint

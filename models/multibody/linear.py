@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import eigh, lstsq, null_space
 
+from ..core.errors import ModelError
 from ..core.quantities import Vector
-from ..core.system import ModelError
 from .equations import turn_coordinates
 from .mechanism import Mechanism, Start
 

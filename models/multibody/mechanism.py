@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core.errors import ModelError
 from ..core.quantities import Vector
-from ..core.system import ModelError
 from ..valve_train.cams.law import LAW
 from ..valve_train.cams.profile import CamProfile
 from .bodies import GROUND, ORIGIN, Body, Point

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core.errors import ModelError
 from ..core.quantities import Vector
-from ..core.system import ModelError
 from .mechanism import Mechanism
 from .tables import DRIVEN
 

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core.system import ModelError
+from ..core.errors import ModelError
 from .bodies import GROUND, Body
 from .forces import ElasticField, beam_stiffness
 from .joints import Joint, prescribed_rotation, revolute, support

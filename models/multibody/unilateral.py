@@ -18,8 +18,8 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
+from ..core.errors import ModelError
 from ..core.quantities import Vector
-from ..core.system import ModelError
 from .bodies import ORIGIN, Point
 from .ida import COORDINATE, VELOCITY
 from .mechanism import Mechanism, Start

@@ -37,7 +37,7 @@ REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
     "unit": ("shaft", {"connections": ["one.speed -> one.height"]}, r"unit r/min does not fit mm"),
     "kind": ("feedthrough", {"connections": ["one.real out -> one.whole_in"]}, "takes whole numbers"),
     "not restorable": ("rigid", {"master": {"name": "iterated"}}, r"canGetAndSetFMUstate = false.*jacobi"),
-    "control": ("rigid", {"step_control": {}}, r"\[step_control\].*leave it out"),
+    "control": ("rigid", {"step_control": {}}, r"\[step_control\].*set step_control.estimator"),
     "located": ("rigid", {"event_tolerance": 1e-6}, "event_tolerance.*leave it out"),
     "retried": ("rigid", {"own": {"retries": 2}}, "one length only.*retries varies"),
     "last step": ("rigid", {"macro_step": 0.3}, "no whole multiple of macro_step = 0.3 s"),
