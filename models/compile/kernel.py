@@ -20,7 +20,6 @@ KernelCache: Any = None
 try:
     import numba
     import numba.extending
-    from numba.core.registry import CPUDispatcher
 except ImportError:  # an FMU must run where only numpy is installed
     numba = None
 
@@ -48,36 +47,22 @@ def kernel(function: F) -> F:
     """
     if not COMPILED:
         return function
-    dispatcher = KernelDispatcher(function, targetoptions={"nopython": True, **_OPTIONS})
-    # numba makes an entry for Python of all that it compiles, which takes a sixth of the time.
-    inner = {**_OPTIONS, "no_cpython_wrapper": True}
-    dispatcher.called_by_kernels = CPUDispatcher(function, targetoptions={"nopython": True, **inner})
+    dispatcher: Any = numba.njit(**_OPTIONS)(function)
+    dispatcher.get_call_template = _call_exactly(dispatcher.get_call_template)
     if KernelCache is not None:
         dispatcher._cache = KernelCache(function, _folder, repr(_OPTIONS))
-        dispatcher.called_by_kernels._cache = KernelCache(function, _folder, repr(inner))
     return cast(F, dispatcher)
 
 
-class KernelDispatcher(CPUDispatcher if COMPILED else object):  # type: ignore[misc]
-    """A kernel as Python calls it; what other kernels call is compiled without an entry for Python."""
+def _call_exactly(find: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """Kernels call what is compiled for their types: numba would take a record that begins alike."""
 
-    called_by_kernels: Any
-
-    def get_call_template(self, args: Any, kws: Any) -> Any:
-        """The types of a call by another kernel.
-
-        Of all that is compiled only what is compiled for these types: numba would also take a record that
-        begins like theirs for theirs.
-        """
-        called: Any = super() if tuple(args) in self.overloads else self.called_by_kernels
-        template, pysig, args, kws = called.get_call_template(args, kws)
+    def get_call_template(args: Any, kws: Any) -> Any:
+        template, pysig, args, kws = find(args, kws)
         template.cases = [case for case in template.cases if case.args == tuple(args)] or template.cases
         return template, pysig, args, kws
 
-    def get_overload(self, sig: Any) -> Any:
-        """What another kernel calls."""
-        code = self.overloads.get(tuple(sig))
-        return code.entry_point if code else self.called_by_kernels.get_overload(sig)
+    return get_call_template
 
 
 def _folder() -> Path:

@@ -110,6 +110,8 @@ def _digest_value(value: Any, seen: dict[Any, str]) -> str:
         return f"{type(value).__name__} {value!r}"
     if type(value) is tuple:
         return "(" + ",".join(_digest_value(item, seen) for item in value) + ")"
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return f"{_digest_foreign(type(value), seen)} {_digest_value(tuple(value), seen)}"
     if isinstance(value, dict):
         return "{" + ",".join(f"{key!r}:{_digest_value(value[key], seen)}" for key in sorted(value)) + "}"
     if isinstance(value, frozenset):
