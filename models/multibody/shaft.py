@@ -12,7 +12,7 @@ import numpy as np
 from ..core.errors import ModelError
 from .bodies import GROUND, Body
 from .forces import ElasticField, beam_stiffness
-from .joints import Joint, prescribed_rotation, revolute, support
+from .joints import Joint, prescribed_rotation, revolute, spherical, support
 
 DRIVE = "drive"
 # Axes of an element: x of Q (2) along the shaft.
@@ -99,15 +99,20 @@ class SegmentedShaft:
             )  # fmt: skip
         return found
 
-    def list_bearings(self, every: bool = True) -> list[Joint]:
-        """The driven end turns in a pin; so does every other segment, or its last one in a support."""
-        first, last = self.segments[0], self.segments[-1]
-        if not every:
-            pins = [revolute(f"bearing of {first}", GROUND, first, at_i=(0.0, 0.0, float(self.stations[0])))]
-            return [*pins, support(f"bearing of {last}", GROUND, last)]
+    def list_bearings(self) -> list[Joint]:
+        """Every segment turns in a bearing, so that the shaft twists but does not bend."""
         return [
             revolute(f"bearing of {name}", GROUND, name, at_i=(0.0, 0.0, float(z)))
             for name, z in zip(self.segments, self.stations, strict=True)
+        ]
+
+    def list_pins(self) -> list[Joint]:
+        """Both ends may tilt in their bearings; the driven one does not slide."""
+        first, last = self.segments[0], self.segments[-1]
+        at = (0.0, 0.0, float(self.stations[0]))
+        return [
+            spherical(f"bearing of {first}", GROUND, first, at_i=at),
+            support(f"bearing of {last}", GROUND, last),
         ]
 
     def drive(self, speed: float, angle: float = 0.0) -> Joint:
