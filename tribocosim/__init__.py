@@ -33,13 +33,9 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Import the interface when it is first asked for: the command begins with less."""
     if name not in __all__:
-        import difflib
+        from orchestrator.errors import one_of
 
-        close = difflib.get_close_matches(name, __all__, n=1)
-        raise AttributeError(
-            f"module 'tribocosim' has no attribute {name!r}"
-            + (f"; did you mean {close[0]}?" if close else "")
-        )
+        raise AttributeError(f"module 'tribocosim' has no attribute {name!r}: {one_of(__all__, name)}")
     from . import api
 
     return getattr(api, name)

@@ -10,12 +10,10 @@ as a whole: the frame moves with the centre of mass, and M_rf = 0.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eigh, null_space
 
 from ..core.quantities import Vector
 
@@ -52,10 +50,3 @@ class FloatingRod:
         """Rows of the displacement at both ends: (-1)^k and 1."""
         k = np.arange(self.shapes + 1)
         return np.where(k % 2 == 0, 1.0, -1.0), np.ones(k.size)
-
-
-def find_constrained_frequencies(parts: LinearParts, constraints: Vector) -> Vector:
-    """Frequencies (Hz, ascending) of M q'' + K q + C_q^T lambda = 0 with C_q q = 0, Q (4)."""
-    free = null_space(constraints)
-    squares = eigh(free.T @ parts.stiffness @ free, free.T @ parts.mass @ free, eigvals_only=True)
-    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi))

@@ -13,6 +13,9 @@ from .beams import fill_beam_stiffness
 from .bodies import ORIGIN, Point
 from .joints import Joint
 
+# Axes of an element of a shaft along z: x of K (33) and Q (2) along the shaft.
+ALONG_SHAFT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+
 
 @dataclass(frozen=True)
 class SpringDamper:

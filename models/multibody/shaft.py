@@ -11,12 +11,10 @@ import numpy as np
 
 from ..core.errors import ModelError
 from .bodies import GROUND, Body
-from .forces import ElasticField, beam_stiffness
+from .forces import ALONG_SHAFT, ElasticField, beam_stiffness
 from .joints import Joint, prescribed_rotation, revolute, spherical, support
 
 DRIVE = "drive"
-# Axes of an element: x of Q (2) along the shaft.
-ALONG_SHAFT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 
 
 @dataclass(frozen=True)

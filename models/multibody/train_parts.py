@@ -17,14 +17,12 @@ import numpy as np
 from .bodies import GROUND, Body, Y
 from .coils import hang_coils
 from .fill import Force
-from .forces import ElasticField, LubricatedCam, beam_stiffness, modal_damping
+from .forces import ALONG_SHAFT, ElasticField, LubricatedCam, beam_stiffness, modal_damping
 from .joints import Joint, cylindrical, fixed, flat_cam, prescribed_rotation, translational
 
 # K Table 1, middle of the ranges: mass (kg) and moments of inertia (kg m^2) of what the load does not move.
 SHAFT_MASS, SHAFT_INERTIA = 0.175, (62.5e-6, 62.5e-6, 125e-6)  # about z: twice, as a disc (K: 185e-6)
 FOLLOWER_INERTIA = (204e-6, 37.5e-6, 204e-6)
-# Axes of the shaft element: x of K (33) along the shaft.
-ALONG_SHAFT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 
 BEARING, DRIVE, CONTACT, GUIDE = "bearing", "drive", "contact", "guide"
 

@@ -25,6 +25,7 @@ from .ida import COORDINATE, VELOCITY
 from .mechanism import Mechanism, Start
 from .motion import Motion, complete, explain_failure
 from .projected import make_flow
+from .saddle import solve_saddle
 from .tables import Evaluation
 
 # Instants of a step at which gaps are looked at: two impacts on a wall between two of them are missed.
@@ -182,14 +183,12 @@ class _Space:
     def rebound(self, t: float, y: Vector, wall: Wall) -> tuple[Vector, Impact]:
         """The state after an impact."""
         _, gradient, e = self.measure(t, y, wall)
-        v, size = y[self.size :], self.size
-        held = e.held.jacobian.shape[0]
+        v = y[self.size :]
         closing = float(gradient @ v)
-        matrix = np.zeros((size + held + 1, size + held + 1))
-        matrix[:size, :size] = e.mass
-        matrix[:size, size:-1], matrix[size:-1, :size] = e.held.jacobian.T, e.held.jacobian
-        matrix[:size, -1], matrix[-1, :size] = -gradient, gradient
-        right = np.concatenate([e.mass @ v, -e.held.rate, [-wall.restitution * closing]])
-        found = np.linalg.solve(matrix, right)
+        # The velocities that the joints leave without an impulse, and those of a unit impulse.
+        free, _ = solve_saddle(e, e.mass @ v, -e.held.rate)
+        unit, _ = solve_saddle(e, gradient, np.zeros_like(e.held.rate))
+        impulse = float(-(wall.restitution * closing + gradient @ free) / (gradient @ unit))
         self.left = wall
-        return np.concatenate([y[:size], found[:size]]), Impact(t, wall.name, -closing, float(found[-1]))
+        after = np.concatenate([y[: self.size], free + impulse * unit])
+        return after, Impact(t, wall.name, -closing, impulse)

@@ -20,6 +20,7 @@ from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.quantities import Layout, Quantity, Vector, per_element, pick_fields
 from ..multibody.coils import COIL_INERTIA, SPRING_LENGTH
 from ..multibody.fill import fill_tables
+from ..multibody.forces import ALONG_SHAFT
 from ..multibody.train_energy import fill_energy, lengthen
 from ..multibody.train_kernels import (
     CAM,
@@ -35,7 +36,7 @@ from ..multibody.train_kernels import (
     make_train,
     measure_violation,
 )
-from ..multibody.train_parts import ALONG_SHAFT, FOLLOWER_INERTIA, SHAFT_INERTIA, SHAFT_MASS, list_parts
+from ..multibody.train_parts import FOLLOWER_INERTIA, SHAFT_INERTIA, SHAFT_MASS, list_parts
 from ..multibody.vectors import Arrow
 from .cams.law import LAW
 from .cams.profile import CamProfile, require_convexity, time_to_break

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 _ORCHESTRATOR = Path(__file__).parents[1]
 
@@ -25,3 +28,9 @@ def complete_component(incomplete: str) -> list[str]:
 
 def _list_stems(folder: Path, incomplete: str) -> list[str]:
     return sorted(file.stem for file in folder.glob("*.toml") if file.stem.startswith(incomplete))
+
+
+ScenarioName = Annotated[
+    str,
+    typer.Argument(help="A shipped scenario, or the path of a .toml file.", autocompletion=complete_scenario),
+]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .completion import complete_scenario
+from .completion import ScenarioName
 from .error_report import INTERRUPTED, report_errors, say
 from .fmu import build_fmu, check_native
 from .json_output import Json, build_reporter, print_json
@@ -24,12 +24,7 @@ Verbose = Annotated[
 
 @report_errors
 def run_scenario(  # noqa: PLR0913  # options of a command
-    scenario: Annotated[
-        str,
-        typer.Argument(
-            help="A shipped scenario, or the path of a .toml file.", autocompletion=complete_scenario
-        ),
-    ],
+    scenario: ScenarioName,
     out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO")] = None,
     set_: Annotated[
         list[str] | None,

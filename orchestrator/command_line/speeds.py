@@ -7,19 +7,14 @@ from typing import Annotated
 
 import typer
 
-from .completion import complete_scenario
+from .completion import ScenarioName
 from .error_report import report_errors
 from .study import check_packages
 
 
 @report_errors
 def run_speeds(
-    scenario: Annotated[
-        str,
-        typer.Argument(
-            help="A shipped scenario, or the path of a .toml file.", autocompletion=complete_scenario
-        ),
-    ],
+    scenario: ScenarioName,
     low: Annotated[
         str, typer.Option("--from", metavar="SPEED", help="Lowest speed of the flywheel.")
     ] = "500 rpm",

@@ -7,19 +7,14 @@ from typing import Annotated
 
 import typer
 
-from .completion import complete_scenario
+from .completion import ScenarioName
 from .error_report import report_errors
 from .fmu import build_fmu
 
 
 @report_errors
 def ssp_export(
-    scenario: Annotated[
-        str,
-        typer.Argument(
-            help="A shipped scenario, or the path of a .toml file.", autocompletion=complete_scenario
-        ),
-    ],
+    scenario: ScenarioName,
     out: Annotated[Path | None, typer.Option(help="The file.", show_default="SCENARIO.ssp")] = None,
     set_: Annotated[
         list[str] | None,

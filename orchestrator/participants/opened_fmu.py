@@ -156,4 +156,5 @@ class OpenedFmu:
         """Delete what was unpacked."""
         if self._unpacked:
             self._unpacked.delete()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        else:
+            shutil.rmtree(self._folder, ignore_errors=True)

@@ -28,6 +28,8 @@ PANELS = 4
 # What sets steps, shown in a colour of its own; report.css has as many.
 KINDS = 7
 STEP = ("macro_step", "reason", "source")
+# What results say of a variable.
+ATTRIBUTES = ("units", "display_units", "long_name", "flag_meanings")
 # Relative distance of times from an even spacing, below which that is given instead.
 EVEN = 1e-9
 
@@ -45,7 +47,7 @@ def collect_run(records: Records, scenario: Scenario | None, summary: Mapping[st
         "leftOut": left_out,
         "sketches": [sketch.content() for sketch in sketches],
         "panels": panels,
-        "marks": _list_marks(variables),
+        "marks": list_marks([str(v["name"]) for v in variables if v["group"] == "coupled"]),
         "steps": _tell_steps(records, bases, variables, scenario),
     }
 
@@ -137,12 +139,12 @@ def _place_times(times: Vector) -> dict[str, Any]:
     return {**placed, "time": pack_exactly(times)}
 
 
-def _list_marks(variables: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
+def list_marks(names: Sequence[str]) -> list[dict[str, str]]:
     """Loads of contacts, whose loss and return are marked, and counters of blows."""
     marks = []
-    for name in (str(v["name"]) for v in variables if v["group"] == "coupled"):
+    for name in names:
         part, _, ending = name.rpartition(".")
-        if ending == "load" and any(v["name"] == f"{part}.film_thickness" for v in variables):
+        if ending == "load" and f"{part}.film_thickness" in names:
             marks.append({"part": part, "kind": "load", "variable": name})
         elif ending == "impact_count":
             marks.append({"part": part, "kind": "count", "variable": name})
@@ -156,9 +158,7 @@ def _tell_steps(
     scenario: Scenario | None,
 ) -> dict[str, Any] | None:
     """What set the macro steps, most frequent first; None where all were alike."""
-    packed = [
-        v for v in variables if v["group"] == "steps" and v["name"] in ("macro_step", "reason", "source")
-    ]
+    packed = [v for v in variables if v["group"] == "steps" and v["name"] in STEP]
     group = records.groups.get("steps")
     if group is None or len(packed) < len(STEP) or group.rows < 2:
         return None
@@ -215,7 +215,8 @@ class _Base:
         data = self._pack(values, "values")
         if reference and name in reference.stored:
             data |= self._pack(values - reference.read(name), "error", COARSE)
-        return {**describe(group, name), "group": self.kind, "base": self.number, "data": data}
+        attributes = {key: group.attribute(name, key) for key in ATTRIBUTES}
+        return {**describe(name, attributes), "group": self.kind, "base": self.number, "data": data}
 
     def _pack(self, values: Vector, key: str, bits: int | None = None) -> dict[str, str]:
         own = {} if bits is None else {"bits": bits}
@@ -225,14 +226,13 @@ class _Base:
         return {key: pack(low, **own), f"{key}High": pack(high, **own)}
 
 
-def describe(group: Group, name: str) -> dict[str, Any]:
+def describe(name: str, attributes: Mapping[str, str]) -> dict[str, Any]:
     """Name, unit in which it is shown with the factor to it, description and choices of a variable."""
-    unit, shown = group.attribute(name, "units"), group.attribute(name, "display_units")
-    factor = 1.0 / to_unit(f"1 {shown}", unit) if shown else 1.0
+    unit, shown = attributes.get("units", ""), attributes.get("display_units", "")
     return {
         "name": name,
         "unit": shown or (unit if unit != "1" else ""),
-        "factor": factor,
-        "description": group.attribute(name, "long_name"),
-        "choices": group.attribute(name, "flag_meanings").split(),
+        "factor": 1.0 / to_unit(f"1 {shown}", unit) if shown else 1.0,
+        "description": attributes.get("long_name", ""),
+        "choices": attributes.get("flag_meanings", "").split(),
     }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 import math
 from collections.abc import Mapping
@@ -138,4 +137,4 @@ def _to_script(content: Mapping[str, Any]) -> str:
 def _plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
-    raise TypeError(f"{html.escape(repr(value))}: has no JSON")
+    raise TypeError(f"{value!r}: has no JSON")

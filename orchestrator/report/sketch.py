@@ -104,9 +104,9 @@ class Parts:
         """The instance whose output drives that input; empty if none does."""
         return self.sources.get(target, "").split(".")[0]
 
-    def driven(self, source: str) -> list[str]:
-        """The inputs that an output drives."""
-        return [target for target, own in self.sources.items() if own == source]
+    def list_driven(self, source: str) -> list[str]:
+        """The instances that have an input which that output drives."""
+        return [target.split(".")[0] for target, own in self.sources.items() if own == source]
 
     def numbers(self, name: str) -> dict[str, float]:
         """All parameters of an instance in SI units."""

@@ -14,8 +14,8 @@ import xarray
 
 from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError, build_scenario
-from ..scenario.units import to_unit
 from ..store.output_folder import CYCLES, STORE, SUMMARY
+from .content import describe, list_marks
 from .mechanism import list_sketches
 from .packing import pack
 
@@ -83,11 +83,7 @@ def _collect(cycles: xarray.Dataset, numbers: xarray.Dataset, scenario: Scenario
         "leftOut": 0,
         "sketches": [sketch.content() for sketch in sketches],
         "panels": _choose(names, PANELS) or names[:1],
-        "marks": [
-            {"part": name.rpartition(".")[0], "kind": "load", "variable": name}
-            for name in names
-            if name.endswith(".load") and f"{name.rpartition('.')[0]}.film_thickness" in names
-        ],
+        "marks": list_marks(names),
         "abscissa": ANGLE,
         "sweep": {
             "angle": ANGLE,
@@ -119,13 +115,9 @@ def _list_number(name: str, values: xarray.DataArray) -> dict[str, Any]:
 
 
 def _describe(name: str, values: xarray.DataArray) -> dict[str, Any]:
-    unit = str(values.attrs.get("units", "1"))
-    shown = str(values.attrs.get("display_units", "")) or {"rad": "deg"}.get(unit, "")
-    return {
-        "name": name,
-        "group": "coupled",
-        "unit": shown or (unit if unit != "1" else ""),
-        "factor": 1.0 / to_unit(f"1 {shown}", unit) if shown else 1.0,
-        "description": str(values.attrs.get("long_name", "")),
-        "choices": [],
-    }
+    """As of a run; angles without a unit of their own are shown in degrees."""
+    attributes = {"units": "1", **{str(key): str(value) for key, value in values.attrs.items()}}
+    attributes["display_units"] = attributes.get("display_units") or (
+        "deg" if attributes["units"] == "rad" else ""
+    )
+    return {**describe(name, attributes), "group": "coupled"}

@@ -12,7 +12,7 @@ from .valves import draw_valve, draw_valve_below, find_valve
 
 def sketch_direct(parts: Parts, cam: str) -> Sketch | None:
     """A camshaft's cam on the flat follower of a valve."""
-    contact = next((one.split(".")[0] for one in parts.driven(f"{cam}.entraining_velocity")), "")
+    contact = next(iter(parts.list_driven(f"{cam}.entraining_velocity")), "")
     valve = parts.driver(f"{contact}.retreat")
     if not parts.has(f"{valve}.position") or not parts.has(f"{cam}.cam_angle"):
         return None
@@ -39,7 +39,7 @@ def sketch_tappet(parts: Parts, tappet: str) -> Sketch | None:
     width = draw_cam(sketch, parts, tappet, follower, f"{tappet}.profile_angle")
     base, radius, offset = MM * p["base_radius"], MM * p["follower_radius"], MM * p["offset"]
     moving = sketch.frame(shift=[(f"{tappet}.position", 0.0, MM)])
-    contacts = [one.split(".")[0] for one in parts.driven(f"{tappet}.entraining_velocity")]
+    contacts = parts.list_driven(f"{tappet}.entraining_velocity")
     if follower == "flat":
         top = base
         draw_bucket(sketch, moving, base, width, tappet)
@@ -64,8 +64,8 @@ def sketch_tappet(parts: Parts, tappet: str) -> Sketch | None:
 
 def sketch_finger(parts: Parts, finger: str) -> Sketch | None:
     """A cam on a finger that turns about its end and opens a valve."""
-    contacts = [one.split(".")[0] for one in parts.driven(f"{finger}.entraining_velocity")]
-    tips = [one.split(".")[0] for one in parts.driven(f"{finger}.tip_entraining_velocity")]
+    contacts = parts.list_driven(f"{finger}.entraining_velocity")
+    tips = parts.list_driven(f"{finger}.tip_entraining_velocity")
     valve = next(filter(None, (find_valve(parts, tip) for tip in tips)), "")
     if not (valve and parts.has(f"{finger}.rotation") and parts.has(f"{finger}.profile_angle")):
         return None
@@ -119,7 +119,7 @@ def _draw_rocker(
     over = [_add(tip, 5.0, 2.0), _add(pivot, 0.0, 8.0), (x - 4.0, end + 3.0)]
     sketch.polygon("body", moving, under + over, rocker)
     sketch.circle("pin", GROUND, *pivot, 4.0, "pivot")
-    contacts = [one.split(".")[0] for one in parts.driven(f"{rocker}.tip_entraining_velocity")]
+    contacts = parts.list_driven(f"{rocker}.tip_entraining_velocity")
     valve = next(filter(None, (find_valve(parts, one) for one in contacts or [rocker])), "")
     if valve:
         draw_valve_below(sketch, parts, valve, *_add(tip, 0.0, -4.0))

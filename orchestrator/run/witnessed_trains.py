@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,7 +27,7 @@ class Observation(NamedTuple):
 
 
 @dataclass(frozen=True)
-class WitnessedTrain:
+class WitnessedTrain(ABC):
     """A valve train in a system, by the names that its parts have there."""
 
     system: System
@@ -79,13 +80,13 @@ class WitnessedTrain:
         """A load times the reference's offset."""
         return Observation(name, values, lambda outputs, reference: outputs[load] * reference[offset])
 
+    @abstractmethod
     def build(self) -> Any:
         """The mechanism with its parts where the system's start has them."""
-        raise NotImplementedError
 
+    @abstractmethod
     def observe(self, motion: Any) -> list[Observation]:
         """What the motion has in common with the system."""
-        raise NotImplementedError
 
 
 class DirectTrain(WitnessedTrain):

@@ -8,8 +8,7 @@ from typing import Annotated
 from pydantic import Field, field_validator
 
 from ..errors import one_of
-from ..stepping import INDICATORS, StepControl
-from ..stepping.estimators import ESTIMATORS
+from ..stepping import INDICATORS, JUDGES, StepControl
 from .fields import Seconds, Table, Tolerance
 
 # Default tolerance of event times (s).
@@ -37,8 +36,8 @@ class StepControlTable(Table):
     @field_validator("estimator")
     @classmethod
     def _check_estimator(cls, name: str | None) -> str | None:
-        if name is not None and name not in (known := (*ESTIMATORS, *INDICATORS)):
-            raise ValueError(f"{name!r}: {one_of(known, name)}")
+        if name is not None and name not in JUDGES:
+            raise ValueError(f"{name!r}: {one_of(JUDGES, name)}")
         return name
 
     @property

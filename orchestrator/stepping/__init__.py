@@ -2,7 +2,7 @@
 
 from ..engine.step import REASONS, STOP, Step
 from ..masters import Master, find_name
-from .controlled import ControlledSteps, StepControl
+from .controlled import JUDGES, ControlledSteps, StepControl
 from .estimators import ESTIMATORS
 from .fixed import FixedSteps
 from .forward import ForwardSteps
@@ -12,6 +12,7 @@ from .protocol import Stepper
 
 __all__ = [
     "INDICATORS",
+    "JUDGES",
     "REASONS",
     "STOP",
     "ControlledSteps",

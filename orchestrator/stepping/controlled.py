@@ -39,6 +39,9 @@ RESTARTED = 0.1
 # Steps over the tolerance in a row, at the shortest length, that pass as a discontinuity.
 DISCONTINUITY = 5
 
+# Names of what judges steps: those that may be made again, and those that are made once.
+JUDGES = (*ESTIMATORS, *INDICATORS)
+
 
 @dataclass(frozen=True)
 class StepControl:
@@ -55,8 +58,8 @@ class StepControl:
     event_tolerance: float = 1e-9
 
     def __post_init__(self) -> None:
-        if self.estimator not in (known := (*ESTIMATORS, *INDICATORS)):
-            raise ValueError(f"estimator = {self.estimator!r}: {one_of(known, self.estimator)}")
+        if self.estimator not in JUDGES:
+            raise ValueError(f"estimator = {self.estimator!r}: {one_of(JUDGES, self.estimator)}")
         for name in ("relative", "absolute", "minimum_step", "maximum_step", "event_tolerance"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} = {getattr(self, name):g}: must be > 0")

@@ -62,13 +62,12 @@ class ResidualEnergy:
             )
         self._efforts = np.array([number[bond.effort] for bond in bonds])
         self._flows = np.array([number[bond.flow] for bond in bonds])
-        extrapolated = find_extrapolated(coupling, master)
-        # What is interpolated is known at the end.
-        self._seen = extrapolated.astype(float)
+        self._extrapolated = find_extrapolated(coupling, master)
 
     def measure(self, assumed: Vector, absolute: float, relative: float) -> Vector:
         values, nominal = self._coupling.state.values, self._coupling.wiring.nominal
-        given = values + self._seen * (assumed - values)
+        # What is interpolated is known at the end.
+        given = np.where(self._extrapolated, assumed, values)
         e, f = values[self._efforts], values[self._flows]
         residual = e * given[self._flows] - given[self._efforts] * f
         allowed = absolute * nominal[self._efforts] * nominal[self._flows] + relative * np.abs(e * f)

@@ -18,7 +18,7 @@ class Reopened:
     """Implements `Participant` by fresh instances of `open_unit()`.
 
     `save` is the number of calls so far, `restore` makes these calls again with a new instance, which gives
-    the same bits as long as the FMU depends on nothing else. `made` counts the steps.
+    the same bits as long as the FMU depends on nothing else.
     """
 
     restorable = True
@@ -28,7 +28,6 @@ class Reopened:
         self.name = self._unit.name
         self._calls: list[Call] = []
         self._changed = False
-        self.made = 0
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return self._unit.signal_degrees(input_names)
@@ -97,5 +96,4 @@ class Reopened:
     def _call(self, method: str, *arguments: Any) -> None:
         self._calls.append((method, arguments, self._bound.inputs.copy()))
         self._changed = True
-        self.made += method == "advance"
         getattr(self._unit, method)(*arguments)

@@ -11,8 +11,8 @@ from scipy.linalg import block_diag
 from scipy.optimize import brentq
 
 from models.core.quantities import Vector
-from models.multibody.floating_frame import FloatingRod, LinearParts, find_constrained_frequencies
-from models.multibody.linear import find_frequencies
+from models.multibody.floating_frame import FloatingRod, LinearParts
+from models.multibody.linear import find_frequencies, find_modes
 from models.multibody.pushrod_train import pushrod_train
 from models.valve_train.valve_spring import lumping
 
@@ -53,7 +53,7 @@ def find_train_frequencies(shapes: int) -> Vector:
     constraints[0, : len(lower)] = lower  # the tappet rests
     constraints[1, : len(lower)], constraints[1, len(lower)] = upper, -rocker.rod_arm
     constraints[2, len(lower) : len(lower) + 2] = rocker.valve_arm, -1.0
-    return find_constrained_frequencies(whole, constraints)
+    return find_modes(*whole, constraints)
 
 
 def test_floating_frame_and_finite_segments_meet_at_the_exact_rod(record: Callable[..., None]) -> None:
