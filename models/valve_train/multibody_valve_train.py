@@ -60,9 +60,7 @@ def _extend_parameters(camshaft: type) -> type:
         ContactParameters, "length", "youngs_modulus_1", "poissons_ratio_1", "youngs_modulus_2",
         "poissons_ratio_2", "contact_damping", "damping_reference_load",
     )  # fmt: skip
-    # Before the camshaft's: numba takes a record that begins as another for that one.
-    train = make_dataclass("TrainParameters", added)
-    return make_dataclass("MultibodyParameters", [], bases=(camshaft, train))
+    return make_dataclass("MultibodyParameters", added, bases=(camshaft,))
 
 
 @dataclass
