@@ -46,6 +46,7 @@ def collect_run(records: Records, scenario: Scenario | None, summary: Mapping[st
         "variables": variables,
         "leftOut": left_out,
         "sketches": [sketch.content() for sketch in sketches],
+        "profiles": {name: _pack_profiles(group) for name, group in records.profiles.items()},
         "panels": panels,
         "marks": list_marks([str(v["name"]) for v in variables if v["group"] == "coupled"]),
         "steps": _tell_steps(records, bases, variables, scenario),
@@ -92,6 +93,13 @@ def _rank(
         return name not in moving, name not in compared, not name.endswith((".load", ".film_thickness"))
 
     return sorted(names, key=rank)
+
+
+def _pack_profiles(group: Group) -> dict[str, Any]:
+    """Position, pressure and film at the nodes of a contact, instant by instant."""
+    rows, nodes = group.stored["pressure"].shape
+    packed = {key: pack(group.read(key).ravel(), COARSE) for key in ("position", "pressure", "film")}
+    return {"nodes": nodes, "rows": rows, "time": pack_exactly(group.read("time")), **packed}
 
 
 def _choose_panels(

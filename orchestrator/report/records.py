@@ -15,6 +15,7 @@ from models.core.quantities import Vector
 
 from ..errors import MistakeError
 from ..store.output_folder import RESULT
+from ..store.result_file import PROFILES
 
 
 @dataclass(frozen=True)
@@ -42,10 +43,11 @@ class Group:
 
 @dataclass(frozen=True)
 class Records:
-    """A result file: its attributes and groups."""
+    """A result file: its attributes, its groups, and the profiles across each solved contact."""
 
     attributes: dict[str, Any]
     groups: dict[str, Group]
+    profiles: dict[str, Group]
 
 
 @contextmanager
@@ -59,6 +61,7 @@ def open_records(folder: Path) -> Iterator[Records]:
         groups = {
             name: Group({key.replace("\N{DIVISION SLASH}", "/"): stored for key, stored in group.items()})
             for name, group in file.items()
-            if isinstance(group, h5py.Group)
+            if isinstance(group, h5py.Group) and name != PROFILES
         }
-        yield Records(dict(file.attrs), groups)
+        profiles = {name: Group(dict(group.items())) for name, group in file.get(PROFILES, {}).items()}
+        yield Records(dict(file.attrs), groups, profiles)

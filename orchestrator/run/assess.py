@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 from models.core.quantities import Vector
 from models.core.system import System
@@ -21,8 +22,13 @@ from .record import ENDS, NOT_COMPARED, OUTSIDE, WITHIN, Ending, Record, classif
 from .reference import MONOLITHIC, Solution, solve_reference
 from .witness import Testimony, hear_witness
 
+if TYPE_CHECKING:
+    from models.monolithic import Reference
+
 # Records compared with the reference (and drawn) at most: bounds memory, and is dense in any cycle.
 COMPARED_RECORDS = 100_000
+# Instants at most of which profiles across solved contacts are kept.
+INSTANTS = 200
 
 # Where extremes of contacts are from.
 MACRO_STEPS, ROWS = "all macro steps", "recorded rows"
@@ -101,6 +107,8 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, report: Report)
     result.write("reference", solution.times, quantities, solution.outputs)
     if solution.method == MONOLITHIC:
         result.attribute("reference", "tolerance", scenario.reference.tolerance)
+    if solution.reference is not None:
+        _write_profiles(solution.reference, result)
     names = _select_compared(scenario, system)
     errors = compare(
         solution.times,
@@ -125,6 +133,27 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, report: Report)
         reference_method=solution.method,
         witness=_hear_witness(plan, coupled, solution, reporter),
     )
+
+
+def _write_profiles(reference: Reference, result: ResultFile) -> None:
+    """Add pressure and film across the contacts that are solved for, as the reference has them."""
+    system, rows = reference.system, slice(None, None, -(-len(reference.times) // INSTANTS))
+    for name, instance in system.instances.items():
+        if "grid_scale" not in instance.component.state:
+            continue
+        from models.contact.line.profile import read_profiles
+
+        parameters, states = (
+            system.p[system.parameters.of(name)],
+            reference.state[rows, system.state.of(name)],
+        )
+        found = read_profiles(instance.component, parameters, states)
+        variables = {
+            "position": ("m", found.position),
+            "pressure": ("Pa", found.pressure),
+            "film": ("m", found.film),
+        }
+        result.write_profiles(name, reference.times[rows], variables)
 
 
 def _hear_witness(

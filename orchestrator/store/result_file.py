@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import xarray
 
 DESCRIBED = 8192  # bytes at most for a variable's names, attributes and places; some 3 kB were measured
+PROFILES = "fields"  # the group of profiles across solved contacts
 CHUNK = 4096  # rows of a compressed chunk: and of what is written at once: 32 kB of a variable
 
 
@@ -81,6 +82,17 @@ class ResultFile:
         for first, block in _number_blocks(blocks):
             for dataset, values in zip(datasets, np.ascontiguousarray(block.T), strict=True):
                 dataset[first : first + len(block)] = values
+
+    def write_profiles(self, name: str, times: Vector, variables: Mapping[str, tuple[str, Vector]]) -> None:
+        """A new group PROFILES/name: unit and values (times x nodes) of each variable, and the times."""
+        group = self._file.create_group(f"{PROFILES}/{name}")
+        group.dimensions = {"time": len(times), "node": next(iter(variables.values()))[1].shape[1]}
+        stored = {"time": (TIME.unit, times), **variables}
+        check_room(self.path, sum(values.nbytes + DESCRIBED for _, values in stored.values()))
+        for key, (unit, values) in stored.items():
+            dimensions = ("time", "node")[: values.ndim]
+            variable = group.create_variable(key, dimensions, data=values, compression="gzip", shuffle=True)
+            variable.attrs["units"] = unit
 
     def attribute(self, group: str, name: str, value: Any) -> None:
         """An attribute of a group."""

@@ -133,6 +133,23 @@ def test_no_text_of_a_result_becomes_markup(tmp_path: Path) -> None:
     assert {v["unit"] for v in read_content(page)["variables"]} == {EVIL, "m"}
 
 
+def test_profiles_across_a_contact_are_in_the_page(tmp_path: Path) -> None:
+    """Rounded to COARSE bits, instant by instant."""
+    position = np.outer([1.0, 2.0, 4.0], np.linspace(-1e-4, 1e-4, 5))
+    film = 1e-6 + position**2
+    with ResultFile(tmp_path / "result.nc", {}) as made:
+        made.write("coupled", np.linspace(0.0, 1.0, 3), {"contact.load": Quantity("N", "")}, np.ones((3, 1)))
+        profiles = {"position": ("m", position), "pressure": ("Pa", 1e9 - film), "film": ("m", film)}
+        made.write_profiles("contact", np.linspace(0.0, 1.0, 3), profiles)
+        made.finish(True, "")
+    told = read_content(write_report(tmp_path).read_text("utf-8"))["profiles"]["contact"]
+    assert (told["rows"], told["nodes"]) == position.shape
+    assert unpack(told["film"], 4).reshape(position.shape) == pytest.approx(
+        1e-6 + position**2, rel=2.0**-COARSE
+    )
+    assert unpack(told["time"], 8).tolist() == [0.0, 0.5, 1.0]
+
+
 def test_losses_and_blows_have_their_marks(tmp_path: Path) -> None:
     content = read_content(write_evil(tmp_path).read_text("utf-8"))
     assert content["marks"] == [{"part": EVIL, "kind": "load", "variable": f"{EVIL}.load"}]

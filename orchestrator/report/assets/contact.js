@@ -1,10 +1,11 @@
-// A lubricated contact, enlarged: gap of two elastic bodies and the pressure of Hertz between them.
+// A lubricated contact, enlarged: gap of two elastic bodies and the pressure between them, as solved where the
+// result has that, otherwise of Hertz.
 "use strict";
 
 // One contact of all, chosen by name.
 class Contacts {
   constructor(report, told) {
-    this.all = told.map((one) => new Contact(one, report));
+    this.all = told.map((one) => new Contact(one, report, (report.content.profiles || {})[one.title]));
     this.root = get("contacts");
     this.canvas = document.createElement("canvas");
     this.canvas.setAttribute("role", "img");
@@ -19,6 +20,8 @@ class Contacts {
     this.root.append(figure);
   }
 
+  async start() { for (const one of this.all) if (one.profiles) await one.profiles.start(); }
+
   draw(row) {
     const one = this.all[this.choice.value];
     one.draw(this.canvas, row);
@@ -27,8 +30,39 @@ class Contacts {
   }
 }
 
+// Pressure and film over the nodes of a contact, at some instants.
+class Profiles {
+  constructor(packed) { this.packed = packed; this.nodes = packed.nodes; }
+
+  async start() {
+    this.times = await unpack(this.packed.time, Float64Array);
+    for (const key of ["position", "pressure", "film"]) this[key] = await unpack(this.packed[key], Float32Array);
+  }
+
+  // The instant nearest to a time.
+  near(time) {
+    const k = locate(this.times, time), next = Math.min(k + 1, this.times.length - 1);
+    return this.times[next] - time < time - this.times[k] ? next : k;
+  }
+
+  // The field begins with the first step.
+  begun(k) { return this.position[k * this.nodes] < 0; }
+
+  curve(key, k) { return Array.from({ length: this.nodes }, (_, i) => [this.position[k * this.nodes + i], this[key][k * this.nodes + i]]); }
+}
+
 class Contact {
-  constructor(told, report) { this.told = told; this.report = report; this.variables = told.variables; }
+  constructor(told, report, packed) {
+    this.told = told; this.report = report; this.variables = told.variables;
+    this.profiles = packed ? new Profiles(packed) : null;
+  }
+
+  // The instant of the solved profiles that is drawn at a row; -1: none.
+  solved(row) {
+    if (!this.profiles) return -1;
+    const k = this.profiles.near(this.report.base.times[row]);
+    return this.profiles.begun(k) ? k : -1;
+  }
 
   series(key) { return this.report.values.get(this.variables[key]); }
 
@@ -41,7 +75,7 @@ class Contact {
     this.fitted = load;
     const most = (key) => { const s = this.series(key); return s ? s.range(0, s.levels[0].low.length)[1] : 0; };
     this.width = Math.max(most("half_width"), 1e-6);
-    this.pressure = Math.max(most("maximum_pressure"), 1);
+    this.pressure = Math.max(most("maximum_pressure"), this.profiles ? this.profiles.pressure.reduce((a, b) => Math.max(a, b), 0) : 0, 1);
     const loaded = Array.from(film.levels[0].low).filter((h, i) => load.at(i) > 0 && h > 0).sort((a, b) => a - b);
     this.film = loaded.length ? loaded[Math.floor(0.95 * (loaded.length - 1))] : 1e-6;
   }
@@ -55,6 +89,8 @@ class Contact {
 
   // Curves [x, film] and [x, pressure] at a row.
   curves(row) {
+    const solved = this.solved(row);
+    if (solved >= 0) return { film: this.profiles.curve("film", solved), pressure: this.profiles.curve("pressure", solved) };
     const load = this.value("load", row), b = load > 0 ? this.value("half_width", row) : 0, span = 2.2 * this.width;
     const h = Math.max(this.value("film_thickness", row), 0), radius = Math.abs(this.value("radius", row)) || 0.02;
     const p = load > 0 ? this.value("maximum_pressure", row) : 0;
@@ -72,10 +108,9 @@ class Contact {
     g.fillStyle = color("metal");
     g.fillRect(0, middle, width, height - middle);
     g.fillStyle = color("cam");
-    g.beginPath(); g.moveTo(0, 0);
-    g.lineTo(0, y(film[0][1]));
+    g.beginPath(); g.moveTo(x(film[0][0]), 0);
     for (const [at, h] of film) g.lineTo(x(at), y(h));
-    g.lineTo(width, y(film[film.length - 1][1])); g.lineTo(width, 0); g.fill();
+    g.lineTo(x(film[film.length - 1][0]), 0); g.fill();
     g.strokeStyle = color("error"); g.fillStyle = color("error"); g.lineWidth = 2;
     g.beginPath();
     pressure.forEach(([at, p], k) => g[k ? "lineTo" : "moveTo"](x(at), high(p)));
@@ -100,6 +135,12 @@ class Contact {
     return (load > 0
       ? "load " + readable(load) + " N, film " + readable(h) + " um, pressure " + readable(1e-9 * this.value("maximum_pressure", row)) +
         " GPa, width " + readable(2e3 * this.value("half_width", row)) + " mm"
-      : "no load, gap " + readable(Math.max(h, 0)) + " um") + "; gap and pressure of Hertz, heights enlarged";
+      : "no load, gap " + readable(Math.max(h, 0)) + " um") + "; " + this.describeSource(row) + ", heights enlarged";
+  }
+
+  describeSource(row) {
+    const k = this.solved(row);
+    return k < 0 ? "gap and pressure of Hertz"
+      : "gap and pressure solved by the reference at t = " + readable(1e3 * this.profiles.times[k]) + " ms";
   }
 }

@@ -56,7 +56,7 @@ class Report {
       this.drawings.push(scene);
     }
     const contacts = sketches.flatMap((sketch) => sketch.contacts);
-    if (contacts.length) this.drawings.push(new Contacts(this, contacts));
+    if (contacts.length) { this.drawings.push(new Contacts(this, contacts)); await this.drawings.at(-1).start(); }
   }
 
   // The same of another cycle.
