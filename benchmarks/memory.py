@@ -9,7 +9,7 @@ import tempfile
 CODE = """
 import sys
 from pathlib import Path
-from orchestrator.command_line import main
+from tribocosim.command_line import main
 arguments = ["run", "valve-train", "--out", sys.argv[1], "--no-figures", "--overwrite"]
 for item in ("macro_step=1e-7", "output_step=1e-7", "stop_time=0.1", "reference.enabled=false"):
     arguments += ["--set", item]

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import time
 
-from orchestrator.command_line.fmu import build_fmu
 from orchestrator.masters import Jacobi
 from orchestrator.run.participants import build_participants
 from orchestrator.run.plan import resolve_fmus
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
+from tribocosim.cached_fmus import build_fmu
 
 from .measure import Clock, measure_medians
 

@@ -33,7 +33,7 @@ def measure() -> list[tuple[str, str]]:
         (
             "tribocosim --help",
             measure_start(
-                "import sys; from orchestrator.command_line import main; sys.argv[1:] = ['--help']; main()"
+                "import sys; from tribocosim.command_line import main; sys.argv[1:] = ['--help']; main()"
             ),
         ),
     ]

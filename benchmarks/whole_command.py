@@ -21,7 +21,7 @@ from .loops import run_master
 from .measure import load_system, measure_medians
 from .native import NATIVE, PYTHON, list_files
 
-COMMAND = "import sys; from orchestrator.command_line import main; sys.exit(main())"
+COMMAND = "import sys; from tribocosim.command_line import main; sys.exit(main())"
 ROUNDS = 3
 
 

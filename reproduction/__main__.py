@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from models.core.system import suggestion
-from orchestrator.command_line.error_report import report_errors
 from orchestrator.errors import MistakeError
+from tribocosim.command_line.error_report import report_errors
 
 from . import SOURCES, load_publication
 

@@ -112,6 +112,16 @@ def test_a_misspelt_name_gets_a_suggestion() -> None:
         tribocosim.analyze  # noqa: B018
 
 
+def test_native_takes_machine_code_for_our_fmus_only() -> None:
+    scenario = tribocosim.load("two-masses")
+    scenario = scenario.with_({"components.second.participant": "in-process"})
+    tables = scenario.native().check().components
+    assert {name: table.participant for name, table in tables.items()} == {
+        "first": "native",
+        "second": "in-process",
+    }
+
+
 def test_changes_leave_the_scenario_as_it_is() -> None:
     plain = tribocosim.load("valve-train")
     changed = plain.with_({"components.camshaft.parameters.lift": "9 mm"})
@@ -326,6 +336,20 @@ def test_a_study_is_a_table_over_its_axes() -> None:
         alone = tribocosim.run(scenario.with_({"macro_step": step})).coupled
         name = next(str(n) for n in alone.data_vars)
         assert float(table[f"{name}.maximum"][i]) == float(alone[name].max())
+
+
+@pytest.mark.long
+def test_a_script_without_a_guard_makes_a_study(tmp_path: Path) -> None:
+    """Its workers do not run the script anew."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import tribocosim\n"
+        "scenario = tribocosim.load('two-masses').with_({'stop_time': 0.2, 'reference.enabled': False})\n"
+        "points = {'kind': 'grid', 'axes': {'macro_step': [1e-3, 2e-3]}}\n"
+        "print(tribocosim.study({'points': points}, scenario, workers=2).status.values, __file__)\n"
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == (f"[1 1] {script}\n", "")
 
 
 @pytest.mark.long

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 import typer
 
-from orchestrator.command_line import app
 from orchestrator.scenario.files import list_shipped, load
 from reproduction import SOURCES
+from tribocosim.command_line import app
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -19,7 +19,7 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Imported modules are a million objects that stay; looking for garbage among them costs a tenth of a run.
     gc.set_threshold(50_000, 20, 20)
-    from orchestrator.command_line import main as run
+    from .command_line import main as run
 
     run()
 

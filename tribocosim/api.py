@@ -11,11 +11,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from orchestrator.command_line.fmu import build_fmu as build_cached_fmu
 from orchestrator.errors import MistakeError, RunError, one_of
 from orchestrator.run.pipeline import run as run_pipeline
 from orchestrator.store.result_file import open_result
 
+from .cached_fmus import build_fmu as build_cached_fmu
+from .cached_fmus import check_native
 from .fmu import build_fmu as build_fmu
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load
@@ -132,7 +133,9 @@ def _run(
     scenario: Scenario, folder: Path, overwrite: bool, figures: bool, progress: Progress | None
 ) -> Result:
     reporter = SilentReporter(progress)
-    summary = run_pipeline(scenario.check(), folder, build_cached_fmu, reporter, overwrite, figures)
+    checked = scenario.check()
+    check_native(checked)
+    summary = run_pipeline(checked, folder, build_cached_fmu, reporter, overwrite, figures)
     if not summary.complete:
         raise RunError(summary.message)
     return open(folder)

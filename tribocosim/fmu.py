@@ -1,11 +1,29 @@
-"""FMUs from Python: of the catalogue's components and of a user's own."""
+"""FMU files: of the catalogue's components and of a user's own."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
-from orchestrator.command_line.fmu import build_file, check_options
+from models.core.system import suggestion
+from orchestrator.errors import MistakeError
+
+
+@dataclass(frozen=True)
+class FmuOptions:
+    """What kind of FMU is built; None where the default is meant.
+
+    `structure` has sizes such as {"coil_masses": 8}. A `native` FMU is machine code for the `platforms`, of
+    `fmi` 2 or 3; others run in Python, of FMI 2, and load `libpython` in hosts that are not Python.
+    """
+
+    structure: Mapping[str, int] | None = None
+    native: bool = False
+    platforms: Sequence[str] | None = None
+    fmi: int = 2
+    libpython: str | None = None
 
 
 def build_fmu(
@@ -23,6 +41,84 @@ def build_fmu(
     {"coil_masses": 8}. A `native` FMU is machine code for the `platforms` (default: all), of `fmi` 2 or 3;
     others run in Python, of FMI 2. MistakeError says what is wrong.
     """
-    sizes = [f"{name}={size}" for name, size in (structure or {}).items()]
-    check_options([component], sizes, native, list(platforms) or None, fmi, None)
-    return build_file(component, Path(out), structure, native, list(platforms) or None, fmi)
+    options = FmuOptions(structure, native, platforms or None, fmi)
+    check_options([component], options)
+    return build_file(component, Path(out), options)
+
+
+def check_options(names: Sequence[str] | None, options: FmuOptions) -> Sequence[str]:
+    """The components to build, all by default; MistakeError if they cannot be built so."""
+    from fmus.build import NAMES
+    from fmus.native.fmu import NAMES as NATIVE_NAMES
+    from models.catalogue import is_own
+    from orchestrator.scenario.values import build_component
+
+    sizes = options.structure or {}
+    if sizes and len(names or NAMES) > 1:
+        raise MistakeError("--structure: name the one component that has these sizes")
+    if options.platforms and not options.native:
+        raise MistakeError(
+            "--platform: FMUs that run in Python are one file for Linux and Windows alike; add --native to "
+            "choose"
+        )
+    if options.fmi not in (2, 3):
+        raise MistakeError(f"--fmi {options.fmi}: must be 2 or 3")
+    if options.fmi == 3 and not options.native:
+        raise MistakeError("--fmi 3: FMUs that run in Python are of FMI 2.0 only; add --native")
+    if options.libpython and options.native:
+        raise MistakeError("--libpython: native FMUs need no Python; leave one of them out")
+    for name in names or NAMES:
+        if name not in NAMES and not is_own(name):
+            raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)} (or your own as module:factory)")
+        try:
+            build_component(name, tuple(sizes.items()))
+        except ValueError as error:
+            raise MistakeError(f"--structure: {error}" if sizes else str(error)) from None
+    return names or (NATIVE_NAMES if options.native else NAMES)
+
+
+def build_file(
+    name: str, out: Path, options: FmuOptions, progress: Callable[[str], None] = lambda step: None
+) -> Path:
+    """The FMU's file in the folder `out`; MistakeError if it cannot be built, or written.
+
+    `progress` is told of each step of a native build.
+    """
+    with report_unwritable(out):
+        if options.native:
+            return _build_native(name, out, options, progress)
+        return _build_python(name, out, options)
+
+
+@contextmanager
+def report_unwritable(out: Path) -> Iterator[None]:
+    """MistakeError if the folder cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
+
+
+def _build_python(name: str, out: Path, options: FmuOptions) -> Path:
+    from fmus.build import build
+
+    try:
+        return build(name, out, options.structure, options.libpython)
+    except (ImportError, ValueError) as error:
+        raise MistakeError(f"--libpython: {error}" if options.libpython else str(error)) from None
+
+
+def _build_native(name: str, out: Path, options: FmuOptions, progress: Callable[[str], None]) -> Path:
+    from fmus.native.fmu import build
+    from fmus.native.machine_code import PLATFORMS, NativeBuildError
+    from fmus.native.translate import TranslationError
+
+    for platform in options.platforms or ():
+        if platform not in PLATFORMS:
+            raise MistakeError(f"no platform {platform!r}; {suggestion(platform, PLATFORMS)}")
+    try:
+        return build(
+            name, out, options.structure, tuple(options.platforms or PLATFORMS), options.fmi, progress
+        )
+    except (ImportError, NativeBuildError, TranslationError) as error:
+        raise MistakeError(str(error)) from None

@@ -1,10 +1,12 @@
-"""Files and folders of the user that have the name of one of our packages."""
+"""Packages that are missing, and files of the user that hide one of ours."""
 
 from __future__ import annotations
 
 import importlib.util
 from pathlib import Path
 
+# What the extra `studies` installs.
+STUDY_PACKAGES = ("distributed", "zarr", "cryptography")
 NAMES = ("models", "fmus", "orchestrator")
 
 
@@ -21,3 +23,11 @@ def find_shadowed() -> str:
         if place != home / name:
             return f"{place} hides tribocosim's package {name}: rename it, or start in another folder"
     return ""
+
+
+def check_study_packages() -> None:
+    """MistakeError with the names of those that are missing."""
+    from orchestrator.errors import MistakeError
+
+    if missing := [name for name in STUDY_PACKAGES if importlib.util.find_spec(name) is None]:
+        raise MistakeError(f"studies need {', '.join(missing)}: pip install 'tribocosim[studies]'")

@@ -40,6 +40,12 @@ class Scenario:
         resolve_paths(content, Path.cwd())
         return Scenario(content)
 
+    def native(self) -> Scenario:
+        """Another scenario, with FMUs in machine code for those that are built of our components."""
+        tables = self.check().components.items()
+        built = [name for name, table in tables if table.participant == "fmu"]
+        return self.with_({f"components.{name}.participant": "native" for name in built})
+
 
 def load(source: str | Path | Mapping[str, Any]) -> Scenario:
     """A shipped scenario by its name, a .toml or .ssp file, or tables. MistakeError for a fault."""

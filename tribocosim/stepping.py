@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.command_line.fmu import build_fmu
 from orchestrator.engine.consistency import make_consistent
 from orchestrator.engine.coupling import Coupling
 from orchestrator.errors import MistakeError, one_of
@@ -19,6 +18,7 @@ from orchestrator.run.plan import make_plan
 from orchestrator.scenario.units import UnitError, to_unit
 from orchestrator.stepping import list_event_outputs
 
+from .cached_fmus import build_fmu
 from .reporting import SilentReporter
 from .scenario import Scenario
 

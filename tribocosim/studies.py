@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orchestrator.analyses import load as load_analysis
-from orchestrator.command_line.fmu import build_fmu
-from orchestrator.command_line.study import check_packages
 
+from .cached_fmus import build_fmu
+from .packages import check_study_packages
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load
 
@@ -64,7 +64,7 @@ def speeds(
     speed (r/min; nan: none was found). `out` keeps table, cycles and figures in a folder; a sweep that was
     stopped goes on there.
     """
-    check_packages()
+    check_study_packages()
     from orchestrator.speeds.sweep import parse_range, read_table, sweep
     from orchestrator.store.output_folder import SUMMARY
     from orchestrator.study.run import Where
@@ -97,7 +97,7 @@ def study(
     `scenario` is its subject; without it the tables name one. The variable `status` is 1 where a point is
     done; `message` says why one failed. `out` keeps the zarr store; a study that was stopped goes on there.
     """
-    check_packages()
+    check_study_packages()
     import xarray
 
     from orchestrator.study.files import build_scenario_subject, build_subject, parse_study, resolve

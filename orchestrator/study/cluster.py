@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import logging
 import signal
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
+from typing import Any
 
 import dask
 from dask.system import CPU_COUNT
@@ -44,7 +46,11 @@ def _start_cluster(workers: int) -> Iterator[Client]:
         "distributed.scheduler.http.routes": [],  # no web pages for other users of this machine
         "distributed.worker.http.routes": [],
     }
-    with _create_scratch() as scratch, dask.config.set({**settings, "temporary-directory": scratch}):
+    with (
+        _hide_main(),
+        _create_scratch() as scratch,
+        dask.config.set({**settings, "temporary-directory": scratch}),
+    ):
         with _block_interrupts():
             cluster = LocalCluster(
                 n_workers=workers,
@@ -55,6 +61,18 @@ def _start_cluster(workers: int) -> Iterator[Client]:
             )
         with cluster, Client(cluster) as client:
             yield client
+
+
+@contextmanager
+def _hide_main() -> Iterator[None]:
+    """Processes started inside do not import the main module: a script without a guard would run anew."""
+    names = sys.modules["__main__"].__dict__
+    kept: dict[str, Any] = {name: names.pop(name) for name in ("__file__", "__spec__") if name in names}
+    names["__spec__"] = None
+    try:
+        yield
+    finally:
+        names.update(kept)
 
 
 @contextmanager

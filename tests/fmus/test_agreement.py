@@ -93,7 +93,7 @@ def test_start_time(isolated: Isolated, fmu_files: dict[str, Path], tmp_path: Pa
     assert isolated(code) == [[54.0], [104.0]]
 
 
-@pytest.mark.parametrize("name", mark_long(NAMES, [n for n in NAMES if n != "ehl_line_contact"]))
+@pytest.mark.parametrize("name", mark_long(NAMES))
 def test_outputs_depend_on_declared_inputs_only(name: str) -> None:
     """What the FMU declares comes from `feedthrough`; an undeclared input changes no bit of the output."""
     reference = Reference(name)

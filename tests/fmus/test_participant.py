@@ -18,6 +18,7 @@ from models.core.system import Instance
 from orchestrator.participants import Participant, in_process, open_fmu
 from orchestrator.participants.protocol import BoundVariables
 
+from .names import ALWAYS
 from .reference import joined, wave
 
 STEP = 1e-5
@@ -70,9 +71,8 @@ def both(name: str, path: Path, rows: int) -> tuple[Bound, Bound]:
 
 
 # Every component with all derivatives of its inputs, one with fewer.
-LATE = ("ehl_line_contact", "piston_crank", "free_piston_crank")  # those that compile longest
 ROWS = [
-    *(pytest.param(name, 4, marks=pytest.mark.long if name in LATE else ()) for name in NAMES),
+    *(pytest.param(name, 4, marks=() if name in ALWAYS else pytest.mark.long) for name in NAMES),
     *(("camshaft", rows) for rows in (1, 2, 3)),
 ]
 

@@ -13,9 +13,8 @@ from fmus.build import build
 from models.compile import cache_folder
 from models.compile.cache_folder import SAID, UntrustedFolderError, private_folder
 from models.compile.kernel import COMPILED
-from orchestrator.command_line.fmu import build_fmu
-from orchestrator.command_line.without_cache import make_folder
 from orchestrator.scenario import units
+from tribocosim.cached_fmus import build_fmu, make_folder
 
 from .forked import Forked
 

@@ -138,6 +138,7 @@ def placed(port, k):
     return f"{port.instance}_{k}.{port.variable}"
 
 
+@pytest.mark.long
 def test_a_hundred_instances_are_one_function_with_the_same_bits():
     """Fifty valve trains on one shaft, against instance after instance; functions nested one in another
     reached the interpreter's limit near fifty instances."""

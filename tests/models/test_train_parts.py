@@ -393,6 +393,7 @@ def test_a_spring_of_two_rates(record):
         record("Spring", quantity, found, expected, "continuous spring", tolerance=2e-4 * expected)
 
 
+@pytest.mark.long
 def test_coils_that_clash(record):
     """A prescribed valve motion at 3400 r/min, nine segments with 0.92 mm of room each."""
     omega = 3400.0 * math.pi / 30.0
@@ -507,6 +508,7 @@ DIRECT = {
 TOLERANCES = {"least cam force (N)": 4e-4, "landing velocity (m/s)": 2e-3, "landing (deg)": 5e-5}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("speed", DIRECT)
 def test_a_direct_train_with_an_adjuster(speed, record):
     omega = speed * math.pi / 30.0

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from typer.testing import CliRunner
 
-from orchestrator.command_line import app
+from tribocosim.command_line import app
 
 ROOT = Path(__file__).parents[2]
 IN_PROCESS = [
@@ -21,7 +21,7 @@ SHORT = ["--set=stop_time=2 ms", *IN_PROCESS]
 def tribocosim(*arguments: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
     """Run the command in a process of its own, as a user does."""
     environment = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "120"}
-    code = "from orchestrator.command_line import main; main()"
+    code = "from tribocosim.command_line import main; main()"
     done = subprocess.run(
         [sys.executable, "-c", code, *arguments],
         capture_output=True, text=True, cwd=cwd, env=environment, timeout=280,

@@ -21,7 +21,6 @@ from typing import Any
 
 from rich.console import Console
 
-from orchestrator.command_line.fmu import build_fmu
 from orchestrator.reporter import Reporter
 from orchestrator.run import checkpoint
 from orchestrator.run.pipeline import run
@@ -31,6 +30,7 @@ from orchestrator.store import atomic_write as replacement
 from orchestrator.store import csv_file, journal
 from orchestrator.store import result_file as results
 from orchestrator.store.output_folder import CHECKPOINT, find_run_state
+from tribocosim.cached_fmus import build_fmu
 
 STEPPING, STARTING = 0.1, 0.4  # s, a part of what the runs take
 EVERY = "checkpoint_every=1e-9"

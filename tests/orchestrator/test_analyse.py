@@ -15,8 +15,8 @@ from typer.testing import CliRunner
 from models.slider_crank.motions.machine import FORMS
 from orchestrator.analyses import list_analyses, load
 from orchestrator.analyses._evaluate import analyse, parse_setting
-from orchestrator.command_line import app
 from orchestrator.errors import MistakeError
+from tribocosim.command_line import app
 
 # Enough to run every line; each analysis takes those that it has.
 SHORT = {"cycles": 40, "transient": 20, "points": 50, "x_count": 3, "y_count": 2, "starts": 4, "count": 3}

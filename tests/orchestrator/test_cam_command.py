@@ -15,9 +15,9 @@ from typer.testing import CliRunner
 from models.valve_train.cams.table import table_lift
 from orchestrator.analyses import load
 from orchestrator.analyses._cam_source import find_settings
-from orchestrator.command_line import app
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.files import load as load_scenario
+from tribocosim.command_line import app
 
 TABLE = Path("orchestrator/scenario/shipped/my-cam.csv")
 RADIUS = 10e-3

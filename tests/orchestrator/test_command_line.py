@@ -16,14 +16,14 @@ import pytest
 import typer
 
 from fmus.build import NAMES
-from orchestrator.command_line import app
-from orchestrator.command_line.completion import complete_component, complete_scenario, complete_study
-from orchestrator.command_line.error_report import report_errors
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.system import build_system
 from orchestrator.store.result_file import open_result
 from orchestrator.study import files as studies
+from tribocosim.command_line import app
+from tribocosim.command_line.completion import complete_component, complete_scenario, complete_study
+from tribocosim.command_line.error_report import report_errors
 
 from .commands import IN_PROCESS, ROOT, SHORT, called, said, tribocosim
 
@@ -161,7 +161,7 @@ def test_instability_is_named_and_what_was_computed_is_kept(tmp_path: Path) -> N
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT for one process")
 def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    code = "from orchestrator.command_line import main; main()"
+    code = "from tribocosim.command_line import main; main()"
     long = ["--set=stop_time=100 s", "--set=output_step=1 ms", *IN_PROCESS]
     process = subprocess.Popen(
         [sys.executable, "-c", code, "run", "valve-train", "--out", str(out), *long],
@@ -239,7 +239,7 @@ def test_the_shell_completes_names() -> None:
         "COMP_WORDS": "tribocosim run valve-train-b",
         "COMP_CWORD": "2",
     }
-    code = "import sys; sys.argv[0] = 'tribocosim'; from orchestrator.command_line import main; main()"
+    code = "import sys; sys.argv[0] = 'tribocosim'; from tribocosim.command_line import main; main()"
     done = subprocess.run(
         [sys.executable, "-c", code],
         env=os.environ | asked,
@@ -296,7 +296,7 @@ def test_a_reader_that_leaves_ends_the_command_quietly(
     unbuffered: list[str], arguments: list[str], tmp_path: Path
 ) -> None:
     """As SIGPIPE ends other programs: without a word, with 128 + 13."""
-    code = "from orchestrator.command_line import main; main()"
+    code = "from tribocosim.command_line import main; main()"
     command = [sys.executable, *unbuffered, "-c", code, *arguments]
     reading, writing = os.pipe()
     os.close(reading)
@@ -327,7 +327,7 @@ def test_no_help_has_words_that_are_swallowed_as_markup() -> None:
 def test_importing_the_command_line_imports_nothing_slow() -> None:
     """`tribocosim --help` has to answer at once."""
     slow = ("numpy", "scipy", "numba", "matplotlib", "pydantic", "xarray", "fmpy", "pint", "models")
-    code = f"import sys, orchestrator.command_line; print([m for m in {slow} if m in sys.modules])"
+    code = f"import sys, tribocosim.command_line; print([m for m in {slow} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
     assert done.stdout.strip() == "[]"
 

@@ -12,9 +12,9 @@ from models.core.system import Instance
 from orchestrator.analyses.stability.behaviour import Behaviour, find_stability_limit
 from orchestrator.analyses.stability.linearisation import Directional, Equations, linearise_at
 from orchestrator.analyses.stability.trajectory import list_connected_inputs, list_continuous_outputs
-from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import open_fmu, read_component
+from tribocosim.command_line import app
 
 from ..third_party.c_fmus import fmu as c_fmu
 from .coupled import assert_growth_changes_at
@@ -85,7 +85,12 @@ def test_native_fmus_have_the_matrices_of_their_equations(system, fmi):
 
 @pytest.mark.parametrize(
     ("name", "fmi", "tolerance"),
-    [("camshaft", 2, 1e-8), ("valve_spring", 2, 1e-8), ("valve_spring", 3, 1e-8), ("contact", 2, 1e-6)],
+    [
+        pytest.param("camshaft", 2, 1e-8, marks=pytest.mark.long),
+        ("valve_spring", 2, 1e-8),
+        ("valve_spring", 3, 1e-8),
+        pytest.param("contact", 2, 1e-6, marks=pytest.mark.long),
+    ],
 )
 def test_native_fmus_of_a_loaded_valve_train_do(name, fmi, tolerance):
     """To differences of the equations: over 1e-8 m of approach, a thousandth of the contact's deflection, of

@@ -78,6 +78,7 @@ def test_only_shafts_have_drawings(tmp_path: Path) -> None:
         load(write(tmp_path, GOOD, "flywheel"))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("speed", "preload"),
     [

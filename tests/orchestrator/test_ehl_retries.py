@@ -25,6 +25,7 @@ def contact(halvings: int) -> Alone:
     return Alone(unit, "radius_of_curvature", outputs, RADIUS)
 
 
+@pytest.mark.long
 def test_a_step_that_no_cut_can_save_is_made_as_far_as_it_goes_and_leaves_no_trace() -> None:
     """The radius falls through zero at a third of the step: its first quarter is made, and told. When the
     master took it back, what follows has the bits of a contact that was never asked, with retries or not."""

@@ -22,11 +22,11 @@ from orchestrator.assessment.friction.cycle import (
 )
 from orchestrator.assessment.friction.judge import find_cams
 from orchestrator.assessment.friction.report import WORN, Judged, remarks, tables
-from orchestrator.command_line.friction import name_file
 from orchestrator.errors import MistakeError
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario.files import load
+from tribocosim.command_line.friction import name_file
 
 from .commands import called, said
 
@@ -241,6 +241,7 @@ def test_contacts_under_cams_are_found(scenario: str, cams: dict[str, str]) -> N
     assert find_cams(load(scenario)) == cams
 
 
+@pytest.mark.long
 def test_the_friction_of_a_tappet_is_what_its_shaft_feels(tmp_path: Path) -> None:
     """Over a revolution the drive gives friction's work and what contacts, rod and spring lose besides."""
     out = tmp_path / "out"

@@ -13,13 +13,13 @@ from typing import Any
 import h5py
 import pytest
 
-from orchestrator.command_line.fmu import build_fmu
 from orchestrator.run import checkpoint
 from orchestrator.run.pipeline import run
 from orchestrator.run.resume import resume
 from orchestrator.scenario.files import load
 from orchestrator.store.journal import Journal, Recorded
 from orchestrator.store.result_file import open_result
+from tribocosim.cached_fmus import build_fmu
 
 from .killed import EVERY
 from .whole_runs import SHORT, assert_same_run, quiet, run_whole

@@ -69,6 +69,7 @@ def write(folder: Path, segments: str) -> Path:
     return file
 
 
+@pytest.mark.long
 def test_a_run_follows_the_segments(tmp_path: Path) -> None:
     file = write(tmp_path, f'lift = "9 mm", rise = {SIDE}')
     done = called("run", str(file), "--no-figures", "--native", "--out", str(tmp_path / "out"))

@@ -11,9 +11,9 @@ from orchestrator.analyses.stability.linear import Linear
 from orchestrator.analyses.stability.linearisation import Equations, linearise_at, linearise_points
 from orchestrator.analyses.stability.responses import Responses, realise, to_continuous
 from orchestrator.analyses.stability.trajectory import NotLinearError
-from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process, open_fmu
+from tribocosim.command_line import app
 
 from .coupled import assert_growth_changes_at
 from .linearised import (

@@ -11,9 +11,8 @@ import pytest
 
 from fmus.build import build
 from fmus.native import fmu as native
-from orchestrator.command_line.fmu import build_fmu
-from orchestrator.command_line.without_cache import make_folder
 from orchestrator.store import atomic_write as replacement
+from tribocosim.cached_fmus import build_fmu, make_folder
 
 from .commands import called, said
 

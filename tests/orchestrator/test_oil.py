@@ -10,13 +10,13 @@ from rich.console import Console
 
 from models.contact.oil_grades import GRADES
 from models.contact.oils import evaluate_oil
-from orchestrator.command_line.fmu import build_fmu
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import SHIPPED, load, read_contents, to_full_toml
 from orchestrator.scenario.oil import list_oils
 from orchestrator.scenario.warnings import list_warnings
+from tribocosim.cached_fmus import build_fmu
 
 from .whole_runs import SHORT, assert_same_run, quiet
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from orchestrator.command_line.fmu import build_fmu
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.run.record import OUTSIDE
@@ -17,6 +16,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.warnings import list_warnings
 from orchestrator.stepping import FixedSteps
 from orchestrator.store.result_file import open_result
+from tribocosim.cached_fmus import build_fmu
 
 from .commands import IN_PROCESS
 

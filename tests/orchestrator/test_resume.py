@@ -14,7 +14,6 @@ from pathlib import Path
 import pytest
 
 from models.core.system import ModelError
-from orchestrator.command_line.fmu import build_fmu
 from orchestrator.errors import CheckpointError, MistakeError
 from orchestrator.run.pipeline import run
 from orchestrator.run.resume import resume
@@ -22,6 +21,7 @@ from orchestrator.scenario.files import load
 from orchestrator.store.journal import Recorded
 from orchestrator.store.output_folder import OutputFolderError
 from orchestrator.store.result_file import open_result
+from tribocosim.cached_fmus import build_fmu
 
 from .killed import EVERY
 from .whole_runs import IN_PROCESS, NO_REFERENCE, ROOT, SHORT, assert_same_run, quiet, run_whole

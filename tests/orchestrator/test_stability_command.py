@@ -14,12 +14,12 @@ from models.monolithic.trajectory import compute_trajectory
 from orchestrator.analyses.stability.analyse import analyse_scenario
 from orchestrator.analyses.stability.figure import draw_figure
 from orchestrator.analyses.stability.survey import round_down
-from orchestrator.command_line import app
 from orchestrator.engine.signals import DEGREES
 from orchestrator.masters import MASTERS
 from orchestrator.scenario import MasterTable
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
+from tribocosim.command_line import app
 
 from .coupled import run_coupled
 from .linearised import write_masses

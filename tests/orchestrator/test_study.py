@@ -22,8 +22,8 @@ import xarray
 from distributed import Security
 from distributed.comm import connect
 
-from orchestrator.command_line.study import PACKAGES
 from orchestrator.study.execution import DIED
+from tribocosim.packages import STUDY_PACKAGES
 
 from .commands import ROOT, called, said, tribocosim
 from .studies import read_files
@@ -55,7 +55,7 @@ def count_evaluations(folder: Path) -> list[int]:
 def start(*arguments: str, **variables: str) -> subprocess.Popen[str]:
     """The command, running, as the leader of a group of processes."""
     environment = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "120"} | variables
-    code = "from orchestrator.command_line import main; main()"
+    code = "from tribocosim.command_line import main; main()"
     return subprocess.Popen(
         [sys.executable, "-u", "-W", "error", "-c", code, "study", *arguments],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT, env=environment,
@@ -292,7 +292,7 @@ def test_a_study_needs_no_cache_folder(tmp_path: Path) -> None:
     assert [list((tmp_path / name).iterdir()) for name in ("cache", "temporary")] == [[], []]
 
 
-@pytest.mark.parametrize("package", PACKAGES)
+@pytest.mark.parametrize("package", STUDY_PACKAGES)
 def test_a_study_without_its_packages_names_them_and_the_extra(
     package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -302,7 +302,7 @@ def test_a_study_without_its_packages_names_them_and_the_extra(
     assert package in said(done)
     assert "tribocosim[studies]" in said(done)
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
-    assert [re.match(r"\w+", line)[0] for line in extras["studies"]] == list(PACKAGES)
+    assert [re.match(r"\w+", line)[0] for line in extras["studies"]] == list(STUDY_PACKAGES)
 
 
 def test_an_unreachable_scheduler_is_one_message(tmp_path: Path) -> None:

@@ -286,7 +286,7 @@ def test_a_stalled_run_ends_with_status_3_and_its_results(kind, camshaft, tmp_pa
 
 def test_a_killed_run_leaves_no_watching_process(camshaft, tmp_path):
     file = write_tampered(camshaft, tmp_path / "waits.fmu", STALLING.format(stall=STALLS["sleeps"]))
-    code = "from orchestrator.command_line import main; main()"
+    code = "from tribocosim.command_line import main; main()"
     started = subprocess.Popen(
         [sys.executable, "-c", code, *arguments(file, tmp_path / "out"), "--set=call_time_limit=100 s"],
         env=os.environ | {"PYTHONPATH": str(ROOT)}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,

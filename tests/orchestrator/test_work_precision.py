@@ -15,7 +15,6 @@ import xarray
 from rich.console import Console
 
 from fmus.build import build
-from orchestrator.command_line import app
 from orchestrator.errors import MistakeError
 from orchestrator.reporter import Reporter
 from orchestrator.study.work_precision import methods, peers
@@ -24,6 +23,7 @@ from orchestrator.study.work_precision.methods import Method, measure_method
 from orchestrator.study.work_precision.problem import PROBLEMS, build_problem
 from orchestrator.study.work_precision.row import Row, build_fmus, compute_errors
 from orchestrator.study.work_precision.table import find_cheapest, list_failures
+from tribocosim.command_line import app
 
 ROOT = Path(__file__).parents[2]
 DURATION = 0.128  # of the quarter car: the wheel's first swing

@@ -8,11 +8,11 @@ from pathlib import Path
 import xarray
 from rich.console import Console
 
-from orchestrator.command_line.fmu import build_fmu
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario.files import load
 from orchestrator.store.result_file import open_result
+from tribocosim.cached_fmus import build_fmu
 
 from .killed import EVERY
 

@@ -11,7 +11,6 @@ import pytest
 from interop.processes import explain_missing
 from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
-from orchestrator.command_line.fmu import build_fmu
 from orchestrator.masters import Jacobi
 from orchestrator.run.participants import build_participants
 from orchestrator.run.plan import resolve_fmus
@@ -22,6 +21,7 @@ from orchestrator.scenario.ssp import export
 from orchestrator.scenario.system import build_system
 from tests.fmus.conftest import Isolated, isolated
 from tests.orchestrator.recorder import Recorder
+from tribocosim.cached_fmus import build_fmu
 
 __all__ = ["isolated"]
 

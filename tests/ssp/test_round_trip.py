@@ -12,13 +12,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from orchestrator.command_line.fmu import build_fmu
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import list_shipped, load, override, read_contents
 from orchestrator.scenario.ssp import export
 from tests.third_party.c_fmus import fmu
 from tests.third_party.runs import ran
 from tests.third_party.runs import scenario as foreign_scenario
+from tribocosim.cached_fmus import build_fmu
 
 from .schemas import assert_valid
 

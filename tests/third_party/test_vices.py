@@ -142,7 +142,7 @@ def test_a_process_whose_runs_have_ended_ends_as_it_likes(last: str, status: int
 
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-    program = "from orchestrator.command_line import main; main()"
+    program = "from tribocosim.command_line import main; main()"
     return subprocess.run(
         [sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False, timeout=300
     )

@@ -16,12 +16,10 @@ from fmus.cross_check.files import CrossCheckError, Options, csv_text, read_csv
 from fmus.cross_check.inside import FOLDER, reference_folder
 from tests.third_party.c_fmus import fmu as third_party
 
+from ..names import mark_long
 
-# Those of the tilting pistons compile longest; native ones run by default.
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=pytest.mark.long) if n.endswith("piston_crank") else n for n in REFERENCED],
-)
+
+@pytest.mark.parametrize("name", mark_long(REFERENCED, ["camshaft", "valve_spring", "flywheel"]))
 def test_fmus_in_python_reproduce_their_references(name: str, fmu_files: dict[str, Path], record) -> None:
     """To the tolerance that ships with each: that of the component's own steps, as the FMU adds nothing."""
     (found,) = compare(fmu_files[name])

@@ -184,7 +184,7 @@ def test_random_calls(name: str, fmi: int, files: Files, compiled: Compiled, tmp
     assert {call for call, _, refused in counts if refused == "0"} == NEVER_REFUSED[fmi]
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_random_calls_under_valgrind(fmi: int, files: Files, compiled: Compiled, tmp_path: Path) -> None:
     if shutil.which("valgrind") is None:
         pytest.skip("needs valgrind")

@@ -11,8 +11,9 @@ import pytest
 from fmus.fmi.validate import validate
 
 from ..instance import Instance
+from ..names import mark_long
 from ..reference import Reference
-from .names import EVERY
+from .names import EVERY, FAST
 
 # What the host's integrator is asked for; errors of many steps add up.
 TOLERANCE = 1e-9
@@ -41,7 +42,7 @@ def simulated(fmu: Path, kind: str, start: dict, stop: float, names: list[str]) 
     )
 
 
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("name", mark_long(MOTIONS, FAST))
 def test_the_hosts_integrator_finds_the_same_motion(name: str, native_files: dict[str, Path]) -> None:
     """Outputs at the end, and everywhere but about impacts, whose instants differ."""
     start, stop = MOTIONS[name]

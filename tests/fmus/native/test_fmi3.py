@@ -19,9 +19,10 @@ from fmus.native.machine_code import this_platform
 
 from ..conftest import Isolated
 from ..instance import Instance, Instance3
+from ..names import mark_long
 from ..reference import Reference, held, schedule, wave
 from ..test_agreement import STEP, STEPS, expected_of, replay
-from .names import EVERY
+from .names import EVERY, FAST
 from .test_exchange import MOTIONS, TOLERANCE, simulated
 
 Files = dict[str, Path]
@@ -40,7 +41,7 @@ def test_validators_find_nothing(name: str, fmi3_files: Files) -> None:
     assert validate(fmi3_files[name]) == []
 
 
-@pytest.mark.parametrize("name", ["flywheel", "slider_crank"])
+@pytest.mark.parametrize("name", mark_long(["flywheel", "slider_crank"], FAST))
 def test_fmutool_finds_no_fault(name: str, fmi3_files: Files) -> None:
     pytest.importorskip("fmu_manipulation_toolbox", reason="fmu-manipulation-toolbox is not installed")
     tool = Path(sys.executable).with_name("fmutool")
@@ -118,7 +119,7 @@ def dependencies(described: ModelDescription, unknowns: str, named: Callable[[st
     return found
 
 
-@pytest.mark.parametrize("name", ["camshaft", "ehl_contact", "slider_crank"])
+@pytest.mark.parametrize("name", mark_long(["camshaft", "ehl_contact", "slider_crank"], ["ehl_contact"]))
 def test_derivatives_by_variables(name: str, native_files: Files, fmi3_files: Files) -> None:
     """Directional ones are those of FMI 2.0; the adjoint ones are the same matrix, transposed."""
     slaves = [Instance(native_files[name]), Instance3(fmi3_files[name])]
@@ -158,7 +159,7 @@ def test_event_indicators_have_derivatives(fmi3_files: Files) -> None:
     slave.free()
 
 
-@pytest.mark.parametrize("name", ["valve_spring", "slider_crank", "ehl_contact"])
+@pytest.mark.parametrize("name", mark_long(["valve_spring", "slider_crank", "ehl_contact"], FAST))
 def test_a_saved_state_brings_the_same_motion(name: str, fmi3_files: Files) -> None:
     """In the same instance, and from bytes in another."""
     component = Reference(name).component

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..messages import say
 from .completion import ScenarioName
-from .error_report import INTERRUPTED, report_errors, say
-from .fmu import build_fmu, check_native
+from .error_report import INTERRUPTED, report_errors
 from .json_output import Json, build_reporter, print_json
 
 if TYPE_CHECKING:
-    from ..run.summary import Summary
+    from orchestrator.run.summary import Summary
 
 
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures and write no report.")]
@@ -55,26 +55,20 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     1: outside the tolerance, 2: a mistake in the scenario or the command, 3: the run failed,
     4: a reference was wanted and could not be computed, 130: interrupted.
     """
-    from ..run.pipeline import run
-    from ..scenario.files import find, load, to_full_toml
-    from ..store.output_folder import refuse_overwriting_source
+    from orchestrator.run.pipeline import run
+    from orchestrator.scenario.files import find, load, read_changed, to_full_toml
+    from orchestrator.store.output_folder import refuse_overwriting_source
+
+    from ..cached_fmus import build_fmu, check_native
+    from ..scenario import Scenario
 
     overrides = [f"master.name={master}"] if master else []
     overrides += [f"reference.witness={witness}"] if witness else []
     overrides += set_ or []
     loaded = load(scenario, overrides)
     if native:
-        built_ones = [name for name, table in loaded.components.items() if table.participant == "fmu"]
-        loaded = load(
-            scenario, [*overrides, *(f"components.{name}.participant=native" for name in built_ones)]
-        )
-    natives = {
-        name: str(table.component)
-        for name, table in loaded.components.items()
-        if table.participant == "native"
-    }
-    if natives:
-        check_native(natives)
+        loaded = Scenario(read_changed(scenario, overrides)).native().check()
+    check_native(loaded)
     folder = out or Path("results") / loaded.name
     refuse_overwriting_source(find(scenario), to_full_toml(loaded), folder)
     summary = run(
@@ -95,7 +89,9 @@ def resume_run(
     Exit status as of `run`; 2 also if the run cannot go on (another FMU, version or scenario, or a damaged
     checkpoint).
     """
-    from ..run.resume import resume
+    from orchestrator.run.resume import resume
+
+    from ..cached_fmus import build_fmu
 
     summary = resume(folder, build_fmu, build_reporter(as_json, verbose), figures=not no_figures)
     return _finish(summary, folder, as_json)

@@ -2,26 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from ..packages import check_study_packages
 from .completion import complete_study
 from .error_report import report_errors
-from .fmu import build_fmu
-
-# What the extra `studies` installs.
-PACKAGES = ("distributed", "zarr", "cryptography")
-
-
-def check_packages() -> None:
-    """MistakeError with the names of those that are missing."""
-    from ..errors import MistakeError
-
-    if missing := [name for name in PACKAGES if importlib.util.find_spec(name) is None]:
-        raise MistakeError(f"studies need {', '.join(missing)}: pip install 'tribocosim[studies]'")
 
 
 @report_errors
@@ -51,12 +39,14 @@ def run_study(
     Exit status 0: all points done, 1: some failed (their messages are in the store), 2: a mistake in the
     study or the command, 3: the workers cannot go on, 130: interrupted.
     """
-    from ..errors import MistakeError
+    from orchestrator.errors import MistakeError
 
-    check_packages()
-    from ..reporter import Reporter
-    from ..study.files import load
-    from ..study.run import Where, run
+    check_study_packages()
+    from orchestrator.reporter import Reporter
+    from orchestrator.study.files import load
+    from orchestrator.study.run import Where, run
+
+    from ..cached_fmus import build_fmu
 
     if scheduler and workers:
         raise MistakeError("--workers: are processes on this machine; leave it out with --scheduler")

@@ -10,7 +10,9 @@ from typing import Any
 
 import typer
 
-from ..run.interruption import Noticed
+from orchestrator.run.interruption import Noticed
+
+from ..messages import say
 
 # NO_READER: 128 + 13, as after SIGPIPE.
 MISTAKE, FAILED, INTERRUPTED, NO_READER = 2, 3, 130, 141
@@ -55,9 +57,8 @@ def _discard_output() -> None:
 def _describe_error(error: Exception) -> tuple[str, int]:
     """The message for the user, and the exit status."""
     from models.core.system import ModelError
-
-    from ..errors import MistakeError, RunError
-    from ..store.atomic_write import NO_ROOM
+    from orchestrator.errors import MistakeError, RunError
+    from orchestrator.store.atomic_write import NO_ROOM
 
     if isinstance(error, (MistakeError, ModelError)):
         return str(error), MISTAKE
@@ -67,8 +68,3 @@ def _describe_error(error: Exception) -> tuple[str, int]:
         remedy = "free some space and repeat the command (for a started run: tribocosim resume)"
         return f"{error.filename}: {error.strerror}; {remedy}", FAILED
     return f"unexpected {type(error).__name__}: {error} (TRIBOCOSIM_DEBUG=1 shows where)", FAILED
-
-
-def say(text: str) -> None:
-    for line in text.split("\n"):
-        print(f"tribocosim: {line}", file=sys.stderr)

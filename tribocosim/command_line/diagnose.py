@@ -18,10 +18,10 @@ def print_diagnosis(
     as_json: Json = False,
 ) -> None:
     """Say what limited the steps of a run, finished or killed, and what would help."""
-    from ..assessment.diagnosis.report import diagnose
-    from ..errors import MistakeError
-    from ..plots.steps import draw_steps
-    from ..plots.style import save_figure
+    from orchestrator.assessment.diagnosis.report import diagnose
+    from orchestrator.errors import MistakeError
+    from orchestrator.plots.steps import draw_steps
+    from orchestrator.plots.style import save_figure
 
     if figure and figure.suffix != ".png":
         raise MistakeError(f"--figure {figure}: must end in .png")

@@ -18,6 +18,6 @@ def print_components(
     ] = None,
 ) -> None:
     """Print the components' parameters, start values, inputs and outputs, as Markdown."""
-    from ..scenario.components import write_page
+    from orchestrator.scenario.components import write_page
 
     print(write_page(names or ()), end="")

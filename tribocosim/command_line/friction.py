@@ -32,13 +32,13 @@ def print_friction(
     ] = None,
 ) -> None:
     """Report friction and wear of a valve train's contacts over the last cam revolution of a run."""
-    from ..assessment.friction.judge import judge_friction
-    from ..assessment.friction.report import remarks, tables
-    from ..assessment.friction.table import write
-    from ..errors import MistakeError
-    from ..plots.friction import draw_friction
-    from ..plots.style import save_figure
-    from ..reporter import Reporter
+    from orchestrator.assessment.friction.judge import judge_friction
+    from orchestrator.assessment.friction.report import remarks, tables
+    from orchestrator.assessment.friction.table import write
+    from orchestrator.errors import MistakeError
+    from orchestrator.plots.friction import draw_friction
+    from orchestrator.plots.style import save_figure
+    from orchestrator.reporter import Reporter
 
     for option, path, endings in (("--table", table, TABLES), ("--figure", figure, FIGURES)):
         if path and path.suffix not in endings:

@@ -18,7 +18,7 @@ def write_page(
     ] = None,
 ) -> None:
     """Make the page of a run anew: its mechanism in motion, plots, errors, in one file for a browser."""
-    from ..report import write_report
-    from ..reporter import Reporter
+    from orchestrator.report import write_report
+    from orchestrator.reporter import Reporter
 
     Reporter().line(f"report in {write_report(folder, out)}")

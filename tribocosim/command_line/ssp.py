@@ -9,7 +9,6 @@ import typer
 
 from .completion import ScenarioName
 from .error_report import report_errors
-from .fmu import build_fmu
 
 
 @report_errors
@@ -23,9 +22,11 @@ def ssp_export(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the file if there is one.")] = False,
 ) -> None:
     """Write a scenario as an SSP package with its FMUs, for other tools."""
-    from ..errors import MistakeError
-    from ..scenario.files import load
-    from ..scenario.ssp import export
+    from orchestrator.errors import MistakeError
+    from orchestrator.scenario.files import load
+    from orchestrator.scenario.ssp import export
+
+    from ..cached_fmus import build_fmu
 
     loaded = load(scenario, set_ or [])
     target = out or Path(f"{loaded.name}.ssp")
@@ -48,10 +49,10 @@ def ssp_import(
     out: Annotated[Path | None, typer.Option(help="The folder.", show_default="the file's name")] = None,
 ) -> None:
     """Write an SSP package as a scenario file with its FMUs, to be changed; `run` takes packages too."""
-    from ..errors import MistakeError
-    from ..scenario import build_scenario
-    from ..scenario.files import find, load, to_short_toml
-    from ..scenario.ssp import unpack_package
+    from orchestrator.errors import MistakeError
+    from orchestrator.scenario import build_scenario
+    from orchestrator.scenario.files import find, load, to_short_toml
+    from orchestrator.scenario.ssp import unpack_package
 
     source = find(file)
     if source.suffix != ".ssp":

@@ -7,22 +7,22 @@ from typing import Annotated
 
 import typer
 
-_ORCHESTRATOR = Path(__file__).parents[1]
+_ROOT = Path(__file__).parents[2]
 
 
 def complete_scenario(incomplete: str) -> list[str]:
     """Shipped scenarios that begin so."""
-    return _list_stems(_ORCHESTRATOR / "scenario" / "shipped", incomplete)
+    return _list_stems(_ROOT / "orchestrator" / "scenario" / "shipped", incomplete)
 
 
 def complete_study(incomplete: str) -> list[str]:
     """Shipped studies that begin so."""
-    return _list_stems(_ORCHESTRATOR / "study" / "shipped", incomplete)
+    return _list_stems(_ROOT / "orchestrator" / "study" / "shipped", incomplete)
 
 
 def complete_component(incomplete: str) -> list[str]:
     """Components that begin so."""
-    pages = (_ORCHESTRATOR.parent / "fmus").glob("*/README.md")
+    pages = (_ROOT / "fmus").glob("*/README.md")
     return sorted(page.parent.name for page in pages if page.parent.name.startswith(incomplete))
 
 

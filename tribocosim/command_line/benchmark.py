@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from .error_report import report_errors
-from .fmu import build_fmu
 
 
 @report_errors
@@ -25,6 +24,8 @@ def benchmark_coupling(
 ) -> None:
     """Error against doStep calls and wall time: all masters, and other tools that are installed, on the same
     FMUs."""
-    from ..study.work_precision.benchmark import benchmark
+    from orchestrator.study.work_precision.benchmark import benchmark
+
+    from ..cached_fmus import build_fmu
 
     benchmark(problem, build_fmu, out or Path("results") / f"benchmark-{problem}", duration, overwrite)

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
+from ..packages import check_study_packages
 from .completion import ScenarioName
 from .error_report import report_errors
-from .study import check_packages
 
 
 @report_errors
@@ -38,11 +38,11 @@ def run_speeds(
     Stopped at any moment, the same command continues. Exit status 0: all cycles found, 1: some failed, 2: a
     mistake in the scenario or the command, 130: interrupted.
     """
-    check_packages()
-    from ..reporter import Reporter
-    from ..scenario.files import load, read_changed
-    from ..speeds.sweep import parse_range, sweep
-    from ..study.run import Where
+    check_study_packages()
+    from orchestrator.reporter import Reporter
+    from orchestrator.scenario.files import load, read_changed
+    from orchestrator.speeds.sweep import parse_range, sweep
+    from orchestrator.study.run import Where
 
     speeds = parse_range(low, high, count)
     folder = out or Path("results") / f"{load(scenario, set_ or []).name}-speeds"

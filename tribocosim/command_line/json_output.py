@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from ..reporter import Reporter
+    from orchestrator.reporter import Reporter
 
 Json = Annotated[
     bool, typer.Option("--json", help="Print the result as JSON; messages go to standard error.")
@@ -21,7 +21,7 @@ def build_reporter(as_json: bool, verbose: bool = False) -> Reporter:
     """A reporter whose lines leave standard output to the JSON."""
     from rich.console import Console
 
-    from ..reporter import Reporter
+    from orchestrator.reporter import Reporter
 
     return Reporter(Console(stderr=True) if as_json else None, verbose)
 

@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from .error_report import report_errors
-from .fmu import build_fmu
 
 
 @report_errors
@@ -50,10 +49,12 @@ def run_analysis(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
 ) -> None:
     """Analyse one motion or machine, or a scenario's coupling: results, table (netCDF, CSV) and figure."""
-    from ..analyses._evaluate import analyse, build_analyses_table, build_parameters_table
-    from ..analyses.stability.analyse import analyse_scenario, is_scenario
-    from ..errors import MistakeError
-    from ..reporter import Reporter
+    from orchestrator.analyses._evaluate import analyse, build_analyses_table, build_parameters_table
+    from orchestrator.analyses.stability.analyse import analyse_scenario, is_scenario
+    from orchestrator.errors import MistakeError
+    from orchestrator.reporter import Reporter
+
+    from ..cached_fmus import build_fmu
 
     reporter = Reporter()
     if name is None:

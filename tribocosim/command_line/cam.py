@@ -38,8 +38,8 @@ def draw_cam(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
 ) -> None:
     """Say what a cam is like, and draw its contour: results, table (netCDF, CSV), figure, SVG and DXF."""
-    from ..analyses._cam_source import find_settings
-    from ..analyses._evaluate import analyse
+    from orchestrator.analyses._cam_source import find_settings
+    from orchestrator.analyses._evaluate import analyse
 
     options = {"base_radius": base_radius, "follower": follower, "radius": radius, "speed": speed}
     given = {name: value for name, value in options.items() if value is not None}

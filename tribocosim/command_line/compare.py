@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from ..packages import check_study_packages
 from .error_report import report_errors
-from .study import check_packages
 
 
 @report_errors
@@ -18,8 +18,8 @@ def compare_sweeps(
     out: Annotated[Path, typer.Option(help="The figure.")] = Path("results/compare.png"),
 ) -> int:
     """Compare two designs over speed: the worst of every number, separation, and a figure of both."""
-    check_packages()
-    from ..speeds.compare import compare
+    check_study_packages()
+    from orchestrator.speeds.compare import compare
 
     compare(first, second, out)
     return 0

@@ -19,13 +19,13 @@ def list_scenarios(
 ) -> None:
     """List the shipped scenarios."""
     if schema:
-        from ..scenario.schema import write_schema
+        from orchestrator.scenario.schema import write_schema
 
         print(write_schema(), end="")
         return
     import tomllib
 
-    from ..scenario.files import list_shipped
+    from orchestrator.scenario.files import list_shipped
 
     found = {
         name: tomllib.loads(path.read_text("utf-8")).get("description", "")

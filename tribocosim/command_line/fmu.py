@@ -1,0 +1,221 @@
+"""tribocosim fmu."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..messages import say
+from .completion import complete_component
+from .error_report import report_errors
+from .json_output import Json, print_json
+
+
+@report_errors
+def fmu_build(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Components; your own as module:factory.",
+            show_default="all",
+            autocompletion=complete_component,
+        ),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("."),
+    structure: Annotated[
+        list[str] | None, typer.Option(help="A structural size, e.g. coil_masses=8; may be repeated.")
+    ] = None,
+    native: Annotated[
+        bool, typer.Option("--native", help="FMUs in machine code, which need no Python: NAME-native.fmu.")
+    ] = False,
+    platform: Annotated[
+        list[str] | None,
+        typer.Option(help="With --native: build for it; may be repeated.", show_default="all"),
+    ] = None,
+    fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native: NAME-native-fmi3.fmu).")] = 2,
+    libpython: Annotated[
+        str | None,
+        typer.Option(
+            help="For hosts that are not Python: the library that the Linux binary then loads by itself, "
+            "e.g. libpython3.11.so.1.0."
+        ),
+    ] = None,
+) -> None:
+    """Build FMUs."""
+    from ..fmu import FmuOptions, build_file, check_options
+
+    sizes = dict(map(_parse_size, structure)) if structure else None
+    options = FmuOptions(sizes, native, platform, fmi, libpython)
+    for name in check_options(names, options):
+        with _report_replacement(name, out), _show_progress(name, native) as progress:
+            print(build_file(name, out, options, progress))
+
+
+@contextmanager
+def _report_replacement(name: str, out: Path) -> Iterator[None]:
+    """Report files that were replaced by different ones."""
+    before = {file: file.read_bytes() for file in _list_files(name, out)}
+    yield
+    for file, content in before.items():
+        if file.read_bytes() != content:
+            say(f"{file}: replaced a different file of this name")
+
+
+def _list_files(name: str, out: Path) -> Sequence[Path]:
+    """The existing FMUs of a component."""
+    from models.catalogue import identify
+
+    files = [out] if out.suffix == ".fmu" else out.glob(f"{identify(name)}*.fmu")
+    return [file for file in files if file.is_file()]
+
+
+@contextmanager
+def _show_progress(name: str, native: bool) -> Iterator[Callable[[str], None]]:
+    """Yield a function that shows the steps of a native build on a terminal; else one line at the start."""
+    if not native:
+        yield lambda step: None
+        return
+    from rich.console import Console
+
+    console = Console(stderr=True, highlight=False)
+    begun = False
+    with console.status(f"native FMU {name}") as status:
+
+        def show_step(step: str) -> None:
+            nonlocal begun
+            if not begun and not console.is_terminal:
+                say(f"building the native FMU {name} (once; up to minutes)")
+            begun = True
+            status.update(f"native FMU {name}: {step}")
+
+        yield show_step
+
+
+def _parse_size(text: str) -> tuple[str, int]:
+    """Parse NAME=NUMBER."""
+    from orchestrator.errors import MistakeError
+
+    name, _, number = text.partition("=")
+    try:
+        return name.strip(), int(number)
+    except ValueError:
+        raise MistakeError(
+            f"--structure {text}: must be NAME=NUMBER with a whole number, e.g. coil_masses=8"
+        ) from None
+
+
+@report_errors
+def fmu_validate(
+    files: Annotated[list[Path], typer.Argument(help="The .fmu files.")], as_json: Json = False
+) -> int:
+    """Check FMU files; exit status 1 if something is found."""
+    from fmus.fmi.validate import validate
+
+    found = {file: validate(_check_file(file)) for file in files}
+    if as_json:
+        print_json(found)
+    for file, problems in () if as_json else found.items():
+        print(f"{file}: {'nothing found' if not problems else ''}")
+        for problem in problems:
+            print(f"  {problem}")
+    return 1 if any(found.values()) else 0
+
+
+@report_errors
+def fmu_cross_check(
+    names: Annotated[list[str] | None, typer.Argument(help="Components.", show_default="all")] = None,
+    out: Annotated[Path, typer.Option(help="Folder in which fmus/ is made.")] = Path("cross-check"),
+    native: Annotated[bool, typer.Option("--native", help="Native FMUs, as for build.")] = False,
+    platform: Annotated[
+        list[str] | None,
+        typer.Option(help="With --native: for it only; may be repeated.", show_default="all"),
+    ] = None,
+    fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native).")] = 2,
+) -> None:
+    """Write FMUs with their reference results in the layout of the FMI Cross-Check project."""
+    from fmus.cross_check.files import CrossCheckError
+    from fmus.cross_check.layout import lay_out
+    from orchestrator.errors import MistakeError
+
+    from ..fmu import FmuOptions, build_file, check_options, report_unwritable
+
+    options = FmuOptions(None, native, platform, fmi)
+    for name in check_options(names, options):
+        with report_unwritable(out), tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
+            made = Path(folder)
+            with _show_progress(name, native) as progress:
+                file = build_file(name, made, options, progress)
+            tool = "tribocosim-native" if native else "tribocosim-python"
+            try:
+                for place in lay_out(name, file, tool, out):
+                    print(place)
+            except CrossCheckError as error:
+                raise MistakeError(str(error)) from None
+
+
+@report_errors
+def fmu_compare(
+    files: Annotated[list[Path], typer.Argument(help="The .fmu files, or folders: all files below.")],
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            help="Allowed difference over a variable's largest value.", show_default="RelTol of the .opt file"
+        ),
+    ] = None,
+) -> int:
+    """Run FMUs and compare with their reference results, inside the file or beside it; exit status 1 if one
+    differs, 2 if one has no reference or does not run."""
+    from fmus.cross_check.apart import compare_in_process
+    from fmus.cross_check.files import CrossCheckError
+    from orchestrator.errors import MistakeError
+
+    if tolerance is not None and not tolerance > 0.0:
+        raise MistakeError(f"--tolerance {tolerance:g}: must be > 0")
+    paths: list[Path] = []
+    for file in files:
+        below = sorted(file.rglob("*.fmu")) if file.is_dir() else [_check_file(file)]
+        if not below:
+            raise MistakeError(f"{file}: has no .fmu files")
+        paths += below
+    status = 0
+    for path, found in compare_in_process(paths, tolerance):
+        if isinstance(found, CrossCheckError):
+            say(str(found))
+            status = 2
+            continue
+        print(path, *found, sep="\n", flush=True)
+        if not all(comparison.agrees for comparison in found):
+            status = status or 1
+    return status
+
+
+@report_errors
+def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")], as_json: Json = False) -> None:
+    """Show what an FMU is and its variables."""
+    from fmus.fmi.archive import FmuFileError
+    from fmus.fmi.validate import info
+    from orchestrator.errors import MistakeError
+
+    try:
+        found = info(_check_file(file))
+    except FmuFileError as error:
+        raise MistakeError(str(error)) from None
+    if as_json:
+        print_json(found)
+    else:
+        print(found)
+
+
+def _check_file(file: Path) -> Path:
+    from orchestrator.errors import MistakeError
+
+    if file.is_dir():
+        raise MistakeError(f"{file}: is a folder; give its files: {file / '*.fmu'}")
+    if not file.is_file():
+        raise MistakeError(f"{file}: no such file; tribocosim fmu build makes the FMUs")
+    return file

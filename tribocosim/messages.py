@@ -1,0 +1,11 @@
+"""Messages on standard error."""
+
+from __future__ import annotations
+
+import sys
+
+
+def say(text: str) -> None:
+    """Print each line with the name of the program."""
+    for line in text.split("\n"):
+        print(f"tribocosim: {line}", file=sys.stderr)
