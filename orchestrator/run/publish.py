@@ -131,6 +131,9 @@ def _write_report(folder: Path, reporter: Reporter) -> None:
             write_report(folder)
         except MistakeError as error:
             reporter.line(str(error))
+        except Exception as error:  # the run itself is complete, and all of its numbers are written
+            again = f"tribocosim report {format_path(folder)} makes it anew"
+            reporter.line(f"no report: unexpected {type(error).__name__}: {error}; {again}")
 
 
 def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:

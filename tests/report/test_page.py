@@ -27,6 +27,7 @@ from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.system import build_system
 from orchestrator.store.result_file import ResultFile
 
+from ..orchestrator.commands import called
 from .large import write_large
 from .sweeps import ROWS, SPEEDS, load_of, write_sweep
 
@@ -179,6 +180,20 @@ def test_steps_have_their_reason_and_connection_and_bonds_their_energy(tmp_path:
 def test_large_runs_stay_small(rows: int, variables: int, most: float, tmp_path: Path) -> None:
     write_large(tmp_path, rows, variables)
     assert write_report(tmp_path).stat().st_size < most
+
+
+def test_a_report_that_fails_does_not_end_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*arguments: Any) -> None:
+        raise ZeroDivisionError("of the page")
+
+    monkeypatch.setattr("orchestrator.report.page.collect_run", fail)
+    out = tmp_path / "out"
+    done = called("run", "two-masses", "--set", "stop_time=0.1 s", "--out", str(out))
+    assert done.returncode == 0
+    assert f"ZeroDivisionError: of the page; tribocosim report {out} makes it anew" in " ".join(
+        done.stdout.split()
+    )
+    assert (out / "summary.json").exists()
 
 
 def test_a_sweep_has_all_its_cycles(tmp_path: Path) -> None:
