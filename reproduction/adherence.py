@@ -98,6 +98,8 @@ class AdherenceProblem:
         self._velocity = s.state.index(Port(valve, "velocity"))
         self._twist_rate = s.state.index(Port(camshaft, "twist_rate"))
         self._bending_rate = s.state.index(Port(camshaft, "bending_rate"))
+        self._across = s.state.index(Port(camshaft, "bending_across"))
+        self._slopes = tuple(s.state.index(Port(camshaft, name)) for name in ("slope", "slope_across"))
         self._surface, self._surface_rate, self._radius, self._lift, self._offset, self._speed = (
             s.outputs.index(Port(camshaft, name))
             for name in (
@@ -163,8 +165,15 @@ class AdherenceProblem:
         dx = e.derivative(t, x)
         y = e.y
         bend = y[self._radius] - self._base - y[self._lift]
-        turning = self._ratio * e.u[self._drive] + dx[self._twist_rate]
-        surface = bend * y[self._speed] ** 2 + y[self._offset] * turning + dx[self._bending_rate]
+        slope, across = self._slopes
+        # psi'' holds that of the tilt's lag, slope slope_across/2.
+        lag = dx[slope + 1] * x[across] + 2.0 * x[slope + 1] * x[across + 1] + x[slope] * dx[across + 1]
+        turning = self._ratio * e.u[self._drive] + dx[self._twist_rate] - 0.5 * lag
+        surface = (
+            bend * y[self._speed] ** 2
+            + (y[self._offset] - x[self._across]) * turning
+            + dx[self._bending_rate]
+        )
         return float(surface - dx[self._velocity])
 
     def _solve_load(self, t: float, x: Vector) -> None:

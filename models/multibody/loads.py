@@ -102,33 +102,44 @@ class Bent(NamedTuple):
 
 
 @kernel
-def bend_field(e: Evaluation, s: Any) -> Bent:
-    """The displacement d - rest and the turn theta = (A32 - A23, A13 - A31, A21 - A12)/2 of A = R_i^T R_j.
+def turn_with(bent: Bent, torque: Arrow) -> Arrow:
+    """G^T T: the moment on j of generalised forces T on the turn, whose rate is G w."""
+    a, b, c = bent.first, bent.second, bent.third
+    half = 0.5 * torque.x
+    return Arrow(
+        half * (b.y + c.z) - torque.y * a.y - torque.z * a.z,
+        torque.y * a.x - half * b.x,
+        torque.z * a.x - half * c.x,
+    )
 
-    The turn's rate is (tr(A) 1 - A) w/2 at the relative angular velocity w.
+
+@kernel
+def bend_field(e: Evaluation, s: Any) -> Bent:
+    """The displacement d - rest and the turn theta = ((A32 - A23)/2, -A31, A21) of A = R_i^T R_j.
+
+    A twist, and the slopes of j's first axis: turning j about that axis bends nothing. The turn's rate is
+    G w at the relative angular velocity w.
     """
     arm_i, arm_j = carry(e, s.i, s.p_i), carry(e, s.j, s.p_j)
     d = differ(point_at(e, s.j, arm_j), point_at(e, s.i, arm_i))
     omega = pick(e.omega[s.i])
     shift = subtract(ground_to_frame(e, s.i, s.e_i, d.value), pick(s.rest))
     shift_rate = ground_to_frame(e, s.i, s.e_i, subtract(d.rate, cross(omega, d.value)))
-    first = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(1.0, 0.0, 0.0)))
-    second = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(0.0, 1.0, 0.0)))
-    third = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(0.0, 0.0, 1.0)))
-    trace = first.x + second.y + third.z
-    turn = Arrow(0.5 * (second.z - third.y), 0.5 * (third.x - first.z), 0.5 * (first.y - second.x))
+    a = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(1.0, 0.0, 0.0)))
+    b = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(0.0, 1.0, 0.0)))
+    c = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(0.0, 0.0, 1.0)))
     w = ground_to_frame(e, s.i, s.e_i, subtract(pick(e.omega[s.j]), omega))
-    turned = add(add(scale(w.x, first), scale(w.y, second)), scale(w.z, third))
-    turn_rate = scale(0.5, subtract(scale(trace, w), turned))
-    return Bent(shift, shift_rate, turn, turn_rate, first, second, third)
+    twisting = 0.5 * ((b.y + c.z) * w.x - b.x * w.y - c.x * w.z)
+    turn = Arrow(0.5 * (b.z - c.y), -a.z, a.y)
+    turn_rate = Arrow(twisting, a.x * w.y - a.y * w.x, a.x * w.z - a.z * w.x)
+    return Bent(shift, shift_rate, turn, turn_rate, a, b, c)
 
 
 @kernel
 def load_field(e: Evaluation, s: Any) -> None:
     """(F, T) = -K delta - C delta' on j, in the axes of i's frame (K (33) with its lost sign, Q (2)).
 
-    The moment on j is the transpose of (tr(A) 1 - A)/2 times T, so that power is conserved at large turns
-    too.
+    The moment on j is G^T T, so that power is conserved at large turns too.
     """
     bent = bend_field(e, s)
     shift, shift_rate, turn, turn_rate = bent.shift, bent.shift_rate, bent.turn, bent.turn_rate
@@ -140,9 +151,7 @@ def load_field(e: Evaluation, s: Any) -> None:
         -1.0,
         add(multiply_field(s.stiffness, shift, turn, 3), multiply_field(s.damping, shift_rate, turn_rate, 3)),
     )
-    trace = bent.first.x + bent.second.y + bent.third.z
-    across = Arrow(dot(bent.first, torque), dot(bent.second, torque), dot(bent.third, torque))
-    moment = frame_to_ground(e, s.i, s.e_i, scale(0.5, subtract(scale(trace, torque), across)))
+    moment = frame_to_ground(e, s.i, s.e_i, turn_with(bent, torque))
     force = frame_to_ground(e, s.i, s.e_i, force)
     arm_j = carry(e, s.j, s.p_j).value
     reach = subtract(add(pick(e.position[s.j]), arm_j), pick(e.position[s.i]))

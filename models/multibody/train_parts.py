@@ -38,6 +38,8 @@ class TrainStart:
     twist: float = 0.0
     bending: float = 0.0
     slope: float = 0.0
+    bending_across: float = 0.0
+    slope_across: float = 0.0
 
 
 class TrainParts(NamedTuple):
@@ -87,12 +89,19 @@ def list_parts(
 def _list_bodies(camshaft: Any, valve: Any, speed: float, begin: TrainStart) -> list[Body]:
     base, length = float(camshaft.base_radius), float(camshaft.shaft_length)
     transverse, polar = float(camshaft.transverse_inertia), float(camshaft.polar_inertia)
-    turning = (0.0, 0.0, speed)
+    across, along = math.sin(begin.slope_across), math.cos(begin.slope_across)
+    # A cam at rest on a bent shaft turns about its own axis.
+    axis = across, along * math.sin(begin.slope), along * math.cos(begin.slope)
     return [
-        Body("shaft", SHAFT_MASS, SHAFT_INERTIA, angles=(0.0, 0.0, begin.angle), angular_velocity=turning),
         Body(
-            "cam", float(camshaft.mass), (transverse, transverse, polar), (0.0, begin.bending, length),
-            (-begin.slope, 0.0, begin.angle + begin.twist), angular_velocity=turning,
+            "shaft", SHAFT_MASS, SHAFT_INERTIA, angles=(0.0, 0.0, begin.angle),
+            angular_velocity=(0.0, 0.0, speed),
+        ),
+        Body(
+            "cam", float(camshaft.mass), (transverse, transverse, polar),
+            (begin.bending_across, begin.bending, length),
+            (-begin.slope, begin.slope_across, begin.angle + begin.twist),
+            angular_velocity=(speed * axis[0], speed * axis[1], speed * axis[2]),
         ),
         Body("follower", float(valve.valve_mass), FOLLOWER_INERTIA, (0.0, base + begin.position, length)),
     ]  # fmt: skip

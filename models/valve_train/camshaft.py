@@ -1,16 +1,14 @@
 """Camshaft: cam at the end of an elastic shaft element whose other end is driven.
 
-Kushwaha et al. 2000 (K), section 4.2 and equation (33) with the lost sign of the stiffness term; K's "2
-per cent" damping is read as a modal damping ratio (taken as 0.02 s times K it would be a ratio of 31).
-The element's two directions that the contact load does not excite (axial, and bending out of the
-plane) are left out. Contact load bends the shaft by W and twists it by W s'.
+Kushwaha et al. 2000 (K), section 4.2. Contact load bends the shaft by W and twists it by W s'; friction bends
+it across. The turning of shaft and cam couples both planes of bending. Nothing moves the cam along the shaft.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -29,6 +27,20 @@ from .cams.profile import (
     time_to_break,
 )
 from .cams.table import TABLE, TableParameters, check_table
+from .shaft_element import (
+    Load,
+    Shaft,
+    bend_shaft,
+    bending_energy,
+    damp_bending,
+    damping_torque,
+    dissipate_bending,
+    shaft_element,
+    spin,
+    tilt_lag,
+    tilt_lag_rate,
+    twist_torque,
+)
 
 
 @dataclass
@@ -110,6 +122,22 @@ class CamshaftState:
     )
     slope: Annotated[float, Quantity("rad", "slope of the shaft at the cam", nominal=1e-3)] = 0.0
     slope_rate: Annotated[float, Quantity("rad/s", "rate of the slope at the cam")] = 0.0
+    bending_across: Annotated[
+        float,
+        Quantity(
+            "m",
+            "cam axis displacement across the follower's path, against the cam's surface",
+            nominal=1e-5,
+            display_unit="um",
+        ),
+    ] = 0.0
+    bending_across_rate: Annotated[
+        float, Quantity("m/s", "its rate, the axis's drift along the follower", nominal=1e-2)
+    ] = 0.0
+    slope_across: Annotated[
+        float, Quantity("rad", "slope of the shaft at the cam across the follower's path", nominal=1e-4)
+    ] = 0.0
+    slope_across_rate: Annotated[float, Quantity("rad/s", "its rate", nominal=0.1)] = 0.0
 
 
 @dataclass
@@ -151,71 +179,29 @@ class CamshaftOutputs:
     )
     cam_lift: Annotated[float, Quantity("m", "lift s of the profile", nominal=1e-3, display_unit="mm")] = 0.0
     contact_offset: Annotated[
-        float, Quantity("m", "offset s' of the contact along the follower", nominal=1e-2, display_unit="mm")
+        float,
+        Quantity(
+            "m",
+            "offset of the contact along the follower, s' + bending across",
+            nominal=1e-2,
+            display_unit="mm",
+        ),
     ] = 0.0
     next_event: Annotated[
         float, Quantity("s", "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests")
     ] = NO_EVENT
 
 
-class Shaft(NamedTuple):
-    """Stiffness and damping of the element: torsion, and bending in (bending, slope)."""
-
-    twist_stiffness: float
-    twist_damping: float
-    k11: float
-    k12: float
-    k22: float
-    c11: float
-    c12: float
-    c22: float
-
-
-@kernel
-def shaft_element(p: ShaftParameters) -> Shaft:
-    """K (33) at the cam's node, and a damping matrix that gives every mode the same ratio.
-
-    Bending: C = 2 zeta sqrt(M) sqrt(A) sqrt(M) with A = M^-1/2 K M^-1/2; the root of a 2 x 2 matrix is
-    (A + sqrt(det A) I) / sqrt(tr A + 2 sqrt(det A)).
-    """
-    second_moment = math.pi * p.shaft_diameter**4 / 64.0
-    shear_modulus = p.youngs_modulus / (2.0 * (1.0 + p.poissons_ratio))
-    twist_stiffness = shear_modulus * 2.0 * second_moment / p.shaft_length
-    twist_damping = 2.0 * p.shaft_damping_ratio * math.sqrt(twist_stiffness * p.polar_inertia)
-    EJ = p.youngs_modulus * second_moment
-    k11 = 12.0 * EJ / p.shaft_length**3
-    k12 = -6.0 * EJ / p.shaft_length**2
-    k22 = 4.0 * EJ / p.shaft_length
-    m1, m2 = math.sqrt(p.mass), math.sqrt(p.transverse_inertia)
-    a11, a12, a22 = k11 / p.mass, k12 / (m1 * m2), k22 / p.transverse_inertia
-    root = math.sqrt(a11 * a22 - a12 * a12)
-    factor = 2.0 * p.shaft_damping_ratio / math.sqrt(a11 + a22 + 2.0 * root)
-    c11 = factor * (a11 + root) * p.mass
-    c12 = factor * a12 * m1 * m2
-    c22 = factor * (a22 + root) * p.transverse_inertia
-    return Shaft(twist_stiffness, twist_damping, k11, k12, k22, c11, c12, c22)
-
-
-@kernel
-def static_slope(load: float, p: ShaftParameters) -> float:
-    """Slope of the shaft at the cam under a steady load W (N): K (bending, slope) = (-W, 0), -W l^2/(2 E J).
-
-    A flat follower or a roller is misaligned by it: the gap opens towards the shaft's free end.
-    """
-    e = shaft_element(p)
-    return load * e.k12 / (e.k11 * e.k22 - e.k12 * e.k12)
-
-
 @kernel
 def cam_angle(x: CamshaftState, u: CamshaftInputs, p: ShaftParameters) -> float:
-    """psi = ratio * drive angle + phase + twist (wind-up)."""
-    return p.drive_ratio * u.drive_angle + p.phase + x.twist
+    """psi = ratio * drive angle + phase + twist (wind-up), less what the tilt takes."""
+    return p.drive_ratio * u.drive_angle + p.phase + x.twist - tilt_lag(x)
 
 
 @kernel
 def cam_speed(x: CamshaftState, u: CamshaftInputs, p: ShaftParameters) -> float:
-    """psi' = ratio * drive speed + twist rate: the twist rate is K's "fictitious" velocity."""
-    return p.drive_ratio * u.drive_speed + x.twist_rate
+    """psi' = ratio * drive speed + twist rate, less what the tilt takes."""
+    return p.drive_ratio * u.drive_speed + x.twist_rate - tilt_lag_rate(x)
 
 
 @kernel
@@ -226,59 +212,62 @@ def load_torque(cam: Lift, u: CamshaftInputs, p: Any) -> float:
 
 @kernel
 def twist_acceleration(cam: Lift, e: Shaft, x: CamshaftState, u: CamshaftInputs, p: Any) -> float:
-    """I (theta'' + psi_d'') = -k theta - c theta' - W s' ..."""
-    torque = e.twist_stiffness * x.twist + e.twist_damping * x.twist_rate + load_torque(cam, u, p)
-    return -torque / p.polar_inertia - p.drive_ratio * u.drive_acceleration
+    """I (theta'' + psi_d'') = -k theta - c theta' - W s' ..., of a cam that does not tilt."""
+    return (
+        -(twist_torque(e, x) + load_torque(cam, u, p)) / p.polar_inertia
+        - p.drive_ratio * u.drive_acceleration
+    )
 
 
 @kernel
 def move_shaft(cam: Lift, x: CamshaftState, u: CamshaftInputs, p: Any, dx: CamshaftState) -> None:
-    """M q'' = -K q - C q' - (W, 0) for q = (bending, slope), and the twist's."""
+    """Twist by W s', bending by W and, across the follower's path, by friction: I spin' = -k theta - ..."""
     if p.flexible == 0.0:
         dx.twist = dx.twist_rate = dx.bending = dx.bending_rate = dx.slope = dx.slope_rate = 0.0
+        dx.bending_across = dx.bending_across_rate = dx.slope_across = dx.slope_across_rate = 0.0
         return
-    e = shaft_element(p)
+    e, load = shaft_element(p), Load(-u.contact_load, u.friction_force, load_torque(cam, u, p))
+    bend_shaft(e, x, load, p.drive_ratio * u.drive_speed, p, dx)
     dx.twist = x.twist_rate
-    dx.twist_rate = twist_acceleration(cam, e, x, u, p)
-    force = e.k11 * x.bending + e.k12 * x.slope + e.c11 * x.bending_rate + e.c12 * x.slope_rate
-    moment = e.k12 * x.bending + e.k22 * x.slope + e.c12 * x.bending_rate + e.c22 * x.slope_rate
-    dx.bending = x.bending_rate
-    dx.bending_rate = -(force + u.contact_load) / p.mass
-    dx.slope = x.slope_rate
-    dx.slope_rate = -moment / p.transverse_inertia
+    tilting = 0.5 * (x.slope_across * dx.slope_rate - x.slope * dx.slope_across_rate)
+    dx.twist_rate = twist_acceleration(cam, e, x, u, p) + tilting
 
 
 @kernel
 def show_surface(cam: Lift, x: CamshaftState, u: CamshaftInputs, p: Any, y: CamshaftOutputs) -> None:
-    """All outputs but the next event."""
-    speed = cam_speed(x, u, p)
+    """All outputs but the next event.
+
+    The axis's velocity w across the follower's path adds w/2 to the entraining velocity and takes w from the
+    sliding velocity (K, section 5: fictitious velocity).
+    """
+    speed, drift = cam_speed(x, u, p), x.bending_across_rate
     y.cam_angle = cam_angle(x, u, p)
     y.cam_speed = speed
     y.cam_lift = cam.s
-    y.contact_offset = cam.ds
+    y.contact_offset = cam.ds + x.bending_across
     y.surface_position = cam.s + x.bending
     y.surface_velocity = cam.ds * speed + x.bending_rate
     y.radius_of_curvature = radius_of_curvature(p.base_radius, cam)
-    y.entraining_velocity = entraining_velocity(p.base_radius, cam, speed)
-    y.sliding_velocity = sliding_velocity(p.base_radius, cam, speed)
+    y.entraining_velocity = entraining_velocity(p.base_radius, cam, speed) + 0.5 * drift
+    y.sliding_velocity = sliding_velocity(p.base_radius, cam, speed) - drift
     if p.flexible == 0.0:
         inertia_torque = p.polar_inertia * p.drive_ratio * u.drive_acceleration
         y.drive_torque = p.drive_ratio * (inertia_torque + load_torque(cam, u, p))
     else:
         e = shaft_element(p)
-        y.drive_torque = -p.drive_ratio * (e.twist_stiffness * x.twist + e.twist_damping * x.twist_rate)
+        damped = damp_bending(e, x, p.drive_ratio * u.drive_speed)
+        y.drive_torque = p.drive_ratio * (damping_torque(damped, x) - twist_torque(e, x))
 
 
 @kernel
 def energy(t: float, x: CamshaftState, u: CamshaftInputs, p: ShaftParameters, e: Vector) -> None:
-    s = shaft_element(p)
-    elastic = s.twist_stiffness * x.twist**2 + s.k11 * x.bending**2 + s.k22 * x.slope**2
-    elastic += 2.0 * s.k12 * x.bending * x.slope
-    kinetic = p.polar_inertia * cam_speed(x, u, p) ** 2 + p.mass * x.bending_rate**2
-    kinetic += p.transverse_inertia * x.slope_rate**2
-    lost = s.twist_damping * x.twist_rate**2 + s.c11 * x.bending_rate**2 + s.c22 * x.slope_rate**2
-    e[0] = 0.5 * (elastic + kinetic)
-    e[1] = lost + 2.0 * s.c12 * x.bending_rate * x.slope_rate
+    s, turning = shaft_element(p), p.drive_ratio * u.drive_speed
+    stored = s.twist_stiffness * x.twist**2 + p.polar_inertia * spin(x, turning) ** 2
+    stored += bending_energy(s, x.bending, x.slope) + bending_energy(s, x.bending_across, x.slope_across)
+    stored += p.mass * (x.bending_rate**2 + x.bending_across_rate**2)
+    stored += p.transverse_inertia * (x.slope_rate**2 + x.slope_across_rate**2)
+    e[0] = 0.5 * stored
+    e[1] = s.twist_damping * x.twist_rate**2 + dissipate_bending(damp_bending(s, x, turning), x, turning)
     e[2] = 0.0
 
 
@@ -299,7 +288,7 @@ def make_next_event(profile: CamProfile) -> Any:
             e = shaft_element(p)
             if wait < math.sqrt(p.polar_inertia / e.twist_stiffness):
                 acceleration += twist_acceleration(cam, e, x, u, p)
-                wait = time_to_break(breaks, speed + x.twist_rate, acceleration)
+                wait = time_to_break(breaks, cam_speed(x, u, p), acceleration)
         return min(t + wait, NO_EVENT)
 
     return next_event

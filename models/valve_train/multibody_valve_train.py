@@ -208,7 +208,8 @@ def multibody_valve_train(coil_masses: int = 2, table_points: int = 0) -> Compon
         y.spring_force = -s.stiffness * (length - s.length) - s.damping * rate
         y.twist = x.angle[3 * cam + 2] - x.angle[3 * shaft + 2]
         y.cam_angle, y.cam_speed = train.drive.angle + x.angle[3 * cam + 2], train.cam_speed
-        y.cam_lift, y.contact_offset = train.cam.s, train.cam.ds
+        y.cam_lift = train.cam.s
+        y.contact_offset = train.cam.ds + x.position[3 * cam] - x.position[3 * follower]
         y.axis_x, y.axis_y = x.position[3 * cam], x.position[3 * cam + 1]
         y.constraint_violation = measure_violation(train.e)
         breaks = find_breaks(train.cam_angle, p)

@@ -20,8 +20,9 @@ from models.contact.ehl_contact import ContactParameters
 from models.contact.fluid import Lubricant
 from models.contact.hertz import ELASTIC_LIMIT, elastic_compliance
 from models.core.quantities import Layout
-from models.valve_train.camshaft import CamshaftParameters, static_slope
+from models.valve_train.camshaft import CamshaftParameters
 from models.valve_train.rigid import contact_conditions
+from models.valve_train.shaft_element import static_slope
 from models.valve_train.valve_spring import ValveSpringParameters
 
 from .protocol import Parameter

@@ -121,6 +121,8 @@ class DirectTrain(WitnessedTrain):
             twist=float(shaft.twist),
             bending=float(shaft.bending),
             slope=float(shaft.slope),
+            bending_across=float(shaft.bending_across),
+            slope_across=float(shaft.slope_across),
         )
         return direct_train(
             camshaft,

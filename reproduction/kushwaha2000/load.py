@@ -9,7 +9,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 from models.monolithic import solve
-from models.valve_train.camshaft import shaft_element
+from models.valve_train.shaft_element import shaft_element
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 

@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 from models.contact.hertz import deflection, half_width, maximum_pressure, pair_compliance
 from models.core.quantities import Vector
-from models.valve_train.camshaft import shaft_element
+from models.valve_train.shaft_element import shaft_element
 from models.valve_train.valve_spring import lumping, spring_frequencies
 
 from ..statement import Values, rms
@@ -165,7 +165,7 @@ def check_constraints(runs: Runs) -> Values:
     phi, cam = 0.7, runs.lift(120.0)  # any phi has the same rank
     return {
         "rank": int(np.linalg.matrix_rank([[0.0, math.sin(phi), 0.0], [0.0, math.cos(phi), 0.0]])),
-        "lift": cam.s, "residual": cam.ds * cam.s, "factor": runs.lift(NOSE_DEG).ds,
+        "lift": cam.s, "residual": cam.ds * cam.s, "factor": abs(runs.lift(NOSE_DEG).ds),
         "load": runs.kinematic().at("contact.load", NOSE_DEG),
         "preload": runs.parameters("valve_spring").preload,
     }  # fmt: skip

@@ -41,6 +41,10 @@ STATES = (
     "camshaft.bending_rate",
     "camshaft.slope",
     "camshaft.slope_rate",
+    "camshaft.bending_across",
+    "camshaft.bending_across_rate",
+    "camshaft.slope_across",
+    "camshaft.slope_across_rate",
 )
 OUTPUTS = (
     "contact.load",
@@ -137,16 +141,19 @@ class Train:
     def compliance(self) -> float:
         return COMPLIANCE / self.stiffness
 
+    def angle(self, t: float, x: list[float]) -> float:
+        return self.speed * t + x[7] - 0.5 * x[11] * x[15]
+
     def contact(self, t: float, x: list[float]) -> tuple[float, float, float]:
         """Load, rate of the film and contact offset s'."""
-        s, ds, dds = cam(self.speed * t + x[7])
-        omega = self.speed + x[8]
+        s, ds, dds = cam(self.angle(t, x))
+        omega = self.speed + x[8] - 0.5 * (x[12] * x[15] + x[11] * x[16])
         radius = BASE + s + dds
         delta = s + x[9] - x[0] + x[6]
         elastic = hertz_load(delta, radius, self.compliance)
         film_rate = 0.0
         if self.lubricated:
-            u = abs(0.5 * omega * (BASE + s + 2.0 * dds))
+            u = abs(0.5 * omega * (BASE + s + 2.0 * dds) + 0.5 * x[14])
             if u > 0.0:
                 film_rate = (
                     -u / SQUEEZE * math.log(x[6] / steady_film(max(elastic, 1.0), u, radius, self.compliance))
@@ -156,7 +163,7 @@ class Train:
         return elastic * max(0.0, 1.0 + damping * delta_rate), film_rate, ds
 
     def rates(self, t: float, x: list[float]) -> list[float]:
-        """Newton's laws: K (40)-(42) and (33) with their signs set right, film by K (10)."""
+        """Newton's and Lagrange's laws: K (40)-(42) and (33) with their signs set right, film by K (10)."""
         load, film_rate, ds = self.contact(t, x)
         first = END * (x[0] - x[2]) + PROPORTION * END * (x[1] - x[3])
         second = MIDDLE * (x[2] - x[4]) + PROPORTION * MIDDLE * (x[3] - x[5])
@@ -168,28 +175,64 @@ class Train:
             film_rate,
         ]  # fmt: skip
         if not self.flexible:
-            return [*rates, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-        (k11, k12), (_, k22) = BENDING
-        (c11, c12), (_, c22) = BENDING_DAMPING
-        twist = -(TORSION * x[7] + TORSION_DAMPING * x[8] + load * ds) / POLAR
-        bend = -(k11 * x[9] + k12 * x[11] + c11 * x[10] + c12 * x[12] + load) / CAM_MASS
-        tilt = -(k12 * x[9] + k22 * x[11] + c12 * x[10] + c22 * x[12]) / TRANSVERSE
-        return [*rates, x[8], twist, x[10], bend, x[12], tilt]
+            return [*rates, *[0.0] * 10]
+        own = TORSION * x[7] + TORSION_DAMPING * x[8]
+        bend, tilt = self.bend(x, load, own, load * ds)
+        twist = -(own + load * ds) / POLAR + 0.5 * (x[15] * tilt.imag - x[11] * tilt.real)
+        return [*rates, x[8], twist, x[10], bend.imag, x[12], tilt.imag, x[14], bend.real, x[16], tilt.real]
+
+    def bend(self, x: list[float], load: float, own: float, torque: float) -> tuple[complex, complex]:
+        """Accelerations of axis and slope, across + i along: a turning disc on a shaft that turns.
+
+        Lagrange, with the spin w + twist' - Im(slope^* slope')/2 and the cam's angle w t + twist -
+        Im(slope^2)/4.
+        """
+        q, tilt = complex(x[13], x[9]), complex(x[15], x[11])
+        q_rate, tilt_rate = complex(x[14], x[10]), complex(x[16], x[12])
+        spin = self.speed + x[8] - 0.5 * (tilt.conjugate() * tilt_rate).imag
+        damped = self.damp(q, q_rate, tilt, tilt_rate)
+        force, moment = (k[0] * q + k[1] * tilt + d for k, d in zip(BENDING, damped, strict=True))
+        gyroscopic = POLAR * spin * 1j * tilt_rate - 0.5j * (own + torque) * tilt
+        lever = 0.5j * torque * tilt.conjugate()
+        return (-1j * load - force) / CAM_MASS, (gyroscopic + lever - moment) / TRANSVERSE
+
+    def damp(self, q: complex, q_rate: complex, tilt: complex, tilt_rate: complex) -> list[complex]:
+        """Force and moment of the damping, which turns with the shaft."""
+        seen = q_rate - 1j * self.speed * q, tilt_rate - 1j * self.speed * tilt
+        return [c[0] * seen[0] + c[1] * seen[1] for c in BENDING_DAMPING]
+
+    def turn_back(self, x: list[float]) -> float:
+        """Torque of the flexible shaft on its drive: of twist, and of damping that turns round it."""
+        q, tilt = complex(x[13], x[9]), complex(x[15], x[11])
+        force, moment = self.damp(q, complex(x[14], x[10]), tilt, complex(x[16], x[12]))
+        bent = (q.conjugate() * force + tilt.conjugate() * moment).imag
+        return -TORSION * x[7] - TORSION_DAMPING * x[8] - bent
 
     def observe(self, t: float, x: list[float]) -> list[float]:
         """Values of `OUTPUTS`."""
         load, _, ds = self.contact(t, x)
-        torque = -TORSION * x[7] - TORSION_DAMPING * x[8] if self.flexible else load * ds
-        return [load, x[6], x[0], x[2], x[4], cam(self.speed * t + x[7])[0] + x[9], torque]
+        torque = self.turn_back(x) if self.flexible else load * ds
+        return [load, x[6], x[0], x[2], x[4], cam(self.angle(t, x))[0] + x[9], torque]
 
     def start(self) -> list[float]:
         """Near rest on the base circle: the preload carried, the coils undeformed."""
-        bend, slope = np.linalg.solve(BENDING, [-PRELOAD, 0.0]) if self.flexible else (0.0, 0.0)
+        turning = np.array(BENDING) - 1j * self.speed * np.array(BENDING_DAMPING)
+        bend, slope = np.linalg.solve(turning, [-1j * PRELOAD, 0.0]) if self.flexible else (0j, 0j)
         film = (
             steady_film(PRELOAD, 0.5 * self.speed * BASE, BASE, self.compliance) if self.lubricated else 0.0
         )
-        position = bend + film - approach_of(PRELOAD, BASE, self.compliance)
-        return [position, 0.0, 0.0, 0.0, 0.0, 0.0, film, 0.0, 0.0, float(bend), 0.0, float(slope), 0.0]
+        position = bend.imag + film - approach_of(PRELOAD, BASE, self.compliance)
+        numbers = [
+            float(bend.imag),
+            0.0,
+            float(slope.imag),
+            0.0,
+            float(bend.real),
+            0.0,
+            float(slope.real),
+            0.0,
+        ]
+        return [position, 0.0, 0.0, 0.0, 0.0, 0.0, film, 0.0, 0.0, *numbers]
 
 
 def runge_kutta(
@@ -247,7 +290,7 @@ def compliant_difference(
     """
     held, coils = adherence(speed, turns, samples)
     train = Train(speed, lubricated=False, stiffness=stiffness)
-    x = [-approach_of(held[0], BASE, train.compliance), 0.0, *coils, *[0.0] * 7]
+    x = [-approach_of(held[0], BASE, train.compliance), 0.0, *coils, *[0.0] * 11]
     step = 2.0 * math.pi / speed / (samples * substeps)
     last = runge_kutta(train.rates, x, 0.0, step, 3 * samples * substeps)[2 * samples * substeps :: substeps]
     times = step * substeps * np.arange(samples + 1)

@@ -13,17 +13,15 @@ from models.catalogue import CATALOGUE
 
 from .systems import outputs_of, rates_of
 
-STATES = ("twist", "bending", "slope")
 CAMSHAFT = CATALOGUE["camshaft"]()
 
 
-def system_matrix(**parameters):
-    """d(rates)/d(states) of the unloaded shaft at rest, (6, 6)."""
-    camshaft = CATALOGUE["camshaft"]()
-    columns = []
-    for name in camshaft.state.names:
-        rates = rates_of(camshaft, {"flexible": 1.0, **parameters}, {name: 1.0})
-        columns.append([rates[other] for other in camshaft.state.names])
+def system_matrix(speed=0.0, **parameters):
+    """d(rates)/d(states) of the unloaded, straight shaft at a speed (rad/s), (10, 10)."""
+    given, step, columns = {"flexible": 1.0, **parameters}, 1e-9, []
+    for name in CAMSHAFT.state.names:
+        rates = rates_of(CAMSHAFT, given, {name: step}, {"drive_speed": speed})
+        columns.append([rates[other] / step for other in CAMSHAFT.state.names])
     return np.array(columns).T
 
 
@@ -36,8 +34,9 @@ def modes(**parameters):
 
 def test_first_bending_and_torsion_frequencies(record):
     frequencies, _ = modes()
+    assert frequencies[1] == pytest.approx(frequencies[0], rel=1e-9)  # both planes
     # The digits stated.
-    for name, value, stated in (("bending", frequencies[0], 520.0), ("torsion", frequencies[1], 1028.0)):
+    for name, value, stated in (("bending", frequencies[0], 520.0), ("torsion", frequencies[2], 1028.0)):
         quantity = f"first frequency of the camshaft in {name} (Hz)"
         record("Cam", quantity, value, stated, "independent evaluation", tolerance=0.5)
 
@@ -45,7 +44,7 @@ def test_first_bending_and_torsion_frequencies(record):
 @pytest.mark.parametrize("ratio", [0.0, 0.02, 0.3])
 def test_every_mode_has_the_given_damping_ratio(ratio):
     # Rounding of eigenvalues.
-    assert modes(shaft_damping_ratio=ratio)[1] == pytest.approx([ratio] * 3, abs=1e-9)
+    assert modes(shaft_damping_ratio=ratio)[1] == pytest.approx([ratio] * 5, abs=1e-9)
 
 
 def test_torsion_is_that_of_a_rod(record):
@@ -53,10 +52,42 @@ def test_torsion_is_that_of_a_rod(record):
     stiffness = 207e9 / 2.6 * math.pi * 0.02**4 / 32 / 0.1
     expected = math.sqrt(stiffness / 3.0e-4) / (2 * math.pi)
     # The damped modulus equals the undamped frequency.
-    found = modes()[0][1]
+    found = modes()[0][2]
     record(
         "Cam", "torsion frequency (Hz)", found, expected, "closed form of a rod with a disc", relative=1e-4
     )
+
+
+def bending_stiffness():
+    """12 E J/l^3, -6 E J/l^2, 4 E J/l of the default shaft."""
+    rigidity = 207e9 * math.pi * 0.02**4 / 64
+    return 12 * rigidity / 0.1**3, -6 * rigidity / 0.1**2, 4 * rigidity / 0.1
+
+
+@pytest.mark.parametrize("speed", [0.0, 300.0, 3000.0])
+def test_whirl_is_that_of_an_overhung_disc(speed):
+    """(k11 - m w^2) (k22 - I_t w^2 + I_p Omega w) = k12^2, w > 0 forwards (Den Hartog 1956, section 6.8)."""
+    k11, k12, k22 = bending_stiffness()
+    axis, tilt = np.array([-0.425, 0.0, k11]), np.array([-1.42e-4, 3.00e-4 * speed, k22])
+    expected = np.roots(np.polysub(np.polymul(axis, tilt), [k12**2]))
+    torsion = 2 * math.pi * modes()[0][2]
+    found = np.linalg.eigvals(system_matrix(speed, shaft_damping_ratio=0.0)).imag
+    whirl = np.sort(found[(found > 0) & (np.abs(found - torsion) > 1e-6 * torsion)])
+    # Complex pairs tell no direction: forwards and backwards together.
+    np.testing.assert_allclose(whirl, np.sort(np.abs(expected.real)), rtol=1e-8)
+
+
+def test_damping_that_turns_with_the_shaft_feeds_whirl_above_the_critical_speed():
+    """It does neither where the shaft whirls as it turns: (k11 - m O^2) (k22 - (I_t - I_p) O^2) = k12^2."""
+    k11, k12, k22 = bending_stiffness()
+    squares = np.roots(
+        [0.425 * (1.42e-4 - 3.00e-4), -0.425 * k22 - (1.42e-4 - 3.00e-4) * k11, k11 * k22 - k12**2]
+    )
+    critical = math.sqrt(squares[squares > 0.0][0])
+    growth = [np.linalg.eigvals(system_matrix(share * critical)).real.max() for share in (0.99, 1.0, 1.01)]
+    assert growth[0] < -0.1
+    assert growth[1] == pytest.approx(0.0, abs=1e-4)
+    assert growth[2] > 0.1
 
 
 def test_static_deflection_is_that_of_a_cantilever():

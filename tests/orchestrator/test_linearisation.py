@@ -87,17 +87,31 @@ def test_responses_of_a_linear_participant_have_the_poles_of_its_equations(syste
     assert measured.residual < 1e-8
 
 
-@pytest.mark.parametrize("name", ["camshaft", "valve_spring"])
-def test_responses_of_the_valve_train_have_the_poles_of_its_equations(name):
-    """The flexible camshaft and the spring with its coils, six states each: what their integrators leave
+def average_close(poles):
+    """The poles, ascending, with the mean in place of two that are within 1 % of each other.
+
+    Forwards and backwards whirl of the cam differ by 0.7 %: an answer of 0.3 ms cannot tell them apart.
+    """
+    found = np.sort_complex(poles)
+    for i in range(found.size - 1):
+        j = min(range(i + 1, found.size), key=lambda k: abs(found[k] - found[i]))
+        if abs(found[j] - found[i]) < 0.01 * abs(found[i]):
+            found[[i, j]] = 0.5 * (found[i] + found[j])
+    return np.sort_complex(found)
+
+
+# Of the shaft's two whirls a sample tells little more than of one, so that their fit leaves more.
+@pytest.mark.parametrize(("name", "residual"), [("camshaft", 3e-5), ("valve_spring", 1e-6)])
+def test_responses_of_the_valve_train_have_the_poles_of_its_equations(name, residual):
+    """The flexible camshaft, ten states, and the spring with its coils, six: what their integrators leave
     (1e-13 of nominal) is 1e-7 of the answers to pulses of 5 us; 60 samples are 1/50 of the slowest period."""
     system, where = load_flexible()
     found, expected, measured = linearise_twice(system, name, where, 3000, 5e-6)
-    poles, truth = (np.sort_complex(np.linalg.eigvals(linear.A)) for linear in (found, expected))
+    poles, truth = (average_close(np.linalg.eigvals(linear.A)) for linear in (found, expected))
     np.testing.assert_allclose(poles, truth, atol=1e-4 * np.abs(truth).max())
     assert_alike(found, expected, system, name, 5e-6, 1e-7)
     assert_alike(found, expected, system, name, 40e-6, 1e-6)
-    assert measured.residual < 1e-6
+    assert measured.residual < residual
 
 
 @pytest.mark.parametrize("master", [Jacobi("linear"), GaussSeidel("hermite"), Iterated("quadratic")], ids=str)

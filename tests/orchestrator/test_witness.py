@@ -46,7 +46,7 @@ def test_the_witness_agrees_with_reference_and_run(tmp_path: Path, record: Calla
         assert side["multibody"] == pytest.approx(side["reference"], rel=1e-4, abs=1e-12)
 
 
-# Half a revolution of a pushrod train; a valve that lands on its seat.
+# Half a revolution of a pushrod train; a valve that lands on its seat; one lift on an elastic shaft.
 TRAINS = {
     "pushrod-train": {
         "cam_contact.load": 5e-5,
@@ -58,18 +58,26 @@ TRAINS = {
         "valve_spring.position": 1e-7,
     },
     "valve-train": {"contact.load": 2e-4, "valve_spring.position": 1e-6},
+    "valve-train-flexible": {
+        "contact.load": 2e-5,
+        "contact.film_thickness": 1e-6,
+        "camshaft.drive_torque": 3e-5,
+        "valve_spring.position": 1e-7,
+        "guide moment": 1e-5,
+    },
 }
+STOP = {"pushrod-train": 0.03, "valve-train": 0.03, "valve-train-flexible": 0.08}
 SEAT = [f"components.valve_spring.parameters.{x}" for x in ("seat_stiffness=2e7", "seat_damping=300")]
-CHANGES = {"pushrod-train": [], "valve-train": SEAT}
+CHANGES = {"pushrod-train": [], "valve-train": SEAT, "valve-train-flexible": []}
 
 
 @pytest.mark.parametrize("scenario", TRAINS)
 def test_the_witness_agrees_with_the_reference(scenario: str, record: Callable[..., None]) -> None:
-    """Trains with a pushrod, and with a seat on which the closed valve rests with a share of the preload."""
+    """Trains with a pushrod, with a seat on which the closed valve rests, and on a shaft that bends."""
     loaded = load(scenario, [WITNESS, *CHANGES[scenario]])
     system = build_system(loaded)
     check_witness(loaded, system)
-    reference = solve(system, np.linspace(0.0, 0.03, 601), 1e-8, x0=system.x0)
+    reference = solve(system, np.linspace(0.0, STOP[scenario], 601), 1e-8, x0=system.x0)
     witness = hear_witness(system, reference, {name: reference[name] for name in system.outputs.names})
     for name, tolerance in TRAINS[scenario].items():
         found = witness.quantities[name].reference_difference

@@ -12,7 +12,14 @@ import sympy as sp
 
 from models.core.quantities import Vector
 from models.multibody.bodies import Body, make_axes
-from models.multibody.forces import ElasticField, SpringDamper, beam_stiffness, modal_damping, rod_rate
+from models.multibody.forces import (
+    ALONG_SHAFT,
+    ElasticField,
+    SpringDamper,
+    beam_stiffness,
+    modal_damping,
+    rod_rate,
+)
 from models.multibody.mechanism import Mechanism
 
 from .test_constraints import AT_I, AT_J, COEFFICIENTS, R_I, R_J, TIME, D, along, draw
@@ -41,8 +48,7 @@ def field_coordinates() -> list[sp.Expr]:
     e_i, e_j = sp.Matrix(AXES_I), sp.Matrix(AXES_J)
     shift = e_i.T * R_I.T * D - sp.Matrix(REST)
     a = e_i.T * R_I.T * R_J * e_j
-    turn = [(a[2, 1] - a[1, 2]) / 2, (a[0, 2] - a[2, 0]) / 2, (a[1, 0] - a[0, 1]) / 2]
-    return [*shift, *turn]
+    return [*shift, (a[2, 1] - a[1, 2]) / 2, -a[2, 0], a[1, 0]]
 
 
 ELEMENTS = {
@@ -103,6 +109,21 @@ def test_an_element_gives_a_system_neither_momentum_nor_angular_momentum(name: s
     np.testing.assert_allclose(f[0, 0] + f[1, 0], 0.0, atol=1e-12 * np.max(np.abs(f)))
     about_ground = sum(f[b, 1] + np.cross(q[6 * b : 6 * b + 3], f[b, 0]) for b in (0, 1))
     np.testing.assert_allclose(about_ground, 0.0, atol=1e-12 * np.max(np.abs(f)))
+
+
+def test_a_round_shaft_bends_alike_however_its_end_is_turned() -> None:
+    """Without stiffness in torsion, turning the end about its own axis changes no force."""
+    k = beam_stiffness(0.1, 0.02, **STEEL)
+    k[3, 3] = 0.0
+    bodies = [Body(body, 1.0, (0.1, 0.1, 0.1)) for body in ("first", "second")]
+    shaft = ElasticField("first", "second", k, 0.0 * k, REST, axes_i=ALONG_SHAFT, axes_j=ALONG_SHAFT)
+    mechanism, still = Mechanism(bodies, [], [shaft]), np.zeros(12)
+    q, turned = draw(7)[:12], draw(7)[:12]
+    # The last of the Cardan angles 1-2-3 turns a body about its own third axis.
+    turned[11] += 0.7
+    force = mechanism.evaluate(0.0, q, still).force.copy()
+    expected = mechanism.evaluate(0.0, turned, still).force
+    np.testing.assert_allclose(force, expected, atol=1e-12 * np.max(np.abs(force)))
 
 
 def test_flexibility_of_the_beam_at_its_tip(record: Callable[..., None]) -> None:

@@ -12,7 +12,8 @@ from models.contact.analysis.finite_line.cycle import passage
 from models.contact.analysis.finite_line.grid import Resolution
 from models.core.quantities import Layout
 from models.core.system import ModelError
-from models.valve_train.camshaft import CamshaftParameters, static_slope
+from models.valve_train.camshaft import CamshaftParameters
+from models.valve_train.shaft_element import static_slope
 
 from .cases import STRAIGHT, dry_of, film_of
 
