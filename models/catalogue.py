@@ -6,66 +6,61 @@ import functools
 import importlib
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
-from .contact.ehl_contact import ehl_contact
-from .contact.ehl_line_contact import ehl_line_contact
 from .core.component import Component
-from .flywheel import flywheel
-from .oscillators.bouncing_mass import falling_mass, spring_stop
-from .oscillators.quarter_car import quarter_car_chassis, quarter_car_wheel
-from .oscillators.two_masses import coupled_mass, sprung_mass
-from .slider_crank.piston.cylinder_gas import cylinder_gas
-from .slider_crank.piston.free_piston_crank import free_piston_crank
-from .slider_crank.piston.piston_crank import piston_crank
-from .slider_crank.slider_crank import slider_crank
-from .valve_train.camshaft import camshaft
-from .valve_train.coil_spring import coil_spring
-from .valve_train.finger import finger
-from .valve_train.journal_bearing import journal_bearing
-from .valve_train.lash_adjuster import lash_adjuster
-from .valve_train.multibody_valve_train import multibody_valve_train
-from .valve_train.pad_friction import pad_friction
-from .valve_train.pivot_friction import pivot_friction
-from .valve_train.rocker import rocker
-from .valve_train.rod import rod
-from .valve_train.roller import roller
-from .valve_train.shaft import shaft
-from .valve_train.tappet import tappet
-from .valve_train.valve import valve
-from .valve_train.valve_spring import valve_spring
 
-# Each factory takes its structural sizes by keyword, e.g. valve_spring(coil_masses=8).
-CATALOGUE: Mapping[str, Callable[..., Component]] = {
-    "camshaft": camshaft,
-    "valve_spring": valve_spring,
-    "valve": valve,
-    "coil_spring": coil_spring,
-    "shaft": shaft,
-    "journal_bearing": journal_bearing,
-    "tappet": tappet,
-    "finger": finger,
-    "rod": rod,
-    "rocker": rocker,
-    "pivot_friction": pivot_friction,
-    "pad_friction": pad_friction,
-    "roller": roller,
-    "lash_adjuster": lash_adjuster,
-    "multibody_valve_train": multibody_valve_train,
-    "ehl_contact": ehl_contact,
-    "ehl_line_contact": ehl_line_contact,
-    "flywheel": flywheel,
-    "slider_crank": slider_crank,
-    "piston_crank": piston_crank,
-    "free_piston_crank": free_piston_crank,
-    "cylinder_gas": cylinder_gas,
-    "quarter_car_chassis": quarter_car_chassis,
-    "quarter_car_wheel": quarter_car_wheel,
-    "coupled_mass": coupled_mass,
-    "sprung_mass": sprung_mass,
-    "falling_mass": falling_mass,
-    "spring_stop": spring_stop,
+# The module of each component, below this package. Its factory has the component's name and takes structural
+# sizes by keyword, e.g. valve_spring(coil_masses=8).
+MODULES = {
+    "camshaft": "valve_train.camshaft",
+    "valve_spring": "valve_train.valve_spring",
+    "valve": "valve_train.valve",
+    "coil_spring": "valve_train.coil_spring",
+    "shaft": "valve_train.shaft",
+    "journal_bearing": "valve_train.journal_bearing",
+    "tappet": "valve_train.tappet",
+    "finger": "valve_train.finger",
+    "rod": "valve_train.rod",
+    "rocker": "valve_train.rocker",
+    "pivot_friction": "valve_train.pivot_friction",
+    "pad_friction": "valve_train.pad_friction",
+    "roller": "valve_train.roller",
+    "lash_adjuster": "valve_train.lash_adjuster",
+    "multibody_valve_train": "valve_train.multibody_valve_train",
+    "ehl_contact": "contact.ehl_contact",
+    "ehl_line_contact": "contact.ehl_line_contact",
+    "flywheel": "flywheel",
+    "slider_crank": "slider_crank.slider_crank",
+    "piston_crank": "slider_crank.piston.piston_crank",
+    "free_piston_crank": "slider_crank.piston.free_piston_crank",
+    "cylinder_gas": "slider_crank.piston.cylinder_gas",
+    "quarter_car_chassis": "oscillators.quarter_car",
+    "quarter_car_wheel": "oscillators.quarter_car",
+    "coupled_mass": "oscillators.two_masses",
+    "sprung_mass": "oscillators.two_masses",
+    "falling_mass": "oscillators.bouncing_mass",
+    "spring_stop": "oscillators.bouncing_mass",
 }
+
+
+class _Catalogue(Mapping[str, Callable[..., Component]]):
+    """The factories by name. A module is imported when its component is asked for: few runs need many."""
+
+    def __getitem__(self, name: str) -> Callable[..., Component]:
+        factory: Callable[..., Component] = getattr(
+            importlib.import_module(f".{MODULES[name]}", __package__), name
+        )
+        return factory
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(MODULES)
+
+    def __len__(self) -> int:
+        return len(MODULES)
+
+
+CATALOGUE = _Catalogue()
 
 
 def is_own(name: str) -> bool:

@@ -16,7 +16,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import isotonic_regression
 
 from ..core.quantities import Vector
 
@@ -38,6 +37,8 @@ def fit_gaps(travel: Vector, force: Vector, segments: int, stop_stiffness: float
     """
     above = force - force[0]
     step = np.diff(above)
+    from scipy.optimize import isotonic_regression  # takes long to import
+
     flexibility = isotonic_regression(np.diff(travel) / step, weights=step, increasing=False).x
     free = flexibility[0]
     rate = 1.0 / free

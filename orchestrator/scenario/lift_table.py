@@ -9,18 +9,20 @@ import functools
 import math
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from models.core.quantities import Vector
 from models.plausible import CAM_LIFT
 from models.valve_train.cams.law import LawParameters
-from models.valve_train.cams.smoothing import SmoothedLift, smooth_lift
 from models.valve_train.cams.table import TURN, TableParameters
 
 from .angle_table import AngleTableError, Kind, read_angle_table
 from .values import Faults
+
+if TYPE_CHECKING:
+    from models.valve_train.cams.smoothing import SmoothedLift
 
 # A gap is longer than this many times the usual spacing.
 GAP = 3.0
@@ -50,6 +52,8 @@ class LiftTable:
 
     def smooth(self) -> SmoothedLift:
         """The smoothing spline over the turn, with a round cam in the gap."""
+        from models.valve_train.cams.smoothing import smooth_lift  # its libraries take long to import
+
         angle, lift = self._close()
         try:
             return smooth_lift(angle, lift, self.rounding)
