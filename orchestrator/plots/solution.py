@@ -1,4 +1,7 @@
-"""What components do that no other figure draws: a panel for each variable, a colour for each instance."""
+"""What components do that no other figure draws: a panel for each variable, a colour for each instance.
+
+Elements of an array share a panel.
+"""
 
 from __future__ import annotations
 
@@ -37,10 +40,23 @@ def choose_panels(data: FigureData) -> dict[str, list[str]]:
     )
     free = [name for name in data.coupled if name.split(".")[0] not in drawn and _varies(data, name)]
     judged = {*data.tolerance, *data.drivers.values()}
+    chosen = [name for name in free if name in judged] or ([] if drawn else free)
     found: dict[str, list[str]] = {}
-    for name in [name for name in free if name in judged] or ([] if drawn else free):
-        found.setdefault(name.split(".", 1)[1], []).append(name)
+    for name in sorted(chosen, key=lambda name: _rank(data, name)):
+        found.setdefault(_split(name)[1], []).append(name)
     return found
+
+
+def _split(name: str) -> tuple[str, str]:
+    """Instance with the index of an element, and variable: shaft[2] and cam_speed of shaft.cam_speed[2]."""
+    instance, _, variable = name.partition(".")
+    stem, bracket, index = variable.partition("[")
+    return instance + bracket + index, stem
+
+
+def _rank(data: FigureData, name: str) -> tuple[bool, bool]:
+    """Outputs with a tolerance come first, and angles last: those of a shaft at constant speed say least."""
+    return name not in data.tolerance, data.quantities[name].unit == "rad"
 
 
 def _varies(data: FigureData, name: str) -> bool:
@@ -75,8 +91,10 @@ def _draw_panel(ax: Axes, data: FigureData, names: list[str], variable: str) -> 
         factor, _ = data.shown(name)
         if name in data.reference:
             ax.plot(data.x(True), factor * data.reference[name], color=colour, alpha=0.3, lw=3.4)
-        ax.plot(data.x(), factor * data.coupled[name], color=colour, lw=1.1, label=name.split(".")[0])
-    more = len(names) - LINES
-    ax.set_title(f"and {more} more" if more > 0 else "", loc="left", fontsize=8.5)
+        ax.plot(data.x(), factor * data.coupled[name], color=colour, lw=1.1, label=_split(name)[0])
     ax.set_ylabel(data.label(names[0], variable))
-    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=LINES, borderaxespad=0.2)
+    ax.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=LINES, borderaxespad=0.2, fontsize=7.0,
+        columnspacing=1.2, handlelength=1.2, alignment="right", title_fontsize=7.0,
+        title=f"{LINES} of {len(names)}" if len(names) > LINES else None,
+    )  # fmt: skip

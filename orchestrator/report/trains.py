@@ -51,7 +51,8 @@ def sketch_tappet(parts: Parts, tappet: str) -> Sketch | None:
     if parts.kind(rocker) == "rocker":
         contacts += _draw_rocker(sketch, parts, rocker, rod, moving, offset, top + 8.0)
     else:
-        valve = find_valve(parts, above)
+        # A tappet that springs act on directly is one body with its valve.
+        valve = tappet if parts.kind(above) == "coil_spring" else find_valve(parts, above)
         if not valve:
             return None
         if parts.kind(above) == "lash_adjuster":

@@ -246,6 +246,7 @@ DRAWN = {
     "valve-train": 1, "pushrod-train": 1, "direct-acting-hla": 1, "finger-follower-hla": 1,
     "roller-finger": 1,
     "slider-crank": 1, "piston-slap": 1, "valve-stem": 1, "pushrod-engine": 8, "engine": 2, "quarter-car": 0,
+    "valve-train-16v": 16,
 }  # fmt: skip
 
 
