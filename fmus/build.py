@@ -185,6 +185,11 @@ def has_reference(name: str, component: Component) -> bool:
     return name in REFERENCED and component.structure == CATALOGUE[name]().structure
 
 
+def explain_no_native(name: str) -> str:
+    """Why there is no native FMU of the component, and no model exchange; "" if there is one."""
+    return str(find_extra(name, "PYTHON_ONLY", ""))
+
+
 def experiment(name: str) -> Experiment:
     """The default experiment of tools."""
     offered: Experiment = find_extra(name, "EXPERIMENT", Experiment(stop_time=1.0, step_size=1e-3))

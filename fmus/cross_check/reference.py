@@ -14,6 +14,7 @@ from models.core.component import Component
 from models.core.quantities import Vector
 from models.monolithic.driven import Driven, Piece, solve_driven
 
+from ..build import explain_no_native
 from .files import Options, Table, csv_text, read_csv
 from .stimulus import Stimulus, slope_name
 
@@ -65,14 +66,19 @@ def results(name: str, stimulus: Stimulus) -> Results:
     uncertainty = {o: float(np.max(solved.difference[:, i])) / size[o] for o, i in by_output}
     apart = {o: float(np.max(np.abs(steps[:, i] - values[o]))) / size[o] for o, i in by_output}
     tolerance = round_tolerance(max(*apart.values(), *uncertainty.values()))
+    exchange = (
+        {}
+        if explain_no_native(name)
+        else {f"me/{name}_ref.opt": _options(stimulus, 0.0, stimulus.exchange_tolerance)}
+    )
     return Results(
         files={
             f"{name}_in.csv": inputs,
             f"{name}_ref.csv": written,
             f"{name}_ref.opt": _options(stimulus, stimulus.step_size, tolerance),
-            f"me/{name}_ref.opt": _options(stimulus, 0.0, stimulus.exchange_tolerance),
             "README.md": _readme(name, stimulus, solved, uncertainty, apart, tolerance),
-        },
+        }
+        | exchange,
         uncertainty=uncertainty,
         stepped=apart,
         tolerance=tolerance,
@@ -139,14 +145,20 @@ def _readme(
 ) -> str:
     first, second = solved.method_names
     events = f"On the way are {len(solved.events)} impacts and releases." if solved.events else ""
+    inputs = agreement = ""
+    if not explain_no_native(name):
+        inputs = "In model exchange inputs are interpolated between rows, and corners are events."
+        agreement = (
+            f"Model exchange agrees within {stimulus.exchange_tolerance:.0e} (`RelTol` in its file), with a "
+            f"solver of relative tolerance {EXCHANGE_SOLVER:.0e} that locates events."
+        )
     paragraphs = [
         stimulus.says,
         "Parameters and start values are the FMU's own, the start time is 0.",
         f"""**Inputs** (`{name}_in.csv`) are straight lines between corners; those without a column keep
         their start values. Columns `<input>_der1` are slopes, which are inputs of the FMU, too. A host of
         co-simulation that sets all columns at the beginning of each step, at a corner from its last row, has
-        the inputs exactly, without interpolating within the step. In model exchange inputs are interpolated
-        between rows, and corners are events.""",
+        the inputs exactly, without interpolating within the step. {inputs}""",
         f"""**Results** (`{name}_ref.csv`, {DIGITS} digits) were not computed by the FMU. The component's
         equations were solved with these inputs by two methods that locate events, begun afresh at every
         corner. The results are those of {first}. The table has how far two others are from them, over the
@@ -154,9 +166,7 @@ def _readme(
         of {stimulus.step_size:g} s as the FMU is. {events}""",
         f"""**Tolerance**: co-simulation in steps of {stimulus.step_size:g} s agrees within {tolerance:.0e} of
         an output's largest value (`RelTol` in `{name}_ref.opt`): the next power of ten above {MARGIN:g} times
-        what the table has, at least {LEAST:.0e}. Model exchange agrees within
-        {stimulus.exchange_tolerance:.0e} (`RelTol` in its file), with a solver of relative tolerance
-        {EXCHANGE_SOLVER:.0e} that locates events.""",
+        what the table has, at least {LEAST:.0e}. {agreement}""",
         "`tribocosim fmu compare FILE` runs the FMU and compares.",
     ]
     filled = [textwrap.fill(" ".join(paragraph.split()), 116) for paragraph in paragraphs]

@@ -156,17 +156,14 @@ def check_tools() -> None:
 
 def check_component(name: str) -> None:
     """TranslationError for a component whose FMU needs Python."""
-    if reason := _python_only(name):
+    if reason := python_build.explain_no_native(name):
         raise TranslationError(f"{name}: {reason}")
 
 
-def _python_only(name: str) -> str:
-    """Why there is no native FMU of the component: PYTHON_ONLY of its folder; "" if there is one."""
-    return str(python_build.find_extra(name, "PYTHON_ONLY", ""))
-
-
 # The components of which there are native FMUs.
-NAMES: tuple[str, ...] = tuple(name for name in python_build.NAMES if not _python_only(name))
+NAMES: tuple[str, ...] = tuple(
+    name for name in python_build.NAMES if not python_build.explain_no_native(name)
+)
 
 
 def _version(tool: str) -> str:

@@ -10,7 +10,7 @@ import fmpy.util
 import numpy as np
 import pytest
 
-from fmus.build import REFERENCED
+from fmus.build import REFERENCED, explain_no_native
 from fmus.cross_check.files import Table, csv_text, read_csv, read_options
 from fmus.cross_check.inside import reference_folder
 from fmus.cross_check.reference import (
@@ -24,8 +24,9 @@ from fmus.cross_check.reference import (
 )
 from fmus.cross_check.stimulus import Stimulus, load_stimulus
 
-# What the files are written with (5e-10), and what two solvers of 1e-12 a step leave (3e-9 at most, in the
-# slider-crank, by other compilers and libraries perhaps twice that), over an output's largest value.
+# What the files are written with (5e-10), and what two solvers of 1e-12 a step leave (3e-9 in the
+# slider-crank, more in loads of stiff contacts; by other compilers and libraries perhaps twice that), over an
+# output's largest value.
 SAME = 1e-8
 
 
@@ -47,10 +48,13 @@ def apart(found: Table, wanted: Table) -> dict[str, float]:
     return {o: float(np.max(np.abs(found.columns[o] - values))) / largest(values) for o, values in columns}
 
 
-# Those of the tilting pistons compile longest.
+# Those that compile longest.
+LATE = ("piston_crank", "free_piston_crank", "multibody_valve_train")
+
+
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(n, marks=pytest.mark.long) if n.endswith("piston_crank") else n for n in REFERENCED],
+    [pytest.param(n, marks=pytest.mark.long) if n in LATE else n for n in REFERENCED],
 )
 def test_shipped_results_are_what_the_physics_gives(name: str, record) -> None:
     """A change of an equation or a default fails here, by the component's and the output's name.
@@ -61,10 +65,13 @@ def test_shipped_results_are_what_the_physics_gives(name: str, record) -> None:
     differences = apart(
         read_csv(now.files[f"{name}_ref.csv"], "now"), read_csv(shipped(name, f"{name}_ref.csv"), "shipped")
     )
-    drifted = {f"{name}.{o}": difference for o, difference in differences.items() if difference > SAME}
+    same = max(SAME, 2.0 * max(now.uncertainty.values()))
+    drifted = {f"{name}.{o}": difference for o, difference in differences.items() if difference > same}
     assert not drifted
     assert now.files[f"{name}_in.csv"] == shipped(name, f"{name}_in.csv")
-    assert now.files[f"me/{name}_ref.opt"] == shipped(name, f"me/{name}_ref.opt")
+    for file in now.files:
+        if file.endswith(".opt"):
+            assert now.files[file] == shipped(name, file)
     assert set(now.files) == {
         path.relative_to(reference_folder(name)).as_posix() for path in reference_folder(name).rglob("*.*")
     }
@@ -171,8 +178,11 @@ def test_the_page_states_the_tolerances_that_ship() -> None:
     lines = re.findall(r"^\| `(\w+)` \| .* \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.MULTILINE)
     assert [name for name, *_ in lines] == list(REFERENCED)
     for name, *numbers in lines:
-        stepped, stated, exchanged, allowed = map(float, numbers)
-        assert stated == read_options(shipped(name, f"{name}_ref.opt"), "opt").tolerance
-        assert allowed == read_options(shipped(name, f"me/{name}_ref.opt"), "opt").tolerance
-        assert stepped < stated
-        assert exchanged < allowed
+        told = {f"{name}_ref.opt": numbers[:2]}
+        if explain_no_native(name):
+            assert numbers[2:] == ["-", "-"]
+        else:
+            told[f"me/{name}_ref.opt"] = numbers[2:]
+        for file, (measured, stated) in told.items():
+            assert float(stated) == read_options(shipped(name, file), "opt").tolerance
+            assert float(measured) < float(stated)
