@@ -18,6 +18,7 @@ from ..participants.compiled import IN_PROCESS, CompiledCalls
 from ..participants.protocol import BoundVariables
 from .consistency import make_consistent
 from .coupling_state import CouplingState
+from .instants import NO_SIDE_LINES, Instants, SideLines
 from .saved_points import SavedPoints
 from .signals import finite
 from .sweeps import SweepKind, propagate
@@ -31,7 +32,8 @@ class Coupling:
 
     `signals` (degree + 1 x sources) are the input signals of a step: value and derivatives at its start.
     `inputs[i]` are those of participant i, views on `all_inputs`, where those of participant i begin at
-    `offsets[i]`. `calls` counts the steps asked of each participant.
+    `offsets[i]`. `calls` counts the steps asked of each participant. `lines` are connections of what is no
+    number.
     """
 
     def __init__(
@@ -40,6 +42,7 @@ class Coupling:
         participants: Mapping[str, Participant],
         degree: int,
         watched: Mapping[str, Sequence[str]] | None = None,
+        lines: SideLines = NO_SIDE_LINES,
     ) -> None:
         self.wiring = w = wire(system, participants, degree, watched or {})
         self.participants = [participants[name] for name in w.names]
@@ -72,6 +75,8 @@ class Coupling:
                 if w.held[i]:
                     # Rates of outputs that follow such an input at once lack its slope.
                     rated[own] &= ~w.passed_through[own]
+
+        self.instants = Instants(self, lines)
 
     @cached_property
     def offers(self) -> list[CompiledCalls | str]:
@@ -114,6 +119,7 @@ class Coupling:
             self.read(i)
         if not np.array_equal(before, self.state.arrived):
             make_consistent(self, start_time)
+        self.instants.settle(start_time)
         self.state.history.begin(start_time, self.state.values, self.state.rates)
 
     def propagate(self, order: tuple[int, ...], time: float) -> None:
@@ -128,8 +134,12 @@ class Coupling:
         self.propagate(tuple(i for i in self.wiring.answering if i in part), time)
 
     def accept(self, time: float) -> None:
-        """The present values are those of a communication point."""
+        """The present values are those of a communication point, whose events happen now."""
+        happened = self.instants.settle(time)
         self.state.history.append(time, self.state.values, self.state.rates)
+        if happened:
+            self.points.present = None
+            self.state.history.restart()
 
     def read(self, i: int) -> None:
         """Take the values of participant i; NotFiniteError if one is not finite."""

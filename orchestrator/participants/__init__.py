@@ -68,4 +68,5 @@ def collect_settings(
     }
     interface = MODEL_EXCHANGE if about and about.integrated else CO_SIMULATION
     values = {**instance.parameters, **starts}
-    return FmuSettings(component.outputs.names, values, instance.inputs, strings, interface, memory_mb)
+    sizes = about.sizes if about else {}
+    return FmuSettings(component.outputs.names, values, instance.inputs, strings, interface, memory_mb, sizes)

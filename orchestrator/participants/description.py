@@ -18,7 +18,9 @@ from fmpy import read_model_description
 
 from fmus.fmi.origin import is_built_here
 
-from .description1 import complete
+from . import description1, description3
+from .description3 import EventMode
+from .sizes import STRUCTURAL, resize
 
 VERSIONS = ("1.0", "2.0", "3.0")
 # The interfaces by which an FMU can take part.
@@ -26,7 +28,7 @@ CO_SIMULATION, MODEL_EXCHANGE = "co_simulation", "model_exchange"
 OWN_TOOL = "tribocosim "
 REALS = ("Real", "Float64", "Float32")
 BOOLEANS = ("Boolean",)
-STRING = "String"
+STRING, BINARY, CLOCK = "String", "Binary", "Clock"
 INTEGERS = (
     *("Integer", "Enumeration"),
     *("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64"),
@@ -99,7 +101,8 @@ class Description:
     steps, else 0; one that `returns_early` may of itself come back from a step before its end, one that
     `interpolates` takes derivatives of inputs by the standard's call, one that `gives_rates` gives those of
     outputs so. `start`, `stop` and `step` (s) are those of its default experiment; `tool` is what made it.
-    `exchange`: its model exchange; None if it has none.
+    `exchange`: its model exchange; None if it has none. `sizes` are the values of structural parameters that
+    differ from their starts. `events`: its event mode in co-simulation; None if it has none.
     """
 
     version: str
@@ -125,16 +128,33 @@ class Description:
     step: float | None
     exchange: Exchange | None
     integrated: bool
+    sizes: Mapping[str, int]
+    events: EventMode | None
 
     @property
     def is_own(self) -> bool:
         """Whether the file names this program as its generator."""
         return self.tool.startswith(OWN_TOOL)
 
+    def list_texts(self, *causalities: str) -> list[str]:
+        """The scalars of types String and Binary that have one of these causalities and are no constants."""
+        return [
+            v.name
+            for v in self.variables.values()
+            if v.type in (STRING, BINARY) and v.causality in causalities and v.size == 1
+            if v.variability != "constant"
+        ]
+
     @property
     def strings(self) -> list[str]:
-        """The scalar parameters of type String."""
-        return [v.name for v in self.variables.values() if v.settable and v.type == STRING and v.size == 1]
+        """The strings and binary values that a scenario can give: of parameters and of inputs."""
+        return self.list_texts("parameter", "input")
+
+    @property
+    def structural(self) -> dict[str, Variable]:
+        """The structural parameters that can be given a value."""
+        known = self.variables.values()
+        return {v.name: v for v in known if v.causality == STRUCTURAL and v.variability != "constant"}
 
     def list_variables(self, causality: str) -> Iterator[Variable]:
         """The numeric variables of this causality."""
@@ -156,17 +176,24 @@ class DescriptionError(ValueError):
     """The file is no usable FMU; the message lacks the file's name."""
 
 
-def read_description(path: Path, interface: str = CO_SIMULATION) -> Description:
+NO_SIZES: Mapping[str, int] = {}
+
+
+def read_description(
+    path: Path, interface: str = CO_SIMULATION, sizes: Mapping[str, int] = NO_SIZES
+) -> Description:
     """Read the description without running the FMU; DescriptionError if it cannot be used.
 
-    An FMU that has only one interface is described by that.
+    An FMU that has only one interface is described by that. `sizes` are values of structural parameters.
     """
     try:
         found = _read(path)
     except Exception as error:
         raise DescriptionError(f"cannot be read as an FMU: {' '.join(str(error).split())}") from None
     if found.fmiVersion == "1.0":
-        complete(found, path)
+        description1.complete(found, path)
+    events = description3.complete(found, path) if found.fmiVersion == "3.0" else None
+    resize(found, sizes)
     about = found.coSimulation
     integrated = found.modelExchange is not None and (about is None or interface == MODEL_EXCHANGE)
     if integrated:
@@ -212,6 +239,8 @@ def read_description(path: Path, interface: str = CO_SIMULATION) -> Description:
         once_per_process=bool(about.canBeInstantiatedOnlyOncePerProcess),
         exchange=_read_exchange(found),
         integrated=integrated,
+        sizes=dict(sizes),
+        events=None if integrated else events,
         **{
             short: _parse_number(getattr(experiment, name, None))
             for short, name in {"start": "startTime", "stop": "stopTime", "step": "stepSize"}.items()

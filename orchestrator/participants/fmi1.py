@@ -7,7 +7,7 @@ state can be neither saved nor restored.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from fmpy.fmi1 import (
@@ -64,6 +64,9 @@ class Fmi1(BoundCalls):
     def _function(self, name: str) -> Any:
         return super()._function(self._prefix + name.replace("fmi1", "fmi"))
 
+    def configure(self, sizes: Mapping[Variable, int]) -> None:
+        raise NotImplementedError("structural parameters begin with FMI 3.0")
+
     def set_up(self, start_time: float, stop_time: float) -> None:
         pass
 
@@ -83,8 +86,11 @@ class Fmi1(BoundCalls):
         else:
             self.slave.setInteger(reference, [int(value) for value in values])
 
-    def set_string(self, variable: Variable, text: str) -> None:
+    def set_text(self, variable: Variable, text: str) -> None:
         self.slave.setString([variable.reference], [text])
+
+    def get_text(self, variable: Variable) -> str:
+        return str(self.slave.getString([variable.reference])[0].decode("utf-8", "replace"))
 
     def get(self, variables: Sequence[Variable]) -> list[float]:
         (first, *_), reference = variables, [v.reference for v in variables]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -90,6 +90,9 @@ class Fmi2(BoundCalls):
             raise
         self._bind("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate")
 
+    def configure(self, sizes: Mapping[Variable, int]) -> None:
+        raise NotImplementedError("structural parameters begin with FMI 3.0")
+
     def set_up(self, start_time: float, stop_time: float) -> None:
         self.slave.setupExperiment(startTime=start_time, stopTime=stop_time)
 
@@ -108,8 +111,11 @@ class Fmi2(BoundCalls):
         else:
             self.slave.setInteger(reference, [int(value) for value in values])
 
-    def set_string(self, variable: Variable, text: str) -> None:
+    def set_text(self, variable: Variable, text: str) -> None:
         self.slave.setString([variable.reference], [text])
+
+    def get_text(self, variable: Variable) -> str:
+        return str(self.slave.getString([variable.reference])[0].decode("utf-8", "replace"))
 
     def get(self, variables: Sequence[Variable]) -> list[float]:
         (first, *_), reference = variables, [v.reference for v in variables]

@@ -1,14 +1,14 @@
 """FMI 3.0: an instance of an FMU for co-simulation.
 
-The FMU handles its events and clocks itself; event mode is not used. The rest of a step that
-returns early follows.
+The FMU handles its events itself (see `fmi3_events` for the others). The rest of a step that returns early
+follows.
 """
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NoReturn
 
 import numpy as np
 from fmpy import fmi3
@@ -18,14 +18,14 @@ from models.core.quantities import Vector
 
 from ..errors import ParticipantError
 from .bound_calls import ArrayLayout, BoundCalls
-from .description import BOOLEANS, REALS, Description, Variable
+from .description import BINARY, BOOLEANS, REALS, Description, Variable
 from .fmi_instance import DISCARD, WARNING
 from .library import open_library
 
 # Types that are stored as another one.
 STORED_AS = {"Enumeration": "Int64"}
 # Places of the flags that a step returns.
-ENDED, EARLY = 1, 2
+EVENT, ENDED, EARLY = 0, 1, 2
 # Limit of early returns from one step.
 MAXIMUM_RETURNS = 10_000
 # Relative tolerance of times, for the FMU's sum of steps.
@@ -53,6 +53,12 @@ class Fmi3(BoundCalls):
         )
         self._bind("fmi3GetFMUState", "fmi3SetFMUState", "fmi3FreeFMUState")
 
+    def configure(self, sizes: Mapping[Variable, int]) -> None:
+        self.slave.enterConfigurationMode()
+        for variable, size in sizes.items():
+            self.set([variable], [size])
+        self.slave.exitConfigurationMode()
+
     def set_up(self, start_time: float, stop_time: float) -> None:
         pass
 
@@ -68,8 +74,16 @@ class Fmi3(BoundCalls):
         memory[:] = [make(value) for value in values]
         call(self.slave.component, references, len(references), memory, len(memory))
 
-    def set_string(self, variable: Variable, text: str) -> None:
-        self.slave.setString([variable.reference], [text])
+    def set_text(self, variable: Variable, text: str) -> None:
+        if variable.type == BINARY:
+            self.slave.setBinary([variable.reference], [bytes.fromhex(text)])
+        else:
+            self.slave.setString([variable.reference], [text])
+
+    def get_text(self, variable: Variable) -> str:
+        if variable.type == BINARY:
+            return (self.slave.getBinary([variable.reference])[0] or b"").hex()
+        return str(self.slave.getString([variable.reference])[0])
 
     def get(self, variables: Sequence[Variable]) -> list[float]:
         references, memory, call = self._memory("fmi3Get", variables)
@@ -155,23 +169,28 @@ class Fmi3(BoundCalls):
                 if status > WARNING or marks[ENDED]:
                     break
                 if not begin.value <= told[1] <= end + abs(end) * ROUNDING:
-                    raise ParticipantError(
-                        f"{self._name}: came back early from its step from t = {begin.value:.9g} s and says "
-                        f"that it has reached t = {told[1]:.9g} s (lastSuccessfulTime): must not be "
-                        f"earlier, and at most {end:.9g} s; the FMU is at fault, ask who made it"
-                    )
+                    self.refuse_reached(begin.value, end)
                 begin.value, duration.value = told[1], end - told[1]
                 if duration.value <= 0.0:
                     return
             else:
-                raise ParticipantError(
-                    f"{self._name}: came back early {MAXIMUM_RETURNS} times from its step from "
-                    f"t = {time:.9g} s by {step:g} s, and is at t = {told[1]:.9g} s; take a smaller "
-                    "macro_step, or ask who made it"
-                )
+                self.refuse_returns(time, step)
             fail(max(status, DISCARD), time, step)
 
         return advance
+
+    def refuse_reached(self, begin: float, end: float) -> NoReturn:
+        raise ParticipantError(
+            f"{self._name}: came back early from its step from t = {begin:.9g} s and says that it has "
+            f"reached t = {self._told[1]:.9g} s (lastSuccessfulTime): must not be earlier, and at most "
+            f"{end:.9g} s; the FMU is at fault, ask who made it"
+        )
+
+    def refuse_returns(self, time: float, step: float) -> NoReturn:
+        raise ParticipantError(
+            f"{self._name}: came back early {MAXIMUM_RETURNS} times from its step from t = {time:.9g} s by "
+            f"{step:g} s, and is at t = {self._told[1]:.9g} s; take a smaller macro_step, or ask who made it"
+        )
 
     def get_reached_time(self) -> float | None:
         return float(self._told[1])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
 from models.core.quantities import Vector
@@ -34,6 +34,10 @@ class FmiInstance(Protocol):
         """Make it; `log` gets the status and text of its messages."""
         ...
 
+    def configure(self, sizes: Mapping[Variable, int]) -> None:
+        """Before all else: set structural parameters; FMI 3.0 only."""
+        ...
+
     def set_up(self, start_time: float, stop_time: float) -> None:
         """What comes before initialisation and the values that hold for it."""
         ...
@@ -46,7 +50,13 @@ class FmiInstance(Protocol):
         """Set these scalars: all of one type, or all elements of one array."""
         ...
 
-    def set_string(self, variable: Variable, text: str) -> None: ...
+    def set_text(self, variable: Variable, text: str) -> None:
+        """Set a string, or a binary value that is given as hexadecimal digits."""
+        ...
+
+    def get_text(self, variable: Variable) -> str:
+        """As `set_text`."""
+        ...
 
     def get(self, variables: Sequence[Variable]) -> list[float]:
         """As `set`."""

@@ -13,11 +13,14 @@ from models.core.quantities import Vector
 from .bound_variables import BoundInputs, BoundOutputs
 from .capabilities import signal_degrees
 from .compiled import GET, RELEASE, SAVE, SET, STEP, CompiledCalls
+from .description import Description
 from .fmi1 import Fmi1
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
+from .fmi3_events import Fmi3WithEvents
 from .opened_fmu import FmuSettings, OpenedFmu
 from .protocol import BoundVariables
+from .side_channel import FmuSideChannel, has_side_channel, uses_event_mode
 
 FAILED_CALLS = {
     SET: "setting the inputs",
@@ -25,6 +28,12 @@ FAILED_CALLS = {
     SAVE: "saving the state",
     RELEASE: "freeing a saved state",
 }
+
+
+def _open_fmi3(name: str, description: Description, folder: str) -> Fmi3:
+    """In event mode if it is used."""
+    kind = Fmi3WithEvents if uses_event_mode(description) else Fmi3
+    return kind(name, description, folder)
 
 
 class FmuParticipant(OpenedFmu):
@@ -35,12 +44,13 @@ class FmuParticipant(OpenedFmu):
     booleans are exchanged as the nearest number. After `connect`, `follows` marks the `inputs` that it takes.
     """
 
-    instances: ClassVar[Mapping[str, Any]] = {"1.0": Fmi1, "2.0": Fmi2, "3.0": Fmi3}
+    instances: ClassVar[Mapping[str, Any]] = {"1.0": Fmi1, "2.0": Fmi2, "3.0": _open_fmi3}
 
     def __init__(self, name: str, path: Path, settings: FmuSettings, folder: Path | None = None) -> None:
         super().__init__(name, path, settings, folder)
         description = self._fmu.description
         self._records: list[Any] = []
+        self.side = FmuSideChannel(self._fmu) if has_side_channel(description) else None
         self._step = self._fmi.bind_step(self._errors.fail_step)
         holds = 0 in signal_degrees(description, [v.name for v in description.list_variables("input")])
         # What runs in every step are such functions themselves, not methods around them.
@@ -78,7 +88,7 @@ class FmuParticipant(OpenedFmu):
         if inputs.called or outputs.called:
             return "it exchanges derivatives by calls of their own"
         if not self._fmi.get_addresses():
-            return "it is of FMI 1.0, or may return early from a step"
+            return "it is of FMI 1.0, has event mode, or may return early from a step"
         given, taken = inputs.binding.references, outputs.binding.references
         count = len(given)
         # -0.0 leaves every number as it is, also -0.0.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from .messages import ADVANCE, READ, TIMES
 from .opened_fmu import FmuSettings
 from .own_process import OwnProcess
 from .protocol import BoundVariables
+from .side_channel import RemoteSideChannel, has_side_channel
 
 Saved = int  # the process's number of a state
 
@@ -29,8 +31,10 @@ class InOwnProcess(OwnProcess):
 
     def __init__(self, name: str, path: Path, settings: FmuSettings) -> None:
         super().__init__(name, path, settings)
-        self._about = read_description(path, settings.interface)
-        self.restorable = self._about.restorable
+        self._about = read_description(path, settings.interface, settings.sizes)
+        self.restorable, self.variable_step = self._about.restorable, self._about.variable_step
+        has_side = has_side_channel(self._about)
+        self.side = RemoteSideChannel(self._about, self._call_between) if has_side else None
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return signal_degrees(self._about, input_names)
@@ -81,6 +85,12 @@ class InOwnProcess(OwnProcess):
         self._outputs[:] = self._taken[:count]
         if self._rates.size:
             self._rates[self._rated] = self._taken[count:][self._rated]
+
+    def _call_between(self, method: str, **arguments: Any) -> Any:
+        """A call of the side channel, which may change outputs."""
+        self._deliver()
+        self._fresh = False
+        return self._call(method, **arguments)
 
     def _deliver(self) -> None:
         """Send inputs that were written, before a call that depends on them."""

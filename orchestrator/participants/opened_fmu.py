@@ -27,8 +27,9 @@ class FmuSettings:
     """What a run wants of an FMU, by the names of its variables.
 
     `outputs` are to be recorded. `values` are those of parameters and starts, `inputs` those of inputs that
-    nothing drives, `strings` those of parameters that are strings. It takes part by `interface`. A process
-    of its own may have `memory_mb` (MB) of memory; None: as much as there is.
+    nothing drives, `strings` those of strings and binary values, `sizes` those of structural parameters.
+    It takes part by `interface`. A process of its own may have `memory_mb` (MB) of memory; None: as much as
+    there is.
     """
 
     outputs: Sequence[str]
@@ -37,6 +38,7 @@ class FmuSettings:
     strings: Mapping[str, str] = field(default_factory=dict)
     interface: str = CO_SIMULATION
     memory_mb: int | None = None
+    sizes: Mapping[str, int] = field(default_factory=dict)
 
 
 class OpenedFmu:
@@ -54,7 +56,7 @@ class OpenedFmu:
         self._unpacked = UnpackedFolder() if folder is None else None
         self._folder = str(self._unpacked.path if self._unpacked else folder)
         try:
-            description = read_description(path, settings.interface)
+            description = read_description(path, settings.interface, settings.sizes)
             extract(str(path), unzipdir=self._folder)
         except Exception as error:
             self._delete()
@@ -75,16 +77,18 @@ class OpenedFmu:
         except BaseException:
             self.close()
             raise
-        self.restorable = description.restorable
+        self.restorable, self.variable_step = description.restorable, description.variable_step
         self._fmu = OpenFmu(description, self._fmi, self._errors)
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         """Enter initialisation mode, with all values that the settings have."""
         with self._errors.name_errors("initialise"):
+            if self._settings.sizes:
+                self._fmi.configure({self._fmu.find(n): s for n, s in self._settings.sizes.items()})
             self._fmi.set_up(start_time, stop_time)
             self._assign(self._settings.values)
             for name, text in self._settings.strings.items():
-                self._fmi.set_string(self._fmu.find(name), text)
+                self._fmi.set_text(self._fmu.find(name), text)
             if self._fmu.description.version == "1.0":  # there, what is given later has no effect on it
                 self._assign(self._settings.inputs)
             self._fmi.enter_initialization(start_time, stop_time)

@@ -22,7 +22,7 @@ def open_here(
     ParticipantError if it cannot be used.
     """
     try:
-        about = read_description(path, settings.interface)
+        about = read_description(path, settings.interface, settings.sizes)
     except DescriptionError as error:
         raise ParticipantError(f"{name}: {path} {error}") from None
     if not about.integrated:

@@ -23,6 +23,7 @@ from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
 from .opened_fmu import FmuSettings
 from .opening import open_here
 from .protocol import BoundVariables
+from .side_channel import SideChannel, get_side_channel
 
 if TYPE_CHECKING:
     from .fmu import FmuParticipant
@@ -110,6 +111,24 @@ class Server:
 
     def from_bytes(self, data: str) -> int:
         return self._store_state(self.unit.from_bytes(bytes.fromhex(data)))
+
+    def next_event(self) -> float:
+        return self._side.next_event()
+
+    def handle(self, time: float, clocks: list[str]) -> list[str] | None:
+        return self._side.handle(time, clocks)
+
+    def get_texts(self, names: list[str]) -> list[str]:
+        return self._side.get_texts(names)
+
+    def set_texts(self, values: dict[str, str]) -> None:
+        self._side.set_texts(values)
+
+    @property
+    def _side(self) -> SideChannel:
+        side = get_side_channel(self.unit)
+        assert side
+        return side
 
     def warnings(self) -> list[Any]:
         return list(self.unit.warnings())

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
@@ -19,7 +19,15 @@ from models.core.component import Component
 from models.core.quantities import Field, Layout, Quantity, Vector
 from models.core.system import ModelError
 
-from .description import BOOLEANS, CO_SIMULATION, Description, DescriptionError, Variable, read_description
+from .description import (
+    BOOLEANS,
+    CO_SIMULATION,
+    NO_SIZES,
+    Description,
+    DescriptionError,
+    Variable,
+    read_description,
+)
 
 # `initial` of what can be given a start value though it is no parameter and no input.
 WITH_START = ("exact", "approx")
@@ -44,27 +52,37 @@ class NamedLayout(Layout):
 
 @dataclass(frozen=True, eq=False)
 class ThirdPartyComponent(Component):
-    """The component of a third-party FMU; `about` is its description."""
+    """The component of a third-party FMU: its description, and its structural parameters."""
 
-    about: Description = None  # type: ignore[assignment]  # given always, after fields with defaults
+    # Given always; they come after fields with defaults.
+    about: Description = None  # type: ignore[assignment]
+    sizes: Layout = None  # type: ignore[assignment]
 
 
-def read_component(path: Path, interface: str = CO_SIMULATION) -> Component:
-    """Read the FMU as a component; ValueError, with the path, if it cannot be used by this interface."""
+def read_component(
+    path: Path, interface: str = CO_SIMULATION, sizes: Mapping[str, int] = NO_SIZES
+) -> Component:
+    """Read the FMU, with these structural parameters, as a component.
+
+    ValueError, with the path, if it cannot be used by this interface.
+    """
     try:
         status = path.stat()
     except OSError:
         raise ValueError(f"{path}: no such file") from None
-    return _read_component(path, interface, status.st_mtime_ns, status.st_size)
+    given = tuple(sorted(sizes.items()))
+    return _read_component(path, interface, given, status.st_mtime_ns, status.st_size)
 
 
 @functools.lru_cache(maxsize=256)
-def _read_component(path: Path, interface: str, changed: int, size: int) -> Component:
+def _read_component(
+    path: Path, interface: str, sizes: tuple[tuple[str, int], ...], changed: int, size: int
+) -> Component:
     try:
         with open_archive(path) as archive:
             if faults := archive_faults(archive):
                 raise FmuFileError(f"{path}: {faults[0]}; give another file")
-        about = read_description(path, interface)
+        about = read_description(path, interface, dict(sizes))
     except DescriptionError as error:
         raise ValueError(f"{path}: {error}; give another file") from None
     numbers = [v for v in about.variables.values() if v.numeric]
@@ -87,6 +105,7 @@ def _read_component(path: Path, interface: str, changed: int, size: int) -> Comp
         feedthrough={v.name: about.depends.get(v.name, every) for v in outputs},
         opaque=True,
         about=about,
+        sizes=_build_layout(about.structural.values()),
     )
 
 

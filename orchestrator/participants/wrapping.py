@@ -10,6 +10,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from .protocol import Participant
+from .side_channel import get_side_channel
 
 
 class ParticipantWrapper:
@@ -26,6 +27,8 @@ class ParticipantWrapper:
         self.finish_initialisation = participant.finish_initialisation
         self.set_inputs = participant.set_inputs
         self.close = participant.close
+        self.side = get_side_channel(participant)
+        self.variable_step = getattr(participant, "variable_step", True)
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return self._participant.signal_degrees(input_names)

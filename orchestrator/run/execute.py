@@ -18,6 +18,7 @@ from ..engine.step import Step
 from ..errors import MistakeError, ParticipantError, RefusedError, RunError, StalledError
 from ..participants import GivesWarnings, Participant
 from ..reporter import Reporter
+from ..scenario.system import build_side_lines
 from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
 from ..store.json_codec import Plain
 from ..store.output_folder import SCENARIO, SUMMARY, OutputFolder, format_path
@@ -136,6 +137,7 @@ def _couple(
                         stop,
                         [*observers, bar, forecast, interruption],
                         resumed=checkpoint[1] if checkpoint else None,
+                        lines=build_side_lines(scenario),
                     )
         finally:
             observation.warnings = _collect_warnings(units)

@@ -24,6 +24,7 @@ from models.monolithic.difference import Difference, difference, time_weights
 from ..engine.step import Step
 from ..errors import RunError
 from ..reporter import Reporter
+from ..scenario.system import build_side_lines
 from .participants import build_participants
 from .plan import Plan
 from .simulation import simulate
@@ -115,6 +116,7 @@ def _repeat(plan: Plan, parts: int, times: Vector, reporter: Reporter) -> Vector
                 scenario.build_steps(),
                 scenario.stop_time,
                 [samples, bar],
+                lines=build_side_lines(scenario),
             )
         finally:
             for participant in participants.values():

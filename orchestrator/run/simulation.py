@@ -13,6 +13,7 @@ from models.core.quantities import Vector
 from models.core.system import System
 
 from ..engine.coupling import Coupling
+from ..engine.instants import NO_SIDE_LINES, SideLines
 from ..engine.observer import Observer, Watching
 from ..engine.step import STOP, Step
 from ..errors import EndedError, RunError
@@ -66,13 +67,14 @@ def simulate(
     observers: Sequence[Observer] = (),
     start_time: float = 0.0,
     resumed: Plain | None = None,
+    lines: SideLines = NO_SIDE_LINES,
 ) -> Statistics:
     """Step `participants` (by instance name) from `start_time` to `stop_time` with `master`.
 
     `steps` chooses the macro steps; a number is their length (s). The last step ends at `stop_time`.
     RunError says what went wrong; observers have then seen everything up to the last good step.
     Participants are not closed. `resumed` is the state, as a `Keeper` got it, from which such a run goes on;
-    CheckpointError if it does not fit.
+    CheckpointError if it does not fit. `lines` are connections of what is no number.
     """
     if isinstance(steps, (int, float)):
         if not steps > 0.0:
@@ -80,9 +82,8 @@ def simulate(
         steps = FixedSteps(float(steps))
     if not stop_time > start_time:
         raise RunError(f"stop_time = {stop_time:g} s: must be after the start at {start_time:g} s")
-    coupling = Coupling(
-        system, participants, master.degree, list_event_outputs(system) if steps.locates else None
-    )
+    watched = list_event_outputs(system) if steps.locates else None
+    coupling = Coupling(system, participants, master.degree, watched, lines)
     outputs = LatestOutputs(coupling)
     made = rejected = iterations = 0
     time, began = start_time, clock.perf_counter()

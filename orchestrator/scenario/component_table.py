@@ -11,14 +11,14 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from models.catalogue import CATALOGUE
 from models.core.component import Component
-from models.core.quantities import Layout
 
 from ..errors import one_of
 from ..participants import ThirdPartyComponent, is_made_here, read_component
 from ..participants.description import CO_SIMULATION, Description, read_description
 from .angle_table import AngleTableError
+from .arrays import check_resized, check_sizes, spread_arrays, spread_lists
 from .drawing import ShaftDrawing, insert_drawing
-from .fields import Table, Written
+from .fields import Given, Table, Written
 from .force_table import ForceTable, insert_force_table
 from .lift_segments import LiftSegments, insert_lift_segments
 from .lift_table import insert_lift_table
@@ -99,7 +99,9 @@ class ComponentTable(Table):
         "becomes `parameters`",
         exclude=True,
     )
-    structure: dict[str, int] = Field({}, description="Structural sizes, e.g. coil_masses")
+    structure: dict[str, int] = Field(
+        {}, description="Structural sizes, e.g. coil_masses; structural parameters of an FMU of FMI 3.0"
+    )
     substeps: int = Field(
         1, description="Steps that it makes of every macro step", ge=1, le=10_000, strict=True
     )
@@ -226,9 +228,18 @@ class ComponentTable(Table):
         name = info.data.get("component")
         if name is not None:
             build_component(name, tuple(sorted(structure.items())))
-        elif structure and "component" in info.data:
-            raise ValueError("a third-party FMU has fixed sizes; leave it out")
+        elif structure and {"participant", "component"} <= set(info.data):
+            check_sizes(Path(info.data["participant"]), info.data["interface"], structure)
         return structure
+
+    @field_validator("parameters", "start", "inputs", mode="before", json_schema_input_type=dict[str, Given])
+    @classmethod
+    def _spread_lists(cls, values: Any, info: ValidationInfo) -> Any:
+        if not {"participant", "component", "structure"} <= set(info.data):
+            return values  # an earlier check has failed
+        component = _resolve(info.data)
+        layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
+        return spread_lists(values, layouts[info.field_name or ""])
 
     @field_validator("parameters", "start", "inputs")
     @classmethod
@@ -244,10 +255,18 @@ class ComponentTable(Table):
             told = convert_enumerations(
                 component, {key: value for key, value in values.items() if key in layout}
             )
-            if info.field_name == "parameters":
-                told |= select_strings(component, values)
+            layouts["structure"] = component.sizes
+            if info.field_name != "start":
+                told |= select_strings(component, values, kinds[info.field_name].rpartition(" ")[2])
         others = spread_arrays({key: value for key, value in values.items() if key not in told}, layout)
         return parse_values(layout, others, kinds[info.field_name], layouts) | told
+
+    @model_validator(mode="after")
+    def _check_resized(self) -> ComponentTable:
+        component = self.resolve()
+        if isinstance(component, ThirdPartyComponent):
+            check_resized(component, self.parameters)
+        return self
 
     @property
     def third_party(self) -> bool:
@@ -266,10 +285,11 @@ class ComponentTable(Table):
 
     @property
     def strings(self) -> dict[str, str]:
-        """The String parameters of a third-party FMU."""
+        """The strings and binary values of a third-party FMU."""
         component = self.resolve()
         known = component.about.strings if isinstance(component, ThirdPartyComponent) else []
-        return {name: str(value) for name, value in self.parameters.items() if name in known}
+        given = {**self.parameters, **self.inputs}
+        return {name: str(value) for name, value in given.items() if name in known}
 
     def resolve(self) -> Component:
         """The catalogue's component with these sizes, or the third-party FMU's."""
@@ -277,20 +297,12 @@ class ComponentTable(Table):
 
     def describe(self) -> Description:
         """The description of its .fmu file; DescriptionError if it cannot be used."""
-        return read_description(Path(self.participant), self.interface)
-
-
-def spread_arrays(values: Mapping[str, Value], layout: Layout) -> dict[str, Value]:
-    """With every element of an array that is given as a whole; elements given on their own come first."""
-    found: dict[str, Value] = {}
-    for name, value in values.items():
-        elements = [element for element in layout.variables if element.startswith(f"{name}[")]
-        found |= dict.fromkeys(elements, value) or {name: value}
-    return found | {name: value for name, value in values.items() if name in layout}
+        sizes = self.structure if self.third_party else {}
+        return read_description(Path(self.participant), self.interface, sizes)
 
 
 def _resolve(values: Mapping[str, Any]) -> Component:
     """The component of a table with these values."""
     if values["component"] is None:
-        return read_component(Path(values["participant"]), values["interface"])
+        return read_component(Path(values["participant"]), values["interface"], values["structure"])
     return build_component(values["component"], tuple(sorted(values["structure"].items())))

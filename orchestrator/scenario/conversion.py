@@ -13,6 +13,7 @@ from ..participants import ThirdPartyComponent
 from ..participants.description import Unit
 from ..participants.transformed import Linear
 from . import Line, ScenarioError
+from .side_lines import check_equal_types
 from .units import to_base_units
 
 Transformations = dict[str, dict[str, Linear]]
@@ -35,6 +36,9 @@ def find_transformations(instances: Mapping[str, Instance], lines: Sequence[Line
         if wanted.discrete and not given.discrete:
             kind = "true or false" if wanted.boolean else "whole numbers"
             raise ScenarioError(f"{line}: a real number does not fit an input that takes {kind}")
+        if wanted.discrete:
+            ends = source.instance, target.instance
+            check_equal_types(line, *(instances[name].component for name in ends))
         if line.factor is not None or line.offset is not None:
             linear: Linear | None = Linear(1.0 if line.factor is None else line.factor, line.offset or 0.0)
         else:

@@ -54,6 +54,8 @@ SecondsOr0 = Annotated[float, BeforeValidator(_parse_time_or_0, json_schema_inpu
 # Written files state plain numbers.
 _Plain = PlainSerializer(lambda value: float(value) if isinstance(value, WithUnit) else value)
 Written = Annotated[Value, WrapValidator(_check_scalar), _Plain]
+# Of whole arrays: a list, or a list of rows.
+Given = Value | list[Value] | list[list[Value]]
 Tolerance = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
 
 

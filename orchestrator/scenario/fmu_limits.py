@@ -11,7 +11,8 @@ from ..participants import ThirdPartyComponent
 from ..participants.capabilities import HIGHEST, name_derivative, signal_degrees
 from ..participants.description import Description, DescriptionError
 from ..participants.signal_degrees import find_highest_degrees
-from . import Scenario, parse_ends
+from . import Scenario, parse_ends, parse_line
+from .side_lines import is_side_line
 
 
 class FmuLimits:
@@ -26,9 +27,11 @@ class FmuLimits:
                     self._about[name] = table.describe()
                 except (DescriptionError, OSError):
                     continue
+        components = {name: table.resolve() for name, table in scenario.components.items()}
         self._connections = [
             Connection(*(Port(*end.split(".", 1)) for end in parse_ends(line)))
             for line in scenario.connections
+            if not is_side_line(parse_line(line), components)
         ]
 
     @property

@@ -10,11 +10,13 @@ from models.core.evaluation import check_start
 from models.core.quantities import Layout, Vector
 from models.core.system import Instance, ModelError, System
 
+from ..engine.instants import SideLines
 from .checks import check_scenario
 from .component_table import ComponentTable
 from .connection import Line, parse_line
 from .conversion import find_transformations, replace_units
 from .scenario import Scenario
+from .side_lines import is_side_line, read_side_lines
 from .values import to_numbers
 
 # Builds the FMU of a catalogue component: name, structural sizes, kind ("fmu" or "native").
@@ -24,6 +26,7 @@ Builder = Callable[[str, Mapping[str, int], str], Path]
 def build_system(scenario: Scenario) -> System:
     """The checked system with the start values as given. Raises ModelError or ScenarioError."""
     instances, lines = build_instances(scenario)
+    build_side_lines(scenario)
     seen = replace_units(instances, lines, find_transformations(instances, lines))
     system = System(seen, [(line.source, line.target) for line in lines])
     check_scenario(scenario, system)
@@ -31,9 +34,17 @@ def build_system(scenario: Scenario) -> System:
 
 
 def build_instances(scenario: Scenario) -> tuple[dict[str, Instance], list[Line]]:
-    """Instances and connections as in the scenario, before units are converted."""
+    """Instances and connections of numbers as in the scenario, before units are converted."""
     instances = {name: _build_instance(table) for name, table in scenario.components.items()}
-    return instances, list(map(parse_line, scenario.connections))
+    components = {name: instance.component for name, instance in instances.items()}
+    lines = map(parse_line, scenario.connections)
+    return instances, [line for line in lines if not is_side_line(line, components)]
+
+
+def build_side_lines(scenario: Scenario) -> SideLines:
+    """The connections of what is no number; ScenarioError where ends do not fit."""
+    components = {name: table.resolve() for name, table in scenario.components.items()}
+    return read_side_lines(map(parse_line, scenario.connections), components)
 
 
 def _build_instance(table: ComponentTable) -> Instance:

@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from string import hexdigits
 
 from ..errors import one_of
 from ..participants import ThirdPartyComponent
-from ..participants.description import STRING
+from ..participants.description import BINARY
 from .units import to_base_units
 from .values import Faults, Value, WithUnit
 
 
-def select_strings(component: ThirdPartyComponent, values: Mapping[str, Value]) -> dict[str, Value]:
-    """The values of String parameters; Faults for values that are no strings, and for parameters of
+def select_strings(
+    component: ThirdPartyComponent, values: Mapping[str, Value], causality: str
+) -> dict[str, Value]:
+    """The values of strings, and binary ones in hexadecimal digits; Faults for values that are none, and for
     unsupported types."""
     found: dict[str, Value] = {}
     faults = []
     for name, value in values.items():
         variable = component.about.variables.get(name)
-        if variable is None or variable.numeric or not variable.settable:
+        if variable is None or variable.numeric or variable.causality != causality:
             continue
         if name not in component.about.strings:
-            kind = "an array of strings" if variable.type == STRING else f"of type {variable.type}"
+            array = "an element of an array of texts" if variable.size > 1 else ""
+            kind = array or f"of type {variable.type}"
             faults.append(
                 (
                     name,
@@ -30,11 +34,17 @@ def select_strings(component: ThirdPartyComponent, values: Mapping[str, Value]) 
             )
         elif not isinstance(value, str) or "\0" in value:
             faults.append((name, f" = {value!r} (String): must be a string without null characters"))
+        elif variable.type == BINARY and not _is_hexadecimal(value):
+            faults.append((name, f" = {value!r} (Binary): must be pairs of hexadecimal digits, as 666f6f"))
         else:
             found[name] = value
     if faults:
         raise Faults(*faults)
     return found
+
+
+def _is_hexadecimal(text: str) -> bool:
+    return len(text) % 2 == 0 and all(c in hexdigits for c in text)
 
 
 def convert_enumerations(component: ThirdPartyComponent, values: Mapping[str, Value]) -> dict[str, Value]:

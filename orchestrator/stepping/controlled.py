@@ -161,12 +161,14 @@ class ControlledSteps:
         length, reason = self._next, self._set_by
         if length >= control.maximum_step:
             length, reason = control.maximum_step, LONGEST
-        end, why = self._locator.ahead(time), TIME_EVENT
+        end, why, crossed = self._locator.ahead(time), TIME_EVENT, True
+        if (event := self._coupling.instants.next_event(time)) <= end:
+            end, crossed = event, False
         if self._stop <= end:
             end, why = self._stop, STOP
         left = end - time
         if length >= left * (1.0 - 1e-9):
-            gap = min(self._locator.tolerance, 0.5 * left) if why == TIME_EVENT else 0.0
+            gap = min(self._locator.tolerance, 0.5 * left) if why == TIME_EVENT and crossed else 0.0
             return left - gap, gap, end, why
         # Two equal steps rather than one and a remainder.
         if length > 0.5 * left:

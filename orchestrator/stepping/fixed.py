@@ -14,7 +14,10 @@ from .locator import Locator
 
 
 class FixedSteps:
-    """Steps that end at multiples of `macro_step`, at `stop`, and, with `event_tolerance` (s), at events."""
+    """Steps that end at multiples of `macro_step`, at `stop`, and at known events of FMUs.
+
+    With `event_tolerance` (s) they end at located events, too.
+    """
 
     def __init__(self, macro_step: float, event_tolerance: float | None = None) -> None:
         self.macro_step = macro_step
@@ -47,6 +50,9 @@ class FixedSteps:
         n = math.floor(made + slack) + 1
         end = self._start + n * self.macro_step
         last = self._start + (n + slack) * self.macro_step >= self._stop
+        event = self._coupling.instants.next_event(time)
+        if event < min(end, self._stop) - slack * self.macro_step:
+            return event, TIME_EVENT
         if not last:
             return end, FIXED
         # What ends as any other step does isn't cut short.

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..engine.coupling import Coupling
 from ..engine.signals import evaluate, extrapolate
-from ..engine.step import ERROR, GROWTH, LONGEST, STOP, Step
+from ..engine.step import ERROR, GROWTH, LONGEST, STOP, TIME_EVENT, Step
 from ..masters import Master
 from .controlled import StepControl
 from .controller import GROW, PI
@@ -67,9 +67,12 @@ class ForwardSteps:
 
     def _propose(self, time: float) -> tuple[float, float, int]:
         """The length of the step, where it ends, and what sets it."""
-        left = self._stop - time
+        end, why = self._stop, STOP
+        if (event := self._coupling.instants.next_event(time)) < end:
+            end, why = event, TIME_EVENT
+        left = end - time
         if self._next >= left * (1.0 - ENDING):
-            return left, self._stop, STOP
+            return left, end, why
         # Two equal steps rather than one and a remainder.
         length = min(self._next, 0.5 * left) if self._next > 0.5 * left else self._next
         return length, time + length, self._set_by

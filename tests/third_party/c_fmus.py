@@ -64,12 +64,15 @@ def _library(name: str, version: int) -> bytes:
 
 
 def _stubs() -> str:
-    """What FMI 3.0 has besides: every function has to be there."""
+    made = ("Get", "Set"), ("Float64", "Float32", "Int32", "Int64", "UInt64", "Boolean")
+    own = {f"fmi3{access}{kind}" for access in made[0] for kind in made[1]}
+    return build_stubs(SHELL.read_text(), own)
+
+
+def build_stubs(written: str, own: set[str]) -> str:
+    """C of what FMI 3.0 has besides: every function has to be there."""
     functions = [name for name in vars(FMU3Slave) | vars(_FMU3) if name.startswith("fmi3")]
     others = ("fmi3InstantiateModelExchange", "fmi3InstantiateScheduledExecution")
-    written = SHELL.read_text()
-    made = ("Get", "Set"), ("Float64", "Float32", "Int32", "Int64", "Boolean")
-    own = {f"fmi3{access}{kind}" for access in made[0] for kind in made[1]}
     missing = [name for name in functions if name not in own and f"{name}(" not in written]
     return "".join(
         f"void *{name}(void) {{ return 0; }}\n" if name in others else f"int {name}(void) {{ return 3; }}\n"
@@ -102,7 +105,8 @@ def _c_of(model: Model) -> str:
         return code
 
     starts = ", ".join(repr(value) for v in model.variables for value in v.starts)
-    sizes = " ".join(f"(r) == {places[v.name]} ? {v.size} :" for v in model.variables if v.size > 1)
+    counts = {v.name: f"(size_t)m->v[{places[v.counted]}]" if v.counted else v.size for v in model.variables}
+    sizes = " ".join(f"(r) == {places[v.name]} ? {counts[v.name]} :" for v in model.variables if v.size > 1)
     rates = " ".join(f"(r) == {places[of]} ? {places[rate]} :" for of, rate in model.rates.items())
     return (
         f"#define COUNT {count}\n#define START {{ {starts} }}\n#define SIZE(r) ({sizes} 1)\n"
@@ -184,7 +188,7 @@ def _enumeration(v: V, version: int) -> str:
 
 
 def _attributes(v: V) -> str:
-    varying = {"parameter": "fixed"}.get(
+    varying = {"parameter": "fixed", "structuralParameter": "fixed"}.get(
         v.causality, "continuous" if v.type.startswith("Float") else "discrete"
     )
     initial = f'initial="{v.initial}" ' if v.initial else ""
@@ -192,14 +196,15 @@ def _attributes(v: V) -> str:
 
 
 def _start(v: V) -> str:
-    if v.causality not in ("parameter", "input") and not v.initial:
+    if v.causality not in ("parameter", "structuralParameter", "input") and not v.initial:
         return ""
     if v.type in STARTING:
         return 'start=""'
     if v.type == "Boolean":
         return f'start="{str(bool(v.start)).lower()}" '
     values = v.starts if v.type.startswith("Float") else map(int, v.starts)
-    return f'start="{" ".join(map(str, values))}" '
+    shown = list(values)[: len(v.start) if isinstance(v.start, list) else v.size]
+    return f'start="{" ".join(map(str, shown))}" '
 
 
 def _variable2(v: V, reference: int, index: dict[str, int]) -> str:
@@ -219,6 +224,8 @@ def _variable3(v: V, reference: int, index: dict[str, int]) -> str:
     declared = f'declaredType="{v.name}" ' if v.items else ""
     shape = [2, 2] if v.size == 4 else [v.size]
     inside = "".join(f'<Dimension start="{n}"/>' for n in shape) if v.size > 1 else ""
+    if v.counted:
+        inside = f'<Dimension valueReference="{index[v.counted]}"/>'
     if v.type in STARTING:
         return (
             f'<{v.type} name={quoteattr(v.name)} valueReference="{reference}" {_attributes(v)}>'

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 
 @dataclass(frozen=True)
 class V:
-    """A variable; `size` > 1 makes it an array, of FMI 3.0 only."""
+    """A variable; `size` > 1 makes it an array, of FMI 3.0 only, whose elements the structural parameter
+    `counted` counts, if there is one."""
 
     name: str
     causality: str = "local"
@@ -19,11 +20,12 @@ class V:
     derivative: str = ""
     more: str = ""
     items: tuple[tuple[str, int], ...] = ()
+    counted: str = ""
 
     @property
     def starts(self) -> list[float]:
         values = self.start if isinstance(self.start, list) else [self.start] * self.size
-        return [float(value) for value in values]
+        return [float(value) for value in values] + [0.0] * (self.size - len(values))
 
 
 @dataclass(frozen=True)
@@ -117,6 +119,18 @@ MODELS = {
             (&$slope)[i] = (&$A)[2 * i] * (&$u)[0] + (&$A)[2 * i + 1] * (&$u)[1];
         }""",
         depends={"y": (), "slope": ("u",)},
+    ),
+    # dx/dt = u, exactly for held inputs; `n` of each.
+    "sized": Model(
+        (
+            V("n", "structuralParameter", 2, "UInt64", more='min="1" max="4" '),
+            V("x0", "parameter", [1.0, 2.0], size=4, counted="n"),
+            V("u", "input", [0.0, 0.0], size=4, counted="n"),
+            V("y", "output", [0.0, 0.0], size=4, counted="n"),
+        ),
+        "for (int i = 0; i < $n; i++) (&$x0)[i] += h * (&$u)[i];",
+        "for (int i = 0; i < $n; i++) (&$y)[i] = (&$x0)[i];",
+        depends={"y": ()},
     ),
     # dy/dt = u, exactly for inputs that are cubics.
     "integral": Model(

@@ -26,7 +26,7 @@ enum { OK, WARNING, DISCARD, ERROR, FATAL, ENDED = 10, EARLY };
 typedef struct {
     double *v;
     double reached;
-    bool ended, initialised;
+    bool ended, initialised, configured;
     Logger log;
     void *environment;
     char name[100], text[100];
@@ -215,15 +215,28 @@ fmi3Status fmi3Reset(fmi3Instance c) { memcpy(((Instance *)c)->v, start_values, 
             for (size_t j = 0; j < SIZE(r[i]); j++) x[k++] = (ctype)m->v[r[i] + j]; \
         return k == nx ? fmi3OK : fmi3Error; } \
     fmi3Status fmi3Set##Type(fmi3Instance c, const fmi3ValueReference r[], size_t n, const ctype x[], size_t nx) { \
-        size_t k = 0; \
+        Instance *m = c; size_t k = 0; \
         for (size_t i = 0; i < n; i++) \
-            for (size_t j = 0; j < SIZE(r[i]); j++) ((Instance *)c)->v[r[i] + j] = x[k++]; \
+            for (size_t j = 0; j < SIZE(r[i]); j++) m->v[r[i] + j] = x[k++]; \
         return k == nx ? fmi3OK : fmi3Error; }
 ACCESS(Float64, fmi3Float64)
 ACCESS(Float32, fmi3Float32)
 ACCESS(Int32, fmi3Int32)
 ACCESS(Int64, fmi3Int64)
 ACCESS(Boolean, fmi3Boolean)
+
+/* Structural parameters. */
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) { ((Instance *)c)->configured = true; return fmi3OK; }
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) { ((Instance *)c)->configured = false; return fmi3OK; }
+fmi3Status fmi3GetUInt64(fmi3Instance c, const fmi3ValueReference r[], size_t n, fmi3UInt64 x[], size_t nx) {
+    for (size_t i = 0; i < n; i++) x[i] = (fmi3UInt64)((Instance *)c)->v[r[i]];
+    return fmi3OK;
+}
+fmi3Status fmi3SetUInt64(fmi3Instance c, const fmi3ValueReference r[], size_t n, const fmi3UInt64 x[], size_t nx) {
+    if (!((Instance *)c)->configured) return fmi3Error;
+    for (size_t i = 0; i < n; i++) ((Instance *)c)->v[r[i]] = (double)x[i];
+    return fmi3OK;
+}
 
 fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference r[], size_t n, const fmi3String x[], size_t nx) {
     return (fmi3Status)given(c, x[0]);

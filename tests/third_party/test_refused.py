@@ -27,7 +27,7 @@ REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
         r"states no unit; write a plain number",
     ),
     "fraction": ("feedthrough", {"own": {"parameters": {"count": 1.5}}}, r"count = 1\.5 .*must be"),
-    "structure": ("dahlquist", {"own": {"structure": {"n": 3}}}, r"structure: .*leave it out"),
+    "structure": ("dahlquist", {"own": {"structure": {"n": 3}}}, r"structure.n: .*leave it out"),
     "reference": (
         "dahlquist",
         {"reference": {"method": "monolithic"}, "tolerance": {"one.x": 1e-3}},

@@ -246,7 +246,10 @@ def _set_values(
                 f"{where}: {variable} is {here} in the set, but {there} in the FMU; correct it"
             )
         if one.plain:
-            table.setdefault("parameters", {})[variable] = one.value
+            assert isinstance(component, ThirdPartyComponent)
+            driven = component.about.variables[variable].causality == "input"
+            place = "inputs" if driven else "parameters"
+            table.setdefault(place, {})[variable] = one.value
             continue
         places = [
             (key, name)

@@ -22,8 +22,8 @@ from models.core.system import Instance, System
 from ...participants import collect_settings
 from ...participants.description import BOOLEANS, REALS, STRING, Description, Variable, read_description
 from ...store.atomic_write import replace
-from .. import ComponentTable, Scenario, parse_line
-from ..system import Builder, build_system, resolve_start
+from .. import ComponentTable, Scenario, ScenarioError, parse_line
+from ..system import Builder, build_side_lines, build_system, resolve_start
 from .names import (
     FMU_TYPE,
     OMSIMULATOR,
@@ -56,6 +56,7 @@ class PackedFmu:
 def export(scenario: Scenario, target: Path, build: Builder) -> None:
     """Write the scenario to `target`, whole or not at all; ScenarioError or ModelError if it cannot run."""
     system = build_system(scenario)
+    _check_packable(scenario)
     fmus = _pack(scenario, build)
     files = {fmu.source: fmu.content for fmu in fmus.values()}
     bindings: dict[str, list[str]] = {name: [] for name in scenario.components}
@@ -79,6 +80,22 @@ def export(scenario: Scenario, target: Path, build: Builder) -> None:
             )  # is compressed already
             archive.writestr(zipfile.ZipInfo(path, _DATE), content, kind)
     replace(target, buffer.getvalue())
+
+
+def _check_packable(scenario: Scenario) -> None:
+    """ScenarioError for what this form of packages does not have."""
+    for name, table in scenario.components.items():
+        if table.third_party and table.structure:
+            raise ScenarioError(
+                f"components.{name}.structure: packages of SSP 1.0 have no structural parameters; leave it "
+                "out, or give the scenario with its FMUs"
+            )
+    sides = build_side_lines(scenario)
+    if found := [*sides.clocks, *sides.texts]:
+        raise ScenarioError(
+            f"{found[0].source} -> {found[0].target}: packages are written with connections of numbers only; "
+            "leave it out, or give the scenario with its FMUs"
+        )
 
 
 # The name of all parameter sets: ecos applies those of the one name that it is asked for.

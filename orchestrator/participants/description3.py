@@ -1,0 +1,78 @@
+"""What fmpy does not read of descriptions of FMI 3.0: event mode, clocks, ranges of unsigned integers."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+# How the interval of a clock is known. Those of the first group never change, those of the second are asked
+# for after every event.
+STEADY = ("constant", "fixed", "calculated")
+ASKED = ("tunable", "changing", "countdown")
+TRIGGERED = "triggered"
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Ticks every `interval` (s) from `shift` (s) after the start on, or as its `variability` says.
+
+    `interval`: None if the FMU has to be asked.
+    """
+
+    name: str
+    reference: int
+    causality: str
+    variability: str
+    interval: float | None
+    shift: float
+
+
+@dataclass(frozen=True)
+class EventMode:
+    """Of a co-simulation FMU: its clocks by name, and the clocks of clocked variables, by name."""
+
+    clocks: Mapping[str, Clock]
+    clocked: Mapping[str, tuple[str, ...]]
+
+
+def complete(found: Any, path: Path) -> EventMode | None:
+    """Complete fmpy's description of the FMU at `path`, of FMI 3.0; its event mode in co-simulation."""
+    with zipfile.ZipFile(path) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    listed = root.find("ModelVariables")
+    stated = {one.get("name", ""): one for one in (() if listed is None else listed)}
+    for variable in found.modelVariables:
+        if variable.type.startswith("UInt") and variable.name in stated:
+            variable.min, variable.max = (stated[variable.name].get(key) for key in ("min", "max"))
+    kind = root.find("CoSimulation")
+    if kind is None or kind.get("hasEventMode") not in ("true", "1"):
+        return None
+    clocks = {name: _read_clock(one) for name, one in stated.items() if one.tag == "Clock"}
+    names = {clock.reference: name for name, clock in clocks.items()}
+    clocked = {
+        name: tuple(names[int(word)] for word in one.get("clocks", "").split() if int(word) in names)
+        for name, one in stated.items()
+        if one.tag != "Clock" and one.get("clocks")
+    }
+    return EventMode(clocks, clocked)
+
+
+def _read_clock(element: ElementTree.Element) -> Clock:
+    def read(key: str) -> float | None:
+        if (text := element.get(f"{key}Decimal")) is not None:
+            return float(text)
+        counter, resolution = element.get(f"{key}Counter"), element.get("resolution")
+        return None if counter is None or resolution is None else int(counter) / int(resolution)
+
+    return Clock(
+        element.get("name", ""),
+        int(element.get("valueReference", 0)),
+        element.get("causality", "local"),
+        element.get("intervalVariability", ""),
+        read("interval"),
+        read("shift") or 0.0,
+    )

@@ -1,0 +1,64 @@
+"""An FMU in C with event mode and clocks (`sampler.c`)."""
+
+from __future__ import annotations
+
+import functools
+import platform
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+from .c_fmus import HEADERS, build_stubs, compiler
+
+SOURCE = Path(__file__).with_name("sampler.c")
+DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="sampler" instantiationToken="sampler">
+<CoSimulation modelIdentifier="sampler" hasEventMode="true" canGetAndSetFMUState="true"
+ canSerializeFMUState="true" canHandleVariableCommunicationStepSize="true"/>
+<DefaultExperiment startTime="0" stopTime="1" stepSize="0.01"/>
+<ModelVariables>
+<Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+<Float64 name="u" valueReference="1" causality="input" variability="discrete" clocks="100" start="0"/>
+<Float64 name="y" valueReference="2" causality="output" variability="discrete"/>
+<Float64 name="ticks" valueReference="3" causality="output" variability="discrete"/>
+<Float64 name="alarms" valueReference="4" causality="output" variability="discrete"/>
+<Float64 name="pokes" valueReference="5" causality="output" variability="discrete"/>
+<Float64 name="level" valueReference="6" causality="output" variability="discrete"/>
+<Float64 name="gain" valueReference="7" causality="input" variability="discrete" start="1"/>
+<Float64 name="scaled" valueReference="8" causality="output" variability="discrete"/>
+<Float64 name="last" valueReference="9" causality="output" variability="discrete"/>
+<Clock name="tick" valueReference="100" causality="input" intervalVariability="constant"
+ intervalDecimal="0.1"/>
+<Clock name="alarm" valueReference="101" causality="input" intervalVariability="countdown"/>
+<Clock name="poke" valueReference="102" causality="input" intervalVariability="triggered"/>
+<Clock name="fired" valueReference="103" causality="output" intervalVariability="triggered"/>
+</ModelVariables><ModelStructure>
+<Output valueReference="2" dependencies=""/><Output valueReference="3" dependencies=""/>
+<Output valueReference="4" dependencies=""/><Output valueReference="5" dependencies=""/>
+<Output valueReference="6" dependencies=""/><Output valueReference="8" dependencies="7"/>
+<Output valueReference="9" dependencies=""/><Output valueReference="103" dependencies=""/>
+</ModelStructure></fmiModelDescription>
+"""
+
+
+def sampler(folder: Path, description: str = DESCRIPTION) -> Path:
+    """The FMU, in the folder; the test is skipped where none can be compiled."""
+    path = folder / "sampler.fmu"
+    machine = {"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine())
+    place = "darwin/sampler.dylib" if sys.platform == "darwin" else "linux/sampler.so"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", description)
+        archive.writestr(f"binaries/{machine}-{place}", _build())
+    return path
+
+
+@functools.cache
+def _build() -> bytes:
+    with tempfile.TemporaryDirectory(prefix="clocked_fmus_") as scratch:
+        stubs, library = Path(scratch, "stubs.c"), Path(scratch, "sampler.so")
+        stubs.write_text(build_stubs(SOURCE.read_text(), set()))
+        command = [*compiler(), "-shared", "-fPIC", "-O1", "-w", f"-I{HEADERS}", str(SOURCE), str(stubs)]
+        subprocess.run([*command, "-o", str(library), "-lm"], check=True, capture_output=True)
+        return library.read_bytes()

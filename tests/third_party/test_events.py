@@ -1,0 +1,135 @@
+"""Event mode of FMI 3.0 co-simulation FMUs: clocks, time events and discrete inputs."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+
+from orchestrator.participants.fmu import FmuParticipant
+from orchestrator.participants.opened_fmu import FmuSettings
+from orchestrator.participants.protocol import BoundVariables
+from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.system import build_system
+
+from .clocked_fmus import sampler
+from .public import public
+from .runs import ran, scenario
+
+PROCESSES = ("own", "shared")
+MASTERS: dict[str, dict[str, Any]] = {
+    "jacobi": {"master": {"name": "jacobi"}},
+    "iterated": {"master": {"name": "iterated"}},
+    "control": {
+        "master": {"name": "jacobi"},
+        "step_control": {"estimator": "step_doubling", "minimum_step": 1e-9, "relative": 1e-2},
+    },
+}
+
+
+def list_ticks(time: np.ndarray) -> np.ndarray:
+    """How often a clock of 0.1 s has ticked at these times, that at 0 included."""
+    return np.floor(time / 0.1 + 1e-9) + 1.0
+
+
+@pytest.mark.parametrize("macro_step", [0.01, 0.04])
+@pytest.mark.parametrize("process", PROCESSES)
+def test_periodic_and_countdown_clocks_tick_at_their_times(
+    process: str, macro_step: float, tmp_path: Path
+) -> None:
+    """Also where they lie inside macro steps: the FMU refuses a tick at another time, and a step beyond its
+    time event. Every second tick is followed by an alarm after 0.03 s."""
+    table = {"participant": sampler(tmp_path), "process": process, "inputs": {"u": 2.0}}
+    summary, found = ran(scenario({"one": table}, macro_step=macro_step), tmp_path / "out")
+    assert summary.complete, summary.message
+    ticks = list_ticks(found["time"])
+    np.testing.assert_array_equal(found["one.ticks"], ticks)
+    np.testing.assert_allclose(found["one.y"], 0.2 * ticks, rtol=1e-12)
+    np.testing.assert_allclose(found["one.last"], 0.1 * (ticks - 1.0), rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(found["one.level"], found["time"] > 0.25 - 1e-9)
+    alarms = np.floor((found["time"] + 0.07) / 0.2 + 1e-9)
+    np.testing.assert_array_equal(found["one.alarms"], alarms)
+
+
+@pytest.mark.parametrize("master", MASTERS)
+@pytest.mark.parametrize("process", PROCESSES)
+def test_a_clock_ticks_another_fmu_at_the_same_instant(master: str, process: str, tmp_path: Path) -> None:
+    """`fired` of one is `poke` of the other, and what the one has sampled is seen at once by it: scaled
+    = gain y holds at every instant, whatever the master."""
+    path = sampler(tmp_path)
+    tables = {
+        "one": {"participant": path, "process": process, "inputs": {"u": 2.0}},
+        "two": {"participant": path, "process": process},
+    }
+    lines = ["one.y -> two.gain", "one.fired -> two.poke", "one.ticks -> two.u"]
+    one = scenario(tables, connections=lines, macro_step=0.04, **MASTERS[master])
+    summary, found = ran(one, tmp_path / "out")
+    assert summary.complete, summary.message
+    ticks = list_ticks(found["time"])
+    np.testing.assert_array_equal(found["two.ticks"], ticks)
+    np.testing.assert_array_equal(found["two.pokes"], np.floor(ticks / 2.0))
+    np.testing.assert_allclose(found["two.scaled"], found["one.y"] * found["two.y"], rtol=1e-12)
+    # Both tick at once; the second has what the first had before, or has got, in the order of events.
+    np.testing.assert_allclose(found["two.y"], 0.1 * ticks * (ticks + 1.0) / 2.0, rtol=1e-12)
+    assert set(np.round(found["time"] / 0.05).astype(int)) >= set(range(0, 21, 2)) | {5}
+
+
+def test_a_resumed_run_has_the_same_bits(tmp_path: Path) -> None:
+    """Times of ticks and events are in what is saved of the FMU."""
+    path = sampler(tmp_path)
+    units = [FmuParticipant("one", path, FmuSettings(["ticks", "alarms"])) for _ in range(2)]
+    for unit in units:
+        bound = BoundVariables([], np.zeros((1, 0)), ["ticks", "alarms"], np.zeros(2), np.zeros(0))
+        unit.connect(bound)
+        unit.initialise(0.0, 1.0)
+        unit.finish_initialisation()
+    first, second = units
+    first.advance(0.0, 0.11)
+    second.restore(second.from_bytes(first.to_bytes(first.save())))
+    for unit in units:
+        unit.advance(0.11, 0.21)
+    found = [np.zeros(2), np.zeros(2)]
+    for unit, values in zip(units, found, strict=True):
+        unit.read_all(values)
+        unit.close()
+    np.testing.assert_array_equal(found[0], [4.0, 1.0])
+    np.testing.assert_array_equal(found[1], found[0])
+
+
+REFUSED = [
+    ("one.fired -> two.tick", "a clock of intervalVariability constant ticks by time"),
+    ("one.fired -> two.gain", "a value of type Clock does not fit a value of type Float64"),
+    ("one.fired * 2 -> two.poke", "has no factor"),
+    ("one.poke -> two.poke", "one.poke is no output"),
+    ("one.fierd -> two.poke", "no variable 'fierd'; did you mean fired"),
+]
+
+
+@pytest.mark.parametrize(("line", "said"), REFUSED)
+def test_clocks_that_do_not_fit_are_refused(line: str, said: str, tmp_path: Path) -> None:
+    path = sampler(tmp_path)
+    one = scenario({"one": {"participant": path}, "two": {"participant": path}}, connections=[line])
+    with pytest.raises(ScenarioError, match=said):
+        build_system(one)
+
+
+@pytest.mark.parametrize("name", ["BouncingBall", "Stair", "Feedthrough"])
+def test_event_mode_gives_what_fmpys_importer_finds(name: str, tmp_path: Path) -> None:
+    """Of Reference-FMUs, at the times of the macro steps: an independent importer in event mode."""
+    path = public(f"reference-fmus-3/{name}.fmu")
+    _, found = ran(scenario({"one": {"participant": path}}, macro_step=0.1, stop_time=2.0), tmp_path / "out")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        other = fmpy.simulate_fmu(
+            str(path), stop_time=2.0, output_interval=0.1, use_event_mode=True, early_return_allowed=True,
+            fmi_type="CoSimulation",
+        )  # fmt: skip
+    for column in set(other.dtype.names) & {n.removeprefix("one.") for n in found} - {"time"}:
+        last = {round(t, 6): float(v) for t, v in zip(other["time"], other[column], strict=True)}
+        ours = {round(t, 6): v for t, v in zip(found["time"], found[f"one.{column}"], strict=True)}
+        for t in np.round(np.arange(0.0, 2.05, 0.1), 6):
+            assert ours[t] == pytest.approx(last[t], rel=1e-12, abs=1e-12), (column, t)

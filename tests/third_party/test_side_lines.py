@@ -1,0 +1,106 @@
+"""Connections of strings and binary values, and of whole numbers, enumerations and truth values by type."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.participants.side_channel import get_side_channel
+from orchestrator.run.participants import build_participants
+from orchestrator.run.plan import resolve_fmus
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario import Scenario, ScenarioError
+from orchestrator.scenario.ssp import export
+from orchestrator.scenario.system import build_side_lines, build_system
+
+from .public import public
+from .runs import never, ran, scenario
+
+PROCESSES = ("own", "shared")
+
+
+def find_texts(one: Scenario, name: str, variables: list[str]) -> list[str]:
+    """These texts of a component at the end of a run."""
+    system = build_system(one)
+    units = build_participants(one, system, resolve_fmus(one, never), lambda name, make: make())
+    try:
+        steps, lines = one.build_steps(), build_side_lines(one)
+        simulate(system, units, one.build_master(), steps, one.stop_time, lines=lines)
+        side = get_side_channel(units[name])
+        assert side
+        return side.get_texts(variables)
+    finally:
+        for unit in units.values():
+            unit.close()
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.parametrize("version", [2, 3])
+def test_texts_pass_along_a_chain(version: int, process: str, tmp_path: Path) -> None:
+    """Of FMUs whose outputs are their inputs, in any order of lines."""
+    table = {"participant": public(f"reference-fmus-{version}/Feedthrough.fmu"), "process": process}
+    pairs = ["String"] if version == 2 else ["String", "Binary"]
+    given = {"String": "grün, 3 > 2", "Binary": "00ff10"}
+    inputs = {f"{kind}_input": given[kind] for kind in pairs}
+    one = scenario(
+        {"a": table | {"inputs": inputs}, "b": table, "c": table},
+        connections=[f"{x}.{k}_output -> {y}.{k}_input" for x, y in ("bc", "ab") for k in pairs],
+        stop_time=0.2,
+        macro_step=0.1,
+    )
+    assert find_texts(one, "c", [f"{kind}_output" for kind in pairs]) == [given[kind] for kind in pairs]
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+def test_numbers_of_each_type_pass(process: str, tmp_path: Path) -> None:
+    """Those of FMI 3.0, between FMUs whose outputs are their inputs, at the ends of their ranges."""
+    table = {"participant": public("reference-fmus-3/Feedthrough.fmu"), "process": process}
+    values = {"Int8": -128, "UInt8": 255, "Int16": -32768, "UInt16": 65535, "Int32": -(2**31)}
+    values |= {"UInt32": 2**32 - 1, "Int64": -(2**53), "UInt64": 2**53, "Boolean": 1, "Enumeration": 2}
+    given = {f"{kind}_input": bool(v) if kind == "Boolean" else v for kind, v in values.items()}
+    one = scenario(
+        {"a": table | {"inputs": given}, "b": table},
+        connections=[f"a.{kind}_output -> b.{kind}_input" for kind in values],
+        stop_time=0.2,
+        macro_step=0.1,
+    )
+    _, found = ran(one, tmp_path / "out")
+    for kind, value in values.items():
+        np.testing.assert_array_equal(found[f"b.{kind}_output"], value, err_msg=kind)
+
+
+REFUSED = [
+    ("a.Int32_output -> b.Int8_input", "a value of type Int32 does not fit an input of type Int8"),
+    ("a.Boolean_output -> b.Int32_input", "a value of type Boolean does not fit an input of type Int32"),
+    ("a.Enumeration_output -> b.Int64_input", "a value of type Enumeration does not fit"),
+    ("a.Float64_continuous_output -> b.Int32_input", "a real number does not fit"),
+    ("a.String_output -> b.Binary_input", "a value of type String does not fit a value of type Binary"),
+    ("a.String_output -> b.Float64_continuous_input", "does not fit a value of type Float64"),
+    ("a.Int32_output -> b.String_input", "a value of type Int32 does not fit a value of type String"),
+    ("a.String_output * 2 -> b.String_input", "has no factor"),
+    ("a.String_input -> b.String_input", "a.String_input is no output"),
+]
+
+
+@pytest.mark.parametrize(("line", "said"), REFUSED)
+def test_other_types_are_refused_by_name(line: str, said: str, tmp_path: Path) -> None:
+    path = public("reference-fmus-3/Feedthrough.fmu")
+    one = scenario({"a": {"participant": path}, "b": {"participant": path}}, connections=[line])
+    with pytest.raises(ScenarioError, match=said.replace("(", r"\(")):
+        build_system(one)
+
+
+@pytest.mark.parametrize("value", ["0", "0g", "00f"])
+def test_binary_values_are_hexadecimal(value: str) -> None:
+    table = {"participant": public("reference-fmus-3/Feedthrough.fmu"), "inputs": {"Binary_input": value}}
+    with pytest.raises(ScenarioError, match="must be pairs of hexadecimal digits"):
+        scenario({"a": table})
+
+
+def test_a_package_has_no_texts(tmp_path: Path) -> None:
+    table = {"participant": public("reference-fmus-3/Feedthrough.fmu")}
+    one = scenario({"a": table, "b": table}, connections=["a.String_output -> b.String_input"])
+    with pytest.raises(ScenarioError, match="packages are written with connections of numbers only"):
+        export(one, tmp_path / "one.ssp", never)
