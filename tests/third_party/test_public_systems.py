@@ -1,0 +1,147 @@
+"""Coupled systems of public FMUs: the error that a run reports against one found without the master.
+
+A linear system of three states (StateSpace, model exchange) is driven by others, or coupled with its like.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+from models.monolithic.difference import difference
+
+from .public import public
+from .runs import ran, scenario
+
+# Of the solutions that are integrated here.
+EXACT = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
+A = np.array([[0.0, 1.0, 0.0], [-9.0, -0.5, 0.0], [0.0, 0.0, -1.0]])
+B = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+
+
+def linear(**changes: Any) -> dict[str, Any]:
+    """y = x, dx/dt = A x + B u, from rest; the second input is constant."""
+    table = {
+        "participant": public("reference-fmus-3/StateSpace.fmu"),
+        "interface": "model_exchange",
+        "parameters": {"A": A.tolist(), "B": B.tolist(), "D": np.zeros((3, 3)).tolist()},
+        "inputs": {"u[2]": 0.0, "u[3]": 0.0},
+    }
+    return table | changes
+
+
+def integrate_filter(times: np.ndarray, drive: Callable[[float], float]) -> np.ndarray:
+    """The first state of the linear system at these times, driven from t = 0 on by a smooth `drive`."""
+
+    def rate(t: float, x: np.ndarray) -> np.ndarray:
+        return np.asarray(A @ x + B[:, 0] * drive(t))
+
+    return np.asarray(solve_ivp(rate, (0.0, times[-1]), np.zeros(3), t_eval=times, **EXACT).y[0])
+
+
+def falling(t: float) -> float:
+    """The public ball until its first bounce, from 1 m."""
+    return 1.0 - 0.5 * 9.81 * t**2
+
+
+def check(
+    components: dict[str, Any], lines: list[str], true: Callable[[np.ndarray], np.ndarray], case: str,
+    tmp_path: Path, record: Any, compared: str = "filter.y[1]", own: float = 1e-9, **changes: Any,
+) -> None:  # fmt: skip
+    """The reported error is the true one, within its uncertainty and what the FMUs' own solvers miss."""
+    settings = {"macro_step": 0.02, "master": {"name": "jacobi", "extrapolation": "linear"}} | changes
+    one = scenario(components, connections=lines, reference={}, tolerance={compared: 1.0}, **settings)
+    summary, found = ran(one, tmp_path / "out")
+    assert summary.complete, summary.message
+    error = summary.errors[compared]
+    wanted = difference(found[compared], true(found["time"])).relative_rms
+    tolerance = error.uncertainty.relative_rms + own
+    name = f"public {case}: relative RMS error of {compared}, as reported"
+    record("FMUs", name, error.relative_rms, wanted, "independent solution", tolerance=tolerance)
+    assert wanted > 10.0 * own  # else nothing is compared
+
+
+def test_two_linear_systems_in_a_ring(tmp_path: Path, record: Any) -> None:
+    """Each drives the other with its first state; a constant drives one. The matrix exponential of both."""
+
+    def true(times: np.ndarray) -> np.ndarray:
+        whole = np.zeros((7, 7))
+        whole[:3, :3] = whole[3:6, 3:6] = A
+        whole[:3, 3] = whole[3:6, 0] = B[:, 0]
+        whole[:3, 6] = B[:, 1]
+        start = np.append(np.zeros(6), 1.0)
+        return np.array([(expm(whole * t) @ start)[3] for t in times])
+
+    tables = {"driven": linear(inputs={"u[2]": 1.0, "u[3]": 0.0}), "filter": linear()}
+    lines = ["filter.y[1] -> driven.u[1]", "driven.y[1] -> filter.u[1]"]
+    check(tables, lines, true, "StateSpace twice in a ring", tmp_path, record, stop_time=3.0)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_oscillator_drives_a_linear_system(version: int, tmp_path: Path, record: Any) -> None:
+    """Van der Pol's equation, integrated with the system in one."""
+
+    def true(times: np.ndarray) -> np.ndarray:
+        def rate(t: float, z: np.ndarray) -> np.ndarray:
+            acceleration = (1.0 - z[0] ** 2) * z[1] - z[0]
+            return np.append([z[1], acceleration], A @ z[2:] + B[:, 0] * z[0])
+
+        start = np.array([2.0, 0.0, 0.0, 0.0, 0.0])
+        solved = solve_ivp(rate, (0.0, times[-1]), start, t_eval=times, **EXACT)
+        return np.asarray(solved.y[2])
+
+    path = public(f"reference-fmus-{version}/VanDerPol.fmu")
+    tables = {"source": {"participant": path, "interface": "model_exchange"}, "filter": linear()}
+    lines = ["source.x0 -> filter.u[1]"]
+    case = f"VanDerPol of FMI {version} and StateSpace"
+    check(tables, lines, true, case, tmp_path, record, stop_time=3.0)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_decay_drives_a_linear_system(version: int, tmp_path: Path, record: Any) -> None:
+    def true(times: np.ndarray) -> np.ndarray:
+        return integrate_filter(times, lambda t: float(np.exp(-t)))
+
+    path = public(f"reference-fmus-{version}/Dahlquist.fmu")
+    tables = {"source": {"participant": path, "interface": "model_exchange"}, "filter": linear()}
+    lines = ["source.x -> filter.u[1]"]
+    check(tables, lines, true, f"Dahlquist of FMI {version} and StateSpace", tmp_path, record, stop_time=3.0)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_falling_ball_drives_a_linear_system(version: int, tmp_path: Path, record: Any) -> None:
+    """Before it bounces."""
+
+    def true(times: np.ndarray) -> np.ndarray:
+        return integrate_filter(times, falling)
+
+    path = public(f"reference-fmus-{version}/BouncingBall.fmu")
+    tables = {"source": {"participant": path, "interface": "model_exchange"}, "filter": linear()}
+    lines = ["source.h -> filter.u[1]"]
+    case = f"BouncingBall of FMI {version} and StateSpace"
+    check(tables, lines, true, case, tmp_path, record, stop_time=0.4)
+
+
+def test_time_events_of_one_fmu_are_seen_by_another_at_their_instants(tmp_path: Path, record: Any) -> None:
+    """The stair's counter in event mode, whose steps at whole seconds lie inside macro steps of 0.3 s: these
+    end there, so that no error is left. Without, it would be of the size of a macro step."""
+    tables = {"source": {"participant": public("reference-fmus-3/Stair.fmu")}, "filter": linear()}
+    one = scenario(
+        tables, connections=["source.counter -> filter.u[1]"], stop_time=3.3, macro_step=0.3,
+        master={"name": "gauss_seidel", "extrapolation": "hold"},
+    )  # fmt: skip
+    summary, found = ran(one, tmp_path / "out")
+    assert summary.complete, summary.message
+    true = np.zeros(len(found["time"]))
+    for start in (0.0, 1.0, 2.0, 3.0):
+        since = found["time"][found["time"] >= start] - start
+        true[found["time"] >= start] += integrate_filter(since, lambda t: 1.0)
+    error = difference(found["filter.y[1]"], true).relative_rms
+    case = "public Stair in event mode and StateSpace: relative RMS error of filter.y[1]"
+    record("FMUs", case, error, 0.0, "independent solution", tolerance=1e-8)
