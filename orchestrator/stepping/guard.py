@@ -21,6 +21,9 @@ WINDOW = 50
 SWING = 0.3
 # Swings in a window without a landing before them, or after landings, that are an instability.
 UNPROVOKED, LASTING = 1.9, 0.4 * WINDOW
+# Where the mean miss of the last steps, fewer than a window, is less than this share of the window's, a swing
+# dies out: it is a motion that steps resolve coarsely, as they may with signals of a high order.
+LATELY, DYING = 10, 0.5
 # A value that was at rest lands where it leaves its rest by more than this share of its nominal size.
 LANDING = 1e-2
 
@@ -35,12 +38,13 @@ class RunawayGuard:
     A contact that closes at high speed does that too. A separation begins with a load that falls smoothly to
     zero, and the values swing only after the landing. An unstable coupling swings while the contact is
     still closed, or goes on swinging. So a suspect coupling is unstable where values swing from step to step
-    without a landing in the last WINDOW steps, or in most of the steps after one.
+    without a landing in the last WINDOW steps, or in most of the steps after one, and where what it misses
+    does not die out.
 
     With any master a value of BOUND nominal sizes is a runaway.
     """
 
-    FIRST = 10  # steps that are not judged: a start in motion rings
+    FIRST = 25  # steps that are not judged: a start in motion rings
     SHARE = 0.5
     BOUND = 1e9
 
@@ -53,6 +57,8 @@ class RunawayGuard:
         self._patience = math.inf if master.implicit else float(self.FIRST)
         self._sums = {name: np.zeros(len(nominal)) for name in ("missed", "sizes", "swings", "unprovoked")}
         self._sums["landed"] = np.full(1, math.inf)  # steps since the last landing
+        self._sums["lately"] = np.zeros(len(nominal))  # as `missed`, over LATELY steps
+        self._sums["weights"] = np.zeros(2)  # of these two sums
         past = coupling.state.history
         self._memory = ArrayPointers(
             times=past.times, values=past.values, new=coupling.state.values, nominal=nominal, **self._sums
@@ -99,7 +105,9 @@ def _judge(memory: Any, known: int, time: float, bound: float, share: float) -> 
     times, values, new, nominal = numbers(m.times), table(m.values), numbers(m.new), numbers(m.nominal)
     missed, sizes, landed = numbers(m.missed), numbers(m.sizes), numbers(m.landed)
     swings, unprovoked = numbers(m.swings), numbers(m.unprovoked)
-    keep = 1.0 - 1.0 / WINDOW
+    lately, weights = numbers(m.lately), numbers(m.weights)
+    keep, keep_lately = 1.0 - 1.0 / WINDOW, 1.0 - 1.0 / LATELY
+    weights[0], weights[1] = keep * weights[0] + 1.0, keep_lately * weights[1] + 1.0
     landed[0] += 1.0
     for i in range(new.shape[0]):
         resting = known > 1 and values[0, i] == values[1, i]
@@ -109,14 +117,15 @@ def _judge(memory: Any, known: int, time: float, bound: float, share: float) -> 
     for i in range(new.shape[0]):
         v, d, _ = parabola(times[0], values[0, i], times[1], values[1, i], 0.0, 0.0, min(known, 2), times[0])
         miss = abs(new[i] - (v + (time - times[0]) * d))
-        missed[i] = keep * missed[i] + miss
+        missed[i], lately[i] = keep * missed[i] + miss, keep_lately * lately[i] + miss
         sizes[i] = keep * sizes[i] + max(abs(new[i]), nominal[i])
         largest = max(max(abs(new[i]), nominal[i]), max(abs(values[0, i]), abs(values[1, i])))
         swing = 1.0 if miss > SWING * largest else 0.0
         swings[i] = keep * swings[i] + swing
         unprovoked[i] = keep * unprovoked[i] + (swing if landed[0] > WINDOW else 0.0)
         unstable |= swings[i] > LASTING or unprovoked[i] > UNPROVOKED
-        if missed[i] > most * sizes[i]:
+        dying = lately[i] / weights[1] < DYING * missed[i] / weights[0]
+        if missed[i] > most * sizes[i] and not dying:
             worst, most = i, missed[i] / sizes[i]
     if worst >= 0 and unstable:
         return worst
