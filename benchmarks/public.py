@@ -57,14 +57,23 @@ def _measure_problem(name: str) -> Iterator[tuple[str, str]]:
     rows |= {peer: list(peers.measure_peer(problem, files, peer)) for peer in peers.PEERS}
     for error in ERRORS:
         found = {method: least for method, own in rows.items() if (least := _find_least(own, error))}
-        shown = "; ".join(f"{m} {n}" for m, n in sorted(found.items(), key=lambda item: item[1]))
-        yield f"{name}, doSteps for an error of {error:g}", shown or "none"
+        shown = [f"{m} {n}" for m, n in sorted(found.items(), key=lambda item: item[1])]
+        shown += [_describe_most(method, own) for method, own in rows.items() if method not in found]
+        yield f"{name}, doSteps for an error of {error:g}", "; ".join(shown)
         yield f"{name}, advice for an error of {error:g}", _describe_advice(problem, error, found)
 
 
 def _find_least(rows: Sequence[Row], error: float) -> int:
     """The fewest doSteps of a run with this error at most; 0 if there is none."""
     return min((row.calls for row in rows if row.error <= error), default=0)
+
+
+def _describe_most(method: str, rows: Sequence[Row]) -> str:
+    """Of a method that does not come to an error: its most doSteps and least error, or why there is none."""
+    errors = [row.error for row in rows if np.isfinite(row.error)]
+    if not errors:
+        return f"{method}: {next((row.note for row in rows if row.note), 'no run')}"
+    return f"{method} over {max(row.calls for row in rows)} (error {min(errors):.1e})"
 
 
 def _describe_advice(problem: CouplingProblem, allowed: float, found: dict[str, int]) -> str:

@@ -41,7 +41,7 @@ def test_a_text_arrives_in_utf_8(version: int, process: str, text: str, tmp_path
         ("table file", 8.0, r"components\.one\.parameters\.table file = 8\.0 \(String\): must be a string"),
         ("table file", True, r"table file = True \(String\): must be a string"),
         ("table file", "a\0b", "without null characters"),
-        ("raw", "00ff", r"raw: is of type Binary, which cannot be set; leave it out"),
+        ("raw", "0ff", r"raw = .0ff. \(Binary\): must be pairs of hexadecimal digits"),
         ("scale", "much", "scale.*much"),
         ("length", "much", "length: no such parameter"),
     ],
