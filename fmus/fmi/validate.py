@@ -145,6 +145,7 @@ def info(path: Path | str) -> FmuInfo:
     except Exception as error:  # fmpy lets through whatever its XML libraries raise
         raise FmuFileError(f"{path}: {DESCRIPTION} cannot be read: {one_line(error)}") from None
     kinds = {"co-simulation": described.coSimulation, "model exchange": described.modelExchange}
+    kinds["scheduled execution"] = described.scheduledExecution
     return FmuInfo(
         path=path,
         name=described.modelName,

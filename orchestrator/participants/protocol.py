@@ -40,7 +40,7 @@ class Participant(Protocol):
 
     Order of calls: `connect`, `initialise`, then any of the rest, `close` last. Memory that `connect` is
     given is kept: `inputs` is what the next `advance` or `read` sees after `write`, and `read` fills
-    `outputs` and `rates`.
+    `outputs` and `rates`. One with events, clocks or texts has an attribute `side` (see `side_channel`).
     """
 
     name: str

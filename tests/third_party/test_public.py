@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fmus.fmi.validate import info
 from models.monolithic.difference import difference
 from models.oscillators.exact import quarter_car
 from orchestrator.scenario import ScenarioError
@@ -63,6 +64,7 @@ def test_an_fmu_for_scheduled_execution_is_refused() -> None:
     table = {"participant": public("reference-fmus-3/Clocks.fmu")}
     with pytest.raises(ScenarioError, match=r"for scheduled execution only, .* take FMUs for co-simulation"):
         scenario({"one": table})
+    assert info(public("reference-fmus-3/Clocks.fmu")).kinds == ("scheduled execution",)
 
 
 def renamed(path: Path, other: Path, more: str = "") -> Path:
