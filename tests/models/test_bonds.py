@@ -11,8 +11,8 @@ from models.core.bonds import counting, energy_through
 from models.core.integrator import OK
 
 COMPONENTS = sorted(CATALOGUE)
-# Long to compile, or built as another one (coupled_mass, quarter_car_chassis).
-LONG = ("crank", "piston", "multibody", "falling_mass", "sprung_mass", "quarter_car_wheel", "line_contact")
+# Of all others the kernels would be compiled for this test alone.
+ALWAYS = ("flywheel", "coupled_mass", "valve_spring", "ehl_contact")
 DRY = CATALOGUE["ehl_contact"]().parameters.field("film_model").quantity.choices.index("dry")
 
 
@@ -49,7 +49,7 @@ def made(name, **settings):
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(n, marks=pytest.mark.long) if any(s in n for s in LONG) else n for n in COMPONENTS],
+    [n if n in ALWAYS else pytest.param(n, marks=pytest.mark.long) for n in COMPONENTS],
 )
 def test_the_motion_does_not_see_that_energies_are_counted(name):
     plain, counts = Unit(CATALOGUE[name]()), made(name)

@@ -80,6 +80,7 @@ def test_the_file_is_what_the_script_writes():
         assert written[key] == expected
 
 
+@pytest.mark.long
 def test_cylinders_turn_in_firing_order_and_as_they_do_alone():
     """Throws follow one another by half a turn; the shaft's speed is prescribed: the same bits as alone."""
     whole = build_system(load("engine-16v"))

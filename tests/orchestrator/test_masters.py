@@ -35,15 +35,15 @@ def error(master, step, stop=STOP, **parameters):
 @pytest.mark.parametrize(
     ("master", "order", "ceiling"),
     [
-        (Jacobi("hold"), 1, 1e-2),
+        pytest.param(Jacobi("hold"), 1, 1e-2, marks=pytest.mark.long),
         (Jacobi("linear"), 2, 6e-5),
-        (Jacobi("quadratic"), 3, 7e-7),
-        (GaussSeidel("hold"), 1, 5e-3),
-        (GaussSeidel("linear"), 2, 3e-5),
+        pytest.param(Jacobi("quadratic"), 3, 7e-7, marks=pytest.mark.long),
+        pytest.param(GaussSeidel("hold"), 1, 5e-3, marks=pytest.mark.long),
+        pytest.param(GaussSeidel("linear"), 2, 3e-5, marks=pytest.mark.long),
         (GaussSeidel("quadratic"), 3, 4e-7),
         (Iterated("hold"), 1, 6e-3),
-        (Iterated("linear"), 2, 5e-6),
-        (Iterated("quadratic"), 3, 4e-8),
+        pytest.param(Iterated("linear"), 2, 5e-6, marks=pytest.mark.long),
+        pytest.param(Iterated("quadratic"), 3, 4e-8, marks=pytest.mark.long),
     ],
     ids=lambda value: f"{type(value).__name__}-{value.extrapolation}" if hasattr(value, "step") else None,
 )

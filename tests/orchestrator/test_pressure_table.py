@@ -127,7 +127,8 @@ def test_only_a_gas_has_a_pressure_table(tmp_path: Path) -> None:
         load(str(file))
 
 
-@pytest.mark.parametrize("participant", ["native", pytest.param("fmu", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("participant", ["native", "fmu"])
 def test_an_exhaust_valve_opens_against_a_table(tmp_path: Path, participant: str) -> None:
     """By the FMU of the table's component, against the reference."""
     angles = np.linspace(0.0, 4.0 * math.pi, 90, endpoint=False)

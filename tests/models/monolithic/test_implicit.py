@@ -117,6 +117,7 @@ def test_the_reference_publishes_the_difference_of_its_methods() -> None:
     assert np.array_equal(found[LOAD], column(ringing(), course(Sdirk4, 8e-6).outputs, LOAD))
 
 
+@pytest.mark.long
 def test_energies_close_per_component() -> None:
     """To the methods' error; the field's (see `energies`) to that of its nodes, measured 0.12 % of what the
     film loses with 51 (101: 0.03 %; smooth surfaces and 201: 0.004 %)."""

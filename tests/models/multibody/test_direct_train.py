@@ -69,7 +69,7 @@ def test_parts_joints_and_freedoms_are_those_of_ks_tables_1_and_2() -> None:
 @pytest.mark.parametrize(
     ("speed_rpm", "load", "torque", "moment"),
     [
-        (600.0, (326.842, 606.423), (-4.927, 4.940), 4.935),
+        pytest.param(600.0, (326.842, 606.423), (-4.927, 4.940), 4.935, marks=pytest.mark.long),
         (1000.0, (323.401, 607.399), (-4.880, 4.856), 4.866),
     ],
 )
