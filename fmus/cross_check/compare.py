@@ -22,6 +22,7 @@ from models.monolithic.reference import SHARPEST
 from .exchange import integrate
 from .files import CrossCheckError, Options, Table, read_csv, read_options
 from .inside import FOLDER
+from .manifest import find_results, read_results, state_options
 
 CO_SIMULATION, MODEL_EXCHANGE = "co-simulation", "model exchange"
 # What the solver of model exchange is told, over the tolerance of the results: errors of steps add up, and
@@ -95,18 +96,25 @@ def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
     """The FMU at `path`, in every way that it can be run and has a reference for.
 
     The reference lies beside the file (`NAME_ref.csv`, `NAME_ref.opt`, and `NAME_in.csv` if there are
-    inputs), or else inside it (`extra/`). In the project's folders, .../cs/... or .../me/..., it is run so
-    only. `tolerance` replaces that of the .opt file. CrossCheckError, in one line, where there is nothing to
-    compare with or the FMU does not run.
+    inputs), or else inside it (`extra/`), also as a manifest of FMI-LS-REF names it. In the project's
+    folders, .../cs/... or .../me/..., it is run so only. `tolerance` replaces that of the .opt file.
+    CrossCheckError, in one line, where there is nothing to compare with or the FMU does not run.
     """
     described = _read_description(path)
     files, place = _beside(path), "reference beside the file"
     if not files:
         files, place = _inside(path), "reference inside the file"
     found = []
-    for kind in _kinds(path, described):
+    try:
+        own = any(name.endswith("_ref.csv") for name in files)
+        related = "" if own else find_results(files)
+    except CrossCheckError as error:
+        raise CrossCheckError(f"{path}: {error}") from None
+    # A manifest does not say for which way of running the result is: it is what the FMU itself does.
+    kinds = _kinds(path, described)[:1] if related else _kinds(path, described)
+    for kind in kinds:
         try:
-            reference = _reference(kind, files)
+            reference = _related(related, files, described) if related else _reference(kind, files)
             _check_variables(described, reference)
             allowed = tolerance or reference.options.tolerance
             if allowed == 0.0:
@@ -162,7 +170,8 @@ def _beside(path: Path) -> dict[str, str]:
 def _inside(path: Path) -> dict[str, str]:
     """Reference files that the FMU, whose archive has no faults, ships, by name."""
     with open_archive(path) as archive:
-        names = [n for n in archive.namelist() if n.startswith(FOLDER) and n.endswith((".csv", ".opt"))]
+        ends = (".csv", ".opt", ".xml")
+        names = [n for n in archive.namelist() if n.startswith(FOLDER) and n.endswith(ends)]
         texts = {name: archive.read(name).decode("utf-8", "replace") for name in names}
     return {name.removeprefix(FOLDER + "/"): text for name, text in texts.items()}
 
@@ -186,6 +195,13 @@ def _reference(kind: str, files: Mapping[str, str]) -> Reference:
         inputs=None if inputs is None else read_csv(inputs, f"{name}_in.csv"),
         results=_select_instants(read_csv(files[results], results), options, results),
     )
+
+
+def _related(name: str, files: Mapping[str, str], described: ModelDescription) -> Reference:
+    """The default experiment's results that a manifest names."""
+    results = read_results(files[name], name)
+    options = state_options(described, results)
+    return Reference(options=options, inputs=None, results=_select_instants(results, options, name))
 
 
 def _select_instants(results: Table, options: Options, name: str) -> Table:

@@ -142,7 +142,7 @@ def test_a_crash_is_an_answer_and_the_next_file_is_run(fmu_files: dict[str, Path
 @pytest.mark.parametrize(
     ("file", "old", "new", "message"),
     [
-        ("falling_mass_ref.csv", None, None, "has no reference results"),
+        ("falling_mass_ref.csv", None, None, "names falling_mass_ref.csv, which is not in"),
         ("falling_mass_ref.opt", None, None, "falling_mass_ref.opt is missing"),
         ("falling_mass_ref.csv", '"velocity"', '"speed"', "has no variable speed"),
         ("falling_mass_in.csv", '"force"', '"push"', "has no variable push"),
