@@ -15,6 +15,7 @@ from orchestrator.errors import MistakeError, one_of
 from orchestrator.run.checkpoint import restore_participants, serialise_participants
 from orchestrator.run.participants import build_participants
 from orchestrator.run.plan import make_plan
+from orchestrator.scenario.system import build_side_lines
 from orchestrator.scenario.units import UnitError, to_unit
 from orchestrator.stepping import list_event_outputs
 
@@ -54,7 +55,8 @@ class Session:
         self._participants = build_participants(checked, plan.system, plan.fmus, lambda name, make: make())
         try:
             events = list_event_outputs(plan.system) if self._steps.locates else None
-            self._coupling = Coupling(plan.system, self._participants, master.degree, events)
+            lines = build_side_lines(checked)
+            self._coupling = Coupling(plan.system, self._participants, master.degree, events, lines)
             self._coupling.initialise(0.0, self.stop_time)
             self._steps.begin(self._coupling, master, 0.0, self.stop_time)
         except BaseException:

@@ -19,7 +19,7 @@ import numpy as np
 from fmus.fmi.model_exchange import MOST_ITERATIONS
 from models.core.quantities import Vector
 
-from ..errors import ParticipantError
+from ..errors import EndedError, ParticipantError
 from .clock_schedule import ClockSchedule
 from .description import Description, Variable
 from .fmi3 import EARLY, ENDED, EVENT, MAXIMUM_RETURNS, ROUNDING, Fmi3
@@ -222,9 +222,11 @@ class Fmi3WithEvents(Fmi3):
                 active += [name for name, ticks in zip(outputs, on, strict=True) if ticks]
             again, ends, _, _, known, at = self.slave.updateDiscreteStates()
             if ends:
-                raise ParticipantError(
+                self._in_events = False  # outputs are read in event mode
+                raise EndedError(
                     f"{self._name}: the FMU asks to end the simulation in an event at t = {self._time:.9g} "
-                    "s; set stop_time to that, or look at its parameters"
+                    "s; set stop_time to that, or look at its parameters",
+                    self._time,
                 )
             self._memory_of_events.next_event = float(at) if known else math.inf
             if not again:

@@ -10,15 +10,19 @@ import fmpy
 import numpy as np
 import pytest
 
+from models.core.system import Port
+from orchestrator.analyses.stability.trajectory import run_course
 from orchestrator.participants.fmu import FmuParticipant
 from orchestrator.participants.opened_fmu import FmuSettings
 from orchestrator.participants.protocol import BoundVariables
+from orchestrator.run.participants import build_participants
+from orchestrator.run.plan import resolve_fmus
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.system import build_system
 
 from .clocked_fmus import sampler
 from .public import public
-from .runs import ran, scenario
+from .runs import never, ran, scenario
 
 PROCESSES = ("own", "shared")
 MASTERS: dict[str, dict[str, Any]] = {
@@ -133,3 +137,28 @@ def test_event_mode_gives_what_fmpys_importer_finds(name: str, tmp_path: Path) -
         ours = {round(t, 6): v for t, v in zip(found["time"], found[f"one.{column}"], strict=True)}
         for t in np.round(np.arange(0.0, 2.05, 0.1), 6):
             assert ours[t] == pytest.approx(last[t], rel=1e-12, abs=1e-12), (column, t)
+
+
+def test_an_end_in_an_event_is_named_and_recorded(tmp_path: Path) -> None:
+    """The public stair ends at its ninth second."""
+    one = scenario(
+        {"one": {"participant": public("reference-fmus-3/Stair.fmu")}}, stop_time=12.0, macro_step=0.3
+    )
+    summary, found = ran(one, tmp_path / "out")
+    assert summary.exit_status == 3
+    assert "one: the FMU asks to end the simulation in an event at t = 9 s" in summary.message
+    assert found["time"][-1] == pytest.approx(9.0, rel=1e-12)
+
+
+def test_an_analysis_records_at_its_own_times(tmp_path: Path) -> None:
+    """Steps that end at events lie between them."""
+    one = scenario({"one": {"participant": sampler(tmp_path), "inputs": {"u": 2.0}}})
+    system, times = build_system(one), np.linspace(0.0, 1.0, 26)
+    units = build_participants(one, system, resolve_fmus(one, never), lambda name, make: make())
+    try:
+        found = run_course(system, units, one.build_master(), times, lambda share: None)
+    finally:
+        for unit in units.values():
+            unit.close()
+    ticks = found.outputs[:, system.outputs.index(Port("one", "ticks"))]
+    np.testing.assert_array_equal(ticks, list_ticks(times))
