@@ -9,7 +9,7 @@ from pathlib import Path
 
 import fmpy
 
-from ..participants.description import Description
+from ..participants.description import CLOCK, Description
 from ..participants.library import find_library, list_libraries
 from . import Scenario, ScenarioError, parse_line
 
@@ -128,6 +128,12 @@ def _find_library_fault(path: Path, about: Description) -> str:
 def _find_fault(scenario: Scenario, name: str, about: Description) -> str:
     """The first capability that the FMU lacks, with the remedy; empty if it lacks none."""
     table = scenario.components[name]
+    clocks = [v.name for v in about.variables.values() if v.type == CLOCK and v.causality == "input"]
+    if clocks and about.events is None:
+        return (
+            f"has clocks ({', '.join(clocks)}), which tick in co-simulation with event mode only "
+            "(hasEventMode); take an FMU that has it, without interface = 'model_exchange'"
+        )
     if scenario.master.build().implicit:
         varied = f"the master {scenario.master.name}", "take the master jacobi or gauss_seidel"
     elif scenario.step_control and not scenario.step_control.forward:

@@ -20,7 +20,7 @@ from orchestrator.run.plan import resolve_fmus
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.system import build_system
 
-from .clocked_fmus import sampler
+from .clocked_fmus import DESCRIPTION, sampler
 from .public import public
 from .runs import never, ran, scenario
 
@@ -162,3 +162,10 @@ def test_an_analysis_records_at_its_own_times(tmp_path: Path) -> None:
             unit.close()
     ticks = found.outputs[:, system.outputs.index(Port("one", "ticks"))]
     np.testing.assert_array_equal(ticks, list_ticks(times))
+
+
+def test_clocks_that_nobody_would_tick_are_refused(tmp_path: Path) -> None:
+    plain = DESCRIPTION.replace('hasEventMode="true" ', "")
+    with pytest.raises(ScenarioError, match=r"has clocks \(tick, alarm, poke\), which tick in co-simulation"):
+        ran(scenario({"one": {"participant": sampler(tmp_path, plain)}}), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
