@@ -228,3 +228,14 @@ def test_the_command_tells_how_each_participant_was_linearised(tmp_path):
     assert "By their equations: first" in output
     assert "saved and restored states: second (residual" in output
     assert "second holds its inputs force over a step" in output
+
+
+@pytest.mark.parametrize(("outputs", "inputs"), [(0, 1), (1, 0), (0, 0)])
+def test_what_has_no_response_is_a_system_without_states(outputs: int, inputs: int) -> None:
+    """Of an FMU that only gives, or only takes."""
+    found = realise(
+        np.zeros((6, outputs, inputs)), np.zeros((outputs, inputs)), 0.1, np.ones(inputs),
+        np.zeros((outputs, inputs)),
+    )  # fmt: skip
+    assert found.residual == 0.0
+    assert found.linear.A.shape == (0, 0)

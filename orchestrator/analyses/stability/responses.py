@@ -239,6 +239,9 @@ def realise(pulses: Vector, direct: Vector, spacing: float, given: Vector, noise
     near.
     """
     p, m = direct.shape
+    nothing = Linear(np.zeros((0, 0)), np.zeros((0, m)), np.zeros((p, 0)), direct, np.zeros(0))
+    if not direct.size:
+        return Realisation(nothing, 0.0)
     moved = pulses.copy()
     moved[0] -= direct
     weight = np.maximum(np.max(np.abs(moved * given), axis=(0, 2)), QUIET * np.max(noise * given, axis=1))
@@ -249,7 +252,6 @@ def realise(pulses: Vector, direct: Vector, spacing: float, given: Vector, noise
     strength[strength < 1.0 / QUIET] = 1.0
     scaled /= strength
     if not np.any(np.abs(scaled) > 1.0 / QUIET):
-        nothing = Linear(np.zeros((0, 0)), np.zeros((0, m)), np.zeros((p, 0)), direct, np.zeros(0))
         return Realisation(nothing, 0.0)
     best: Realisation | None = None
     for phi, gamma, observed in _rank_candidates(scaled):
