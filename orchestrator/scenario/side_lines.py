@@ -43,6 +43,14 @@ def read_side_lines(lines: Iterable[Line], components: Mapping[str, Component]) 
     return SideLines(tuple(found[CLOCK]), (*found[STRING], *found[BINARY]))
 
 
+def list_side_variables(component: Component, causality: str) -> list[str]:
+    """The variables of this causality that are no numbers."""
+    if not isinstance(component, ThirdPartyComponent):
+        return []
+    known = component.about.variables.values()
+    return [v.name for v in known if v.causality == causality and v.type in SIDE_TYPES]
+
+
 def check_equal_types(line: Line, given: Component, wanted: Component) -> None:
     """ScenarioError where a whole number, enumeration or truth value goes to another type of such."""
     if not isinstance(given, ThirdPartyComponent) or not isinstance(wanted, ThirdPartyComponent):

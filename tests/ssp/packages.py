@@ -39,7 +39,8 @@ def package(
 
 
 def component(name: str, source: str, connectors: Mapping[str, str], bound: str = "") -> str:
-    """A component: kinds of its connectors, each with a unit after it if it has one ("input m")."""
+    """A component: kinds of its connectors, each with a unit after it if it has one ("input m"), or a
+    type that is no number ("input String")."""
     bindings = f"<ssd:ParameterBindings>{bound}</ssd:ParameterBindings>" if bound else ""
     return (
         f'<ssd:Component name="{name}" type="application/x-fmu-sharedlibrary" '
@@ -52,7 +53,8 @@ def component(name: str, source: str, connectors: Mapping[str, str], bound: str 
 def connector(name: str, kind: str) -> str:
     kind, _, unit = kind.partition(" ")
     stated = f' unit="{unit}"' if unit else ""
-    return f'<ssd:Connector name="{name}" kind="{kind}"><ssc:Real{stated}/></ssd:Connector>'
+    typed = f"<ssc:{unit}/>" if unit in ("String", "Binary") else f"<ssc:Real{stated}/>"
+    return f'<ssd:Connector name="{name}" kind="{kind}">{typed}</ssd:Connector>'
 
 
 def connection(start: str, end: str, inside: str = "", more: str = "") -> str:

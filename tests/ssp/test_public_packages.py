@@ -13,7 +13,9 @@ from orchestrator.run.pipeline import run
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from tests.third_party.public import public
-from tests.third_party.runs import never, recorded
+from tests.third_party.runs import find_texts, never, recorded
+
+from .packages import binding, component, connection, package
 
 
 @pytest.mark.parametrize("name", ["algebraic_loop_1", "algebraic_loop_3", "demo"])
@@ -46,3 +48,21 @@ def test_a_public_package_runs_or_names_the_library_that_lacks(tmp_path: Path) -
         said = str(error)
         assert not any((tmp_path / "out").iterdir())
     assert not said or re.search(r"scenario: instantiate: .*GLIBC", said)
+
+
+def test_texts_of_a_package_pass_and_have_values(tmp_path: Path) -> None:
+    """Strings and binary values, given in a set and connected."""
+    kinds = {f"{kind}_{end}put": f"{end}put {kind}" for kind in ("String", "Binary") for end in ("in", "out")}
+    values = binding({"String_input": 'String value="so"', "Binary_input": 'Binary value="00ff"'})
+    path = package(
+        tmp_path / "a.ssp",
+        component("one", "through", kinds, values) + component("two", "through", kinds),
+        "".join(connection(f"one.{kind}_output", f"two.{kind}_input") for kind in ("String", "Binary")),
+        files={"resources/through.fmu": public("reference-fmus-3/Feedthrough.fmu").read_bytes()},
+    )
+    one = load(str(path), ["stop_time=0.1", "macro_step=0.1"])
+    assert one.connections == [
+        "one.String_output -> two.String_input",
+        "one.Binary_output -> two.Binary_input",
+    ]
+    assert find_texts(one, "two", ["String_output", "Binary_output"]) == ["so", "00ff"]

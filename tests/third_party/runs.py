@@ -10,10 +10,15 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.participants.side_channel import get_side_channel
 from orchestrator.reporter import Reporter
+from orchestrator.run.participants import build_participants
 from orchestrator.run.pipeline import run
+from orchestrator.run.plan import resolve_fmus
+from orchestrator.run.simulation import simulate
 from orchestrator.run.summary import Summary
 from orchestrator.scenario import Scenario, build_scenario
+from orchestrator.scenario.system import build_side_lines, build_system
 
 
 def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Scenario:
@@ -49,6 +54,21 @@ def recorded(out: Path) -> dict[str, np.ndarray]:
     with (out / "coupled.csv").open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     return dict(zip(header, np.array(rows, dtype=float).T, strict=True))
+
+
+def find_texts(one: Scenario, name: str, variables: list[str]) -> list[str]:
+    """These texts of a component at the end of a run."""
+    system = build_system(one)
+    units = build_participants(one, system, resolve_fmus(one, never), lambda name, make: make())
+    try:
+        steps, lines = one.build_steps(), build_side_lines(one)
+        simulate(system, units, one.build_master(), steps, one.stop_time, lines=lines)
+        side = get_side_channel(units[name])
+        assert side
+        return side.get_texts(variables)
+    finally:
+        for unit in units.values():
+            unit.close()
 
 
 def unloadable(path: Path, other: Path) -> Path:

@@ -7,33 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.participants.side_channel import get_side_channel
-from orchestrator.run.participants import build_participants
-from orchestrator.run.plan import resolve_fmus
-from orchestrator.run.simulation import simulate
-from orchestrator.scenario import Scenario, ScenarioError
+from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.ssp import export
-from orchestrator.scenario.system import build_side_lines, build_system
+from orchestrator.scenario.system import build_system
 
 from .public import public
-from .runs import never, ran, scenario
+from .runs import find_texts, never, ran, scenario
 
 PROCESSES = ("own", "shared")
-
-
-def find_texts(one: Scenario, name: str, variables: list[str]) -> list[str]:
-    """These texts of a component at the end of a run."""
-    system = build_system(one)
-    units = build_participants(one, system, resolve_fmus(one, never), lambda name, make: make())
-    try:
-        steps, lines = one.build_steps(), build_side_lines(one)
-        simulate(system, units, one.build_master(), steps, one.stop_time, lines=lines)
-        side = get_side_channel(units[name])
-        assert side
-        return side.get_texts(variables)
-    finally:
-        for unit in units.values():
-            unit.close()
 
 
 @pytest.mark.parametrize("process", PROCESSES)

@@ -27,6 +27,7 @@ from ...participants.description import (
 from .. import Line, ScenarioError
 from ..component_table import KINDS
 from ..conversion import convert_units
+from ..side_lines import list_side_variables
 from ..values import WithUnit, build_component
 from .names import NAMESPACES, OURS, STRUCTURE, UNPACKED
 from .schema import find_schema_fault
@@ -297,22 +298,26 @@ def _build_lines(
     """The connections between components, through whatever systems they pass."""
     lines = []
     for target in found.edges:
-        if target.path not in parts or target.connector not in parts[target.path].inputs:
-            if target.path in parts:
-                _check_parameter(found, target, where)
+        if target.path not in parts:
+            continue
+        side = target.connector in list_side_variables(parts[target.path], "input")
+        if not side and target.connector not in parts[target.path].inputs:
+            _check_parameter(found, target, where)
             continue
         steps = list(trace_back(found, target))[::-1]
         source = steps[0][1].source
         if source.path not in parts:
             continue  # an input of the whole, which nothing drives here
-        outputs = parts[source.path].outputs
-        if source.connector not in outputs:
+        outputs = parts[source.path].outputs.names
+        sides = list_side_variables(parts[source.path], "output")
+        if source.connector not in (*outputs, *sides):
             raise ScenarioError(
                 f"{where}: the connection from {source} to {target}: {names[source.path]} has no output "
-                f"{source.connector!r}; {suggestion(source.connector, outputs.names)}"
+                f"{source.connector!r}; {suggestion(source.connector, outputs)}"
             )
         ends = f"{names[source.path]}.{source.connector}", f"{names[target.path]}.{target.connector}"
-        lines.append(_build_line(found, parts, steps, ends, where))
+        plain = side or source.connector in sides
+        lines.append(Line(*ends) if plain else _build_line(found, parts, steps, ends, where))
     return lines
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ...participants.description import STRING, Unit
+from ...participants.description import BINARY, STRING, Unit
 from .. import ScenarioError
 from .names import VALUES_TYPE, expand_tag
 from .structure import (
@@ -71,7 +71,7 @@ def _read_binding(
         root = binding.find(f"{expand_tag('ssd:ParameterValues')}/{expand_tag('ssv:ParameterSet')}")
     if root is None:
         return
-    stated = dict(_read_set(root, found, f"{where}: {source or 'parameters'}"))
+    stated = dict(_read_set(root, found))
     mapping = binding.find(expand_tag("ssd:ParameterMapping"))
     if mapping is None:
         yield from stated.items()
@@ -101,7 +101,7 @@ def _read_file(element: Any, source: str, files: Files, where: str) -> bytes:
     return files(resolve_source(source, where))
 
 
-def _read_set(root: Any, found: Structure, where: str) -> Iterator[tuple[str, StatedValue]]:
+def _read_set(root: Any, found: Structure) -> Iterator[tuple[str, StatedValue]]:
     units = found.units | read_units(root)
     enumerations = found.enumerations | read_enumerations(root)
     for parameter in root.iter(expand_tag("ssv:Parameter")):
@@ -116,12 +116,8 @@ def _read_set(root: Any, found: Structure, where: str) -> Iterator[tuple[str, St
                 yield name, StatedValue(text in ("true", "1"))
             elif kind == "Enumeration":
                 yield name, StatedValue(text, items=enumerations.get(child.get("name") or name))
-            elif kind == STRING:
+            elif kind in (STRING, BINARY):
                 yield name, StatedValue(text, plain=True)
-            elif kind == "Binary":
-                raise ScenarioError(
-                    f"{where}: {name} is a {kind}, which scenarios do not take; leave it out of the set"
-                )
 
 
 def _find_targets(found: Structure, path: Path, name: str, where: str) -> Iterator[tuple[Path, str]]:

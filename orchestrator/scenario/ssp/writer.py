@@ -20,7 +20,7 @@ from models.core.quantities import Quantity
 from models.core.system import Instance, System
 
 from ...participants import collect_settings
-from ...participants.description import BOOLEANS, REALS, STRING, Description, Variable, read_description
+from ...participants.description import BOOLEANS, REALS, Description, Variable, read_description
 from ...store.atomic_write import replace
 from .. import ComponentTable, Scenario, ScenarioError, parse_line
 from ..system import Builder, build_side_lines, build_system, resolve_start
@@ -143,7 +143,7 @@ def _write_parameter_set(
     parameters = add_element(root, "ssv:Parameters")
     for key, value in values.items():
         parameter = add_element(parameters, "ssv:Parameter", name=key)
-        kind, written = STRING, value
+        kind, written = about.variables[key].type, value
         if not isinstance(value, str):
             kind, written = _format_value(about.variables[key], _find_quantity(instance, key), value)
         add_element(parameter, f"ssv:{kind}", value=written)
