@@ -187,6 +187,8 @@ class Fmi3WithEvents(Fmi3):
         self._enter_events()
         active = self._tick(triggered)
         self._leave_events()
+        if self._memory_of_events.next_event <= time + slack:  # which has been handled now
+            self._memory_of_events.next_event = math.inf
         return active
 
     def _enter_events(self) -> None:

@@ -1,7 +1,7 @@
 /* FMI 3.0 co-simulation with event mode and clocks, which refuses every call that the standard forbids then.
    `tick` (constant, 0.1 s) adds 0.1 u to y. Every second tick sets `alarm` (countdown) to 0.03 s and ticks the
    output clock `fired`. `poke` (triggered) counts. A time event at 0.25 s sets `level`; doStep may not go beyond.
-   `gain` is a discrete input: scaled = gain * y. */
+   `gain` is a discrete input: scaled = gain * y. Where it is negative the next event stays at the present. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -88,8 +88,8 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Bool
     memset(m->on, 0, sizeof m->on);
     m->fired = false;
     *ends = *nominals = *values = false;
-    *known = m->v[LEVEL] == 0.0;
-    *next = 0.25;
+    *known = m->v[LEVEL] == 0.0 || m->v[GAIN] < 0.0;
+    *next = m->v[LEVEL] == 0.0 ? 0.25 : m->v[TIME];
     return fmi3OK;
 }
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean p, fmi3Boolean *event,

@@ -169,3 +169,12 @@ def test_clocks_that_nobody_would_tick_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"has clocks \(tick, alarm, poke\), which tick in co-simulation"):
         ran(scenario({"one": {"participant": sampler(tmp_path, plain)}}), tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_an_event_that_stays_due_does_not_stop_the_run(tmp_path: Path) -> None:
+    """Of an FMU whose next event is at the present for ever."""
+    table = {"participant": sampler(tmp_path), "inputs": {"u": 2.0, "gain": -1.0}}
+    summary, found = ran(scenario({"one": table}, macro_step=0.04), tmp_path / "out")
+    assert summary.complete, summary.message
+    np.testing.assert_array_equal(found["one.ticks"], list_ticks(found["time"]))
+    np.testing.assert_allclose(found["one.scaled"], -found["one.y"], rtol=1e-15)
