@@ -204,3 +204,11 @@ def test_a_package_decides_nothing_that_is_the_users(tmp_path: Path) -> None:
     assert second.third_party
     assert second.process is None
     assert Path(second.participant).is_relative_to(tmp_path)
+
+
+def test_the_name_of_a_package_is_an_identifier(tmp_path: Path) -> None:
+    """Which some tools demand; the scenario has its own name again."""
+    export(load("quarter-car"), tmp_path / "made.ssp", build_fmu)
+    with zipfile.ZipFile(tmp_path / "made.ssp") as archive:
+        assert b'name="quarter_car"' in archive.read("SystemStructure.ssd")
+    assert load(tmp_path / "made.ssp").name == "quarter-car"

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import re
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -173,7 +174,7 @@ def _write_structure(
         None,
         "ssd:SystemStructureDescription",
         version="1.0",
-        name=scenario.name,
+        name=re.sub(r"\W", "_", scenario.name),  # OMSimulator takes identifiers only
         description=scenario.description or None,
         generationTool="tribocosim",
     )
