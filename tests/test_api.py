@@ -219,6 +219,42 @@ def test_a_session_makes_the_steps_of_the_run_to_the_bit(name: str) -> None:
             session.step()
 
 
+def test_a_closed_session_says_so() -> None:
+    """Its FMUs have ended: calling them would end this process."""
+    with tribocosim.session(tribocosim.load("two-masses")) as session:
+        session.step()
+        snapshot = session.save()
+    name = next(iter(session._outputs.names))
+    for use in (
+        session.step,
+        session.save,
+        session.reset,
+        lambda: session[name],
+        lambda: session.step_until(1.0),
+        lambda: session.restore(snapshot),
+        lambda: session.set("second.force", 0.0),
+    ):
+        with pytest.raises(tribocosim.MistakeError, match="the session is closed"):
+            use()
+    session.close()
+
+
+def test_times_of_a_session_have_units_and_an_end() -> None:
+    with tribocosim.session(tribocosim.load("two-masses")) as session:
+        assert session.step_until("20 ms") == pytest.approx(0.02, abs=session.stop_time * 1e-3)
+        with pytest.raises(tribocosim.MistakeError, match="is behind the session's stop_time"):
+            session.step_until(1e3)
+        with pytest.raises(tribocosim.MistakeError, match=r"is driven by first\.force"):
+            session.set("second.force", 0.0)
+        with pytest.raises(tribocosim.MistakeError, match=r"is a parameter; take scenario\.with_"):
+            session.set("first.mass", 1.0)
+
+
+def test_names_are_found_by_completion() -> None:
+    assert {*tribocosim.__all__, "errors"} <= {*dir(tribocosim)}
+    assert tribocosim.errors.MistakeError is tribocosim.MistakeError
+
+
 def test_a_session_names_outputs_that_there_are_not() -> None:
     with (
         tribocosim.session(tribocosim.load("two-masses")) as session,

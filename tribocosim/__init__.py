@@ -30,8 +30,16 @@ __all__ = [
 ]  # fmt: skip
 
 
+def __dir__() -> list[str]:
+    return sorted([*__all__, "errors"])
+
+
 def __getattr__(name: str) -> Any:
     """Import the interface when it is first asked for: the command begins with less."""
+    if name == "errors":
+        import importlib
+
+        return importlib.import_module(".errors", __name__)
     if name not in __all__:
         from orchestrator.errors import one_of
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from orchestrator.errors import MistakeError, RunError, one_of
 from orchestrator.run.pipeline import run as run_pipeline
+from orchestrator.store.output_folder import RESULT
 from orchestrator.store.result_file import open_result
 
 from .cached_fmus import build_fmu as build_cached_fmu
@@ -93,6 +94,8 @@ class Result:
         """Each variable over time, coupled and reference, below each other."""
         from .pictures import draw
 
+        if not variables:
+            raise MistakeError("variables: name at least one, e.g. result.plot('contact.load')")
         for name in variables:
             if name not in self.coupled:
                 raise MistakeError(f"{name}: {one_of(map(str, self.coupled), name)}")
@@ -142,8 +145,10 @@ def _run(
 
 
 def open(folder: str | Path) -> Result:
-    """The result in the folder of a run, read into memory. FileNotFoundError if there is none."""
+    """The result in the folder of a run, read into memory. MistakeError if there is none."""
     folder = Path(folder)
+    if not (folder / RESULT).is_file():
+        raise MistakeError(f"{folder}: has no {RESULT}; give the output folder of a run")
     with open_result(folder) as tree:
         groups = {name: node.to_dataset().load() for name, node in tree.children.items()}
     summary = json.loads((folder / "summary.json").read_text("utf-8"))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from orchestrator.errors import MistakeError
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import find, put, read_contents, resolve_paths
 
@@ -20,6 +21,9 @@ class Scenario:
     """The tables of a scenario file. MistakeError with a line for each fault, as soon as it is made."""
 
     content: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        return f"Scenario {self.name}: {', '.join(self.content.get('components', {}))}"
 
     def __post_init__(self) -> None:
         self.check()
@@ -34,6 +38,11 @@ class Scenario:
 
     def with_(self, changes: Mapping[str, Any]) -> Scenario:
         """Another scenario, with values at paths: {"components.camshaft.parameters.lift": "9 mm"}."""
+        if not isinstance(changes, Mapping):
+            raise MistakeError(
+                "changes: must be a dictionary of paths and values, e.g. {'macro_step': '5 us'}, not "
+                f"{type(changes).__name__}"
+            )
         content = copy.deepcopy(dict(self.content))
         for path, value in changes.items():
             put(content, path, value)
@@ -51,4 +60,9 @@ def load(source: str | Path | Mapping[str, Any]) -> Scenario:
     """A shipped scenario by its name, a .toml or .ssp file, or tables. MistakeError for a fault."""
     if isinstance(source, Mapping):
         return Scenario({"name": "scenario", **copy.deepcopy(dict(source))})
+    if not isinstance(source, str | Path):
+        raise MistakeError(
+            "source: must be the name of a shipped scenario, a file or a dictionary, not "
+            f"{type(source).__name__}"
+        )
     return Scenario(read_contents(find(source)))

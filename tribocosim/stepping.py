@@ -51,6 +51,7 @@ class Session:
         plan = make_plan(checked, build_fmu, SilentReporter(), figures=False)
         self.stop_time = checked.stop_time
         self._system, self._outputs = plan.system, plan.system.outputs
+        self._closed = False
         master, self._steps = checked.build_master(), checked.build_steps()
         self._participants = build_participants(checked, plan.system, plan.fmus, lambda name, make: make())
         try:
@@ -65,6 +66,9 @@ class Session:
         self.time = 0.0
         self._start: Snapshot | None = None
 
+    def __repr__(self) -> str:
+        return f"Session at t = {self.time:g} s of {self.stop_time:g} s{', closed' * self._closed}"
+
     def __enter__(self) -> Session:
         return self
 
@@ -75,26 +79,50 @@ class Session:
 
     def close(self) -> None:
         """End the FMUs."""
-        for participant in self._participants.values():
-            participant.close()
+        if not self._closed:
+            self._closed = True
+            for participant in self._participants.values():
+                participant.close()
+
+    def _check_open(self) -> None:
+        """The library of an FMU that has ended would end this process."""
+        if self._closed:
+            raise MistakeError(
+                "the session is closed, with its FMUs; open another: tribocosim.session(scenario)"
+            )
 
     def step(self) -> float:
         """Make the next macro step; the time (s) at which it ends."""
+        self._check_open()
         if self.time >= self.stop_time:
             raise MistakeError(f"the session has reached its stop_time = {self.stop_time:g} s")
         self._keep_start()
         self.time = self._steps.step(self.time).end
         return self.time
 
-    def step_until(self, time: float) -> float:
-        """Step to the first communication point that is not before `time` (s); that time."""
+    def step_until(self, time: float | str) -> float:
+        """Step to the first communication point that is not before `time`; that time (s).
+
+        A number in seconds, or a text with its unit. MistakeError for one after `stop_time`.
+        """
+        time = self._parse_time(time)
         slack = 1e-12 * max(abs(time), self.stop_time)
+        if time > self.stop_time + slack:
+            raise MistakeError(f"time = {time:g} s: is behind the session's stop_time = {self.stop_time:g} s")
         while self.time < min(time, self.stop_time) - slack:
             self.step()
         return self.time
 
+    def _parse_time(self, time: float | str) -> float:
+        self._check_open()
+        try:
+            return to_unit(time, "s") if isinstance(time, str) else float(time)
+        except UnitError as error:
+            raise MistakeError(f"time: {error}") from None
+
     def __getitem__(self, name: str) -> float:
         """The output "component.variable" now, in SI units."""
+        self._check_open()
         if name not in self._outputs.names:
             raise MistakeError(f"{name}: {one_of(self._outputs.names, name)}")
         values = np.zeros(self._outputs.size)
@@ -113,8 +141,10 @@ class Session:
         It jumps: outputs that follow it at once are computed anew, and the next step does not extrapolate
         from before. MistakeError for a name that is not free, and a value out of range.
         """
+        self._check_open()
         if name not in (free := self.inputs):
-            raise MistakeError(f"{name}: {one_of(free, name)} (inputs that no connection drives)")
+            reason = self._explain_bound(name) or f"{one_of(free, name)} (inputs that no connection drives)"
+            raise MistakeError(f"{name}: {reason}")
         number = self._check_input(name, value)
         self._keep_start()
         component, _, variable = name.partition(".")
@@ -124,6 +154,17 @@ class Session:
             coupling.read(i)
         make_consistent(coupling, self.time)
         history.begin(self.time, coupling.state.values, coupling.state.rates)
+
+    def _explain_bound(self, name: str) -> str:
+        """Why something that there is cannot be set; empty if there is no such thing."""
+        for connection in self._system.connections:
+            if str(connection.target) == name:
+                return f"is driven by {connection.source}; leave that connection out to set it"
+        if name in self._system.parameters.names:
+            component, _, variable = name.partition(".")
+            path = f"components.{component}.parameters.{variable}"
+            return f"is a parameter; take scenario.with_({{{path!r}: ...}}) and a new session"
+        return ""
 
     def _check_input(self, name: str, value: float | str) -> float:
         component, _, variable = name.partition(".")
@@ -148,11 +189,15 @@ class Session:
 
     def save(self) -> Snapshot:
         """The present state. RunError (CannotSerializeError) if an FMU cannot give its own."""
+        self._check_open()
         participants = serialise_participants(self._participants)
         return Snapshot(self.time, self._coupling.snapshot(), self._steps.state(), participants)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go on from a snapshot of this session, with the same bits."""
+        self._check_open()
+        if not isinstance(snapshot, Snapshot):
+            raise MistakeError(f"snapshot: must be what save() returned, not {type(snapshot).__name__}")
         self._coupling.resume(snapshot.coupling)
         self._steps.resume(snapshot.steps)
         restore_participants(self._participants, snapshot.participants)
@@ -160,6 +205,7 @@ class Session:
 
     def reset(self) -> None:
         """Go back to the start."""
+        self._check_open()
         if self._start is not None:
             self.restore(self._start)
         elif self.time > 0.0:

@@ -158,6 +158,12 @@ class Coupling:
         """NotFiniteError for what is not finite in these sources."""
         bad = ~np.isfinite(self.state.arrived[:, own]).all(axis=0)
         ports = ", ".join(str(self.wiring.sources[own.start + i]) for i in np.flatnonzero(bad))
+        if np.isfinite(self.state.values[own]).all():
+            raise NotFiniteError(
+                f"{ports}: the FMU gives a rate of change that is not a finite number at "
+                f"t = {self.state.history.times[0]:.6g} s; take signals that need none: "
+                "master.extrapolation = 'linear'"
+            )
         raise NotFiniteError(
             f"{ports}: not a finite number in the step from t = {self.state.history.times[0]:.6g} s; look at "
             "the parameters and inputs of that participant, or reduce macro_step"

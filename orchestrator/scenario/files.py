@@ -110,9 +110,17 @@ def read_contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
     if not isinstance(base, str):
         raise ScenarioError(f"{path.name}: extends = {base!r}: must be the name or path of a scenario")
     below = read_contents(find(base, path.parent), (*chain, path))
+    below.pop("description", None)  # it is of the other scenario
     if "step_control" in content:
         below.pop("output_step", None)
     return merge(below, content)
+
+
+# What files of other kinds are for.
+_OTHERS = {
+    ".fmu": "; an FMU takes part in a scenario: [components.NAME] participant = 'file.fmu'",
+    ".csv": "; a cam's lift table is part of a scenario: [components.camshaft] lift_table = 'file.csv'",
+}
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -121,7 +129,7 @@ def _read(path: Path) -> dict[str, Any]:
     except OSError as error:
         raise ScenarioError(f"{path}: cannot be read ({error.strerror})") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path}: not a valid TOML file: {error}") from None
+        raise ScenarioError(f"{path}: not a valid TOML file: {error}{_OTHERS.get(path.suffix, '')}") from None
 
 
 def resolve_paths(content: dict[str, Any], folder: Path) -> None:

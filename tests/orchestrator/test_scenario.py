@@ -1,12 +1,13 @@
 """Scenario files: complete, the same after being written, with the meaning of what they extend."""
 
+import re
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from orchestrator.scenario import Scenario, build_scenario, schema
+from orchestrator.scenario import Scenario, ScenarioError, build_scenario, schema
 from orchestrator.scenario.files import list_shipped, load, to_full_toml
 from orchestrator.scenario.system import build_system
 
@@ -140,3 +141,17 @@ def test_another_master_keeps_the_options_that_it_has() -> None:
     assert first.master.build().tolerance == 1e-8
     second = load("valve-train", ["master.name=iterated", "master.tolerance=1e-8", "master.name=jacobi"])
     assert second.master.build().extrapolation == load("valve-train").master.build().extrapolation
+
+
+def test_a_scenario_does_not_take_the_description_of_the_one_that_it_extends(tmp_path: Path) -> None:
+    own = tmp_path / "mine.toml"
+    own.write_text('extends = "valve-train"\nstop_time = "1 ms"\n')
+    assert (load(own).name, load(own).description) == ("mine", "")
+
+
+@pytest.mark.parametrize(("suffix", "use"), [(".fmu", "participant = 'file.fmu'"), (".csv", "lift_table")])
+def test_files_of_other_kinds_are_told_their_place(tmp_path: Path, suffix: str, use: str) -> None:
+    other = tmp_path / f"other{suffix}"
+    other.write_bytes(b"\x9d;")
+    with pytest.raises(ScenarioError, match=re.escape(use)):
+        load(other)
