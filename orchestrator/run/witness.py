@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from models.monolithic import Reference
 
 
+# Of a step. The load is 4e8 N/m times what is left of it.
+TOLERANCE = 1e-10
+
+
 @dataclass(frozen=True)
 class Side:
     """Least and largest value in the coupled run, the reference and the multibody model.
@@ -95,7 +99,7 @@ def hear_witness(system: System, reference: Reference, coupled: Mapping[str, Vec
 
     begun = clock.perf_counter()
     train = _find_train(system)
-    motion = solve_ida(train.build(), np.append(0.0, reference.times[reference.times > 0.0]))
+    motion = solve_ida(train.build(), np.append(0.0, reference.times[reference.times > 0.0]), TOLERANCE)
     first = motion.times.size - reference.times.size
     weights = time_weights(reference.times)
     sides = {

@@ -47,6 +47,16 @@ def test_the_witness_agrees_with_reference_and_run(tmp_path: Path, record: Calla
         assert side["multibody"] == pytest.approx(side["reference"], rel=1e-4, abs=1e-12)
 
 
+@pytest.mark.long
+def test_a_run_in_small_steps_agrees_to_a_hundred_thousandth(
+    tmp_path: Path, record: Callable[..., None]
+) -> None:
+    out = run_whole(tmp_path / "out", [*RUN, "macro_step=2 us"])
+    for name, side in json.loads((out / "summary.json").read_text())["witness"]["quantities"].items():
+        quantity = f"{name}: coupled run in steps of 2 us against multibody, relative RMS"
+        record("Multibody", quantity, side["coupled_difference"], 0.0, "multibody model", tolerance=1e-5)
+
+
 # Half a revolution of a pushrod train; a valve that lands on its seat; one lift on an elastic shaft.
 TRAINS = {
     "pushrod-train": {
