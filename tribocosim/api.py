@@ -66,6 +66,11 @@ class Result:
         return int(self.summary["exit_status"]) == 0
 
     @property
+    def notices(self) -> list[str]:
+        """What the command prints of the scenario, the contacts, the steps and the FMUs, line by line."""
+        return list(self.summary.get("notices", []))
+
+    @property
     def errors(self) -> dict[str, float]:
         """Relative RMS error of each variable against the reference; empty without one."""
         return {name: error["relative_rms"] for name, error in self.summary["errors"].items()}

@@ -88,7 +88,7 @@ def _tell_run(records: Records, summary: Mapping[str, Any]) -> dict[str, Any]:
         "errors": sorted(errors, key=lambda error: error.get("tolerance") is None),
         "contacts": summary.get("contacts", {}),
         "energy": summary.get("energy"),
-        "told": summary.get("suggestions", []),
+        "notices": summary.get("notices", []),
         "fmus": summary.get("fmus", {}),
         "toml": str(attributes.get("scenario_toml", "")),
     }

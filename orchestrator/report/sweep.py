@@ -59,6 +59,7 @@ def _tell(summary: Mapping[str, Any], toml: str) -> dict[str, Any]:
         "title": f"{name} over speed",
         "good": not separation or separation["text"].startswith("contact is kept"),
         "verdict": separation["text"] if separation else "no contact can be lost",
+        "notices": summary.get("notices", []),
         "version": summary.get("version", ""),
         "versions": "",
         "command": "tribocosim speeds scenario.toml",

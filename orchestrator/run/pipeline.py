@@ -10,9 +10,7 @@ from ..errors import RefusedError
 from ..reporter import Reporter
 from ..scenario import Scenario, ScenarioError
 from ..scenario.files import to_full_toml
-from ..scenario.oil import list_oils
 from ..scenario.system import Builder
-from ..scenario.warnings import list_warnings
 from ..store import atomic_write
 from ..store.output_folder import SCENARIO, OutputFolder, check_folder, format_path, open_folder
 from .assess import assess
@@ -44,13 +42,8 @@ def run(
     plan = make_plan(scenario, build, reporter, figures)
     with open_folder(out, overwrite) as folder:
         atomic_write.replace(out / SCENARIO, to_full_toml(scenario).encode())
-        for line in [
-            *list_oils(scenario),
-            *list_warnings(scenario),
-            announce(scenario, plan.system.outputs.size, out),
-        ]:
-            if line:
-                reporter.line(line)
+        if line := announce(scenario, plan.system.outputs.size, out):
+            reporter.line(line)
         try:
             record = execute(plan, folder, reporter)
         except RefusedError as error:  # a mistake in the scenario or a given file

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +14,9 @@ from ..engine.energy.counting import counting_structure
 from ..reporter import Reporter
 from ..scenario import BUILT_KINDS, Scenario
 from ..scenario.checks import check_reference
+from ..scenario.oil import list_oils
 from ..scenario.system import Builder, build_system, list_moved_starts, resolve_start
+from ..scenario.warnings import list_warnings
 from .witness import check_witness
 
 
@@ -34,6 +36,7 @@ class Plan:
     system: System
     fmus: Mapping[str, FmuFile]
     figures: bool
+    notices: Sequence[str] = ()
 
     @property
     def sha256(self) -> dict[str, str]:
@@ -58,9 +61,10 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
     with reporter.stage("FMUs"):
         fmus = resolve_fmus(scenario, build)
     resolved = resolve_start(scenario, system)
-    for line in list_moved_starts(system, resolved):
+    notices = [*list_moved_starts(system, resolved), *list_oils(scenario), *list_warnings(scenario)]
+    for line in notices:
         reporter.line(line)
-    return Plan(scenario, resolved, fmus, figures)
+    return Plan(scenario, resolved, fmus, figures, notices)
 
 
 def collect_output_quantities(system: System) -> dict[str, Quantity]:

@@ -13,9 +13,6 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from ..assessment.contacts import lines as contact_lines
-from ..assessment.diagnosis import brief
-from ..engine.energy.account import lines as energy_lines
 from ..errors import MistakeError
 from ..reporter import Reporter
 from ..scenario.files import to_full_toml
@@ -138,19 +135,8 @@ def _write_report(folder: Path, reporter: Reporter) -> None:
 
 def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:
     """The engineering result, the verdict, the largest error, and where the report is."""
-    for line in contact_lines(summary.contacts, summary.contacts_from, summary.fixed_steps):
+    for line in summary.tell():
         reporter.line(line)
-    for line in energy_lines(summary.energy) if summary.energy else ():
-        reporter.line(line)
-    for line in brief(summary.steps, summary.suggestions) if summary.steps else ():
-        reporter.line(line)
-    for name, given in summary.warnings.items():
-        first = f", the first: {given.first}" if given.first else "; it does not say of what"
-        reporter.line(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
-    for name, since in summary.not_numbers.items():
-        reporter.line(
-            f"{name}: not a number (NaN) from t = {since:.6g} s on, or at times; look at its participant"
-        )
     if summary.witness:
         reporter.console.print(_tabulate_witness(summary.witness))
     if reporter.verbose:

@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from ..assessment.contacts import ContactSummaries
-from ..assessment.diagnosis import Diagnosis
+from ..assessment.contacts import lines as contact_lines
+from ..assessment.diagnosis import Diagnosis, brief
 from ..engine.energy.account import Account
+from ..engine.energy.account import lines as energy_lines
 from ..store.atomic_write import replace
 from .assess import MACRO_STEPS, Report
 from .comparison import Errors, describe_largest
@@ -59,10 +61,26 @@ class Summary:
     not_numbers: Mapping[str, float] = field(default_factory=dict)
     python_sweeps: Mapping[str, str] = field(default_factory=dict)
     fmus: dict[str, str] = field(default_factory=dict)
+    notices: Sequence[str] = field(default_factory=list)
+
+    def tell(self) -> list[str]:
+        """What contacts, energies and steps came to, and warnings of FMUs, in words."""
+        lines = [*contact_lines(self.contacts, self.contacts_from, self.fixed_steps)]
+        lines += energy_lines(self.energy) if self.energy else []
+        lines += brief(self.steps, self.suggestions) if self.steps else []
+        for name, given in self.warnings.items():
+            first = f", the first: {given.first}" if given.first else "; it does not say of what"
+            lines.append(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
+        for name, since in self.not_numbers.items():
+            lines.append(
+                f"{name}: not a number (NaN) from t = {since:.6g} s on, or at times; look at its participant"
+            )
+        return lines
 
     def content(self) -> dict[str, Any]:
         """As plain JSON values."""
         content = asdict(self)
+        content["notices"] = [*self.notices, *self.tell()]
         for name, error in self.errors.items():
             own = content["errors"][name].pop("uncertainty")
             content["errors"][name] |= {
@@ -93,6 +111,7 @@ def summarise(
         tolerance=dict(scenario.tolerance),
         figures=plan.figures,
         fmus=plan.sha256,
+        notices=plan.notices,
         wall_time_s=seconds,
         largest_error=describe_largest(report.errors) if report else "",
         **vars(ending),

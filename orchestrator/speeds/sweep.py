@@ -70,11 +70,13 @@ def sweep(
     separation = find_separation(subject, table)
     if separation is not None:
         reporter.line(separation.text)
-    for text in (*describe_lift_loss(table), *describe_feeding(subject, table)):
+    notices = [*describe_lift_loss(table), *describe_feeding(subject, table)]
+    for text in notices:
         reporter.line(text)
     summary = {
         "scenario": subject.scenario.name,
         "separation": separation and separation._asdict(),
+        "notices": notices,
         "version": metadata.version("tribocosim"),
         "scenario_toml": to_full_toml(subject.scenario),
     }

@@ -119,7 +119,7 @@ def write_evil(folder: Path) -> Path:
     error = {"max_abs": 0.0, "rms": 0.0, "relative_rms": 0.0, "reference_uncertainty": 0.0, "tolerance": None}
     summary = {
         "complete": True, "scenario": EVIL, "verdict": EVIL, "largest_error": EVIL, "version": EVIL,
-        "fmus": {EVIL: EVIL}, "suggestions": [EVIL], "errors": {EVIL: error},
+        "fmus": {EVIL: EVIL}, "notices": [EVIL], "errors": {EVIL: error},
         "energy": {"bonds": {EVIL: bond}, "components": {}, "created": 0.0, "besides": 0.0},
     }  # fmt: skip
     (folder / "summary.json").write_text(json.dumps(summary), "utf-8")
