@@ -24,6 +24,13 @@ from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line
 from ..binaries import binary_faults, is_library
 
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+# What a master may make use of, by the standard's names.
+CAPABILITIES = (
+    "canHandleVariableCommunicationStepSize", "canGetAndSetFMUstate", "canSerializeFMUstate",
+    "providesDirectionalDerivative", "providesDirectionalDerivatives", "canInterpolateInputs",
+    "hasEventMode", "canBeInstantiatedOnlyOncePerProcess",
+)  # fmt: skip
+ORDER = "maxOutputDerivativeOrder"
 
 
 @dataclass(frozen=True)
@@ -54,6 +61,7 @@ class FmuInfo:
     license: str
     tool: str
     description: str
+    capabilities: tuple[str, ...]
     platforms: tuple[str, ...]
     digest: str
     variables: tuple[VariableInfo, ...]
@@ -66,6 +74,7 @@ class FmuInfo:
             + (f": {self.description}" if self.description else ""),
             "kind": f"FMI {self.fmi_version} for {', '.join(self.kinds)}",
             "platforms": ", ".join(self.platforms),
+            "can": ", ".join(self.capabilities),
             "by": ", ".join(
                 word + text
                 for word, text in (("", self.author), ("licence ", self.license), ("made with ", self.tool))
@@ -151,6 +160,7 @@ def info(path: Path | str) -> FmuInfo:
         name=described.modelName,
         fmi_version=described.fmiVersion,
         kinds=tuple(name for name, kind in kinds.items() if kind is not None),
+        capabilities=_list_capabilities(described),
         version=described.version or "",
         guid=described.guid or "",
         author=described.author or "",
@@ -173,6 +183,14 @@ def info(path: Path | str) -> FmuInfo:
             for v in described.modelVariables
         ),
     )
+
+
+def _list_capabilities(described: Any) -> tuple[str, ...]:
+    """What the interfaces of a model description say that they can, by the standard's names."""
+    interfaces = [one for one in (described.coSimulation, described.modelExchange) if one is not None]
+    found = [key for key in CAPABILITIES if any(getattr(one, key, False) for one in interfaces)]
+    order = max((getattr(one, ORDER, None) or 0 for one in interfaces), default=0)
+    return (*found, *[f"{ORDER} = {order}"] * (order > 0))
 
 
 def _range(variable: Any) -> str:

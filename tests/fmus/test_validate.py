@@ -30,6 +30,7 @@ def test_our_own_are_valid(name: str, fmu_files: dict[str, Path]) -> None:
     assert validate(path) == []
     found = info(path)
     assert (found.name, found.fmi_version, found.kinds) == (name, "2.0", ("co-simulation",))
+    assert "canGetAndSetFMUstate" in found.capabilities
     assert found.digest == hashlib.sha256(path.read_bytes()).hexdigest()
     assert {"linux64", "win64"} <= set(found.platforms)
     assert "stored_energy" in [v.name for v in found.variables]
