@@ -23,6 +23,9 @@ from .survey import AssessedMethod, Survey
 if TYPE_CHECKING:
     import xarray
 
+# Participants of an order in the table.
+SHOWN = 4
+
 
 def format_time(seconds: float) -> str:
     """Format a step with a unit, e.g. 5 us; "-" for none."""
@@ -65,7 +68,7 @@ def build_table(found: Survey) -> Table:
 def format_row(found: Survey, method: AssessedMethod) -> list[str]:
     """Format the cells of a method's row."""
     return [
-        method.name,
+        _format_name(found, method),
         _format_limit(method),
         "" if not method.master.implicit else format_time(method.contracting_step),
         _format_error(found, method),
@@ -73,6 +76,15 @@ def format_row(found: Survey, method: AssessedMethod) -> list[str]:
         format_time(method.advised_step),
         f"{method.cost:.2g}" if math.isfinite(method.cost) else "-",
     ]
+
+
+def _format_name(found: Survey, method: AssessedMethod) -> str:
+    """The method's name; with the first participants in its order, where another one has that name too."""
+    alike = [other for other in found.methods if other.name == method.name]
+    if len(alike) == 1 or not method.order:
+        return method.name
+    more = ", ..." if len(method.order) > SHOWN else ""
+    return f"{method.name}\n  order {', '.join(method.order[:SHOWN])}{more}"
 
 
 def _format_limit(method: AssessedMethod) -> str:
@@ -145,7 +157,8 @@ def _describe_loops(found: Survey) -> str:
         f"{said}{f' and {again[kind]} like these' if again[kind] else ''}" for kind, said in parts.items()
     ]
     rest = len(found.system.connections) - sum(len(loop) for loop in loops)
-    return f"Worth iterating: {'; '.join(each)}. The other {rest} connections lead one way or nowhere."
+    others = f" The other {rest} connections lead one way or nowhere." if rest else ""
+    return f"Worth iterating: {'; '.join(each)}.{others}"
 
 
 def _describe_own(found: Survey) -> str:
