@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from models.core.quantities import Quantity
-from models.core.system import System
+from models.core.system import ModelError, System
 
 from ..engine.energy.counting import counting_structure
 from ..reporter import Reporter
@@ -16,7 +16,7 @@ from ..scenario import BUILT_KINDS, Scenario
 from ..scenario.checks import check_reference
 from ..scenario.oil import list_oils
 from ..scenario.system import Builder, build_system, list_moved_starts, resolve_start
-from ..scenario.warnings import list_warnings
+from ..scenario.warnings import list_doubtful, list_warnings
 from .witness import check_witness
 
 
@@ -55,7 +55,7 @@ class Plan:
 
 def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: bool = True) -> Plan:
     """Make every check of the scenario and build its FMUs. Raises ScenarioError or ModelError."""
-    system = build_system(scenario)
+    system = _build_system(scenario)
     check_reference(scenario, system)
     check_witness(scenario, system)
     with reporter.stage("FMUs"):
@@ -65,6 +65,14 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
     for line in notices:
         reporter.line(line)
     return Plan(scenario, resolved, fmus, figures, notices)
+
+
+def _build_system(scenario: Scenario) -> System:
+    """The system; the error of one that cannot be built begins with numbers that may lack their unit."""
+    try:
+        return build_system(scenario)
+    except ModelError as error:
+        raise ModelError("\n".join([*list_doubtful(scenario), str(error)])) from None
 
 
 def collect_output_quantities(system: System) -> dict[str, Quantity]:

@@ -31,7 +31,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
         )
     return [
         *found,
-        *_list_doubtful(scenario),
+        *list_doubtful(scenario),
         *_list_doubtful_cams(scenario),
         *_list_unloaded(scenario),
         *_list_other_units(scenario),
@@ -41,7 +41,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
     ]
 
 
-def _list_doubtful(scenario: Scenario) -> list[str]:
+def list_doubtful(scenario: Scenario) -> list[str]:
     """Warn of numbers without a unit that are plausible only in another unit."""
     found = []
     for name, table in scenario.components.items():

@@ -1,12 +1,15 @@
 """What is no mistake but hardly meant is warned of: keys without effect, slips of the unit."""
 
 import tomllib
+from pathlib import Path
 
 import pytest
 
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load, to_full_toml
 from orchestrator.scenario.warnings import list_warnings
+
+from .commands import called
 
 
 def test_what_has_no_effect_is_noticed() -> None:
@@ -76,3 +79,13 @@ def test_no_value_of_a_shipped_scenario_is_doubted(name: str) -> None:
         for line in list_warnings(build_scenario(tomllib.loads(to_full_toml(load(name)))))
         if "did you mean" in line
     ]
+
+
+def test_a_system_that_a_slip_of_the_unit_makes_impossible_names_the_slip(tmp_path: Path) -> None:
+    done = called(
+        "run", "valve-train", "--set", "components.camshaft.parameters.lift=9", "--out", str(tmp_path / "a")
+    )
+    assert done.returncode == 2
+    slip, consequence = done.stderr.splitlines()
+    assert "did you mean 9 mm?" in slip
+    assert "undercut" in consequence
