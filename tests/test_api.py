@@ -127,6 +127,7 @@ def test_changes_leave_the_scenario_as_it_is() -> None:
     changed = plain.with_({"components.camshaft.parameters.lift": "9 mm"})
     assert changed.check().components["camshaft"].parameters["lift"] == 9e-3
     assert plain.check().components["camshaft"].parameters.get("lift") != 9e-3
+    assert plain.with_(**{"components.camshaft.parameters.lift": "9 mm"}) == changed
     assert tribocosim.load(plain.content).check() == plain.check()
 
 

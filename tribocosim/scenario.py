@@ -36,15 +36,18 @@ class Scenario:
         """With all defaults, in SI units."""
         return build_scenario(copy.deepcopy(dict(self.content)))
 
-    def with_(self, changes: Mapping[str, Any]) -> Scenario:
-        """Another scenario, with values at paths: {"components.camshaft.parameters.lift": "9 mm"}."""
-        if not isinstance(changes, Mapping):
+    def with_(self, changes: Mapping[str, Any] | None = None, /, **more: Any) -> Scenario:
+        """Another scenario, with values at paths: {"components.camshaft.parameters.lift": "9 mm"}.
+
+        Also by keyword: with_(stop_time="20 ms").
+        """
+        if changes is not None and not isinstance(changes, Mapping):
             raise MistakeError(
                 "changes: must be a dictionary of paths and values, e.g. {'macro_step': '5 us'}, not "
                 f"{type(changes).__name__}"
             )
         content = copy.deepcopy(dict(self.content))
-        for path, value in changes.items():
+        for path, value in {**(changes or {}), **more}.items():
             put(content, path, value)
         resolve_paths(content, Path.cwd())
         return Scenario(content)

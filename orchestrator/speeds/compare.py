@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -36,9 +37,11 @@ LEFT_OUT = ("change", "periods", "least_load_angle")
 SHOWN = {"m": ("mm", 1e3), "Pa": ("MPa", 1e-6), "rad": ("deg", math.degrees(1.0))}
 
 
-def compare(first: Path, second: Path, out: Path) -> None:
-    """Print the worst of each number over the speeds that both sweeps span, and draw both."""
-    reporter = Reporter()
+def compare(first: Path, second: Path, out: Path, reporter: Reporter) -> dict[str, Any]:
+    """Print the worst of each number over the speeds that both sweeps span, and draw both.
+
+    Returns what is printed: by number its unit and the worst of each design, by design its separation.
+    """
     tables = dict(zip(label(first, second), map(read_sweep, (first, second)), strict=True))
     low = max(float(table["speed"].min()) for table in tables.values())
     high = min(float(table["speed"].max()) for table in tables.values())
@@ -47,18 +50,25 @@ def compare(first: Path, second: Path, out: Path) -> None:
     common = [table.sel(speed=slice(low * (1 - 1e-12), high * (1 + 1e-12))) for table in tables.values()]
     title = f"{low * RPM:.0f} to {high * RPM:.0f} r/min"
     shown = Table("worst", "unit", *tables, title=title, title_justify="left")
+    numbers: dict[str, Any] = {}
     for name in map(str, common[0].data_vars):
         values = common[0][name]
         if name not in common[1] or values.dtype.kind != "f" or name.rpartition(".")[2] in LEFT_OUT:
             continue
         unit, scale = choose_unit(name, values.attrs.get("units", ""))
-        shown.add_row(name, unit, *(find_worst(table, name, scale) for table in common))
+        worst = [find_worst(table, name, scale) for table in common]
+        shown.add_row(name, unit, *(f"{w.value:.5g} at {w.speed_rpm:.0f}" if w else "–" for w in worst))
+        numbers[name] = {"unit": unit, **dict(zip(tables, worst, strict=True))}
     reporter.console.print(shown)
-    for name, folder in zip(tables, (first, second), strict=True):
-        separation: Any = json.loads((folder / SUMMARY).read_text("utf-8"))["separation"]
+    separations: dict[str, Any] = {
+        name: json.loads((folder / SUMMARY).read_text("utf-8"))["separation"]
+        for name, folder in zip(tables, (first, second), strict=True)
+    }
+    for name, separation in separations.items():
         reporter.line(f"{name}: {separation['text'] if separation else 'has no contact'}")
     drawn = save_figure(lambda: draw_summary(tables), out)
     reporter.line(f"figure: {drawn}")
+    return {"worst": numbers, "separation": separations}
 
 
 def read_sweep(folder: Path) -> xarray.Dataset:
@@ -82,11 +92,19 @@ def label(first: Path, second: Path) -> tuple[str, str]:
     return f"{first.name} (1)", f"{second.name} (2)"
 
 
-def find_worst(table: xarray.Dataset, name: str, scale: float) -> str:
-    """The worst value and its speed."""
+@dataclass(frozen=True)
+class Worst:
+    """The worst value over speed, in the unit that is shown, and the speed (r/min) at which it is."""
+
+    value: float
+    speed_rpm: float
+
+
+def find_worst(table: xarray.Dataset, name: str, scale: float) -> Worst | None:
+    """The worst value of a number; None where it has none."""
     values = table[name].values
     if not np.any(np.isfinite(values)):
-        return "–"
+        return None
     least = name.rpartition(".")[2] in LEAST_IS_WORST
     worst = int(np.nanargmin(values) if least else np.nanargmax(values))
-    return f"{scale * values[worst]:.5g} at {table['speed'].values[worst] * RPM:.0f}"
+    return Worst(scale * float(values[worst]), RPM * float(table["speed"].values[worst]))

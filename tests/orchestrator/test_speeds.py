@@ -128,7 +128,9 @@ def test_panels_are_scaled_by_the_speeds_with_contact() -> None:
 
 def test_the_worst_of_the_area_under_the_lift_is_the_least() -> None:
     table = xarray.Dataset({"valve.lift_area": ("speed", [2e-3, 1e-3])}, {"speed": np.array([1.0, 2.0])})
-    assert find_worst(table, "valve.lift_area", 1e3).startswith("1 at")
+    found = find_worst(table, "valve.lift_area", 1e3)
+    assert found
+    assert (found.value, found.speed_rpm) == pytest.approx((1.0, 2.0 * 60.0 / (2.0 * np.pi)))
 
 
 def test_a_folder_without_a_sweep_is_named(tmp_path: Path) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from .error_report import report_errors
+from .json_output import Json, build_reporter, print_json
 
 
 @report_errors
@@ -47,26 +48,34 @@ def run_analysis(
         typer.Option(help="Output folder.", show_default="results/NAME, or results/SCENARIO-stability"),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Analyse one motion or machine, or a scenario's coupling: results, table (netCDF, CSV) and figure."""
+    from orchestrator.analyses import list_analyses, load
     from orchestrator.analyses._evaluate import analyse, build_analyses_table, build_parameters_table
     from orchestrator.analyses.stability.analyse import analyse_scenario, is_scenario
+    from orchestrator.analyses.stability.report import build_dataset
     from orchestrator.errors import MistakeError
-    from orchestrator.reporter import Reporter
 
     from ..cached_fmus import build_fmu
 
-    reporter = Reporter()
+    reporter = build_reporter(as_json)
+    result: Any
     if name is None:
+        result = {one: load(one).description for one in list_analyses()}
         reporter.console.print(build_analyses_table())
     elif is_scenario(name) and show_parameters:
         raise MistakeError(f"--parameters: {name} is a scenario; --set changes any of its keys, as for run")
     elif is_scenario(name):
-        analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter, build_fmu, responses)
+        found = analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter, build_fmu, responses)
+        result = build_dataset(found).to_dict()
     elif at or responses:
         option = "--at" if at else "--responses"
         raise MistakeError(f"{option}: belongs to a scenario, which {name} is not; leave it out")
     elif show_parameters:
+        result = load(name).parameters
         reporter.console.print(build_parameters_table(name))
     else:
-        analyse(name, set_ or [], out, overwrite, reporter)
+        result = analyse(name, set_ or [], out, overwrite, reporter)
+    if as_json:
+        print_json(result)

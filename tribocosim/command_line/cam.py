@@ -8,10 +8,11 @@ from typing import Annotated
 import typer
 
 from .error_report import report_errors
+from .json_output import Json, build_reporter, print_json
 
 
 @report_errors
-def draw_cam(
+def draw_cam(  # noqa: PLR0913  # options of a command
     source: Annotated[
         str, typer.Argument(help="A lift table (.csv), a law as cycloidal, or a scenario with a cam.")
     ],
@@ -36,6 +37,7 @@ def draw_cam(
         Path | None, typer.Option(help="Output folder.", show_default="results/SOURCE-cam")
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Say what a cam is like, and draw its contour: results, table (netCDF, CSV), figure, SVG and DXF."""
     from orchestrator.analyses._cam_source import find_settings
@@ -45,4 +47,6 @@ def draw_cam(
     given = {name: value for name, value in options.items() if value is not None}
     settings = [f"{name}={value}" for name, value in (find_settings(source, component) | given).items()]
     folder = out or Path("results") / f"{Path(source).stem}-cam"
-    analyse("cam", [*settings, *(set_ or [])], folder, overwrite)
+    found = analyse("cam", [*settings, *(set_ or [])], folder, overwrite, build_reporter(as_json))
+    if as_json:
+        print_json(found)

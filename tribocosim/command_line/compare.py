@@ -9,6 +9,7 @@ import typer
 
 from ..packages import check_study_packages
 from .error_report import report_errors
+from .json_output import Json, build_reporter, print_json
 
 
 @report_errors
@@ -16,10 +17,12 @@ def compare_sweeps(
     first: Annotated[Path, typer.Argument(help="The output folder of `tribocosim speeds` for one design.")],
     second: Annotated[Path, typer.Argument(help="The folder of the other.")],
     out: Annotated[Path, typer.Option(help="The figure.")] = Path("results/compare.png"),
-) -> int:
+    as_json: Json = False,
+) -> None:
     """Compare two designs over speed: the worst of every number, separation, and a figure of both."""
     check_study_packages()
     from orchestrator.speeds.compare import compare
 
-    compare(first, second, out)
-    return 0
+    found = compare(first, second, out, build_reporter(as_json))
+    if as_json:
+        print_json(found)

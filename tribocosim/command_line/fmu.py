@@ -5,8 +5,9 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -167,6 +168,7 @@ def fmu_compare(
             help="Allowed difference over a variable's largest value.", show_default="RelTol of the .opt file"
         ),
     ] = None,
+    as_json: Json = False,
 ) -> int:
     """Run FMUs and compare with their reference results, inside the file or beside it; exit status 1 if one
     differs, 2 if one has no reference or does not run."""
@@ -183,14 +185,19 @@ def fmu_compare(
             raise MistakeError(f"{file}: has no .fmu files")
         paths += below
     status = 0
+    results: dict[Path, Any] = {}
     for path, found in compare_in_process(paths, tolerance):
         if isinstance(found, CrossCheckError):
             say(str(found))
-            status = 2
+            status, results[path] = 2, str(found)
             continue
-        print(path, *found, sep="\n", flush=True)
+        results[path] = [{**asdict(one), "agrees": one.agrees} for one in found]
+        if not as_json:
+            print(path, *found, sep="\n", flush=True)
         if not all(comparison.agrees for comparison in found):
             status = status or 1
+    if as_json:
+        print_json(results)
     return status
 
 

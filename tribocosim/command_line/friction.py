@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from .error_report import report_errors
+from .json_output import Json, build_reporter, print_json
 
 # m2/N: boundary-lubricated steel has 1e-18 to 1e-16.
 COEFFICIENT = 1e-17
@@ -30,21 +31,23 @@ def print_friction(
     figure: Annotated[
         Path | None, typer.Option(help="Draw the revolution into this file (.png, .svg or .pdf).")
     ] = None,
+    as_json: Json = False,
 ) -> None:
     """Report friction and wear of a valve train's contacts over the last cam revolution of a run."""
     from orchestrator.assessment.friction.judge import judge_friction
     from orchestrator.assessment.friction.report import remarks, tables
-    from orchestrator.assessment.friction.table import write
+    from orchestrator.assessment.friction.table import of, write
     from orchestrator.errors import MistakeError
     from orchestrator.plots.friction import draw_friction
     from orchestrator.plots.style import save_figure
-    from orchestrator.reporter import Reporter
 
     for option, path, endings in (("--table", table, TABLES), ("--figure", figure, FIGURES)):
         if path and path.suffix not in endings:
             raise MistakeError(f"{option} {path}: must end in {', '.join(endings)}")
-    reporter = Reporter()
+    reporter = build_reporter(as_json)
     scenario, found = judge_friction(folder, contact, wear_coefficient, cycles)
+    if as_json:
+        print_json({one.cycle.contact: of(one.cycle, one.worn, one.coefficient).to_dict() for one in found})
     for page in tables(found):
         reporter.console.print(page)
     for one in found:

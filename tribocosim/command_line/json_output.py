@@ -27,17 +27,21 @@ def build_reporter(as_json: bool, verbose: bool = False) -> Reporter:
 
 
 def print_json(content: Any) -> None:
-    """Plain values, dataclasses among them, as JSON; numbers that it has not become null."""
+    """Plain values, also of numpy, and dataclasses as JSON; numbers that it has not become null."""
     print(json.dumps(_to_plain(content), indent=2, allow_nan=False))
 
 
 def _to_plain(value: Any) -> Any:
+    import numpy as np  # not before a command has run: --help answers at once
+
     if is_dataclass(value) and not isinstance(value, type):
         return _to_plain(asdict(value))
     if isinstance(value, dict):
         return {str(key): _to_plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [_to_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return _to_plain(value.item())
     if isinstance(value, bool | int | str | type(None)):
         return value
     if isinstance(value, float):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +11,7 @@ import typer
 from ..packages import check_study_packages
 from .completion import ScenarioName
 from .error_report import report_errors
+from .json_output import Json, build_reporter, print_json
 
 
 @report_errors
@@ -32,6 +34,7 @@ def run_speeds(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Start over, replacing the results.")
     ] = False,
+    as_json: Json = False,
 ) -> int:
     """Find the steady cycles of a valve train over speed, and the speed at which contact is lost.
 
@@ -39,12 +42,16 @@ def run_speeds(
     mistake in the scenario or the command, 130: interrupted.
     """
     check_study_packages()
-    from orchestrator.reporter import Reporter
     from orchestrator.scenario.files import load, read_changed
-    from orchestrator.speeds.sweep import parse_range, sweep
+    from orchestrator.speeds.sweep import parse_range, read_table, sweep
+    from orchestrator.store.output_folder import SUMMARY
     from orchestrator.study.run import Where
 
     speeds = parse_range(low, high, count)
     folder = out or Path("results") / f"{load(scenario, set_ or []).name}-speeds"
     tables = read_changed(scenario, set_ or [])
-    return sweep(tables, speeds, folder, Where(workers=workers), Reporter(), overwrite)
+    status = sweep(tables, speeds, folder, Where(workers=workers), build_reporter(as_json), overwrite)
+    if as_json:
+        summary = json.loads((folder / SUMMARY).read_text("utf-8")) if (folder / SUMMARY).exists() else {}
+        print_json({**summary, "table": read_table(folder).to_dict()})
+    return status

@@ -10,6 +10,7 @@ import typer
 from ..packages import check_study_packages
 from .completion import complete_study
 from .error_report import report_errors
+from .json_output import Json, build_reporter, print_json
 
 
 @report_errors
@@ -33,6 +34,7 @@ def run_study(
     ] = 10.0,
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Try failed points again.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Start over, replacing the store.")] = False,
+    as_json: Json = False,
 ) -> int:
     """Run a parameter study; stopped at any moment, the same command continues it.
 
@@ -42,7 +44,6 @@ def run_study(
     from orchestrator.errors import MistakeError
 
     check_study_packages()
-    from orchestrator.reporter import Reporter
     from orchestrator.study.files import load
     from orchestrator.study.run import Where, run
 
@@ -52,4 +53,11 @@ def run_study(
         raise MistakeError("--workers: are processes on this machine; leave it out with --scheduler")
     plan = load(study, build_fmu)
     store = out or Path("results") / f"{plan.study.name}.zarr"
-    return run(plan, store, Where(scheduler, workers, timeout), Reporter(), overwrite, retry_failed)
+    where, reporter = Where(scheduler, workers, timeout), build_reporter(as_json)
+    status = run(plan, store, where, reporter, overwrite, retry_failed)
+    if as_json:
+        import xarray
+
+        with xarray.open_zarr(store) as found:
+            print_json(found.load().to_dict())
+    return status
