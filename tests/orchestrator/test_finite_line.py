@@ -50,6 +50,7 @@ def test_a_mistake_in_a_profile_is_the_users():
         ANALYSIS.evaluate(ANALYSIS.complete({**ROUGH, "profile": "crowned", "crown_radius": 1e-3}))
 
 
+@pytest.mark.long
 def test_through_the_cycle_the_middle_is_the_line_contact(tmp_path: Path):
     """Straight, aligned, at the flank, before the first reversal, between both and at the nose."""
     settings = ["instants=4", "start=2.0", "end_cell=0.4", "speed=100"]

@@ -84,11 +84,11 @@ def control(estimator: str, tolerance: float) -> ForwardSteps:
 @pytest.mark.parametrize(
     ("name", "estimator", "master", "most"),
     [
-        ("quarter-car", "defect", "jacobi", 1.0),
+        pytest.param("quarter-car", "defect", "jacobi", 1.0, marks=pytest.mark.long),
         ("quarter-car", "defect", "gauss_seidel", 1.0),
         # A motion of even liveliness, where equal steps are best.
         ("two-masses", "defect", "gauss_seidel", 5.0),
-        ("two-masses", "residual_energy", "jacobi", 5.0),
+        pytest.param("two-masses", "residual_energy", "jacobi", 5.0, marks=pytest.mark.long),
     ],
 )
 def test_the_error_falls_with_the_tolerance_and_is_compared_with_fixed_steps(

@@ -24,6 +24,8 @@ from fmus.cross_check.reference import (
 )
 from fmus.cross_check.stimulus import Stimulus, load_stimulus
 
+from ..names import mark_long
+
 # What the files are written with (5e-10), and what two solvers of 1e-12 a step leave (3e-9 in the
 # slider-crank, more in loads of stiff contacts; by other compilers and libraries perhaps twice that), over an
 # output's largest value.
@@ -48,14 +50,7 @@ def apart(found: Table, wanted: Table) -> dict[str, float]:
     return {o: float(np.max(np.abs(found.columns[o] - values))) / largest(values) for o, values in columns}
 
 
-# Those that compile longest.
-LATE = ("piston_crank", "free_piston_crank", "multibody_valve_train")
-
-
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=pytest.mark.long) if n in LATE else n for n in REFERENCED],
-)
+@pytest.mark.parametrize("name", mark_long(REFERENCED, ["camshaft", "valve_spring", "flywheel"]))
 def test_shipped_results_are_what_the_physics_gives(name: str, record) -> None:
     """A change of an equation or a default fails here, by the component's and the output's name.
 
