@@ -40,11 +40,32 @@ class Body:
                 f"body {self.name}: mass = {self.mass:g} kg and inertia = {list(self.inertia)} kg m2 "
                 "must be positive"
             )
+        for field in ("position", "angles", "velocity", "angular_velocity"):
+            check_vector(f"body {self.name}: {field}", getattr(self, field))
+
+
+def check_vector(name: str, vector: Point) -> Vector:
+    """The vector as an array; ModelError unless it has three finite numbers."""
+    try:
+        found = np.asarray(vector, float)
+    except (TypeError, ValueError):
+        found = np.zeros(0)
+    if found.shape != (3,) or not np.all(np.isfinite(found)):
+        raise ModelError(f"{name} = {vector!r}: must be three finite numbers")
+    return found
+
+
+def find_direction(axis: Point) -> Vector:
+    """The unit vector along an axis; ModelError for one without a direction."""
+    found = check_vector("axis or normal", axis)
+    if not (length := float(np.linalg.norm(found))) > 0.0:
+        raise ModelError(f"axis or normal = {axis!r}: has no direction")
+    return np.asarray(found / length)
 
 
 def make_axes(axis: Point) -> Vector:
     """Three axes as rows, right-handed: two perpendicular to `axis`, and `axis` itself; x, y, z for z."""
-    third = np.asarray(axis, float) / np.linalg.norm(axis)
+    third = find_direction(axis)
     start = np.roll(np.eye(3), 1, axis=0)[np.argmax(np.abs(third))] if third.max() > 0.0 else np.eye(3)[0]
     second = np.cross(third, start)
     if np.linalg.norm(second) < 0.1:

@@ -12,7 +12,7 @@ from sksundae.ida import IDA
 from ..core.quantities import Vector
 from .equations import FILM, make_matrix, make_residual
 from .mechanism import Mechanism, Start
-from .motion import Motion, complete, explain_failure
+from .motion import Motion, check_request, complete, explain_failure
 from .pattern import find_pattern
 from .tables import make_evaluation
 
@@ -33,7 +33,7 @@ def solve_ida(
 
     `tolerance` is relative for each step. Raises ModelError, with the joint, where a mechanism locks.
     """
-    times = np.asarray(times, float)
+    times = check_request(times, tolerance)
     start = start or mechanism.start(float(times[0]))
     size, m = start.q.size, start.multipliers.size
     films = start.film.size

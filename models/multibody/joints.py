@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from ..core.errors import ModelError
 from ..core.quantities import Vector
-from .bodies import ORIGIN, Point, Y, Z, make_axes
+from .bodies import ORIGIN, Point, Y, Z, find_direction, make_axes
 from .tables import AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD, PERPENDICULAR
 
 
@@ -28,7 +29,10 @@ class Constraint:
 
 @dataclass(frozen=True)
 class Joint:
-    """The constraints between two bodies, with the points at which reactions are told."""
+    """The constraints between two bodies, with the points at which reactions are told.
+
+    Constraints hold for axes in opposite directions too: of `alike`, axes of i and of j, both point one way.
+    """
 
     name: str
     i: str
@@ -37,6 +41,7 @@ class Joint:
     at_i: Point = ORIGIN
     at_j: Point = ORIGIN
     cam: Any = None  # record of the cam's parameters
+    alike: Sequence[tuple[Vector, Vector]] = ()
 
 
 def hold_points(axes: Vector, names: Sequence[str], at_i: Point, at_j: Point) -> list[Constraint]:
@@ -72,7 +77,7 @@ def cylindrical(
     """j turns about and slides along an axis: 4 constraints, K (12)."""
     a, b = make_axes(axis_i), make_axes(axis_j)
     held = hold_points(a[:2], ("first axis", "second axis"), at_i, at_j)
-    return Joint(name, i, j, [*held, *_align(a, b)], at_i, at_j)
+    return Joint(name, i, j, [*held, *_align(a, b)], at_i, at_j, alike=[(a[2], b[2])])
 
 
 def revolute(
@@ -87,7 +92,7 @@ def revolute(
     """j turns about an axis: 5 constraints."""
     a, b = make_axes(axis_i), make_axes(axis_j)
     held = hold_points(a, ("first axis", "second axis", "third axis"), at_i, at_j)
-    return Joint(name, i, j, [*held, *_align(a, b)], at_i, at_j)
+    return Joint(name, i, j, [*held, *_align(a, b)], at_i, at_j, alike=[(a[2], b[2])])
 
 
 def support(name: str, i: str, j: str, at_i: Point = ORIGIN, at_j: Point = ORIGIN, axis: Point = Z) -> Joint:
@@ -119,13 +124,14 @@ def translational(
     """j slides along an axis: 5 constraints, K (13). Both bodies' axes have the same zero of turning."""
     a, b = make_axes(axis_i), make_axes(axis_j)
     held = hold_points(a[:2], ("first axis", "second axis"), at_i, at_j)
-    return Joint(name, i, j, [*held, *_hold_turn(a, b)], at_i, at_j)
+    return Joint(name, i, j, [*held, *_hold_turn(a, b)], at_i, at_j, alike=list(zip(a, b, strict=True)))
 
 
 def fixed(name: str, i: str, j: str, at_i: Point = ORIGIN, at_j: Point = ORIGIN) -> Joint:
     """j is one with i: 6 constraints."""
     held = hold_points(np.eye(3), ("x", "y", "z"), at_i, at_j)
-    return Joint(name, i, j, [*held, *_hold_turn(np.eye(3), np.eye(3))], at_i, at_j)
+    same = [(axis, axis) for axis in np.eye(3)]
+    return Joint(name, i, j, [*held, *_hold_turn(np.eye(3), np.eye(3))], at_i, at_j, alike=same)
 
 
 def prescribed_rotation(
@@ -144,6 +150,8 @@ def prescribed_rotation(
     """
     a, b = make_axes(axis_i), make_axes(axis_j)
     motion = {"angle": angle, "speed": speed, "acceleration": acceleration}
+    if not all(map(math.isfinite, motion.values())):
+        raise ModelError(f"joint {name}: {motion}: must be finite")
     return Joint(
         name, i, j, [Constraint("turning", {"kind": DRIVEN, "a": a[0], "a2": a[1], "b": b[0], **motion})]
     )
@@ -167,8 +175,16 @@ def flat_cam(
     touches at psi = 0 where `foot` points along `normal`, the face's away from the cam, and psi grows as
     the cam turns about `axis`. `at_follower` is a point of the face.
     """
-    second = np.cross(axis, foot)
-    fields = {"kind": FLAT_CAM, "a": foot, "a2": second, "b": normal, "p_i": at_cam, "p_j": at_follower}
+    first = find_direction(foot)
+    second = np.cross(find_direction(axis), first)
+    fields = {
+        "kind": FLAT_CAM,
+        "a": first,
+        "a2": second,
+        "b": find_direction(normal),
+        "p_i": at_cam,
+        "p_j": at_follower,
+    }
     return Joint(name, cam, follower, [Constraint("contact", fields)], at_cam, at_follower, cam=profile)
 
 
@@ -201,8 +217,10 @@ def lever_end(
     The lever turns by psi about `axis` through its pivot `at_lever`, which moves the face along its normal,
     away from the lever.
     """
+    face = find_direction(normal)
+    across = np.cross(find_direction(axis), face)
     fields = {
-        "kind": LEVER if end.constant_ratio else PAD, "a": normal, "a2": np.cross(axis, normal), "b": normal,
+        "kind": LEVER if end.constant_ratio else PAD, "a": face, "a2": across, "b": face,
         "p_i": at_lever, "p_j": at_slider, "arm": end.arm, "tilt": end.tilt,
         "offset": end.radius - end.arm * math.sin(end.tilt),
     }  # fmt: skip
@@ -213,6 +231,6 @@ def plane_contact(
     name: str, i: str, j: str, *, normal: Point = Y, at_i: Point = ORIGIN, at_j: Point = ORIGIN
 ) -> Joint:
     """A point of j stays on a plane of i, whose normal points to j: 1 constraint. Its multiplier is W."""
-    inwards = tuple(-x for x in normal)
+    inwards = -find_direction(normal)
     fields = {"kind": AHEAD, "a": inwards, "p_i": at_i, "p_j": at_j}
     return Joint(name, i, j, [Constraint("contact", fields)], at_i, at_j)

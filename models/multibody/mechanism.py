@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,13 +14,13 @@ from ..core.errors import ModelError
 from ..core.quantities import Vector
 from ..valve_train.cams.law import LAW
 from ..valve_train.cams.profile import CamProfile
-from .bodies import GROUND, ORIGIN, Body, Point
+from .bodies import GROUND, ORIGIN, Body, Point, check_vector
 from .equations import make_evaluate, turn_coordinates
 from .fill import Force, fill_tables
 from .forces import ContactSpring, LubricatedCam
 from .joints import Joint
 from .saddle import solve_saddle
-from .tables import Evaluation, Tables, make_evaluation
+from .tables import DRIVEN, Evaluation, Tables, make_evaluation
 
 # A row of the Jacobian of which less than this share is new depends on the rows before it.
 INDEPENDENT = 1e-9
@@ -53,6 +54,19 @@ class Mechanism:
     forces: Sequence[Force] = ()
     gravity: Point = ORIGIN
     profile: CamProfile = LAW
+
+    def __post_init__(self) -> None:
+        """ModelError for names that are not unique, and a gravity that is no vector."""
+        if not self.bodies:
+            raise ModelError("a mechanism needs at least one body")
+        contacts = [f.name for f in self.forces if isinstance(f, LubricatedCam | ContactSpring)]
+        for kind, names in (
+            ("body", [GROUND, *(body.name for body in self.bodies)]),
+            ("joint or contact", [*(joint.name for joint in self.joints), *contacts]),
+        ):
+            if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
+                raise ModelError(f"{kind} {twice[0]}: there are two of this name; give each its own")
+        check_vector("gravity", self.gravity)
 
     @cached_property
     def constraint_names(self) -> tuple[str, ...]:
@@ -128,6 +142,7 @@ class Mechanism:
             e = self.evaluate(t, q, v)
             if np.max(np.abs(e.held.value), initial=0.0) <= ASSEMBLED:
                 self._refuse_redundant(e)
+                self._refuse_opposite(t, e)
                 return q
             step = np.asarray(-np.linalg.lstsq(e.held.jacobian, e.held.value, rcond=1e-12)[0], float)
             step *= min(1.0, LONGEST_MOVE / np.max(np.abs(step), initial=LONGEST_MOVE))
@@ -161,6 +176,23 @@ class Mechanism:
                 f"redundant constraints: {'; '.join(redundant)}. The joints before already hold this: take "
                 "joints that hold less, e.g. cylindrical for revolute"
             )
+
+    def _refuse_opposite(self, t: float, e: Evaluation) -> None:
+        """Joints hold also where axes point in opposite directions, half a turn from where they belong."""
+        for joint in self.joints:
+            i, j = self.find_body(joint.i), self.find_body(joint.j)
+            pairs = list(joint.alike)
+            for c in joint.constraints:
+                if c.fields["kind"] == DRIVEN:
+                    f = c.fields
+                    turn = f["angle"] + (f["speed"] + 0.5 * f["acceleration"] * t) * t
+                    turned = math.cos(turn) * np.asarray(f["a"]) + math.sin(turn) * np.asarray(f["a2"])
+                    pairs.append((turned, np.asarray(f["b"])))
+            if any((e.rotation[i] @ a) @ (e.rotation[j] @ b) < 0.0 for a, b in pairs):
+                raise ModelError(
+                    f"joint {joint.name}: {joint.j} is put together half a turn from where it belongs at "
+                    f"t = {t:g} s; start its angles within 90 deg of there"
+                )
 
     def project_velocities(self, t: float, q: Vector, v: Vector) -> Vector:
         """The nearest velocities that the joints allow."""

@@ -9,11 +9,14 @@ import numpy as np
 
 from ..core.errors import ModelError
 from ..core.quantities import Vector
+from .bodies import GROUND
 from .mechanism import Mechanism
 from .tables import DRIVEN
 
 # Cosine of the Cardan angle beta below which its rates are said to be lost.
 UPRIGHT = 1e-3
+# Below it rounding and not the tolerance decides, and steps do not end.
+LEAST_TOLERANCE = 1e-14
 
 
 class Reaction(NamedTuple):
@@ -50,13 +53,17 @@ class Motion:
 
     def position(self, body: str) -> Vector:
         """The centre of mass (times, 3)."""
-        first = 6 * (self.mechanism.find_body(body) - 1)
-        return self.q[:, first : first + 3]
+        return self.q[:, self._find_columns(body)[:3]]
 
     def angles(self, body: str) -> Vector:
         """Cardan angles 1-2-3 (times, 3)."""
+        return self.q[:, self._find_columns(body)[3:]]
+
+    def _find_columns(self, body: str) -> list[int]:
+        if body == GROUND:
+            raise ModelError(f"body {GROUND!r}: does not move")
         first = 6 * (self.mechanism.find_body(body) - 1)
-        return self.q[:, first + 3 : first + 6]
+        return list(range(first, first + 6))
 
     def multiplier(self, joint: str) -> Vector:
         """The multipliers of a joint (times, constraints)."""
@@ -97,6 +104,16 @@ class Motion:
         return Drift(position, velocity)
 
 
+def check_request(times: Vector, tolerance: float) -> Vector:
+    """The times as an array; ModelError unless they are finite and ascend, and the tolerance is in range."""
+    times = np.asarray(times, float)
+    if times.ndim != 1 or times.size < 2 or not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0.0):
+        raise ModelError("times: must be at least two finite instants (s) in ascending order")
+    if not LEAST_TOLERANCE <= tolerance <= 1e-2:
+        raise ModelError(f"tolerance = {tolerance:g}: must be from {LEAST_TOLERANCE:g} to 0.01")
+    return times
+
+
 def complete(mechanism: Mechanism, times: Vector, states: Vector, method: str) -> Motion:
     """The motion whose states (q, v, films) are rows of `states`, with all that belongs to them."""
     size = 6 * len(mechanism.bodies)
@@ -112,6 +129,8 @@ def complete(mechanism: Mechanism, times: Vector, states: Vector, method: str) -
 def explain_failure(mechanism: Mechanism, t: float, q: Vector, v: Vector, reason: str) -> ModelError:
     """The error of an integration that cannot go on from there, with the joint that is about to lock."""
     e = mechanism.evaluate(t, q, v)
+    if not mechanism.constraint_names:
+        return ModelError(f"the motion cannot go on at t = {t:.6g} s ({reason}); look at the force elements")
     tilts = np.abs(np.cos(q[4::6]))
     if np.min(tilts) < UPRIGHT:
         body = mechanism.bodies[int(np.argmin(tilts))].name

@@ -15,7 +15,7 @@ from ..core.quantities import Vector
 from .equations import FILM, turn_coordinates
 from .ida import COORDINATE, VELOCITY
 from .mechanism import Mechanism, Start
-from .motion import Motion, complete, explain_failure
+from .motion import Motion, check_request, complete, explain_failure
 
 Flow = Callable[[float, Vector], Vector]
 
@@ -43,7 +43,7 @@ def solve_projected(
     mechanism: Mechanism, times: Vector, tolerance: float = 1e-9, start: Start | None = None
 ) -> Motion:
     """Motion at `times` (s, ascending) from the start at the first of them; see `solve_ida`."""
-    times = np.asarray(times, float)
+    times = check_request(times, tolerance)
     start = start or mechanism.start(float(times[0]))
     size = start.q.size
 

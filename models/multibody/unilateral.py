@@ -20,18 +20,22 @@ from scipy.optimize import brentq
 
 from ..core.errors import ModelError
 from ..core.quantities import Vector
-from .bodies import ORIGIN, Point
+from .bodies import GROUND, ORIGIN, Point, check_vector
+from .forces import LubricatedCam
 from .ida import COORDINATE, VELOCITY
 from .mechanism import Mechanism, Start
-from .motion import Motion, complete, explain_failure
+from .motion import Motion, check_request, complete, explain_failure
 from .projected import make_flow
 from .saddle import solve_saddle
 from .tables import Evaluation
 
-# Instants of a step at which gaps are looked at: two impacts on a wall between two of them are missed.
+# Instants of a step at which gaps are looked at, and the least gap between two of them: two impacts on a wall
+# between two instants are missed.
 LOOKS = 20
 # A bounce that has not left its wall after this share of a step is no flight any more.
 SHORTEST_BOUNCE = 1e-9
+# A body this far (m) beyond a wall touches it.
+TOUCHING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -49,7 +53,14 @@ class Wall:
     at: Point = ORIGIN
 
     def __post_init__(self) -> None:
-        """ModelError for a restitution out of range, or a normal that is no unit vector."""
+        """ModelError for values out of range, a normal that is no unit vector, a wall for the ground."""
+        check_vector(f"wall {self.name}: normal", self.normal)
+        check_vector(f"wall {self.name}: at", self.at)
+        if self.body == GROUND or not np.isfinite(self.clearance):
+            raise ModelError(
+                f"wall {self.name}: body = {self.body}, clearance = {self.clearance:g} m: must be a body "
+                "that moves and a finite clearance"
+            )
         if not 0.0 <= self.restitution <= 1.0:
             raise ModelError(f"wall {self.name}: restitution = {self.restitution:g} must be from 0 to 1")
         if abs(np.linalg.norm(self.normal) - 1.0) > 1e-12:
@@ -83,7 +94,9 @@ def solve_bouncing(
 
     Raises ModelError where it starts beyond a wall, or where bounces become too short to follow.
     """
-    times, space = np.asarray(times, float), _Space(mechanism, walls)
+    if filmed := [force.name for force in mechanism.forces if isinstance(force, LubricatedCam)]:
+        raise ModelError(f"contact {filmed[0]}: has an oil film, which flights do not carry; take solve_ida")
+    times, space = check_request(times, tolerance), _Space(mechanism, walls)
     begun = start or mechanism.start(float(times[0]))
     y, t, done = np.concatenate([begun.q, begun.v]), float(times[0]), 1
     states, impacts = np.empty((times.size, y.size)), list[Impact]()
@@ -129,7 +142,7 @@ class _Space:
 
     def refuse_overlap(self, t: float, y: Vector) -> None:
         for wall in self.walls:
-            if (gap := self.measure(t, y, wall)[0]) < 0.0:
+            if (gap := self.measure(t, y, wall)[0]) < -TOUCHING:
                 raise ModelError(
                     f"wall {wall.name}: body {wall.body} begins {-gap:.3g} m beyond it; start between the "
                     "walls"
@@ -158,13 +171,20 @@ class _Space:
         def gap(t: float) -> float:
             return self.measure(t, between(t), wall)[0]
 
+        def rate(t: float) -> float:
+            y = between(t)
+            return float(self.measure(t, y, wall)[1] @ y[self.size :])
+
         looks = np.linspace(before, after, LOOKS + 1)
         first = looks[0]
         if wall is self.left:
             first = self._leave(wall, looks, gap)
         for one, other in zip([first, *looks[1:-1]], looks[1:], strict=True):
-            if gap(other) < 0.0:
-                return _Hit(float(brentq(gap, one, other, xtol=1e-15, rtol=1e-15)), wall)
+            deepest = other
+            if gap(other) >= 0.0 and rate(one) < 0.0 < rate(other):
+                deepest = float(brentq(rate, one, other, xtol=1e-15, rtol=1e-15))  # it may dip in between
+            if gap(deepest) < 0.0:
+                return _Hit(float(brentq(gap, one, deepest, xtol=1e-15, rtol=1e-15)), wall)
         return None
 
     def _leave(self, wall: Wall, looks: Vector, gap: Any) -> float:

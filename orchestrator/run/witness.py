@@ -59,11 +59,11 @@ def check_witness(scenario: Scenario, system: System) -> None:
     """Raise ScenarioError if a witness is asked for that does not know this system."""
     if scenario.reference.witness == "none":
         return
+    train = _find_train(system)
     if not scenario.reference.enabled:
         _refuse("it stands beside the reference; set reference.enabled = true")
     if scenario.start != "equilibrium":
         _refuse("it begins at rest; set start = 'equilibrium'")
-    train = _find_train(system)
     drive = train.parameters["flywheel"]
     if drive.motion != PRESCRIBED or drive.initial_speed != drive.final_speed:
         _refuse("its drive turns at constant speed; set motion = 'prescribed' without a ramp")
@@ -75,6 +75,12 @@ def check_witness(scenario: Scenario, system: System) -> None:
     for (part, variable), what in train.open.items():
         if (name := train.output(part, variable)) in driven:
             _refuse(f"it knows no {what}; leave out the connection to {name}, or the witness")
+    for instance in train.names.values():
+        layout, given = system.instances[instance].component.inputs, system.instances[instance].inputs
+        for variable, value in given.items():
+            name = f"{instance}.{variable}"
+            if name not in driven and value != layout.field(variable).start:
+                _refuse(f"it takes no constant inputs; leave out {name} = {value:g}, or the witness")
 
 
 def _refuse(reason: str) -> NoReturn:

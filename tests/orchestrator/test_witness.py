@@ -126,6 +126,17 @@ def test_the_witness_agrees_with_the_reference(scenario: str, record: Callable[.
             ["connections=append"],
             "knows no friction on the cam; leave out the connection to camshaft.friction_force",
         ),
+        (
+            "valve-train",
+            ["components.valve_spring.inputs.gas_force=200"],
+            "takes no constant inputs; leave out valve_spring.gas_force = 200",
+        ),
+        (
+            "pushrod-train",
+            ["components.tappet.inputs.axis_y=1e-4"],
+            "takes no constant inputs; leave out tappet.axis_y = 0.0001",
+        ),
+        ("two-masses", [], "knows systems of flywheel, camshaft"),
     ],
 )
 def test_what_the_witness_does_not_know_is_refused(scenario: str, change: list[str], message: str) -> None:

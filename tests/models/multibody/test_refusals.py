@@ -1,0 +1,114 @@
+"""What is no mechanism, or no motion, is refused by name."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from models.core.errors import ModelError
+from models.multibody.bodies import Body
+from models.multibody.forces import SpringDamper
+from models.multibody.ida import solve_ida
+from models.multibody.joints import fixed, plane_contact, prescribed_rotation, revolute
+from models.multibody.mechanism import Mechanism
+from models.multibody.projected import solve_projected
+from models.multibody.unilateral import Wall, solve_bouncing
+
+INERTIA, RADIUS = (1e-4, 1e-3, 1e-3), 0.025
+GRAVITY = (0.0, -9.81, 0.0)
+
+
+def ball(name: str = "ball", **start) -> Body:
+    return Body(name, 1.0, (1e-2,) * 3, **start)
+
+
+def crank(angle: float, begin: float) -> Mechanism:
+    body = Body("crank", 0.5, INERTIA, position=(RADIUS, 0.0, 0.0), angles=(0.0, 0.0, begin))
+    joints = [
+        revolute("main", "ground", "crank", at_j=(-RADIUS, 0.0, 0.0)),
+        prescribed_rotation("drive", "ground", "crank", 100.0, angle=angle),
+    ]
+    return Mechanism([body], joints)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.5, 2.0, 3.0, -2.5])
+def test_a_drive_finds_its_angle_or_says_that_the_start_is_too_far(angle: float) -> None:
+    """From a start within 90 degrees the place is r (cos, sin); a half turn off is no solution."""
+    found = crank(angle, 0.7 * angle).start().q[:2]
+    np.testing.assert_allclose(found, RADIUS * np.array([math.cos(angle), math.sin(angle)]), atol=1e-12)
+    if abs(angle) > 0.5 * math.pi:
+        with pytest.raises(ModelError, match="joint drive: crank is put together half a turn"):
+            crank(angle, 0.0).start()
+
+
+def test_a_weld_is_not_put_together_the_wrong_way_round() -> None:
+    with pytest.raises(ModelError, match="joint weld: ball is put together half a turn"):
+        Mechanism([ball(angles=(0.0, 0.0, 2.0))], [fixed("weld", "ground", "ball")]).start()
+
+
+@pytest.mark.parametrize("length", [0.5, 2.0])
+def test_lengths_of_axes_make_no_difference(length: float) -> None:
+    """The load under a weight is m g."""
+    contact = plane_contact("floor", "ground", "ball", normal=(0.0, length, 0.0))
+    mechanism = Mechanism([ball()], [contact], gravity=GRAVITY)
+    assert abs(mechanism.start().multipliers[0]) == pytest.approx(9.81, rel=1e-12)
+
+
+@pytest.mark.parametrize("below", [1e-2, 1e-4, 1e-6, 1e-8])
+def test_a_ball_does_not_pass_a_roof_just_below_its_apex(below: float) -> None:
+    """It strikes it with sqrt(2 g h), h the rest of its way."""
+    speed = 9.81
+    wall = Wall("roof", "ball", (0.0, -1.0, 0.0), speed**2 / (2.0 * 9.81) - below, 1.0)
+    mechanism = Mechanism([ball(velocity=(0.0, speed, 0.0))], [], gravity=GRAVITY)
+    found = solve_bouncing(mechanism, [wall], np.linspace(0.0, 1.5, 4))
+    assert [impact.wall for impact in found.impacts] == ["roof"]
+    assert found.impacts[0].closing == pytest.approx(math.sqrt(2.0 * 9.81 * below), rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Mechanism([], []), "at least one body"),
+        (lambda: Mechanism([ball("a"), ball("a")], []), "body a: there are two"),
+        (lambda: Mechanism([ball("ground")], []), "body ground: there are two"),
+        (lambda: Mechanism([ball()], [], gravity=(0.0, -9.81)), "gravity = .*three finite numbers"),
+        (lambda: ball(position=(1.0, 0.0)), "ball: position = .*three finite numbers"),
+        (lambda: ball(position=(math.nan, 0.0, 0.0)), "ball: position = .*three finite numbers"),
+        (lambda: plane_contact("p", "ground", "ball", normal=(0.0, 0.0, 0.0)), "has no direction"),
+        (lambda: prescribed_rotation("d", "ground", "ball", math.nan), "joint d: .*must be finite"),
+        (lambda: Wall("w", "ground", (0.0, 1.0, 0.0), 0.0, 1.0), "must be a body that moves"),
+        (lambda: Wall("w", "ball", (0.0, 1.0, 0.0), math.nan, 1.0), "finite clearance"),
+    ],
+)
+def test_mistakes_are_named(make, message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        make()
+
+
+@pytest.mark.parametrize("solve", [solve_ida, solve_projected])
+@pytest.mark.parametrize(
+    ("times", "tolerance", "message"),
+    [
+        ([], 1e-9, "times: must be"),
+        ([0.0], 1e-9, "times: must be"),
+        ([0.0, 0.0], 1e-9, "times: must be"),
+        ([1.0, 0.0], 1e-9, "times: must be"),
+        ([0.0, math.nan], 1e-9, "times: must be"),
+        ([0.0, math.inf], 1e-9, "times: must be"),
+        ([0.0, 1.0], 0.0, "tolerance = 0: must be from"),
+        ([0.0, 1.0], -1e-6, "tolerance = -1e-06: must be from"),
+        ([0.0, 1.0], math.nan, "tolerance = nan: must be from"),
+    ],
+)
+def test_times_and_tolerances_are_checked(solve, times, tolerance: float, message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        solve(Mechanism([ball()], [], gravity=GRAVITY), times, tolerance)
+
+
+def test_a_force_without_a_direction_is_told_where_no_joint_can_be_named() -> None:
+    spring = SpringDamper("ground", "ball", math.nan, 0.0)
+    mechanism = Mechanism([ball(position=(0.1, 0.0, 0.0))], [], [spring])
+    with pytest.raises(ModelError, match="look at the force elements"):
+        solve_ida(mechanism, np.linspace(0.0, 1.0, 3))
