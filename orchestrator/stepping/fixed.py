@@ -12,6 +12,9 @@ from ..masters import Master
 from .guard import RunawayGuard
 from .locator import Locator
 
+# Share of a step by which two instants may differ and be one.
+SAME = 1e-9
+
 
 class FixedSteps:
     """Steps that end at multiples of `macro_step`, at `stop`, and at known events of FMUs.
@@ -43,16 +46,19 @@ class FixedSteps:
         return self._accept(Step(end, end - time, iterations, reason=reason))
 
     def _end(self, time: float) -> tuple[float, int]:
+        """Where the next step ends, and why: at a known event, or a multiple of the step."""
+        end, reason = self._find_multiple(time)
+        event = self._coupling.instants.next_event(time)
+        return (event, TIME_EVENT) if event < end - SAME * self.macro_step else (end, reason)
+
+    def _find_multiple(self, time: float) -> tuple[float, int]:
         """Times are multiples of the step: a sum of steps would drift."""
         made = (time - self._start) / self.macro_step
         # Of very many steps rounding is the larger.
-        slack = 1e-9 + 4.0 * math.ulp(made)
+        slack = SAME + 4.0 * math.ulp(made)
         n = math.floor(made + slack) + 1
         end = self._start + n * self.macro_step
         last = self._start + (n + slack) * self.macro_step >= self._stop
-        event = self._coupling.instants.next_event(time)
-        if event < min(end, self._stop) - slack * self.macro_step:
-            return event, TIME_EVENT
         if not last:
             return end, FIXED
         # What ends as any other step does isn't cut short.
