@@ -6,7 +6,9 @@ import functools
 import importlib
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections import UserDict
+from collections.abc import Callable, MutableMapping
+from typing import Any
 
 from .core.component import Component
 
@@ -44,23 +46,18 @@ MODULES = {
 }
 
 
-class _Catalogue(Mapping[str, Callable[..., Component]]):
+class _Catalogue(UserDict[str, Any]):
     """The factories by name. A module is imported when its component is asked for: few runs need many."""
 
     def __getitem__(self, name: str) -> Callable[..., Component]:
-        factory: Callable[..., Component] = getattr(
-            importlib.import_module(f".{MODULES[name]}", __package__), name
-        )
+        found = self.data[name]
+        if isinstance(found, str):
+            found = getattr(importlib.import_module(f".{found}", __package__), name)
+        factory: Callable[..., Component] = found
         return factory
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(MODULES)
 
-    def __len__(self) -> int:
-        return len(MODULES)
-
-
-CATALOGUE = _Catalogue()
+CATALOGUE: MutableMapping[str, Callable[..., Component]] = _Catalogue(MODULES)
 
 
 def is_own(name: str) -> bool:
