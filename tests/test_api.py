@@ -45,6 +45,12 @@ def test_a_folder_is_opened_again(result: tribocosim.Result) -> None:
     assert again.summary == result.summary
 
 
+def test_a_folder_without_a_result_is_named(tmp_path: Path) -> None:
+    for folder in (tmp_path, tmp_path / "none"):
+        with pytest.raises(tribocosim.MistakeError, match=r"has no result\.nc; give the output folder"):
+            tribocosim.open(folder)
+
+
 def test_a_notebook_shows_a_plot_with_prefixed_units(result: tribocosim.Result) -> None:
     picture = result.plot("first.position", "first.force")
     assert picture._repr_png_().startswith(b"\x89PNG")

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from orchestrator.errors import MistakeError, RunError, one_of
 from orchestrator.run.pipeline import run as run_pipeline
-from orchestrator.store.output_folder import RESULT
-from orchestrator.store.result_file import open_result
+from orchestrator.store.result_file import find_result, open_result
 
 from .cached_fmus import build_fmu as build_cached_fmu
 from .cached_fmus import check_native
@@ -152,9 +151,11 @@ def _run(
 def open(folder: str | Path) -> Result:
     """The result in the folder of a run, read into memory. MistakeError if there is none."""
     folder = Path(folder)
-    if not (folder / RESULT).is_file():
-        raise MistakeError(f"{folder}: has no {RESULT}; give the output folder of a run")
-    with open_result(folder) as tree:
+    try:
+        file = find_result(folder)
+    except FileNotFoundError as error:
+        raise MistakeError(str(error)) from None
+    with open_result(file) as tree:
         groups = {name: node.to_dataset().load() for name, node in tree.children.items()}
     summary = json.loads((folder / "summary.json").read_text("utf-8"))
     return Result(groups["coupled"], groups.get("reference"), groups.get("steps"), summary, folder)

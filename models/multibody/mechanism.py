@@ -20,7 +20,7 @@ from .fill import Force, fill_tables
 from .forces import ContactSpring, LubricatedCam
 from .joints import Joint
 from .saddle import solve_saddle
-from .tables import DRIVEN, Evaluation, Tables, make_evaluation
+from .tables import DRIVEN, Evaluation, Tables, find_drive_angle, make_evaluation
 
 # A row of the Jacobian of which less than this share is new depends on the rows before it.
 INDEPENDENT = 1e-9
@@ -184,10 +184,9 @@ class Mechanism:
             pairs = list(joint.alike)
             for c in joint.constraints:
                 if c.fields["kind"] == DRIVEN:
-                    f = c.fields
-                    turn = f["angle"] + (f["speed"] + 0.5 * f["acceleration"] * t) * t
-                    turned = math.cos(turn) * np.asarray(f["a"]) + math.sin(turn) * np.asarray(f["a2"])
-                    pairs.append((turned, np.asarray(f["b"])))
+                    angle = find_drive_angle(c.fields, t)
+                    turned = math.cos(angle) * c.fields["a"] + math.sin(angle) * c.fields["a2"]
+                    pairs.append((turned, c.fields["b"]))
             if any((e.rotation[i] @ a) @ (e.rotation[j] @ b) < 0.0 for a, b in pairs):
                 raise ModelError(
                     f"joint {joint.name}: {joint.j} is put together half a turn from where it belongs at "

@@ -11,7 +11,7 @@ from ..core.errors import ModelError
 from ..core.quantities import Vector
 from .bodies import GROUND
 from .mechanism import Mechanism
-from .tables import DRIVEN
+from .tables import DRIVEN, find_drive_angle
 
 # Cosine of the Cardan angle beta below which its rates are said to be lost.
 UPRIGHT = 1e-3
@@ -142,9 +142,7 @@ def explain_failure(mechanism: Mechanism, t: float, q: Vector, v: Vector, reason
     combination = np.linalg.svd(rows)[0][:, -1]
     name = mechanism.constraint_names[int(np.argmax(np.abs(combination)))]
     angles = ", ".join(
-        f"{row['angle'] + (row['speed'] + 0.5 * row['acceleration'] * t) * t:.6g} rad"
-        for row in mechanism.tables.rows
-        if row["kind"] == DRIVEN
+        f"{find_drive_angle(row, t):.6g} rad" for row in mechanism.tables.rows if row["kind"] == DRIVEN
     )
     where = f"t = {t:.6g} s" + (f", drive angle {angles}" if angles else "")
     return ModelError(f"the mechanism locks at {where}: {name} cannot be held any longer ({reason})")

@@ -31,6 +31,13 @@ ROW = np.dtype(
         ("tilt", "f8"),
     ]
 )
+
+
+def find_drive_angle(drive: Any, t: float) -> float:
+    """The angle (rad) of a DRIVEN constraint at t, from its fields or its row."""
+    return float(drive["angle"] + (drive["speed"] + 0.5 * drive["acceleration"] * t) * t)
+
+
 # The law W = k C + c C' of a contact; one that is not bonded never pulls.
 PRESS = np.dtype([("stiffness", "f8"), ("damping", "f8"), ("bonded", "f8")])
 # A spring and damper along the line between two points.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from models.core.system import Connection
 
 from ..errors import RunError
+from ..participants.clock_schedule import find_latest
 from ..participants.side_channel import get_side_channel
 
 if TYPE_CHECKING:
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
 
 # Events that follow each other at one instant; more of them are taken for a loop.
 MOST_ROUNDS = 100
-# Instants this near (relative, or to 1 s) are one: sums of steps are rounded.
-SAME = 1e-12
 
 
 @dataclass(frozen=True)
@@ -59,20 +58,20 @@ class Instants:
         """When the next known event after `time` is, at which steps end; infinite if none is known."""
         if not self.ends_steps:
             return math.inf
-        soon = time + SAME * max(abs(time), 1.0)
+        latest = find_latest(time)
         due = (side.next_event() for side in self._eventful.values())
-        return min((at for at in due if at > soon), default=math.inf)
+        return min((at for at in due if at > latest), default=math.inf)
 
     def settle(self, time: float) -> bool:
         """Handle what is due at `time`, the present; whether anything was."""
         if not self._eventful and not self._texts:
             return False
         changed, triggered = self._pass_texts(), dict[int, list[str]]()
-        soon = time + SAME * max(abs(time), 1.0)
+        latest = find_latest(time)
         for _ in range(MOST_ROUNDS):
             pending, triggered, acted = triggered, {}, False
             for i, side in self._eventful.items():
-                if i not in pending and side.next_event() > soon:
+                if i not in pending and side.next_event() > latest:
                     continue
                 self._coupling.propagate((i,), time)
                 ticked = side.handle(time, pending.get(i, ()))

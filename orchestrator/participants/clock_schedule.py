@@ -12,6 +12,11 @@ UNKNOWN, CHANGED = 0, 2
 SAME = 1e-12
 
 
+def find_latest(time: float) -> float:
+    """The latest instant (s) that counts as `time`."""
+    return time + SAME * max(abs(time), 1.0)
+
+
 class ClockSchedule:
     """The input clocks that tick by time, and the next tick (s) of each in a list that is kept elsewhere.
 
@@ -48,7 +53,7 @@ class ClockSchedule:
 
     def list_due(self, ticks: Sequence[float], time: float) -> list[str]:
         """The clocks that tick at `time`."""
-        latest = time + SAME * max(abs(time), 1.0)
+        latest = find_latest(time)
         return [c.name for c, tick in zip(self._timed, ticks, strict=True) if tick <= latest]
 
     def advance(self, ticks: list[float], ticking: Sequence[str], time: float) -> None:

@@ -14,8 +14,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..errors import MistakeError
-from ..store.output_folder import RESULT
-from ..store.result_file import PROFILES
+from ..store.result_file import PROFILES, find_result
 
 
 @dataclass(frozen=True)
@@ -53,9 +52,10 @@ class Records:
 @contextmanager
 def open_records(folder: Path) -> Iterator[Records]:
     """The result of the run in `folder`; MistakeError if there is none."""
-    path = folder / RESULT
-    if not path.is_file():
-        raise MistakeError(f"{folder}: has no {RESULT}; give the output folder of a run")
+    try:
+        path = find_result(folder)
+    except FileNotFoundError as error:
+        raise MistakeError(str(error)) from None
     # A dataset of h5py opens ten times as fast as a variable of h5netcdf, which looks for its dimensions.
     with h5py.File(path, "r") as file:
         groups = {

@@ -21,7 +21,7 @@ from models.core.quantities import Quantity, Vector
 
 from .atomic_write import check_room, naming, partial
 from .journal import TIME, Recorded
-from .output_folder import find_run_state
+from .output_folder import RESULT, find_run_state
 
 if TYPE_CHECKING:
     import xarray
@@ -164,12 +164,19 @@ def _number_blocks(blocks: Iterable[Vector]) -> Iterator[tuple[int, Vector]]:
         first += len(block)
 
 
+def find_result(path: Path | str) -> Path:
+    """The file of a result, given it or its folder; FileNotFoundError with the remedy if there is none."""
+    path = Path(path)
+    file = path if path.suffix == ".nc" else path / RESULT
+    if file.exists():
+        return file
+    if find_run_state(file.parent).exists():
+        raise FileNotFoundError(f"{file}: the run goes on or was killed; tribocosim resume {file.parent}")
+    raise FileNotFoundError(f"{file.parent}: has no {file.name}; give the output folder of a run")
+
+
 def open_result(path: Path | str) -> xarray.DataTree:
     """The result as an xarray DataTree: /coupled, /reference, /steps. `path` is the file or its folder."""
     import xarray
 
-    path = Path(path)
-    file = path / "result.nc" if path.is_dir() else path
-    if not file.exists() and find_run_state(file.parent).exists():
-        raise FileNotFoundError(f"{file}: the run goes on or was killed; tribocosim resume {file.parent}")
-    return xarray.open_datatree(file, engine="h5netcdf")
+    return xarray.open_datatree(find_result(path), engine="h5netcdf")

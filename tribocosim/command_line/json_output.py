@@ -32,18 +32,16 @@ def print_json(content: Any) -> None:
 
 
 def _to_plain(value: Any) -> Any:
-    import numpy as np  # not before a command has run: --help answers at once
-
     if is_dataclass(value) and not isinstance(value, type):
         return _to_plain(asdict(value))
     if isinstance(value, dict):
         return {str(key): _to_plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [_to_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return _to_plain(value.item())
     if isinstance(value, bool | int | str | type(None)):
         return value
     if isinstance(value, float):
         return value if math.isfinite(value) else None
+    if hasattr(value, "item"):  # a number of numpy, which only some commands import
+        return _to_plain(value.item())
     return str(value)
