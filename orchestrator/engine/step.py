@@ -17,7 +17,8 @@ class Step(NamedTuple):
 
     `iterations` of its last attempt; `rejected` attempts before; `error` estimated, over what is allowed;
     `source` the exchanged value with most of it, or that set the step otherwise, by its number among all
-    outputs of the system (-1: none); `reason` what set the length.
+    outputs of the system (-1: none); `reason` what set the length; `parts` are the equal ones in which it
+    was made.
     """
 
     end: float
@@ -27,3 +28,4 @@ class Step(NamedTuple):
     error: float = 0.0
     source: int = -1
     reason: int = FIXED
+    parts: int = 1

@@ -96,7 +96,8 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, report: Report)
     every = -(-result.length("coupled") // COMPARED_RECORDS)
     coupled = result.read("coupled", ["time", *system.outputs.names], slice(None, None, every))
     try:
-        solution = solve_reference(plan, coupled.pop("time"), coupled, reporter)
+        ends = read_written_steps(result).inner_ends
+        solution = solve_reference(plan, ends, coupled.pop("time"), coupled, reporter)
     except RunError as failure:
         return replace(
             report,

@@ -25,6 +25,7 @@ STEP_VARIABLES = {
         "1", "variable with most of the error, by its number among flag_meanings; -1: none", count=True
     ),
     "reason": Quantity("1", "what set the length of the macro step that ended here", choices=REASONS),
+    "parts": Quantity("1", "equal parts in which the macro step that ended here was made", count=True),
 }
 
 
@@ -73,6 +74,7 @@ class ResultRecorder:
                 step.error,
                 step.source,
                 step.reason,
+                step.parts,
             )
             self._steps.append(time, self._step)
         self._count += 1

@@ -45,11 +45,16 @@ class Solution:
     reference: Reference | None = None
 
 
-def solve_reference(plan: Plan, times: Vector, coupled: Mapping[str, Vector], reporter: Reporter) -> Solution:
-    """The reference at `times`, where the run's outputs are `coupled`. ModelError or RunError if it fails."""
+def solve_reference(
+    plan: Plan, ends: Vector, times: Vector, coupled: Mapping[str, Vector], reporter: Reporter
+) -> Solution:
+    """The reference at `times`, where the run's outputs are `coupled`. ModelError or RunError if it fails.
+
+    The run began, and parts of its steps ended, at `ends`.
+    """
     began, scenario = clock.perf_counter(), plan.scenario
     if is_refined(scenario):
-        refined = refine(plan, times, coupled, reporter)
+        refined = refine(plan, ends, times, coupled, reporter)
         return Solution(
             times,
             refined.outputs,

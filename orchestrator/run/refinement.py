@@ -1,6 +1,8 @@
 """A reference by refinement, for systems whose equations are unknown: the run again with smaller macro steps.
 
-Where the error of a run with macro steps h is C h^p, three runs with h, h/2 and h/4 give p and the limit:
+The steps are those that the run took, each halved and quartered: of one length, or as long as step control
+made them. So all errors fall with one power. Where the error of a run with macro steps h is C h^p, three runs
+with h, h/2 and h/4 give p and the limit:
 
     p = log2(|y_h - y_h/2| / |y_h/2 - y_h/4|)             by root mean squares over time
     y = y_h/4 + (y_h/4 - y_h/2) / (2^p - 1)               Richardson's extrapolation
@@ -22,7 +24,6 @@ from models.core.quantities import Vector
 from models.monolithic.difference import Difference, difference, time_weights
 
 from ..engine.step import Step
-from ..errors import RunError
 from ..reporter import Reporter
 from ..scenario.system import build_side_lines
 from .participants import build_participants
@@ -31,6 +32,8 @@ from .simulation import simulate
 
 # Orders of convergence that are believed; the signals have orders 1 to 4.
 LOWEST, HIGHEST = 0.5, 6.0
+# Share of a step by which an event just before its end may take its place.
+SLACK = 1e-6
 
 
 @dataclass(frozen=True)
@@ -43,12 +46,16 @@ class Refined:
     orders: Mapping[str, float]
 
 
-def refine(plan: Plan, times: Vector, coarse: Mapping[str, Vector], reporter: Reporter) -> Refined:
-    """Repeat the run, whose `coarse` outputs are at `times`, with half and with a quarter of its steps.
+def refine(
+    plan: Plan, ends: Vector, times: Vector, coarse: Mapping[str, Vector], reporter: Reporter
+) -> Refined:
+    """Repeat the run, whose steps, or parts of them, have these `ends`, with each halved and quartered.
+
+    `ends` has the start too. The `coarse` outputs are those at `times`, which are some of them.
 
     RunError if one of these runs fails.
     """
-    half, quarter = (_repeat(plan, parts, times, reporter) for parts in (2, 4))
+    half, quarter = (_repeat(plan, ends, parts, times, reporter) for parts in (2, 4))
     names, weights = plan.system.outputs.names, time_weights(times)
     limit, uncertainty, orders = quarter.copy(), {}, {}
     for i, (name, nominal) in enumerate(zip(names, plan.system.outputs.nominal, strict=True)):
@@ -101,19 +108,20 @@ def describe_doubts(refined: Refined, tolerance: Mapping[str, float]) -> str:
     )
 
 
-def _repeat(plan: Plan, parts: int, times: Vector, reporter: Reporter) -> Vector:
-    """All outputs at `times` of a run with macro steps that many times smaller."""
-    step = plan.scenario.macro_step / parts
-    scenario = plan.scenario.model_copy(update={"macro_step": step})
-    samples = _Samples(times, step)
-    with reporter.stage(f"coupled run, macro steps of {step:g} s", scenario.stop_time) as bar:
+def _repeat(plan: Plan, ends: Vector, parts: int, times: Vector, reporter: Reporter) -> Vector:
+    """All outputs at `times` of a run with that many steps for each."""
+    scenario = plan.scenario
+    lengths = np.diff(ends, prepend=ends[0])[np.searchsorted(ends, times)]
+    samples = _Samples(times, SLACK * lengths / parts)
+    steps = scenario.refine_steps(ends, parts)
+    with reporter.stage(f"coupled run, {parts} steps for each", scenario.stop_time) as bar:
         participants = build_participants(scenario, plan.system, plan.fmus, lambda name, make: make())
         try:
             simulate(
                 plan.system,
                 participants,
                 scenario.build_master(),
-                scenario.build_steps(),
+                steps,
                 scenario.stop_time,
                 [samples, bar],
                 lines=build_side_lines(scenario),
@@ -121,23 +129,21 @@ def _repeat(plan: Plan, parts: int, times: Vector, reporter: Reporter) -> Vector
         finally:
             for participant in participants.values():
                 participant.close()
-    if len(samples.rows) < len(times):
-        raise RunError(f"no macro step of {step:g} s ends at t = {times[len(samples.rows)]:.9g} s")
     return np.array(samples.rows)
 
 
 class _Samples:
-    """An observer that keeps all outputs at given times."""
+    """An observer that keeps all outputs at given times, each met within its slack."""
 
-    def __init__(self, times: Vector, step: float) -> None:
-        self._times, self._slack = times, 1e-6 * step
+    def __init__(self, times: Vector, slack: Vector) -> None:
+        self._due = times - slack
         self.rows: list[Vector] = []
 
     def begin(self, names: Sequence[str]) -> None:
         pass
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if len(self.rows) < len(self._times) and abs(time - self._times[len(self.rows)]) <= self._slack:
+        if len(self.rows) < len(self._due) and time >= self._due[len(self.rows)]:
             self.rows.append(outputs().copy())
 
     def end(self, complete: bool, message: str) -> None:

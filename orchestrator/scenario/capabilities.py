@@ -18,8 +18,7 @@ WHOLE_STEPS = 1e-6
 
 
 def check_third_party(scenario: Scenario) -> None:
-    """ScenarioError where a monolithic reference or an equilibrium is wanted but the equations are not known,
-    and where refinement, which does without them, is not possible."""
+    """ScenarioError where a monolithic reference or an equilibrium is wanted, but equations are not known."""
     foreign = list_foreign(scenario)
     if foreign and scenario.start == "equilibrium":
         raise ScenarioError(f"start = 'equilibrium': {foreign[0]}; set start = 'given'")
@@ -29,15 +28,6 @@ def check_third_party(scenario: Scenario) -> None:
     if unknown and scenario.reference.method == "monolithic":
         raise ScenarioError(
             f"reference.method = 'monolithic': {unknown}; set reference.method = 'refinement'"
-        )
-    steps = "[step_control]" if scenario.step_control else "event_tolerance"
-    if is_refined(scenario) and (scenario.step_control or scenario.event_tolerance is not None):
-        reason = (
-            f"the reference is by refinement ({unknown})" if unknown else "reference.method = 'refinement'"
-        )
-        raise ScenarioError(
-            f"{steps}: {reason}, which needs steps of one length; leave it out, or set "
-            "reference.enabled = false"
         )
 
 

@@ -8,9 +8,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator
 
+from models.core.quantities import Vector
+
 from ..errors import MistakeError
 from ..masters import MASTERS
-from ..stepping import ControlledSteps, FixedSteps, ForwardSteps, check_estimator, control_steps
+from ..stepping import ControlledSteps, FixedSteps, ForwardSteps, RefinedSteps, check_estimator, control_steps
 from .component_table import ComponentTable
 from .connection import parse_line
 from .fields import Seconds, SecondsOr0, Table, Tolerance
@@ -224,6 +226,13 @@ class Scenario(Table):
         return control_steps(
             self.macro_step, self.step_control.build(self.master.build().implicit, tolerance)
         )
+
+    def refine_steps(self, ends: Vector, parts: int) -> RefinedSteps:
+        """The steps that ended at `ends` (with the start), each in that many parts; events are located as
+        by the run's own stepper."""
+        forward = self.step_control is not None and self.step_control.forward
+        located = EVENT_TOLERANCE if self.step_control and not forward else None
+        return RefinedSteps(ends, parts, self.event_tolerance or located)
 
     @property
     def record_every(self) -> int:

@@ -9,6 +9,7 @@ from .forward import ForwardSteps
 from .indicators import INDICATORS
 from .locator import list_event_outputs
 from .protocol import Stepper
+from .refined import RefinedSteps
 
 __all__ = [
     "INDICATORS",
@@ -18,6 +19,7 @@ __all__ = [
     "ControlledSteps",
     "FixedSteps",
     "ForwardSteps",
+    "RefinedSteps",
     "Step",
     "StepControl",
     "Stepper",

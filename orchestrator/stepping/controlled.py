@@ -240,7 +240,8 @@ class ControlledSteps:
             self._next, self._set_by = RESTARTED * self._next, GROWTH
         self._next = min(max(self._next, self._control.minimum_step), self._control.maximum_step)
         told = coupling.wiring.output_number(source)
-        return Step(end, end - time, attempt.iterations, rejected, error, told, reason)
+        parts = attempt.parts if length else 1
+        return Step(end, end - time, attempt.iterations, rejected, error, told, reason, parts)
 
     def state(self) -> dict[str, Any]:
         return {

@@ -47,11 +47,11 @@ class FixedSteps:
 
     def _end(self, time: float) -> tuple[float, int]:
         """Where the next step ends, and why: at a known event, or a multiple of the step."""
-        end, reason = self._find_multiple(time)
+        end, reason = self._find_end(time)
         event = self._coupling.instants.next_event(time)
         return (event, TIME_EVENT) if event < end - SAME * self.macro_step else (end, reason)
 
-    def _find_multiple(self, time: float) -> tuple[float, int]:
+    def _find_end(self, time: float) -> tuple[float, int]:
         """Times are multiples of the step: a sum of steps would drift."""
         made = (time - self._start) / self.macro_step
         # Of very many steps rounding is the larger.

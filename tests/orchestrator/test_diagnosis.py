@@ -61,6 +61,7 @@ def made(length, reason="error", source=LOAD, iterations=1, rejected=0, error=0.
         "error": np.broadcast_to(error, n),
         "source": np.broadcast_to(source, n),
         "reason": numbers,
+        "parts": np.ones(n),
     }
     return Steps.of(columns, OUTPUTS)
 
@@ -303,14 +304,14 @@ def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: P
     recorder.observe(0.0, values.copy, Step(0.0, 0.0, 0))
     for row in zip(
         steps.end, steps.length, steps.iterations, steps.rejected, steps.error, steps.source, steps.reason,
-        strict=True,
+        steps.parts, strict=True,
     ):  # fmt: skip
         recorder.observe(row[0], values.copy, Step(*row))
     recorder.end(False, "killed")
     found, message = read_steps(tmp_path)
     assert "was killed" in message
     assert found.outputs == steps.outputs
-    for name in ("end", "length", "iterations", "rejected", "error", "source", "reason"):
+    for name in ("end", "length", "iterations", "rejected", "error", "source", "reason", "parts"):
         np.testing.assert_array_equal(getattr(found, name), getattr(steps, name))
     (tmp_path / SCENARIO).write_text(to_full_toml(load("valve-train-controlled")), "utf-8")
     assert "was killed" in diagnose(tmp_path).lines[0]

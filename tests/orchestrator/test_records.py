@@ -97,7 +97,7 @@ def test_every_step_of_very_many_ends_after_it_began() -> None:
     steps = FixedSteps(5e-6)
     steps._start, steps._stop = 0.0, 1e6
     for n in range(30_000_000, 30_000_100):
-        end, _ = steps._find_multiple(n * 5e-6)
+        end, _ = steps._find_end(n * 5e-6)
         assert end == (n + 1) * 5e-6
 
 

@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribocosim
-from models.monolithic.difference import difference
+from models.monolithic.difference import difference, time_weights
 from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.run.refinement import extrapolate
-from orchestrator.scenario import ScenarioError
+from orchestrator.stepping import RefinedSteps
 
 from .c_fmus import fmu
 from .runs import ran, recorded, scenario
@@ -47,6 +47,23 @@ def test_runs_that_do_not_converge_have_no_order() -> None:
     assert other is coarse
 
 
+def compare_methods(
+    name: str, changes: dict[str, Any], variable: str, case: str, record: Any
+) -> dict[str, float]:
+    """The error by refinement, which must be that against the monolithic reference."""
+    plain = tribocosim.load(name).with_(changes)
+    against = {
+        method: tribocosim.run(plain.with_({"reference.method": method})).summary["errors"]
+        for method in ("monolithic", "refinement")
+    }
+    true, found = against["monolithic"][variable], against["refinement"][variable]
+    own = found["reference_uncertainty"] + true["reference_uncertainty"]
+    label = f"{case}: {variable} by refinement, relative RMS error"
+    record("Coupling", label, found["relative_rms"], true["relative_rms"], "monolithic", tolerance=own)
+    assert own < 0.1 * true["relative_rms"]
+    return dict(found)
+
+
 @pytest.mark.parametrize(
     ("master", "signal", "expected"),
     [
@@ -61,41 +78,93 @@ def test_errors_by_refinement_are_those_against_the_monolithic_reference(
     master: str, signal: str, expected: float, record: Any
 ) -> None:
     """Of the quarter car, within both uncertainties."""
-    plain = tribocosim.load("quarter-car").with_({"master.name": master, "master.extrapolation": signal})
-    against = {
-        method: tribocosim.run(plain.with_({"reference.method": method})).summary["errors"]
-        for method in ("monolithic", "refinement")
-    }
-    name = "chassis.position"
-    true, found = against["monolithic"][name], against["refinement"][name]
-    case = f"quarter car, {master} {signal}, 1 ms: {name} by refinement"
-    own = found["reference_uncertainty"] + true["reference_uncertainty"]
-    measured, allowed = found["relative_rms"], true["relative_rms"]
-    record("Coupling", f"{case}, relative RMS error", measured, allowed, "monolithic", tolerance=own)
+    changes = {"master.name": master, "master.extrapolation": signal}
+    case = f"quarter car, {master} {signal}, 1 ms"
+    found = compare_methods("quarter-car", changes, "chassis.position", case, record)
+    case += ": chassis.position by refinement, order"
+    record("Coupling", case, found["order"], expected, "order of the signal", tolerance=0.2)
+
+
+@pytest.mark.parametrize(
+    ("master", "signal", "estimator", "expected"),
+    [
+        ("jacobi", "linear", "step_doubling", 2.0),
+        ("gauss_seidel", "linear", "step_doubling", 2.0),
+        ("gauss_seidel", "linear", "defect", 2.0),
+        pytest.param("jacobi", "linear", "schierz", 2.0, marks=pytest.mark.long),
+        pytest.param("jacobi", "linear", "defect", 2.0, marks=pytest.mark.long),
+    ],
+)
+def test_errors_by_refinement_of_controlled_steps_are_those_against_the_monolithic_reference(
+    master: str, signal: str, estimator: str, expected: float, record: Any
+) -> None:
+    """Of the quarter car, within both uncertainties: halves of the steps that were found keep the order."""
+    control = {"step_control.relative": 1e-5, "step_control.estimator": estimator}
+    changes = {"master.name": master, "master.extrapolation": signal, **control}
+    case = f"quarter car, {master} {signal}, {estimator} 1e-5"
+    found = compare_methods("quarter-car", changes, "chassis.position", case, record)
     record("Coupling", f"{case}, order", found["order"], expected, "order of the signal", tolerance=0.2)
 
 
-@pytest.mark.parametrize("step", [4e-3, 1e-3])
+@pytest.mark.parametrize(
+    ("changes", "case"),
+    [
+        ({"step_control.relative": 1e-6}, "steps controlled to 1e-6"),
+        pytest.param(
+            {"event_tolerance": 1e-9, "macro_step": 5e-4},
+            "steps of 0.5 ms and located events",
+            marks=pytest.mark.long,
+        ),
+    ],
+)
+def test_errors_by_refinement_stay_true_over_located_events(
+    changes: dict[str, Any], case: str, record: Any
+) -> None:
+    """A bouncing mass: its contacts come at other instants where the error is smaller."""
+    found = compare_methods("bouncing-mass", changes, "mass.position", f"bouncing mass, {case}", record)
+    assert found["order"] == pytest.approx(3.0, abs=0.1)  # of quadratic signals
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"macro_step": 4e-3},
+        {"macro_step": 1e-3},
+        {"step_control": {"estimator": "defect", "relative": 1e-3}},
+        pytest.param({"step_control": {"estimator": "defect", "relative": 1e-4}}, marks=pytest.mark.long),
+    ],
+)
 def test_the_error_of_third_party_fmus_is_that_against_the_exact_solution(
-    step: float, tmp_path: Path
+    changes: dict[str, Any], tmp_path: Path
 ) -> None:
     """Two masses, one an FMU of unknown equations that holds its inputs, against their matrix exponential."""
     tables = {
         "first": {"component": "coupled_mass", "participant": "in-process", "start": {"position": 1.0}},
         "second": {"participant": fmu("held_mass", 2, tmp_path)},
     }
-    one = scenario(
-        tables, connections=LINES, macro_step=step, reference={}, tolerance={"first.position": 1e-3}
-    )
+    one = scenario(tables, connections=LINES, reference={}, tolerance={"first.position": 1e-3}, **changes)
     summary, found = ran(one, tmp_path / "out")
     coupled, sprung = CoupledMassParameters(), SprungMassParameters(mass=1.0, stiffness=10.0, damping=0.5)
     exact = two_masses(found["time"], coupled, sprung, np.array([1.0, 0.0, 0.0, 0.0]))[:, 0]
     error = summary.errors["first.position"]
-    true = difference(found["first.position"], exact)
+    true = difference(found["first.position"], exact, weights=time_weights(found["time"]))
     assert summary.reference_method == "refinement"
     assert error.relative_rms == pytest.approx(true.relative_rms, abs=error.uncertainty.relative_rms)
     assert error.order == pytest.approx(2.0, abs=0.1)
     assert summary.exit_status == (0 if true.relative_rms < 1e-3 else 1)
+
+
+@given(lengths=st.lists(st.floats(1e-6, 1.0), min_size=1, max_size=8), parts=st.integers(1, 4))
+def test_refined_steps_meet_every_end_of_the_steps_that_they_divide(lengths: list[float], parts: int) -> None:
+    """To the bit, in equal parts."""
+    ends = np.cumsum([0.3, *lengths])
+    steps = RefinedSteps(ends, parts)
+    steps._stop = ends[-1]
+    found = [ends[0]]
+    while found[-1] < ends[-1]:
+        found.append(steps._find_end(found[-1])[0])
+    assert found[::parts] == list(ends)
+    np.testing.assert_allclose(np.diff(found), np.repeat(np.diff(ends), parts) / parts, rtol=1e-8)
 
 
 def test_an_fmu_that_is_exact_has_no_error(tmp_path: Path) -> None:
@@ -105,12 +174,3 @@ def test_an_fmu_that_is_exact_has_no_error(tmp_path: Path) -> None:
     assert summary.exit_status == 0
     assert summary.verdict.startswith("within the tolerance; the errors of the FMUs' own solvers")
     assert recorded(tmp_path / "out")["decay.x"][-1] < 1.0
-
-
-@pytest.mark.parametrize("changes", [{"step_control": {}}, {"event_tolerance": 1e-6}])
-def test_steps_of_different_lengths_are_refused(changes: dict[str, Any], tmp_path: Path) -> None:
-    table = {"participant": fmu("dahlquist", 2, tmp_path)}
-    with pytest.raises(ScenarioError, match="steps of one length"):
-        ran(
-            scenario({"decay": table}, reference={}, tolerance={"decay.x": 1e-9}, **changes), tmp_path / "out"
-        )

@@ -25,6 +25,7 @@ COLUMNS = {
     "error": np.float32,
     "source": np.int32,
     "reason": np.int8,
+    "parts": np.int8,
 }
 BLOCK = 65_536  # rows of a journal read at once
 
@@ -43,6 +44,7 @@ class Steps:
     error: Any
     source: Any
     reason: Any
+    parts: Any
     outputs: tuple[str, ...] = ()
 
     @classmethod
@@ -58,6 +60,13 @@ class Steps:
     def start(self) -> Vector:
         """When each step began (s)."""
         return self.end - self.length
+
+    @property
+    def inner_ends(self) -> Vector:
+        """The start, and where all parts of all steps ended (s), in order."""
+        halved = self.parts == 2
+        middle = self.start[halved] + 0.5 * self.length[halved]
+        return np.union1d(np.append(self.start[:1], self.end), middle)
 
     @property
     def work(self) -> Vector:

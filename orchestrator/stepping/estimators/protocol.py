@@ -13,11 +13,13 @@ from ...masters import Master
 
 @dataclass(frozen=True)
 class Attempt:
-    """A step that was made: sweeps it took, estimated error of every source, P of error ~ H^P."""
+    """A step that was made: sweeps it took, estimated error of every source, P of error ~ H^P, and the equal
+    `parts` in which participants made it."""
 
     iterations: int
     error: Vector
     exponent: float
+    parts: int = 1
 
 
 class Estimator(Protocol):

@@ -39,6 +39,5 @@ class Schierz:
             continued = coupling.state.values.copy()
             coupling.points.restore(middle)
             iterations = max(iterations, master.step(coupling, middle_time, length - half).iterations)
-        return Attempt(
-            iterations, (coupling.state.values - continued) / (1.0 - shares), exponent(coupling, degree)
-        )
+        error = (coupling.state.values - continued) / (1.0 - shares)
+        return Attempt(iterations, error, exponent(coupling, degree), parts=2)

@@ -47,7 +47,7 @@ class StepDoubling:
         if not coupling.state.history.end_smooth.all():
             shares = np.where(coupling.state.history.end_smooth, shares, 2.0)
             order = 2.0
-        return Attempt(iterations, (coupling.state.values - whole) / (1.0 - shares), order)
+        return Attempt(iterations, (coupling.state.values - whole) / (1.0 - shares), order, parts=2)
 
 
 def ratios(coupling: Coupling, degree: int, half: float) -> Vector:
