@@ -10,13 +10,10 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar, cast
 
-from .cache_folder import private_folder
-
 numba: Any
-KernelCache: Any = None
+KernelDispatcher: Any = None
 try:
     import numba
     import numba.extending
@@ -28,9 +25,11 @@ COMPILED = numba is not None and not os.environ.get("NUMBA_DISABLE_JIT", "0").st
 if COMPILED:
     # Where numba changed inside, starting is only slower.
     with contextlib.suppress(AttributeError, ImportError):
-        from .kernel_cache import KernelCache
+        from .kernel_dispatcher import KernelDispatcher
 
 _OPTIONS = {
+    "nopython": True,
+    "boundscheck": None,
     "error_model": "numpy",
     "nogil": True,
     "no_cfunc_wrapper": True,  # only kernels that are passed as values would need one
@@ -47,26 +46,9 @@ def kernel(function: F) -> F:
     """
     if not COMPILED:
         return function
-    dispatcher: Any = numba.njit(**_OPTIONS)(function)
-    dispatcher.get_call_template = _call_exactly(dispatcher.get_call_template)
-    if KernelCache is not None:
-        dispatcher._cache = KernelCache(function, _folder, repr(_OPTIONS))
-    return cast(F, dispatcher)
-
-
-def _call_exactly(find: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
-    """Kernels call what is compiled for their types: numba would take a record that begins alike."""
-
-    def get_call_template(args: Any, kws: Any) -> Any:
-        template, pysig, args, kws = find(args, kws)
-        template.cases = [case for case in template.cases if case.args == tuple(args)] or template.cases
-        return template, pysig, args, kws
-
-    return get_call_template
-
-
-def _folder() -> Path:
-    return private_folder("kernels")
+    if KernelDispatcher is None:
+        return cast(F, numba.jit(**_OPTIONS)(function))
+    return cast(F, KernelDispatcher(function, targetoptions=_OPTIONS))
 
 
 def _view_as_record(context: Any, vector: Any, dtype: Any) -> Any:

@@ -24,17 +24,20 @@ from pathlib import Path
 from typing import Any
 
 import llvmlite
+import llvmlite.binding as llvm
 import numba
 import numpy as np
 from numba.core import caching, compiler, serialize, sigutils
 
 from .cache_eviction import due, tidy, use
+from .cache_folder import private_folder
 from .kernel_content import PACKAGE, compute_digest, describe, is_ours, relative_name
 
 # numba's, whose types say little.
 types: Any = numba.types
 normalized: Any = sigutils.normalize_signature
 rebuild: Any = compiler.CompileResult._rebuild
+assemble: Any = compiler.compile_result
 
 # The module that compiled kernels say they are from: the same for every copy of this package.
 HOME = "tribocosim_kernels"
@@ -45,17 +48,17 @@ _SETTINGS = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO
 
 
 class KernelCache(caching._Cache):
-    """numba's cache of one function, in `folder`; `options` are those that it is compiled with."""
+    """numba's cache of one function; `options` are those that it is compiled with."""
 
-    def __init__(self, function: Callable[..., Any], folder: Callable[[], Path], options: str) -> None:
-        self._function, self._folder, self._options = function, folder, options
+    def __init__(self, function: Callable[..., Any], options: str) -> None:
+        self._function, self._options = function, options
         self._files: dict[Any, list[Path]] = {}  # of each signature: for all copies, for this package alone
         self._enabled = True
 
     @property
     def cache_path(self) -> str:
         """The folder."""
-        return str(self._folder())
+        return str(_folder())
 
     def enable(self) -> None:
         """Read and write files."""
@@ -83,11 +86,11 @@ class KernelCache(caching._Cache):
             self._function.__module__ = HOME
             self._function.__qualname__ = f"{name}_{key[:16]}"
             if self._enabled:
-                folder = self._folder() / _versions(target_context.codegen())
+                folder = _folder() / _versions(target_context.codegen())
                 own = hashlib.sha256(f"{key} {PACKAGE}".encode()).hexdigest()
                 files = [folder / f"{_plain(name)}-{digest[:32]}.nbc" for digest in (key, own)]
                 self._files[sig] = files
-                return _find(files[0], target_context) or _find(files[1], target_context)
+                return self._find(files[0], target_context) or self._find(files[1], target_context)
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
@@ -97,17 +100,94 @@ class KernelCache(caching._Cache):
             return
         # The disk may be full or read-only: the code is compiled, only not kept.
         with contextlib.suppress(AttributeError, TypeError, OSError, pickle.PicklingError):
-            file = files[_names_this_package(data)]
+            file = files[self._names_this_package(data)]
             _known[file] = data
-            _write(file, data)
-            if due(self._folder() / "tidied"):
-                tidy(self._folder().glob("*/*.nbc*"))
+            _write(file, self._reduce(data))
+            if due(_folder() / "tidied"):
+                tidy(_folder().glob("*/*.nbc*"))
 
     def _key(self, sig: Any, codegen: Any) -> str:
         arguments, result = normalized(sig)
         signature = _digest_type(types.Tuple(arguments)) + (_digest_type(result) if result else "")
         parts = [_versions(codegen), self._options, compute_digest(self._function), signature]
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+    def _find(self, file: Path, target_context: Any) -> Any:
+        """The compiled code in that file, from this process or from disk, or None."""
+        known = _known.get(file)
+        if known is None:
+            kept = _read(file)
+            if kept is not None:
+                known = _known[file] = self._rebuild(target_context, kept)
+            return known
+        # With an entry point of its own: numba forgets a function's when the function goes.
+        return known._replace(entry_point=self._enter(target_context, known), metadata=None)
+
+    def _enter(self, target_context: Any, known: Any) -> Any:
+        """An entry point of the compiled code."""
+        return target_context.get_executable(known.library, known.fndesc, known.environment)
+
+    def _names_this_package(self, compiled: Any) -> bool:
+        """Whether code imports from this package by name, as a named tuple's class, to give it to Python."""
+        return f"{PACKAGE}.".encode() in compiled.library._get_compiled_object()
+
+    def _reduce(self, compiled: Any) -> Any:
+        """What of the compiled code a file keeps."""
+        # Only people read the annotated source; it is long and slow to make.
+        return compiled._replace(type_annotation="")._reduce()
+
+    def _rebuild(self, target_context: Any, kept: Any) -> Any:
+        """The compiled code, of what a file has kept."""
+        return rebuild(target_context, *kept)
+
+
+class Link:
+    """In the place of an entry point: by this numba knows code that only kernels call."""
+
+
+class LinkedKernelCache(KernelCache):
+    """The same for code that other kernels link, which has no machine code and no entry for Python."""
+
+    def __init__(self, function: Callable[..., Any], options: str) -> None:
+        super().__init__(function, f"{options}, linked")
+
+    def _enter(self, target_context: Any, known: Any) -> Any:
+        return Link()
+
+    def _names_this_package(self, compiled: Any) -> bool:
+        return False  # only the entry for Python does
+
+    def _reduce(self, compiled: Any) -> Any:
+        compiled.fndesc.typemap = compiled.fndesc.calltypes = None  # numba does the same: some cannot be kept
+        module = compiled.library._get_module_for_linking()
+        return compiled.library.name, module.as_bitcode(), compiled.fndesc, compiled.signature
+
+    def _rebuild(self, target_context: Any, kept: Any) -> Any:
+        name, bitcode, fndesc, signature = kept
+        library = target_context.codegen().create_library(name)
+        library._final_module = library._shared_module = llvm.parse_bitcode(bitcode)
+        library._finalized = True
+        return assemble(
+            typing_context=target_context.typing_context,
+            target_context=target_context,
+            entry_point=Link(),
+            library=library,
+            fndesc=fndesc,
+            signature=signature,
+            objectmode=False,
+        )
+
+
+def finalize(library: Any) -> None:
+    """Link and optimize the library's code as numba does, without machine code, for others to link."""
+    library._finalize_final_module = library._finalize_dynamic_globals
+    library.finalize()
+    del library._finalize_final_module
+    library._finalized = True
+
+
+def _folder() -> Path:
+    return private_folder("kernels")
 
 
 @functools.cache
@@ -141,31 +221,13 @@ def _plain(name: str) -> str:
     return "".join(letter for letter in name.rpartition(".")[2] if letter.isalnum() or letter == "_")
 
 
-def _names_this_package(compiled: Any) -> bool:
-    """Whether code imports from this package by name: to give Python a named tuple, it imports its class."""
-    return f"{PACKAGE}.".encode() in compiled.library._get_compiled_object()
-
-
 # What this process has compiled or loaded: numba never gives its memory back, so that loading it once more
 # for the next closure of the same content would only take more.
 _known: dict[Path, Any] = {}
 
 
-def _find(file: Path, target_context: Any) -> Any:
-    """The compiled code in that file, from this process or from disk, or None."""
-    known = _known.get(file)
-    if known is None:
-        known = _read(file, target_context)
-        if known is not None:
-            _known[file] = known
-        return known
-    # With an entry point of its own: numba forgets a function's when the function goes.
-    entry = target_context.get_executable(known.library, known.fndesc, known.environment)
-    return known._replace(entry_point=entry, metadata=None)
-
-
-def _read(file: Path, target_context: Any) -> Any:
-    """The code that `_write` wrote; None if the file is missing or damaged."""
+def _read(file: Path) -> Any:
+    """What `_write` wrote; None if the file is missing or damaged."""
     use(file)
     try:
         content = file.read_bytes()
@@ -174,14 +236,13 @@ def _read(file: Path, target_context: Any) -> Any:
     check, payload = content[:32], content[32:]
     if hashlib.sha256(payload).digest() != check:
         return None
-    return rebuild(target_context, *_Unpickler(io.BytesIO(payload)).load())
+    return _Unpickler(io.BytesIO(payload)).load()
 
 
-def _write(file: Path, compiled: Any) -> None:
+def _write(file: Path, kept: Any) -> None:
     stream = io.BytesIO()
-    # Only people read the annotated source; it is long and slow to make.
     pickler: Any = _Pickler
-    pickler(stream, protocol=4).dump(compiled._replace(type_annotation="")._reduce())
+    pickler(stream, protocol=4).dump(kept)
     payload = stream.getvalue()
     file.parent.mkdir(parents=True, exist_ok=True)
     new = file.with_name(f"{file.name}.{uuid.uuid4().hex[:16]}")

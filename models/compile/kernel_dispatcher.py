@@ -1,0 +1,85 @@
+"""numba's dispatcher of kernels: code that kernels call is linked into them, without machine code of its own.
+
+Most kernels are called by kernels only. The machine code and the entry for Python that numba would make for
+each of them take a third of the time of compilation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from numba.core import dispatcher, registry, sigutils
+from numba.core.compiler_lock import global_compiler_lock
+
+from .kernel_cache import KernelCache, Link, LinkedKernelCache, finalize
+
+# numba's, whose types say little.
+normalized: Any = sigutils.normalize_signature
+
+
+class _LinkCompiler(dispatcher._FunctionCompiler):
+    """Compiles to code that callers link."""
+
+    def _customize_flags(self, flags: Any) -> Any:
+        flags.no_compile = flags.no_cpython_wrapper = True
+        return flags
+
+    def _compile_core(self, args: Any, return_type: Any) -> Any:
+        compiled = super()._compile_core(args, return_type)
+        finalize(compiled.library)
+        link = Link()
+        context = self.targetdescr.target_context
+        context.insert_user_function(link, compiled.fndesc, [compiled.library])
+        return compiled._replace(entry_point=link)
+
+
+class KernelDispatcher(registry.CPUDispatcher):
+    """Compiles a kernel once for its callers among kernels, and once more if Python calls it too."""
+
+    def __init__(self, py_func: Callable[..., Any], locals: Any = None, targetoptions: Any = None) -> None:
+        super().__init__(py_func, locals, targetoptions)
+        usual = self._compiler
+        self._link_compiler = _LinkCompiler(
+            py_func, self.targetdescr, targetoptions, self.locals, usual.pipeline_class
+        )
+        options = repr(sorted(targetoptions.items()))
+        self._cache = KernelCache(py_func, options)
+        self._link_cache = LinkedKernelCache(py_func, options)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Kernels call what is compiled for their types: numba would take a record that begins alike."""
+        with self._compile_to_link():
+            template, pysig, args, kws = super().get_call_template(args, kws)
+        template.cases = [case for case in template.cases if case.args == tuple(args)] or template.cases
+        return template, pysig, args, kws
+
+    @contextmanager
+    def _compile_to_link(self) -> Iterator[None]:
+        usual = self._compiler, self._cache
+        self._compiler, self._cache = self._link_compiler, self._link_cache
+        try:
+            yield
+        finally:
+            self._compiler, self._cache = usual
+
+    def compile(self, sig: Any) -> Any:
+        """As numba does; code for callers has no entry for Python."""
+        with global_compiler_lock:
+            args = tuple(normalized(sig)[0])
+            for_python = self._compiler is not self._link_compiler
+            if for_python and args in self.overloads and _is_linked(self.overloads[args]):
+                del self.overloads[args]
+            return super().compile(sig)
+
+    def add_overload(self, compiled: Any) -> None:
+        """As numba does; code for callers is not for Python."""
+        if _is_linked(compiled):
+            self.overloads[tuple(compiled.signature.args)] = compiled
+        else:
+            super().add_overload(compiled)
+
+
+def _is_linked(compiled: Any) -> bool:
+    return isinstance(compiled.entry_point, Link)
