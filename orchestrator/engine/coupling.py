@@ -56,20 +56,15 @@ class Coupling:
         self.offsets = np.cumsum([0, *(rows * len(targets) for targets in w.targets)])
         self.all_inputs: Vector = np.zeros(self.offsets[-1])
         self.inputs: list[Vector] = []
+        self.unrated: list[str] = []  # whose rates are no numbers at the start, and not used
         self.ended = False  # whether a step that compiled code made was the last of its FMU
         self._bound: dict[Hashable, Any] = {}
         for i, participant in enumerate(self.participants):
             own, targets = w.slices[i], w.targets[i]
             memory = self.all_inputs[self.offsets[i] : self.offsets[i + 1]].reshape(rows, len(targets))
             self.inputs.append(memory)
-            bound = BoundVariables(
-                w.targets[i],
-                memory,
-                tuple(port.variable for port in w.sources[own]),
-                self.state.values[own],
-                self.state.rates[own] if w.degree == 3 else np.zeros(0),
-            )
-            given = participant.connect(bound)
+            rates = self.state.rates[own] if w.degree == 3 else np.zeros(0)
+            given = participant.connect(self._bind(i, rates))
             if w.degree == 3:
                 rated[own] = given
                 if w.held[i]:
@@ -77,6 +72,12 @@ class Coupling:
                     rated[own] &= ~w.passed_through[own]
 
         self.instants = Instants(self, lines)
+
+    def _bind(self, i: int, rates: Vector) -> BoundVariables:
+        """The exchanged variables of participant i."""
+        own = self.wiring.slices[i]
+        names = tuple(port.variable for port in self.wiring.sources[own])
+        return BoundVariables(self.wiring.targets[i], self.inputs[i], names, self.state.values[own], rates)
 
     @cached_property
     def offers(self) -> list[CompiledCalls | str]:
@@ -116,11 +117,27 @@ class Coupling:
         # Rates that an FMU gives by the standard's call come only now, outputs of some FMUs too.
         before = self.state.arrived.copy()
         for i in self.wiring.all:
+            self.participants[i].read()
+            if not np.isfinite(self.state.rates[self.wiring.slices[i]]).all():
+                self._forgo_rates(i)
             self.read(i)
         if not np.array_equal(before, self.state.arrived):
             make_consistent(self, start_time)
         self.instants.settle(start_time)
         self.state.history.begin(start_time, self.state.values, self.state.rates)
+
+    def _forgo_rates(self, i: int) -> None:
+        """Use no rates of participant i, whose signals are then quadratic.
+
+        Rates that are no numbers at the start are differences over a step that has not been made, and of
+        first order only when it has.
+        """
+        own = self.wiring.slices[i]
+        self.unrated.append(self.wiring.names[i])
+        self.participants[i].connect(self._bind(i, np.zeros(0)))
+        self.state.history.rated[own], self.state.rates[own] = False, 0.0
+        self.__dict__.pop("offers", None)
+        self._bound.clear()
 
     def propagate(self, order: tuple[int, ...], time: float) -> None:
         """Give the present values, and rates, to each participant in turn and read its answer."""

@@ -14,7 +14,7 @@ from typing import Any
 from models.core.quantities import Vector
 
 from .description import Variable
-from .fmi_instance import WARNING
+from .fmi_instance import OK, WARNING
 
 
 class ArrayLayout:
@@ -67,20 +67,24 @@ class BoundCalls:
     def _transfer(
         self, function: str, references: Any, *between: Any, values: Vector, after: tuple[Any, ...] = (),
         fail: Callable[[int], None],
-    ) -> Callable[[], None]:  # fmt: skip
-        """function(instance, references, their number, between, values, after), `between` being arrays."""
+    ) -> Callable[[], Any]:  # fmt: skip
+        """function(instance, references, their number, between, values, after), `between` being arrays.
+
+        It returns the status; `fail` gets one that is worse than a warning.
+        """
         if not len(references):
-            return lambda: None
+            return lambda: OK
         call, handle = self._function(function), self._handle
         wanted, *others, memory = (
             ctypes.c_void_p(array.ctypes.data) for array in (references, *between, values)
         )
         arguments = (handle, wanted, ctypes.c_size_t(len(references)), *others, memory, *after)
 
-        def transfer(kept: Any = (references, between, values)) -> None:  # keeps the memory alive
-            status = call(*arguments)
+        def transfer(kept: Any = (references, between, values)) -> int:  # keeps the memory alive
+            status: int = call(*arguments)
             if status > WARNING:
                 fail(status)
+            return status
 
         return transfer
 

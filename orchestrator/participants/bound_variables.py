@@ -104,19 +104,29 @@ class BoundInputs:
         self.binding.set_values(self._values)
 
     def _call_derivatives(self, inputs: Sequence[int]) -> None:
-        """Have derivatives of the inputs of these references set by the standard's call."""
-        columns, memory, count = self.called, self._memory, len(self._memory) - 1
-        references = np.array(list(inputs) * count, dtype=np.uintc)
-        orders = np.repeat(np.arange(1, count + 1, dtype=np.intc), len(columns))
-        slopes = np.zeros(len(references))
-        fmu, write = self._fmu, self.write
-        send = fmu.fmi.bind_input_derivatives(references, orders, slopes, fmu.errors.fail_to_set)
+        """Have derivatives of the inputs of these references set by the standard's call.
+
+        Only by a warning an FMU says that it does not take an order, and then it may ignore the whole call.
+        So each order has a call of its own, and higher ones than it takes are not sent again.
+        """
+        columns, memory, fmu, write = self.called, self._memory, self._fmu, self.write
+        slopes = np.zeros((len(memory) - 1, len(columns)))
+        references = np.array(inputs, dtype=np.uintc)
+        sends = [
+            fmu.fmi.bind_input_derivatives(
+                references, np.full(len(columns), order, dtype=np.intc), own, fmu.errors.fail_to_set
+            )
+            for order, own in enumerate(slopes, 1)
+        ]
 
         def write_all() -> None:
             write()
             if fmu.stepping:  # before that the standard has no such call
-                slopes[:] = memory[1:, columns].ravel()
-                send()
+                slopes[:] = memory[1:, columns]
+                for taken, send in enumerate(sends):
+                    if send() and taken:
+                        del sends[taken:]
+                        break
 
         self.write = write_all
 

@@ -149,7 +149,7 @@ class Fmi2(BoundCalls):
 
     def bind_input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], None]:
+    ) -> Callable[[], int]:
         return self._transfer("fmi2SetRealInputDerivatives", references, orders, values=values, fail=fail)
 
     def bind_output_derivatives(

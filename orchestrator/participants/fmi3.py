@@ -130,7 +130,7 @@ class Fmi3(BoundCalls):
 
     def bind_input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], None]:
+    ) -> Callable[[], int]:
         raise NotImplementedError("FMI 3 has no such call")
 
     def bind_output_derivatives(

@@ -11,7 +11,7 @@ from models.core.quantities import Vector
 from .description import Variable
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-WARNING, DISCARD, FATAL, PENDING = 1, 2, 4, 5  # what is above WARNING did not succeed
+OK, WARNING, DISCARD, FATAL, PENDING = 0, 1, 2, 4, 5  # what is above WARNING did not succeed
 
 
 def status_name(status: int) -> str:
@@ -72,9 +72,9 @@ class FmiInstance(Protocol):
 
     def bind_input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], None]:
-        """A function that sets the inputs' derivatives of these orders (int) to what is in `values`; for FMUs
-        that say that they interpolate."""
+    ) -> Callable[[], int]:
+        """A function that sets the inputs' derivatives of these orders (int) to what is in `values` and
+        returns the status, OK or WARNING; for FMUs that say that they interpolate."""
         ...
 
     def bind_output_derivatives(

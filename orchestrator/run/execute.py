@@ -96,6 +96,7 @@ class _Observation:
             warnings=self.warnings,
             not_numbers=self.not_numbers.since,
             python_sweeps=statistics.python_sweeps if statistics else {},
+            unrated=statistics.unrated if statistics else (),
         )
 
 

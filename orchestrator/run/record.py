@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -62,3 +62,4 @@ class Record:
     warnings: Mapping[str, Warnings] = field(default_factory=dict)
     not_numbers: Mapping[str, float] = field(default_factory=dict)  # the first time (s) an output was NaN
     python_sweeps: Mapping[str, str] = field(default_factory=dict)  # slow participants: reason
+    unrated: Sequence[str] = ()  # participants whose rates were not used

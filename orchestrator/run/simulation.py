@@ -29,6 +29,7 @@ class Statistics:
     """What a run took. `do_steps` counts the steps of single participants, rejected ones too.
 
     `python_sweeps`: the participants that keep sweeps in Python, which is slower than compiled code, and why.
+    `unrated`: those whose rates are no numbers at the start, and were not used.
     """
 
     macro_steps: int
@@ -37,6 +38,7 @@ class Statistics:
     do_steps: int
     coupled_time_s: float
     python_sweeps: Mapping[str, str]
+    unrated: Sequence[str] = ()
 
 
 class LatestOutputs:
@@ -145,8 +147,9 @@ def simulate(
             for observer in reversed(observers):
                 ends.callback(observer.end, complete, message)
     return Statistics(
-        made, rejected, iterations, int(coupling.calls.sum()), elapsed, coupling.explain_python()
-    )
+        made, rejected, iterations, int(coupling.calls.sum()), elapsed, coupling.explain_python(),
+        coupling.unrated,
+    )  # fmt: skip
 
 
 def _begin(

@@ -60,6 +60,7 @@ class Summary:
     warnings: Mapping[str, Warnings] = field(default_factory=dict)
     not_numbers: Mapping[str, float] = field(default_factory=dict)
     python_sweeps: Mapping[str, str] = field(default_factory=dict)
+    unrated: Sequence[str] = ()
     fmus: dict[str, str] = field(default_factory=dict)
     notices: Sequence[str] = field(default_factory=list)
 
@@ -71,6 +72,11 @@ class Summary:
         for name, given in self.warnings.items():
             first = f", the first: {given.first}" if given.first else "; it does not say of what"
             lines.append(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
+        if self.unrated:
+            lines.append(
+                f"{', '.join(self.unrated)}: rates of change are no numbers at the start, so signals go "
+                "through values only"
+            )
         for name, since in self.not_numbers.items():
             lines.append(
                 f"{name}: not a number (NaN) from t = {since:.6g} s on, or at times; look at its participant"

@@ -33,7 +33,8 @@ class Model:
     """`step` is C that moves v from t to t + h (`h`), `output` C that computes outputs of v and inputs.
 
     Variables are named in C by macros: `$name`. `depends`: the inputs of every output; `rates`: the variables
-    that are derivatives of outputs, for the standard's call.
+    that are derivatives of outputs, for the standard's call. Derivatives of inputs are taken up to the order
+    `highest`.
     """
 
     variables: tuple[V, ...]
@@ -43,6 +44,7 @@ class Model:
     abilities: str = 'canGetAndSetFMUstate="true" canSerializeFMUstate="true" '
     variable_step: bool = True
     rates: dict[str, str] = field(default_factory=dict)
+    highest: int = 3
 
 
 EXPONENTIAL = "$x = $x * exp(-$k * h);"
@@ -250,6 +252,20 @@ MODELS["called"] = replace(
     variables=tuple(replace(v, derivative="") for v in MODELS["sprung"].variables),
     abilities='maxOutputDerivativeOrder="1" ',
     rates={"position": "der(position)", "velocity": "der(velocity)"},
+)
+# The same with a rate that is no number before the first step.
+MODELS["called_late"] = replace(
+    MODELS["called"],
+    variables=(*MODELS["called"].variables, V("moved")),
+    step=MODELS["called"].step + " $moved = 1;",
+    output=MODELS["called"].output + " if (!$moved) ${der(position)} = NAN;",
+)
+# The same that gives no rates.
+MODELS["unrated"] = replace(MODELS["called"], abilities="", rates={})
+# Takes the first derivative of its input only: a call with others is ignored, as the standard allows.
+MODELS["first_slope"] = replace(
+    MODELS["integral"],
+    highest=1,
 )
 # The mass that takes no slope of its force, and can be taken back.
 MODELS["held_mass"] = replace(MODELS["sprung"], abilities=MODELS["dahlquist"].abilities)

@@ -161,6 +161,8 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
                                        const fmi2Integer o[], const fmi2Real x[]) {
     /* The variables after an input are its derivatives. */
     if (!((Instance *)c)->initialised) return fmi2Error;
+    for (size_t i = 0; i < n; i++)
+        if (o[i] > HIGHEST) return fmi2Warning;
     for (size_t i = 0; i < n; i++) ((Instance *)c)->v[r[i] + o[i]] = x[i];
     return fmi2OK;
 }

@@ -304,6 +304,22 @@ def test_inputs_follow_signals_by_the_standards_call(
     assert np.log2(missed[0] / missed[1]) == pytest.approx(order, abs=0.1)
 
 
+@pytest.mark.parametrize("signal", ["quadratic", "hermite"])
+def test_an_fmu_that_takes_first_derivatives_only_gets_these(signal: str, tmp_path: Path) -> None:
+    """The integral of exp(-t): it gets the slope, by which the order is 2, where the rest is refused."""
+    tables = {
+        "decay": {"participant": fmu("dahlquist", 2, tmp_path)},
+        "integral": {"participant": fmu("first_slope", 2, tmp_path)},
+    }
+    missed = []
+    for step in (0.02, 0.01):
+        master = {"name": "jacobi", "extrapolation": signal}
+        one = scenario(tables, connections=["decay.x -> integral.u"], macro_step=step, master=master)
+        _, found = ran(one, tmp_path / f"{step}")
+        missed.append(np.abs(found["integral.y"] - (1.0 - np.exp(-found["time"]))).max())
+    assert np.log2(missed[0] / missed[1]) == pytest.approx(2.0, abs=0.1)
+
+
 def test_the_declared_derivative_is_the_rate(tmp_path: Path) -> None:
     """By which Hermite signals have their fourth order."""
     component = read_component(fmu("ball", 2, tmp_path))
@@ -365,6 +381,28 @@ def test_rates_by_the_standards_call_are_those_of_declared_variables(
     np.testing.assert_array_equal(found["called", "hermite"], found["sprung", "hermite"])
     np.testing.assert_array_equal(found["called", "quadratic"], found["sprung", "quadratic"])
     assert not np.array_equal(found["called", "hermite"], found["called", "quadratic"])
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.parametrize("master", ["jacobi", "gauss_seidel"])
+def test_rates_that_are_no_numbers_at_the_start_are_not_used(
+    master: str, process: str, tmp_path: Path
+) -> None:
+    """The FMU is as one that gives none, to the last bit, and the run says so once."""
+    found = []
+    for name in ("called_late", "unrated"):
+        mass = {"participant": fmu(name, 2, tmp_path), "process": process, "start": {"position": 1.0}}
+        other = {"component": "sprung_mass", "participant": "in-process"}
+        one = scenario(
+            {"mass": mass, "driven": other},
+            connections=["mass.position * 1 -> driven.force"],
+            master={"name": master, "extrapolation": "hermite"},
+        )
+        summary, columns = ran(one, tmp_path / name)
+        found.append(columns["driven.position"])
+        said = [line for line in summary.tell() if "rates of change" in line]
+        assert len(said) == (name == "called_late")
+    np.testing.assert_array_equal(*found)
 
 
 def test_the_shortest_scenario_is_a_file(tmp_path: Path) -> None:

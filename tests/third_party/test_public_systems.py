@@ -145,3 +145,24 @@ def test_time_events_of_one_fmu_are_seen_by_another_at_their_instants(tmp_path: 
     error = difference(found["filter.y[1]"], true).relative_rms
     case = "public Stair in event mode and StateSpace: relative RMS error of filter.y[1]"
     record("FMUs", case, error, 0.0, "independent solution", tolerance=1e-8)
+
+
+def test_fmus_that_take_slopes_only_are_coupled_by_signals_of_any_order(tmp_path: Path) -> None:
+    """A drive train and its controller, of a tool that ignores a call with a second derivative and whose
+    rates are no numbers at the start, against their equations: any signal is as good as a line."""
+    tables = {
+        "drive": {"participant": public("fmpy/Drivetrain.fmu")},
+        "control": {"participant": public("fmpy/Controller.fmu"), "parameters": {"PI.k": 20.0}},
+    }
+    lines = ["drive.w -> control.u_m", "control.y -> drive.tau"]
+    error = {}
+    for signal in ("linear", "quadratic", "hermite"):
+        one = scenario(
+            tables, connections=lines, master={"name": "jacobi", "extrapolation": signal}, macro_step=4e-3,
+            reference={"method": "monolithic"}, tolerance={"drive.w": 1.0},
+        )  # fmt: skip
+        summary, _ = ran(one, tmp_path / signal)
+        error[signal] = summary.errors["drive.w"].relative_rms
+        told = any("drive, control: rates of change" in line for line in summary.tell())
+        assert told == (signal == "hermite")
+    assert max(error.values()) < 2.0 * error["linear"] < 0.01
