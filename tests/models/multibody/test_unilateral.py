@@ -9,12 +9,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from models.core.system import ModelError
 from models.multibody.bodies import Body
 from models.multibody.joints import prescribed_rotation, revolute
 from models.multibody.mechanism import Mechanism
-from models.multibody.unilateral import Bounced, Wall, solve_bouncing
+from models.multibody.unilateral import Bounced, Wall, share_impulses, solve_bouncing
 from models.slider_crank import forms
 
 from ..slider_cranks import CRANK, ROLLER, thesis_parameters, turn
@@ -110,6 +112,80 @@ def test_a_ball_bounces_as_in_closed_form() -> None:
     assert [hit.time for hit in impacts] == pytest.approx(times, rel=1e-9)
     impulses = [2.0 * 1.8 * speed * 0.8**k for k in range(len(impacts))]
     assert [hit.impulse for hit in impacts] == pytest.approx(impulses, rel=1e-8)
+
+
+GRAVITY, FOOT = 9.81, 0.5
+
+
+def drop_stick(
+    height: float, inertia: float, restitution: tuple[float, float], end: float, angle: float = 0.0
+) -> Bounced:
+    """A stick of 1 kg falls on a foot at each end."""
+    stick = Body("stick", 1.0, (1e-3, inertia, inertia), (0.0, height, 0.0), (0.0, 0.0, angle))
+    feet = [
+        Wall(name, "stick", (0.0, 1.0, 0.0), 0.0, e, at=(at, 0.0, 0.0))
+        for name, at, e in zip(("left", "right"), (-FOOT, FOOT), restitution, strict=True)
+    ]
+    mechanism = Mechanism([stick], [], gravity=(0.0, -GRAVITY, 0.0))
+    return solve_bouncing(mechanism, feet, np.linspace(0.0, end, 9))
+
+
+@pytest.mark.parametrize("inertia", [0.01, 1.0 / 12.0, 1.0])
+@pytest.mark.parametrize("height", [0.1, 0.3, 0.5])
+def test_a_level_stick_lands_on_both_feet_at_once(height: float, inertia: float) -> None:
+    """It bounces as a ball, each foot with half of its impulse, and does not turn."""
+    fall, speed, e = math.sqrt(2.0 * height / GRAVITY), math.sqrt(2.0 * GRAVITY * height), 0.5
+    motion, impacts = drop_stick(height, inertia, (e, e), 2.6 * fall)
+    assert [hit.wall for hit in impacts] == ["left", "right"] * 3
+    for k, hits in enumerate(zip(impacts[::2], impacts[1::2], strict=True)):
+        time = fall * (1.0 + 2.0 * sum(e**j for j in range(1, k + 1)))
+        for hit in hits:
+            assert hit.time == pytest.approx(time, rel=1e-9)
+            assert hit.impulse == pytest.approx(0.5 * (1.0 + e) * speed * e**k, rel=1e-8)
+    assert np.max(np.abs(motion.angles("stick"))) < 1e-10
+
+
+@settings(max_examples=20)
+@given(
+    height=st.floats(0.3, 1.0),
+    inertia=st.floats(0.02, 1.0),
+    angle=st.sampled_from([0.0, 1e-11, -1e-9, 1e-6, 0.01, -0.2]),
+    restitution=st.tuples(st.floats(0.3, 1.0), st.floats(0.3, 1.0)),
+)
+def test_impacts_keep_momentum_and_add_no_energy(
+    height: float, inertia: float, angle: float, restitution: tuple[float, float]
+) -> None:
+    """m v' = P - m g t and I w' = sum of r P, at any angle at which the feet land."""
+    end = 1.1 * math.sqrt(2.0 * height / GRAVITY)
+    motion, impacts = drop_stick(height, inertia, restitution, end, angle)
+    v, turned, y = motion.v[-1], motion.angles("stick")[-1, 2], motion.position("stick")[-1, 1]
+    assert sum(hit.impulse for hit in impacts) == pytest.approx(v[1] + GRAVITY * end, abs=1e-8)
+    turn, last, spin = angle, 0.0, 0.0
+    for hit in impacts:
+        turn, last = turn + spin * (hit.time - last), hit.time
+        arm = -FOOT if hit.wall == "left" else FOOT
+        spin += arm * math.cos(turn) * hit.impulse / inertia
+    assert spin == pytest.approx(v[5], abs=1e-7)
+    assert turn + spin * (end - last) == pytest.approx(turned, abs=1e-8)
+    energy = 0.5 * v[1] ** 2 + 0.5 * inertia * v[5] ** 2 + GRAVITY * y
+    assert impacts
+    assert energy <= GRAVITY * height * (1.0 + 1e-9)
+    assert min(y - FOOT * abs(math.sin(turned)), 0.0) > -1e-9
+
+
+@given(
+    entries=st.lists(st.floats(-1.0, 1.0), min_size=9, max_size=9),
+    change=st.lists(st.floats(0.1, 2.0), min_size=3, max_size=3),
+)
+def test_impulses_only_push_and_only_where_they_are_needed(entries: list[float], change: list[float]) -> None:
+    """P >= 0, W P >= c and P (W P - c) = 0."""
+    factor, wanted = np.reshape(entries, (3, 3)), np.array(change)
+    admittance = factor @ factor.T + 0.1 * np.eye(3)
+    impulses = share_impulses(admittance, wanted)
+    left = admittance @ impulses - wanted
+    assert np.min(impulses) >= 0.0
+    assert np.min(left) > -1e-9
+    np.testing.assert_allclose(impulses * left, 0.0, atol=1e-8)
 
 
 def test_what_cannot_be_followed_is_refused_with_the_wall() -> None:
