@@ -15,6 +15,7 @@ from ..core.quantities import Vector
 from ..valve_train.cams.law import LAW
 from ..valve_train.cams.profile import CamProfile
 from .bodies import GROUND, ORIGIN, Body, Point, check_vector
+from .dependence import find_contradiction, find_dependent
 from .equations import make_evaluate, turn_coordinates
 from .fill import Force, fill_tables
 from .forces import ContactSpring, LubricatedCam
@@ -22,11 +23,11 @@ from .joints import Joint
 from .saddle import solve_saddle
 from .tables import DRIVEN, Evaluation, Tables, find_drive_angle, make_evaluation
 
-# A row of the Jacobian of which less than this share is new depends on the rows before it.
-INDEPENDENT = 1e-9
 # Newton's steps to put a mechanism together, and the violation (m, 1) to which they go.
 ASSEMBLY_STEPS = 50
 ASSEMBLED = 1e-12
+# Share of the largest violation that is left of constraints which contradict each other.
+REMAINING = 0.1
 # Longest step of a coordinate (m, rad) in one of Newton's steps.
 LONGEST_MOVE = 0.3
 
@@ -141,41 +142,52 @@ class Mechanism:
         for _ in range(ASSEMBLY_STEPS):
             e = self.evaluate(t, q, v)
             if np.max(np.abs(e.held.value), initial=0.0) <= ASSEMBLED:
-                self._refuse_redundant(e)
+                self._refuse_redundant(t, q, e)
                 self._refuse_opposite(t, e)
                 return q
             step = np.asarray(-np.linalg.lstsq(e.held.jacobian, e.held.value, rcond=1e-12)[0], float)
             step *= min(1.0, LONGEST_MOVE / np.max(np.abs(step), initial=LONGEST_MOVE))
             turn_coordinates(q, step, change)
             q += change
-        worst = int(np.argmax(np.abs(e.held.value)))
-        raise ModelError(
+        raise self._explain_assembly(t, e)
+
+    def _explain_assembly(self, t: float, e: Evaluation) -> ModelError:
+        left = np.abs(e.held.value)
+        drives = [
+            (name, find_drive_angle(row, t))
+            for name, row, violation in zip(self.constraint_names, self.tables.rows, left, strict=True)
+            if row["kind"] == DRIVEN and violation > REMAINING * np.max(left)
+        ]
+        if len(drives) > 1:
+            asked = "; ".join(f"{name} asks for {angle:g} rad" for name, angle in drives)
+            return ModelError(
+                f"the mechanism cannot be assembled at t = {t:g} s: {asked}, which contradict each "
+                "other; leave one out, or give them angles that agree"
+            )
+        worst = int(np.argmax(left))
+        return ModelError(
             f"the mechanism cannot be assembled at t = {t:g} s: {self.constraint_names[worst]} is left with "
             f"{e.held.value[worst]:.3g}; look at the lengths of its bodies, or start nearer to where they fit"
         )
 
     def find_redundant(self, jacobian: Vector) -> tuple[str, ...]:
         """The constraints whose rows depend on those before them."""
-        basis: list[Vector] = []
-        redundant = []
-        for name, row in zip(self.constraint_names, jacobian, strict=True):
-            left = row / np.linalg.norm(row) if np.any(row) else row
-            for _ in range(2):  # twice is enough
-                for direction in basis:
-                    left = left - (direction @ left) * direction
-            size = float(np.linalg.norm(left))
-            if size < INDEPENDENT:
-                redundant.append(name)
-            else:
-                basis.append(left / size)
-        return tuple(redundant)
+        return tuple(self.constraint_names[k] for k in find_dependent(jacobian))
 
-    def _refuse_redundant(self, e: Evaluation) -> None:
-        if redundant := self.find_redundant(e.held.jacobian):
-            raise ModelError(
-                f"redundant constraints: {'; '.join(redundant)}. The joints before already hold this: take "
-                "joints that hold less, e.g. cylindrical for revolute"
-            )
+    def _refuse_redundant(self, t: float, q: Vector, e: Evaluation) -> None:
+        dependent = find_dependent(e.held.jacobian)
+        if not dependent:
+            return
+        v = np.asarray(-np.linalg.lstsq(e.held.jacobian, e.held.rate, rcond=None)[0], float)
+        held = self.evaluate(t, q, v).held
+        drives = self.tables.rows["kind"] == DRIVEN
+        if contradiction := find_contradiction(held, dependent, self.constraint_names, drives):
+            raise ModelError(f"{contradiction} at t = {t:g} s; leave one out, or give both the same motion")
+        redundant = "; ".join(self.constraint_names[k] for k in dependent)
+        raise ModelError(
+            f"redundant constraints: {redundant}. The joints before already hold this: take joints that hold "
+            "less, e.g. cylindrical for revolute"
+        )
 
     def _refuse_opposite(self, t: float, e: Evaluation) -> None:
         """Joints hold also where axes point in opposite directions, half a turn from where they belong."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -121,9 +123,19 @@ def complete(mechanism: Mechanism, times: Vector, states: Vector, method: str) -
     a, loads = np.empty_like(q), np.empty((times.size, len(mechanism.contacts)))
     multipliers = np.empty((times.size, len(mechanism.constraint_names)))
     for n, t in enumerate(times):
-        a[n], multipliers[n] = mechanism.accelerate(float(t), q[n], v[n], film[n])
+        with explain_singular(mechanism, float(t), q[n], v[n]):
+            a[n], multipliers[n] = mechanism.accelerate(float(t), q[n], v[n], film[n])
         loads[n] = mechanism.evaluate(float(t), q[n], v[n], film[n]).load
     return Motion(mechanism, times, q, v, film, a, multipliers, loads, method)
+
+
+@contextmanager
+def explain_singular(mechanism: Mechanism, t: float, q: Vector, v: Vector) -> Iterator[None]:
+    """Equations that cannot be solved at an instant become the error that names the joint."""
+    try:
+        yield
+    except np.linalg.LinAlgError as error:
+        raise explain_failure(mechanism, t, q, v, "singular equations") from error
 
 
 def explain_failure(mechanism: Mechanism, t: float, q: Vector, v: Vector, reason: str) -> ModelError:
@@ -145,4 +157,7 @@ def explain_failure(mechanism: Mechanism, t: float, q: Vector, v: Vector, reason
         f"{find_drive_angle(row, t):.6g} rad" for row in mechanism.tables.rows if row["kind"] == DRIVEN
     )
     where = f"t = {t:.6g} s" + (f", drive angle {angles}" if angles else "")
-    return ModelError(f"the mechanism locks at {where}: {name} cannot be held any longer ({reason})")
+    return ModelError(
+        f"the mechanism locks, or can go on in two ways, at {where}: {name} cannot be held any longer "
+        f"({reason}); stop before, or change the lengths of its bodies"
+    )

@@ -15,7 +15,7 @@ from ..core.quantities import Vector
 from .equations import FILM, turn_coordinates
 from .ida import COORDINATE, VELOCITY
 from .mechanism import Mechanism, Start
-from .motion import Motion, check_request, complete, explain_failure
+from .motion import Motion, check_request, complete, explain_failure, explain_singular
 
 Flow = Callable[[float, Vector], Vector]
 
@@ -27,14 +27,17 @@ def make_flow(mechanism: Mechanism, size: int) -> tuple[Flow, Flow]:
         q, v, film = y[:size].copy(), y[size : 2 * size].copy(), y[2 * size :].copy()
         change = np.empty_like(y)
         turn_coordinates(q, v, change)
-        change[size : 2 * size] = mechanism.accelerate(t, q, v, film)[0]
+        with explain_singular(mechanism, t, q, v):
+            change[size : 2 * size] = mechanism.accelerate(t, q, v, film)[0]
         change[2 * size :] = mechanism.evaluate(t, q, v, film).film_rate
         return change
 
     def project(t: float, y: Vector) -> Vector:
-        v = y[size : 2 * size].copy()
-        q = mechanism.project_coordinates(t, y[:size].copy(), v)
-        return np.concatenate([q, mechanism.project_velocities(t, q, v), y[2 * size :]])
+        q, v = y[:size].copy(), y[size : 2 * size].copy()
+        with explain_singular(mechanism, t, q, v):
+            q = mechanism.project_coordinates(t, q, v)
+            v = mechanism.project_velocities(t, q, v)
+        return np.concatenate([q, v, y[2 * size :]])
 
     return rate, project
 

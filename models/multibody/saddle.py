@@ -14,7 +14,7 @@ SPARSE_FROM = 250
 
 
 def solve_saddle(e: Evaluation, force: Vector, gamma: Vector) -> tuple[Vector, Vector]:
-    """a and lambda of M a + J^T lambda = f, J a = gamma."""
+    """a and lambda of M a + J^T lambda = f, J a = gamma; LinAlgError where they are not unique."""
     size, m = force.size, gamma.size
     right = np.concatenate([force, gamma])
     if size + m < SPARSE_FROM:
@@ -24,7 +24,10 @@ def solve_saddle(e: Evaluation, force: Vector, gamma: Vector) -> tuple[Vector, V
     else:
         held = make_sparse_jacobian(e)
         whole = sparse.bmat([[sparse.block_diag(list(e.blocks)), held.T], [held, None]], format="csc")
-        solution = splu(whole).solve(right)
+        try:
+            solution = splu(whole).solve(right)
+        except RuntimeError as error:  # "Factor is exactly singular"
+            raise np.linalg.LinAlgError(str(error)) from error
     return solution[:size], solution[size:]
 
 

@@ -11,7 +11,15 @@ from models.core.errors import ModelError
 from models.multibody.bodies import Body
 from models.multibody.forces import SpringDamper
 from models.multibody.ida import solve_ida
-from models.multibody.joints import fixed, plane_contact, prescribed_rotation, revolute
+from models.multibody.joints import (
+    Joint,
+    cylindrical,
+    fixed,
+    plane_contact,
+    prescribed_rotation,
+    revolute,
+    support,
+)
 from models.multibody.mechanism import Mechanism
 from models.multibody.projected import solve_projected
 from models.multibody.unilateral import Wall, solve_bouncing
@@ -46,6 +54,71 @@ def test_a_drive_finds_its_angle_or_says_that_the_start_is_too_far(angle: float)
 def test_a_weld_is_not_put_together_the_wrong_way_round() -> None:
     with pytest.raises(ModelError, match="joint weld: ball is put together half a turn"):
         Mechanism([ball(angles=(0.0, 0.0, 2.0))], [fixed("weld", "ground", "ball")]).start()
+
+
+def drive_twice(first: Joint, second: Joint) -> Mechanism:
+    return Mechanism([ball()], [revolute("main", "ground", "ball"), first, second])
+
+
+@pytest.mark.parametrize(
+    ("motion", "message"),
+    [
+        ((20.0, 0.0, 0.0), "other: turning contradicts drive: turning: they ask for the speeds 20 and 10"),
+        ((10.0, 0.0, 5.0), "other: .* contradicts drive: .*: they ask for the accelerations 5 and 0"),
+        (
+            (10.0, 0.3, 0.0),
+            "drive: turning asks for 0 rad; other: turning asks for 0.3 rad, which contradict",
+        ),
+        ((10.0, 0.0, 0.0), "redundant constraints: other: turning"),
+    ],
+)
+def test_drives_that_contradict_each_other_are_named(
+    motion: tuple[float, float, float], message: str
+) -> None:
+    drives = (prescribed_rotation(name, "ground", "ball", *m) for name, m in (
+        ("drive", (10.0,)), ("other", motion)
+    ))  # fmt: skip
+    with pytest.raises(ModelError, match=message):
+        drive_twice(*drives).start()
+
+
+def test_a_drive_of_what_another_joint_holds_contradicts_it() -> None:
+    weld, drive = fixed("weld", "ground", "ball"), prescribed_rotation("drive", "ground", "ball", 10.0)
+    with pytest.raises(ModelError, match="drive: turning contradicts weld: about third axis"):
+        Mechanism([ball()], [weld, drive]).start()
+
+
+def parallelogram(angle: float, speed: float = 10.0, arm: float = 0.1, rod: float = 0.3) -> Mechanism:
+    """Two equal cranks on a coupler; where all stand in one line it may go on as an antiparallelogram."""
+    pin = np.array([arm * math.cos(angle), arm * math.sin(angle), 0.0])
+    along = np.array([rod, 0.0, 0.0])
+    turning = {"angles": (0.0, 0.0, angle), "angular_velocity": (0.0, 0.0, speed)}
+    bodies = [
+        Body("crank", 1.0, INERTIA, tuple(0.5 * pin), **turning),
+        Body("coupler", 1.0, INERTIA, tuple(pin + 0.5 * along)),
+        Body("rocker", 1.0, INERTIA, tuple(along + 0.5 * pin), **turning),
+    ]
+    half, end = (0.5 * arm, 0.0, 0.0), (0.5 * rod, 0.0, 0.0)
+    back, start = (-0.5 * arm, 0.0, 0.0), (-0.5 * rod, 0.0, 0.0)
+    joints = [
+        revolute("main", "ground", "crank", at_j=back),
+        cylindrical("pin", "crank", "coupler", at_i=half, at_j=start),
+        revolute("pivot", "ground", "rocker", at_i=tuple(along), at_j=back),
+        support("other pin", "coupler", "rocker", at_i=end, at_j=half),
+        prescribed_rotation("drive", "ground", "crank", speed, angle),
+    ]
+    return Mechanism(bodies, joints)
+
+
+@pytest.mark.parametrize("angle", [0.5, 1.0, 2.9])
+def test_a_change_point_is_refused_with_the_joint_and_the_angle(angle: float) -> None:
+    """At pi; before it the cranks stay parallel."""
+    times = np.linspace(0.0, 0.95 * (math.pi - angle) / 10.0, 5)
+    motion = solve_projected(parallelogram(angle), times)
+    parallel = motion.angles("crank")[:, 2] - motion.angles("rocker")[:, 2]
+    assert np.max(np.abs(parallel)) < 1e-9
+    with pytest.raises(ModelError, match=r"two ways, at .* drive angle 3\.1415\d* rad: other pin: along"):
+        solve_projected(parallelogram(angle), np.linspace(0.0, 0.4, 9))
 
 
 @pytest.mark.parametrize("length", [0.5, 2.0])
