@@ -35,10 +35,11 @@ class Body:
     def __post_init__(self) -> None:
         """ModelError unless mass and inertia are positive. K's Table 1 has inertias that no body can have."""
         inertia = np.asarray(self.inertia, float)
-        if not self.mass > 0.0 or inertia.shape != (3,) or not np.all(inertia > 0.0):
+        positive = inertia.shape == (3,) and np.all((inertia > 0.0) & np.isfinite(inertia))
+        if not (positive and 0.0 < self.mass < np.inf):
             raise ModelError(
                 f"body {self.name}: mass = {self.mass:g} kg and inertia = {list(self.inertia)} kg m2 "
-                "must be positive"
+                "must be positive and finite"
             )
         for field in ("position", "angles", "velocity", "angular_velocity"):
             check_vector(f"body {self.name}: {field}", getattr(self, field))

@@ -15,7 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core.errors import ModelError
 from ..core.quantities import Vector
+from .ranges import check_values
 
 
 class LinearParts(NamedTuple):
@@ -34,6 +36,17 @@ class FloatingRod:
     youngs_modulus: float
     density: float
     shapes: int
+
+    def __post_init__(self) -> None:
+        check_values(
+            "rod",
+            length=self.length,
+            area=self.area,
+            youngs_modulus=self.youngs_modulus,
+            density=self.density,
+        )
+        if self.shapes < 1:
+            raise ModelError(f"rod: shapes = {self.shapes}: must be 1 or more; 6 meet the first frequencies")
 
     @property
     def matrices(self) -> LinearParts:

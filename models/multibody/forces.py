@@ -12,6 +12,7 @@ from ..core.quantities import Vector
 from .beams import fill_beam_stiffness
 from .bodies import ORIGIN, Point
 from .joints import Joint
+from .ranges import check_values
 
 # Axes of an element of a shaft along z: x of K (33) and Q (2) along the shaft.
 ALONG_SHAFT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
@@ -29,6 +30,12 @@ class SpringDamper:
     at_i: Point = ORIGIN
     at_j: Point = ORIGIN
 
+    def __post_init__(self) -> None:
+        check_values(
+            f"spring between {self.i} and {self.j}",
+            stiffness=self.stiffness, damping=self.damping, free_length=self.length,
+        )  # fmt: skip
+
 
 @dataclass(frozen=True)
 class LubricatedCam:
@@ -41,6 +48,9 @@ class LubricatedCam:
     contact: Joint
     lubricant: Any
     film: float = 1e-6
+
+    def __post_init__(self) -> None:
+        check_values(f"contact {self.name}", film=self.film)
 
     @property
     def name(self) -> str:
@@ -58,6 +68,9 @@ class ContactSpring:
     stiffness: float
     damping: float = 0.0
     bonded: bool = False
+
+    def __post_init__(self) -> None:
+        check_values(f"contact {self.name}", stiffness=self.stiffness, damping=self.damping)
 
     @property
     def name(self) -> str:
@@ -81,9 +94,17 @@ class ElasticField:
     axes_i: Vector = field(default_factory=lambda: np.eye(3))
     axes_j: Vector = field(default_factory=lambda: np.eye(3))
 
+    def __post_init__(self) -> None:
+        between = f"elastic field between {self.i} and {self.j}"
+        for name, size in (("stiffness", 6), ("damping", 6), ("axes_i", 3), ("axes_j", 3)):
+            matrix = np.asarray(getattr(self, name), float)
+            if matrix.shape != (size, size) or not np.all(np.isfinite(matrix)):
+                raise ModelError(f"{between}: {name}: must be {size} x {size} finite numbers")
+
 
 def rod_rate(youngs_modulus: float, area: float, length: float) -> float:
     """Rate (N/m) between the centres of two segments of a rod: two springs k = 2 A E/L in series, Q (1)."""
+    check_values("rod", youngs_modulus=youngs_modulus, area=area, length=length)
     return youngs_modulus * area / length
 
 
@@ -94,11 +115,10 @@ def beam_stiffness(
 
     P = 12 E I A_y/(G A L^2) with the shear factor A_y, 10/9 for a circle.
     """
-    if min(length, diameter, youngs_modulus) <= 0.0:
-        raise ModelError(
-            f"beam: length = {length:g} m, diameter = {diameter:g} m, Young's modulus = {youngs_modulus:g} "
-            "Pa must be positive"
-        )
+    check_values(
+        "beam", length=length, diameter=diameter, youngs_modulus=youngs_modulus,
+        poissons_ratio=poissons_ratio, shear_factor=shear_factor,
+    )  # fmt: skip
     k = np.empty((6, 6))
     fill_beam_stiffness(length, diameter, youngs_modulus, poissons_ratio, shear_factor, k)
     return k
@@ -110,6 +130,9 @@ def modal_damping(stiffness: Vector, masses: Vector, ratio: float) -> Vector:
     `masses` is the diagonal of M (6,): the mass three times, and the moments of inertia about the field's
     axes.
     """
+    check_values("modal damping", damping_ratio=ratio)
+    if not np.all(np.asarray(masses, float) > 0.0):
+        raise ModelError(f"modal damping: masses = {list(masses)} kg or kg m2: must be positive")
     root = np.sqrt(np.asarray(masses, float))
     squares, modes = np.linalg.eigh(stiffness / np.outer(root, root))
     middle = (modes * np.sqrt(np.maximum(squares, 0.0))) @ modes.T

@@ -16,6 +16,7 @@ import numpy as np
 from ..core.errors import ModelError
 from ..core.quantities import Vector
 from .bodies import ORIGIN, Point, Y, Z, find_direction, make_axes
+from .ranges import check_values
 from .tables import AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD, PERPENDICULAR
 
 
@@ -199,6 +200,9 @@ class LeverEnd:
     tilt: float = 0.0
     radius: float = 0.0
     constant_ratio: bool = False
+
+    def __post_init__(self) -> None:
+        check_values("lever's end", arm=self.arm, tilt=self.tilt, radius=self.radius)
 
 
 def lever_end(

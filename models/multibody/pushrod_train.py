@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from ..core.errors import ModelError
 from ..valve_train.cams.law import LAW
 from ..valve_train.cams.profile import CamProfile
 from ..valve_train.valve_spring import lumping
@@ -31,6 +32,7 @@ from .joints import (
     translational,
 )
 from .mechanism import Mechanism
+from .ranges import check_values
 
 BEARING, DRIVE, PIVOT = "bearing", "drive", "rocker's pivot"
 CAM, SEAT, ROD_END, TIP = "cam and tappet", "tappet and pushrod", "pushrod and rocker", "rocker and valve"
@@ -79,6 +81,12 @@ class PushrodTrain:
     place: float = 0.0
     mark: str = ""
     start: PushrodStart = PushrodStart()
+
+    def __post_init__(self) -> None:
+        check_values("pushrod", density=self.rod.density, damping_time=self.rod.damping_time)
+        for name, least in (("segments", 0), ("coil_masses", 0)):
+            if getattr(self, name) < least:
+                raise ModelError(f"pushrod train: {name} = {getattr(self, name)}: must be {least} or more")
 
     @cached_property
     def heights(self) -> tuple[float, float, float]:

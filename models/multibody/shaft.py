@@ -13,6 +13,7 @@ from ..core.errors import ModelError
 from .bodies import GROUND, Body
 from .forces import ALONG_SHAFT, ElasticField, beam_stiffness
 from .joints import Joint, prescribed_rotation, revolute, spherical, support
+from .ranges import check_values
 
 DRIVE = "drive"
 
@@ -24,6 +25,9 @@ class Disc:
     mass: float
     transverse: float
     polar: float
+
+    def __post_init__(self) -> None:
+        check_values("disc", mass=self.mass, transverse=self.transverse, polar=self.polar)
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,12 @@ class SegmentedShaft:
     name: str = "shaft"
 
     def __post_init__(self) -> None:
-        if len(self.stations) < 2 or np.any(np.diff(self.stations) <= 0.0):
+        check_values(
+            self.name, diameter=self.diameter, youngs_modulus=self.youngs_modulus,
+            poissons_ratio=self.poissons_ratio, density=self.density, shear_factor=self.shear_factor,
+            damping_time=self.damping_time,
+        )  # fmt: skip
+        if len(self.stations) < 2 or not np.all(np.diff(self.stations) > 0.0):
             raise ModelError(
                 f"{self.name}: stations = {list(self.stations)} m: must be two or more, ascending"
             )

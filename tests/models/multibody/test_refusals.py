@@ -9,10 +9,12 @@ import pytest
 
 from models.core.errors import ModelError
 from models.multibody.bodies import Body
-from models.multibody.forces import SpringDamper
+from models.multibody.floating_frame import FloatingRod
+from models.multibody.forces import SpringDamper, beam_stiffness, rod_rate
 from models.multibody.ida import solve_ida
 from models.multibody.joints import (
     Joint,
+    LeverEnd,
     cylindrical,
     fixed,
     plane_contact,
@@ -22,6 +24,7 @@ from models.multibody.joints import (
 )
 from models.multibody.mechanism import Mechanism
 from models.multibody.projected import solve_projected
+from models.multibody.shaft import Disc, SegmentedShaft
 from models.multibody.unilateral import Wall, solve_bouncing
 
 INERTIA, RADIUS = (1e-4, 1e-3, 1e-3), 0.025
@@ -110,7 +113,9 @@ def parallelogram(angle: float, speed: float = 10.0, arm: float = 0.1, rod: floa
     return Mechanism(bodies, joints)
 
 
-@pytest.mark.parametrize("angle", [0.5, 1.0, 2.9])
+@pytest.mark.parametrize(
+    "angle", [pytest.param(0.5, marks=pytest.mark.long), pytest.param(1.0, marks=pytest.mark.long), 2.9]
+)
 def test_a_change_point_is_refused_with_the_joint_and_the_angle(angle: float) -> None:
     """At pi; before it the cranks stay parallel."""
     times = np.linspace(0.0, 0.95 * (math.pi - angle) / 10.0, 5)
@@ -118,7 +123,7 @@ def test_a_change_point_is_refused_with_the_joint_and_the_angle(angle: float) ->
     parallel = motion.angles("crank")[:, 2] - motion.angles("rocker")[:, 2]
     assert np.max(np.abs(parallel)) < 1e-9
     with pytest.raises(ModelError, match=r"two ways, at .* drive angle 3\.1415\d* rad: other pin: along"):
-        solve_projected(parallelogram(angle), np.linspace(0.0, 0.4, 9))
+        solve_projected(parallelogram(angle), np.array([0.0, 0.4]))
 
 
 @pytest.mark.parametrize("length", [0.5, 2.0])
@@ -160,6 +165,54 @@ def test_mistakes_are_named(make, message: str) -> None:
         make()
 
 
+def shaft(**values: float) -> SegmentedShaft:
+    return SegmentedShaft([0.0, 0.1], values.pop("diameter", 0.02), {}, **values)
+
+
+BEAM = {"length": 0.1, "diameter": 0.02, "youngs_modulus": 207e9, "poissons_ratio": 0.3}
+ROD = {"length": 0.2, "area": 5e-5, "youngs_modulus": 207e9, "density": 7850.0, "shapes": 4}
+
+
+@pytest.mark.parametrize("wrong", [-1.0, math.nan, math.inf])
+@pytest.mark.parametrize(
+    ("make", "thing", "names"),
+    [
+        (lambda **v: beam_stiffness(**{**BEAM, **v}), "beam", [*BEAM, "shear_factor"]),
+        (lambda **v: FloatingRod(**{**ROD, **v}), "rod", [*ROD][:4]),
+        (shaft, "shaft", ["diameter", "youngs_modulus", "density", "shear_factor", "damping_time"]),
+        (
+            lambda **v: rod_rate(**{name: ROD[name] for name in ("youngs_modulus", "area", "length")} | v),
+            "rod", ["youngs_modulus", "area", "length"],
+        ),
+        (lambda **v: Disc(**{"mass": 0.1, "transverse": 1e-4, "polar": 1e-4} | v), "disc", ["mass", "polar"]),
+        (lambda **v: LeverEnd(**{"arm": 0.03} | v), "lever's end", ["arm", "radius"]),
+        (
+            lambda **v: SpringDamper("ground", "ball", **{"stiffness": 1.0, "length": 0.1} | v),
+            "spring between ground and ball", ["stiffness", "damping"],
+        ),
+    ],
+)  # fmt: skip
+def test_values_out_of_range_are_named(make, thing: str, names: list[str], wrong: float) -> None:
+    for name in names:
+        with pytest.raises(ModelError, match=f"^{thing}: {name} = .*: must be .*; give it in SI units$"):
+            make(**{name: wrong})
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (lambda: shaft(youngs_modulus=207.0), r"youngs_modulus = 207 Pa: must be above 100000 and not above"),
+        (lambda: shaft(diameter=20.0), r"diameter = 20 m: must be above 0 and not above 10 m"),
+        (lambda: shaft(density=7.85), r"density = 7\.85 kg/m3: must be above 10 and not above 100000 kg/m3"),
+        (lambda: shaft(poissons_ratio=0.6), r"poissons_ratio = 0\.6: must be above -1 and not above 0\.5"),
+        (lambda: beam_stiffness(**BEAM | {"length": 100.1}), r"length = 100\.1 m"),
+    ],
+)
+def test_units_other_than_si_are_found(make, told: str) -> None:
+    with pytest.raises(ModelError, match=told):
+        make()
+
+
 @pytest.mark.parametrize("solve", [solve_ida, solve_projected])
 @pytest.mark.parametrize(
     ("times", "tolerance", "message"),
@@ -181,7 +234,6 @@ def test_times_and_tolerances_are_checked(solve, times, tolerance: float, messag
 
 
 def test_a_force_without_a_direction_is_told_where_no_joint_can_be_named() -> None:
-    spring = SpringDamper("ground", "ball", math.nan, 0.0)
-    mechanism = Mechanism([ball(position=(0.1, 0.0, 0.0))], [], [spring])
+    mechanism = Mechanism([ball()], [], [SpringDamper("ground", "ball", 1.0, 0.0)])
     with pytest.raises(ModelError, match="look at the force elements"):
         solve_ida(mechanism, np.linspace(0.0, 1.0, 3))
