@@ -330,10 +330,29 @@ def change_train(train: Train, x: Any, dx: Any) -> None:
             dx.angular_velocity[3 * b + 2] -= train.drive.acceleration
 
 
+class Violated(NamedTuple):
+    """The constraint that is violated most, and by how much: m or rad, or their rates."""
+
+    row: int
+    violation: float
+
+
 @kernel
-def measure_violation(e: Evaluation) -> float:
-    """Largest |C| (m or rad)."""
-    worst = 0.0
+def find_worst(e: Evaluation) -> Violated:
+    """Largest |C|."""
+    worst = Violated(0, 0.0)
     for k in range(e.held.value.shape[0]):
-        worst = max(worst, abs(e.held.value[k]))
+        if not abs(e.held.value[k]) <= worst.violation:
+            worst = Violated(k, abs(e.held.value[k]))
+    return worst
+
+
+@kernel
+def find_fastest(train: Train) -> Violated:
+    """Largest |J v + C_t|."""
+    worst, held = Violated(0, 0.0), train.e.held
+    for k in range(held.value.shape[0]):
+        rate = abs(held.rate[k] + multiply_row(held, k, train.v))
+        if not rate <= worst.violation:
+            worst = Violated(k, rate)
     return worst

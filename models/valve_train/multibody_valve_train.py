@@ -9,7 +9,7 @@ those of `camshaft` and `valve_spring`.
 from __future__ import annotations
 
 from dataclasses import dataclass, make_dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from ..contact.ehl_contact import ContactParameters
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.quantities import Layout, Quantity, Vector, per_element, pick_fields
+from ..core.requirements import Requirement
 from ..multibody.coils import COIL_INERTIA, SPRING_LENGTH
 from ..multibody.fill import fill_tables
 from ..multibody.forces import ALONG_SHAFT
@@ -31,10 +32,11 @@ from ..multibody.train_kernels import (
     Fixed,
     change_train,
     count_room,
+    find_fastest,
+    find_worst,
     list_rows,
     make_spring,
     make_train,
-    measure_violation,
 )
 from ..multibody.train_parts import FOLLOWER_INERTIA, SHAFT_INERTIA, SHAFT_MASS, list_parts
 from ..multibody.vectors import Arrow
@@ -46,6 +48,9 @@ from .valve_spring import ValveSpringOutputs, ValveSpringParameters, lumping
 
 # Its equations take a time that grows with the cube of the number of constraints, five for each mass.
 MOST_COIL_MASSES = 10
+# Violation of a constraint (m, rad), and of its rate (m/s, rad/s), with which a start still meets it: at
+# 1e-9 m the terms that restore it make 1e-5 of the load.
+MET, RATE_MET = 1e-9, 1e-6
 
 FIXED = Fixed(
     SHAFT_MASS, Arrow(*SHAFT_INERTIA), Arrow(*FOLLOWER_INERTIA), Arrow(*COIL_INERTIA), SPRING_LENGTH
@@ -153,14 +158,34 @@ MultibodyOutputs = make_dataclass(
 )  # fmt: skip
 
 
-def draw_train(parameters: Layout, coil_masses: int, profile: CamProfile) -> tuple[Vector, Vector]:
-    """The rows of K's constraints, and that of the contact, of a train with a shaft of unit length."""
+class Drawn(NamedTuple):
+    """Rows of K's constraints with their names, and that of the contact, of a train with a unit shaft."""
+
+    rows: Vector
+    names: tuple[str, ...]
+    touch: Vector
+
+
+def draw_train(parameters: Layout, coil_masses: int, profile: CamProfile) -> Drawn:
+    """The train as numbers for kernels."""
     p = parameters.defaults()
     p.shaft_length, p.phase, p.flexible = 1.0, 0.0, 0.0
     parts = list_parts(p, p, 0.0, coil_masses=coil_masses, lubricant=p)
     names = ["ground", *(body.name for body in parts.bodies)]
     tables = fill_tables(parts.bodies, parts.joints, parts.forces, (0.0, 0.0, 0.0), profile, names.index)
-    return list_rows(tables.rows), list_rows(tables.touches)
+    held = tuple(
+        f"{joint.name}: {constraint.name}" for joint in parts.joints for constraint in joint.constraints
+    )
+    return Drawn(list_rows(tables.rows), held, list_rows(tables.touches))
+
+
+def _require_start(one: str, other: str, met: Any, limit: float, names: tuple[str, ...]) -> Requirement:
+    return Requirement(
+        met,
+        f"{one}: with {other} the start violates {{word}} by {{1:.3g}}: must be <= {limit:g} in SI units; "
+        "leave it at 0, where the parts fit together, or take it from a run",
+        words=names,
+    )
 
 
 @counts_energies
@@ -175,7 +200,7 @@ def multibody_valve_train(coil_masses: int = 2, table_points: int = 0) -> Compon
     sizes = {"coil_masses": coil_masses, "table_points": table_points}
     parameters = Layout(_extend_parameters(camshaft), sizes)
     bodies, shares = FOLLOWER + coil_masses, lumping(coil_masses)
-    rows, touch = draw_train(parameters, coil_masses, profile)
+    rows, held_names, touch = draw_train(parameters, coil_masses, profile)
     solve_train = make_train(rows, touch, ALONG_SHAFT, FIXED, shares, profile.lift)
     size = count_room(bodies, len(rows))
     find_breaks = profile.find_breaks
@@ -211,7 +236,7 @@ def multibody_valve_train(coil_masses: int = 2, table_points: int = 0) -> Compon
         y.cam_lift = train.cam.s
         y.contact_offset = train.cam.ds + x.position[3 * cam] - x.position[3 * follower]
         y.axis_x, y.axis_y = x.position[3 * cam], x.position[3 * cam + 1]
-        y.constraint_violation = measure_violation(train.e)
+        y.constraint_violation = find_worst(train.e).violation
         breaks = find_breaks(train.cam_angle, p)
         acceleration = train.acceleration[6 * cam + 5]
         y.next_event = min(t + time_to_break(breaks, train.cam_speed, acceleration), NO_EVENT)
@@ -227,6 +252,18 @@ def multibody_valve_train(coil_masses: int = 2, table_points: int = 0) -> Compon
     @kernel
     def energy(t: float, x: Any, u: Any, p: Any, e: Vector) -> None:
         count(x, u, p, e, np.zeros(size))
+
+    @kernel
+    def is_together(x: Any, u: Any, p: Any, told: Vector) -> bool:
+        worst = find_worst(solve_train(x, u, p, np.zeros(size)).e)
+        told[0], told[1] = worst.row, worst.violation
+        return worst.violation <= MET
+
+    @kernel
+    def moves_together(x: Any, u: Any, p: Any, told: Vector) -> bool:
+        fastest = find_fastest(solve_train(x, u, p, np.zeros(size)))
+        told[0], told[1] = fastest.row, fastest.violation
+        return fastest.violation <= RATE_MET
 
     inputs = Layout(MultibodyInputs)
     angle, speed = ("drive_angle",), ("drive_angle", "drive_speed")
@@ -263,6 +300,10 @@ def multibody_valve_train(coil_masses: int = 2, table_points: int = 0) -> Compon
         },
         bonds=(PowerBond("drive_torque", "drive_speed", +1),),
         requirements=(*profile.requirements, require_convexity(profile)),
+        start_requirements=(
+            _require_start("position", "angle", is_together, MET, held_names),
+            _require_start("velocity", "angular_velocity", moves_together, RATE_MET, held_names),
+        ),
         structure=sizes,
         resting=tuple(name for name in state.names if name not in sliding),
         event_indicators=("deflection", "entraining_velocity"),

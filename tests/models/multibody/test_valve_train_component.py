@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -160,6 +161,39 @@ def couple(speed_rpm: float) -> System:
         },
         pairs,
     )
+
+
+@pytest.mark.parametrize("flexible", [0.0, 1.0])
+def test_a_start_that_its_joints_do_not_allow_is_named_with_the_joint(
+    component: Component, flexible: float
+) -> None:
+    """Sliding along its guide, bending and turning of the cam on an elastic shaft are free."""
+    p = component.parameters.vector({"flexible": flexible})
+    u = component.inputs.vector({"drive_angle": 0.7, "drive_speed": 100.0, "film_thickness": FILM})
+    held = {
+        "position[7]": "position: .* violates guide: along first axis by 1e-05",
+        "angle[7]": "position: .* violates guide: about first axis by 1e-05",
+        "angle[3]": "position: .* violates drive: turning by 1e-05",
+        "position[1]": "position: .* violates bearing: along",
+        "velocity[12]": "velocity: .* violates guide of spring mass 5: along",
+        "angular_velocity[3]": "velocity: .* violates drive: turning by 1e-05: must be <= 1e-06 in SI units",
+    }
+    free = {"position[8]": "", "velocity[8]": ""}
+    on_the_cam = {"position[5]": "position: .* violates shaft and cam: along y", "angle[6]": "shaft and cam"}
+    for name, message in {**held, **free, **on_the_cam}.items():
+        x = component.state.vector()
+        x[component.state.index(name)] = 1e-5
+        faults = component.start_faults(p, x, u)
+        if name in free or (flexible and name in on_the_cam):
+            assert faults == []
+        else:
+            assert re.search(message, faults[0])
+
+
+@pytest.mark.parametrize("flexible", [0.0, 1.0])
+def test_starts_of_a_mechanism_that_stands_together_are_met(component: Component, flexible: float) -> None:
+    _, p, x, u = begin(component, flexible, 2.1)
+    assert component.start_faults(p, x, u) == []
 
 
 @pytest.mark.long
