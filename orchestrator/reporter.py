@@ -7,7 +7,8 @@ import os
 import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -65,6 +66,10 @@ class Reporter:
 
     def line(self, text: str) -> None:
         self.console.print(Text(text), soft_wrap=True)
+
+    def keep_prints(self, path: Path) -> AbstractContextManager[None]:
+        """For the block in which FMUs of others run: a command may put what they print into that file."""
+        return nullcontext()
 
     @contextmanager
     def stage(self, text: str, stop_time: float = 1.0) -> Iterator[Bar]:

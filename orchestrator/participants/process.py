@@ -18,6 +18,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 
+from .. import c_output
 from ..errors import RunError
 from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
 from .opened_fmu import FmuSettings
@@ -152,6 +153,7 @@ def serve(server: Any) -> NoReturn:
     # The FMU must neither read the messages nor print among the answers.
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     os.dup2(2, 1)
+    c_output.write_lines_at_once()
     while True:
         try:
             kind, content = receive(asked)
@@ -165,4 +167,6 @@ def serve(server: Any) -> NoReturn:
             said = {"kind": known, "message": str(error), "reached": reached}
             answer = FAILED, json.dumps(said).encode()
         send(answers, *answer)
+    c_output.flush()
+    sys.stdout.flush()
     os._exit(0)  # some FMUs abort when their library is unloaded

@@ -16,6 +16,8 @@ from contextlib import AbstractContextManager, nullcontext
 from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, Any
 
+from .. import c_output
+
 if TYPE_CHECKING:
     from models.core.quantities import Vector
 
@@ -132,6 +134,7 @@ class ExitGuard:
             return
         try:
             self._tell()
+            c_output.flush()
             sys.stdout.flush()
             sys.stderr.flush()
         finally:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from ..scenario import Scenario, ScenarioError
 from ..scenario.files import to_full_toml
 from ..scenario.system import Builder
 from ..store import atomic_write
-from ..store.output_folder import SCENARIO, OutputFolder, check_folder, format_path, open_folder
+from ..store.output_folder import PRINTED, SCENARIO, OutputFolder, check_folder, format_path, open_folder
 from .assess import assess
 from .execute import execute
 from .plan import Plan, make_plan
@@ -40,7 +41,7 @@ def run(
     out = out.absolute()  # an FMU may change the working directory
     check_folder(out, overwrite)
     plan = make_plan(scenario, build, reporter, figures)
-    with open_folder(out, overwrite) as folder:
+    with open_folder(out, overwrite) as folder, keep_prints(plan, folder, reporter):
         atomic_write.replace(out / SCENARIO, to_full_toml(scenario).encode())
         if line := announce(scenario, plan.system.outputs.size, out):
             reporter.line(line)
@@ -70,6 +71,12 @@ def conclude(plan: Plan, record: Record, folder: OutputFolder, reporter: Reporte
     seconds = clock.perf_counter() - start
     summary = summarise(plan, settle_ending(ending, folder), record, report, seconds)
     return publish(summary, folder, reporter)
+
+
+def keep_prints(plan: Plan, folder: OutputFolder, reporter: Reporter) -> AbstractContextManager[None]:
+    """For the block in which the FMUs of the plan run; ours print nothing."""
+    foreign = any(table.third_party for table in plan.scenario.components.values())
+    return reporter.keep_prints(folder.path / PRINTED) if foreign else nullcontext()
 
 
 def _tell_of_backup(folder: OutputFolder) -> str:

@@ -26,7 +26,7 @@ from ..store.output_folder import (
 )
 from .checkpoint import read
 from .execute import execute
-from .pipeline import conclude
+from .pipeline import conclude, keep_prints
 from .plan import Plan, make_plan
 from .record import FAILED, Ending, Record
 from .summary import Summary
@@ -67,11 +67,12 @@ def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) 
             return conclude(plan, _recover_record(plan, pending), folder, reporter, start)
         else:
             clear_run_state(pending)
-        try:
-            record = execute(plan, folder, reporter, checkpoint)
-        except RefusedError as error:
-            raise OutputFolderError(f"{format_path(out)}: {error}") from None
-        return conclude(plan, record, folder, reporter, start)
+        with keep_prints(plan, folder, reporter):
+            try:
+                record = execute(plan, folder, reporter, checkpoint)
+            except RefusedError as error:
+                raise OutputFolderError(f"{format_path(out)}: {error}") from None
+            return conclude(plan, record, folder, reporter, start)
 
 
 def _report_ended(out: Path, reporter: Reporter) -> Summary:

@@ -296,10 +296,21 @@ def _start_process(shared: int) -> subprocess.Popen[bytes]:
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         return subprocess.Popen(
-            [sys.executable, "-I", "-S", str(script), str(shared)], stdin=subprocess.PIPE, pass_fds=[shared]
+            [sys.executable, "-I", "-S", str(script), str(shared)],
+            stdin=subprocess.PIPE,
+            stderr=_find_error_stream(),
+            pass_fds=[shared],
         )
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _find_error_stream() -> int | None:
+    """The descriptor of `sys.stderr`, which may be another than that of standard error; None: it has none."""
+    try:
+        return sys.stderr.fileno()
+    except (OSError, ValueError):
+        return None
 
 
 def _on_quit(handler: int | None) -> int | None:

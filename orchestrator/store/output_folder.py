@@ -22,7 +22,7 @@ from .atomic_write import partial
 UNFINISHED, LOCK, CHECKPOINT = "unfinished", "lock", "checkpoint"
 STORE, CYCLES = "speeds.zarr", "cycles.nc"  # of a sweep over speed, instead of a run
 REPLACED = "replaced"  # files of an earlier run, put aside until this one has its first values
-RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES, REPORT = (
+RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES, REPORT, PRINTED = (
     "result.nc",
     "coupled.csv",
     "units.csv",
@@ -30,6 +30,7 @@ RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES, REPORT = (
     "summary.json",
     "figures",
     "report.html",
+    "printed.log",
 )
 
 
@@ -139,7 +140,7 @@ def open_folder(out: Path, overwrite: bool) -> Iterator[OutputFolder]:
 
 def list_files(out: Path) -> list[Path]:
     """What a run has written, in the order to be shown."""
-    found = [out / name for name in (REPORT, SUMMARY, RESULT, CSV, UNITS, SCENARIO)]
+    found = [out / name for name in (REPORT, SUMMARY, RESULT, CSV, UNITS, SCENARIO, PRINTED)]
     return [path for path in [*found, *_figures(out)] if path.exists()]
 
 
@@ -169,7 +170,7 @@ def _check_empty(out: Path) -> None:
 
 
 def _list_written(out: Path) -> list[Path]:
-    paths = [out / name for name in (RESULT, CSV, UNITS, SCENARIO, SUMMARY, REPORT)]
+    paths = [out / name for name in (RESULT, CSV, UNITS, SCENARIO, SUMMARY, REPORT, PRINTED)]
     return [path for path in [*paths, *map(partial, paths), *_figures(out)] if path.exists()]
 
 

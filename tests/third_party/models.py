@@ -222,6 +222,13 @@ VICES = {
 for _name, _code in VICES.items():
     _decay = MODELS["dahlquist"]
     MODELS[_name] = Model(_decay.variables, f"{LIMITED}{_code} {EXPONENTIAL}")
+# Print in every step, to both streams; the other one crashes.
+MODELS["printing"] = replace(
+    MODELS["dahlquist"], step='printf("at %g\\n", t); fprintf(stderr, "of %g\\n", h); ' + EXPONENTIAL
+)
+MODELS["printing_crash"] = replace(
+    MODELS["crashing"], step='printf("at %g\\n", t); ' + MODELS["crashing"].step
+)
 # Comes back halfway through every step that is longer than 6 ms.
 MODELS["early"] = Model(
     MODELS["dahlquist"].variables,
@@ -327,6 +334,7 @@ MODELS["pending"] = Model(MODELS["dahlquist"].variables, f"{LIMITED}return 5; {E
 MODELS["absent"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, "exit(0);")
 # Cannot be looked at.
 MODELS["blind"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, "raise(SIGSEGV);")
+MODELS["printing_first"] = replace(MODELS["blind"], output='printf("no licence\\n"); raise(SIGSEGV);')
 MODELS["rigid"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, abilities="", variable_step=False)
 MODELS["single"] = Model(
     MODELS["dahlquist"].variables, EXPONENTIAL, abilities='canBeInstantiatedOnlyOncePerProcess="true" '

@@ -21,9 +21,9 @@ def build_reporter(as_json: bool, verbose: bool = False) -> Reporter:
     """A reporter whose lines leave standard output to the JSON."""
     from rich.console import Console
 
-    from orchestrator.reporter import Reporter
+    from .printed import CommandReporter
 
-    return Reporter(Console(stderr=True) if as_json else None, verbose)
+    return CommandReporter(Console(stderr=True) if as_json else None, verbose)
 
 
 def print_json(content: Any) -> None:

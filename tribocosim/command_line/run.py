@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures and write no report.")]
 Verbose = Annotated[
-    bool, typer.Option("--verbose", help="Print the errors of all compared variables, and the effort.")
+    bool,
+    typer.Option("--verbose", help="Print all errors, the effort, and what FMUs print."),
 ]
 
 

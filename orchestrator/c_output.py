@@ -1,0 +1,23 @@
+"""The output of C libraries in this process: what they print lies in buffers of the C library."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+
+_LINES = {"posix": 1}.get(os.name)  # _IOLBF of setvbuf
+
+
+def write_lines_at_once() -> None:
+    """Have every line that C code prints written when it ends: a process that dies takes none along."""
+    if _LINES is None:
+        return
+    c = ctypes.CDLL(None)
+    name = "stdout" if hasattr(c, "stdout") else "__stdoutp"  # macOS
+    c.setvbuf(ctypes.c_void_p.in_dll(c, name), None, _LINES, ctypes.c_size_t(0))
+
+
+def flush() -> None:
+    """Write what C code has printed."""
+    if _LINES is not None:
+        ctypes.CDLL(None).fflush(None)

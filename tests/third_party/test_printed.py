@@ -1,0 +1,86 @@
+"""What the libraries of FMUs print does not bury the lines of a command, and is not lost."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from subprocess import CompletedProcess
+
+import pytest
+
+from orchestrator.scenario.files import to_short_toml
+from tribocosim.command_line.printed import redirect_descriptors
+
+from ..orchestrator.commands import tribocosim
+from .c_fmus import fmu
+from .runs import scenario
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="C libraries have descriptors of their own there")
+
+
+def started(name: str, process: str, folder: Path, *more: str) -> CompletedProcess[str]:
+    """The run of that FMU as a command, with the result in `folder`."""
+    one = scenario({"decay": {"participant": fmu(name, 2, folder), "process": process}})
+    file = folder / "one.toml"
+    file.write_text(to_short_toml(one, folder), "utf-8")
+    return tribocosim("run", str(file), "--out", str(folder / "out"), "--no-figures", *more)
+
+
+@pytest.mark.parametrize("process", ["own", "shared"])
+def test_what_fmus_print_is_in_a_file_that_the_run_names(process: str, tmp_path: Path) -> None:
+    done = started("printing", process, tmp_path)
+    printed = (tmp_path / "out" / "printed.log").read_text("utf-8").splitlines()
+    assert sorted(printed)[:2] == ["at 0", "at 0.01"]
+    assert printed.count("of 0.01") > 50
+    assert len(printed) == 200
+    assert "200 lines that FMUs printed: " in done.stdout
+    assert "at 0" not in done.stdout
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize("process", ["own", "shared"])
+def test_of_an_fmu_that_crashes_every_line_is_kept(process: str, tmp_path: Path) -> None:
+    done = started("printing_crash", process, tmp_path)
+    assert done.returncode not in (0, None)
+    printed = (tmp_path / "out" / "printed.log").read_text("utf-8").splitlines()
+    assert len(printed) == 51
+
+
+def test_a_run_that_is_refused_shows_what_was_printed(tmp_path: Path) -> None:
+    """Nothing is left of its folder."""
+    done = started("printing_first", "own", tmp_path)
+    assert done.returncode == 2
+    assert "no licence" in done.stderr
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_a_verbose_run_shows_it_where_it_falls(tmp_path: Path) -> None:
+    done = started("printing", "shared", tmp_path, "--verbose")
+    assert "at 0.01" in done.stdout
+    assert not (tmp_path / "out" / "printed.log").exists()
+
+
+def test_descriptors_and_streams_are_as_before_whatever_happens(tmp_path: Path) -> None:
+    told: list[tuple[bytes, bool]] = []
+
+    def tell(path: Path, printed: bytes, failed: bool) -> None:
+        told.append((printed, failed))
+
+    def print_and_fail() -> None:
+        with redirect_descriptors(tmp_path / "file", tell):
+            os.write(1, b"one\n")
+            os.write(2, b"two\n")
+            raise KeyError
+
+    def find_descriptors() -> list[object]:
+        return [*(os.fstat(number)[:2] for number in (1, 2)), sys.stdout, sys.stderr, *os.listdir("/dev/fd")]
+
+    before = find_descriptors()
+    with pytest.raises(KeyError):
+        print_and_fail()
+    with redirect_descriptors(tmp_path / "none", tell):
+        pass
+    assert told == [(b"one\ntwo\n", True)]
+    assert not (tmp_path / "none").exists()
+    assert find_descriptors() == before
