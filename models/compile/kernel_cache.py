@@ -179,11 +179,16 @@ class LinkedKernelCache(KernelCache):
 
 
 def finalize(library: Any) -> None:
-    """Link and optimize the library's code as numba does, without machine code, for others to link."""
+    """As numba's, without machine code. Nor is it optimized: the callers' code is, with this one in it."""
+    library._optimize_final_module = _do_nothing
     library._finalize_final_module = library._finalize_dynamic_globals
     library.finalize()
-    del library._finalize_final_module
+    del library._optimize_final_module, library._finalize_final_module
     library._finalized = True
+
+
+def _do_nothing() -> None:
+    pass
 
 
 def _folder() -> Path:
