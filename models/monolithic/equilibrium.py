@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import least_squares, root
 
-from ..core.evaluation import Evaluation
+from ..core.evaluation import Evaluation, Interpreted
 from ..core.quantities import Vector
 from ..core.system import ModelError, System
 
@@ -15,6 +15,8 @@ POLISHING_STEPS = 4
 # Of pseudo-transient continuation: the first step (s), its growth, the largest change in a step in nominal
 # sizes, the number of steps. The last ones are longer than any motion.
 FIRST_STEP, GROWTH, FARTHEST, SETTLING_STEPS = 1e-5, 1.5, 30.0, 100
+# A follower (m/s) that is at rest.
+SLOW_FOLLOWER = 1e-6
 # A positive state that changes by less of itself in a second is at rest.
 SLOW = 1e-6
 
@@ -34,8 +36,29 @@ def equilibrium(system: System, t: float = 0.0) -> Vector:
     found = rest.solve()
     if not rest.is_close(found):
         what = f"no equilibrium found at t = {t:g} s: {rest.worst(found)}."
-        raise ModelError(" ".join([what, *implausible(system)]))
+        moving = (f"{line}." for line in list_moving_cams(system, t, rest.state(np.zeros_like(found))))
+        raise ModelError(" ".join([what, *moving, *implausible(system)]))
     return rest.state(found)
+
+
+def list_moving_cams(system: System, t: float, x: Vector) -> list[str]:
+    """A line for each cam that moves its follower at `t`: there a follower at rest is no equilibrium."""
+    evaluation, found = Interpreted(system), []
+    evaluation.outputs(t, x)
+    for name, instance in system.instances.items():
+        component = instance.component
+        values = component.inputs.named(evaluation.u[system.inputs.of(name)])
+        values |= component.outputs.named(evaluation.y[system.outputs.of(name)])
+        if values.get("cam_lift", 0.0) <= 0.0:
+            continue
+        velocity = values.get("contact_offset", 0.0) * values.get("cam_speed", 0.0)
+        if abs(velocity) > SLOW_FOLLOWER:
+            found.append(
+                f"{name}: at t = {t:g} s its cam lifts by {1e3 * values['cam_lift']:.3g} mm and moves the "
+                f"follower at {velocity:.3g} m/s, which equilibrium begins at rest: begin on the base circle "
+                "(phase)"
+            )
+    return found
 
 
 def implausible(system: System) -> list[str]:

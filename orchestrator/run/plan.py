@@ -15,7 +15,13 @@ from ..reporter import Reporter
 from ..scenario import BUILT_KINDS, Scenario
 from ..scenario.checks import check_reference
 from ..scenario.oil import list_oils
-from ..scenario.system import Builder, build_system, list_moved_starts, resolve_start
+from ..scenario.system import (
+    Builder,
+    build_system,
+    list_doubtful_equilibrium,
+    list_moved_starts,
+    resolve_start,
+)
 from ..scenario.warnings import list_doubtful, list_warnings
 from .witness import check_witness
 
@@ -61,7 +67,8 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
     with reporter.stage("FMUs"):
         fmus = resolve_fmus(scenario, build)
     resolved = resolve_start(scenario, system)
-    notices = [*list_moved_starts(system, resolved), *list_oils(scenario), *list_warnings(scenario)]
+    starts = [*list_moved_starts(system, resolved), *list_doubtful_equilibrium(scenario, resolved)]
+    notices = [*starts, *list_oils(scenario), *list_warnings(scenario)]
     for line in notices:
         reporter.line(line)
     return Plan(scenario, resolved, fmus, figures, notices)

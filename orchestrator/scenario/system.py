@@ -79,6 +79,15 @@ def resolve_start(scenario: Scenario, system: System) -> System:
     return resting
 
 
+def list_doubtful_equilibrium(scenario: Scenario, resolved: System) -> list[str]:
+    """A line for each cam that moves its follower where the run begins in equilibrium."""
+    if scenario.start == "given":
+        return []
+    from models.monolithic.equilibrium import list_moving_cams
+
+    return [f"components.{line}" for line in list_moving_cams(resolved, 0.0, resolved.x0)]
+
+
 def list_moved_starts(given: System, resolved: System) -> list[str]:
     """A line for each start value of the scenario that its equilibrium has replaced by another."""
     found = []

@@ -163,6 +163,17 @@ def couple(speed_rpm: float) -> System:
     )
 
 
+@pytest.mark.parametrize("share", [1e-5, 0.99, 1.01])
+def test_a_valve_too_light_for_its_contact_is_refused(component: Component, share: float) -> None:
+    """c/m <= 1e7 1/s with c = 920 N s/m (330 N/450 N)."""
+    least = 920.0 * 330.0 / 450.0 / 1e7
+    faults = component.parameter_faults(component.parameters.vector({"valve_mass": share * least}))
+    assert [fault.partition(" kg: ")[0] for fault in faults] == (
+        [] if share > 1.0 else [f"valve_mass = {share * least:g}"]
+    )
+    assert all("must be >= 6.75e-05 kg" in fault for fault in faults)
+
+
 @pytest.mark.parametrize("flexible", [0.0, 1.0])
 def test_a_start_that_its_joints_do_not_allow_is_named_with_the_joint(
     component: Component, flexible: float
