@@ -11,7 +11,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from ctypes import c_bool, c_double, c_int, c_uint, c_void_p
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -31,15 +31,16 @@ SMOOTH, DISCRETE, CLOCKED = range(3)
 @dataclass
 class EventMemory:
     """What the FMU's own state does not tell: when its next time event is (s), whether it asked for event
-    mode, when its clocks tick next (s), and the discrete inputs that it has."""
+    mode, when its clocks tick next (s), the discrete inputs that it has, and whether it wants the end."""
 
     next_event: float = math.inf
     needed: bool = False
     ticks: list[float] = field(default_factory=list)
     discrete: dict[int, list[float]] = field(default_factory=dict)
+    ended: bool = False
 
     def copy(self) -> EventMemory:
-        return EventMemory(self.next_event, self.needed, self.ticks.copy(), self.discrete.copy())
+        return replace(self, ticks=self.ticks.copy(), discrete=self.discrete.copy())
 
 
 class Fmi3WithEvents(Fmi3):
@@ -175,6 +176,8 @@ class Fmi3WithEvents(Fmi3):
     def next_event(self) -> float:
         """When something is due next (s): at the present if the FMU asks for event mode."""
         memory = self._memory_of_events
+        if memory.ended:
+            return math.inf
         return self._time if memory.needed else min(memory.next_event, *memory.ticks, math.inf)
 
     def handle(self, time: float, triggered: Sequence[str] = ()) -> list[str] | None:
@@ -199,6 +202,9 @@ class Fmi3WithEvents(Fmi3):
     def _leave_events(self) -> None:
         if self._in_events and self._ready:
             self._iterate()
+            if self._memory_of_events.ended:
+                self._in_events = False
+                return
             self.slave.enterStepMode()
             self._in_events = False
 
@@ -223,13 +229,9 @@ class Fmi3WithEvents(Fmi3):
                 on = self.slave.getClock(self._clocks.get_references(outputs))
                 active += [name for name, ticks in zip(outputs, on, strict=True) if ticks]
             again, ends, _, _, known, at = self.slave.updateDiscreteStates()
-            if ends:
-                self._in_events = False  # outputs are read in event mode
-                raise EndedError(
-                    f"{self._name}: the FMU asks to end the simulation in an event at t = {self._time:.9g} "
-                    "s; set stop_time to that, or look at its parameters",
-                    self._time,
-                )
+            if ends:  # the present is valid, and only the next step is refused
+                self._memory_of_events.ended = True
+                return active
             self._memory_of_events.next_event = float(at) if known else math.inf
             if not again:
                 return active
@@ -263,6 +265,12 @@ class Fmi3WithEvents(Fmi3):
             for _ in range(MAXIMUM_RETURNS):
                 self.handle(self._time)
                 self._leave_events()
+                if self._memory_of_events.ended:
+                    raise EndedError(
+                        f"{self._name}: the FMU asks to end the simulation in an event at t = "
+                        f"{self._time:.9g} s; set stop_time to that, or look at its parameters",
+                        self._time,
+                    )
                 target = min(end, self.next_event()) if self._variable_step else end
                 if target > end - slack:
                     target = end

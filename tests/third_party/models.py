@@ -276,6 +276,11 @@ MODELS["first_slope"] = replace(
 )
 # The mass that takes no slope of its force, and can be taken back.
 MODELS["held_mass"] = replace(MODELS["sprung"], abilities=MODELS["dahlquist"].abilities)
+# It ends the simulation at 0.8 s.
+MODELS["ending_mass"] = replace(
+    MODELS["held_mass"],
+    step='if (t + h > 0.8) { say(m, OK, "worn out"); return ENDED; } ' + MODELS["held_mass"].step,
+)
 # The same without the way back.
 MODELS["stateless_mass"] = replace(MODELS["sprung"], abilities="")
 # A mass of 1 kg that falls, exactly for held forces, and a spring without mass that it may touch at 0.

@@ -93,6 +93,23 @@ def test_the_error_of_a_third_party_fmu_without_states_is_predicted(tmp_path: Pa
     record("Coupling", case, estimated, measured, "error of the run", tolerance=0.1 * measured)
 
 
+def test_instants_after_which_an_fmu_ends_itself_are_left_out(tmp_path: Path) -> None:
+    """Its responses take 0.6 s; one that no connection drives needs none."""
+    found = surveyed(masses("ending_mass", tmp_path))
+    assert [point.time for point in found.points] == pytest.approx(
+        [0.0, 0.0417, 0.0833, 0.125, 0.1667], abs=6e-3
+    )
+    (said,) = found.left_out
+    assert "the FMU ends the simulation at t = 0.795 s, before its responses from t = 0.205 s on" in said
+    tables = {
+        "landing": {"participant": fmu("landing", 2, tmp_path), "parameters": {"until": 0.5}},
+        "driven": {"component": "sprung_mass", "participant": "in-process"},
+    }
+    lines, tolerance = ["landing.x * 1 -> driven.force"], {"driven.position": 0.1}
+    driven = scenario(tables, connections=lines, tolerance=tolerance, stop_time=0.5)
+    assert len(surveyed(driven).points) == 12
+
+
 def test_a_repetition_that_costs_too_much_is_refused_with_its_cost(tmp_path: Path) -> None:
     one = masses("stateless_mass", tmp_path, stop_time=2e4)
     with (

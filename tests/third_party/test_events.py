@@ -150,6 +150,13 @@ def test_an_end_in_an_event_is_named_and_recorded(tmp_path: Path) -> None:
     assert found["time"][-1] == pytest.approx(9.0, rel=1e-12)
 
 
+def test_a_run_up_to_the_end_that_an_fmu_asks_for_is_complete(tmp_path: Path) -> None:
+    stair = {"participant": public("reference-fmus-3/Stair.fmu")}
+    summary, found = ran(scenario({"one": stair}, stop_time=9.0, macro_step=0.3), tmp_path / "out")
+    assert summary.exit_status == 0
+    assert (found["time"][-1], found["one.counter"][-1]) == (9.0, 10.0)
+
+
 def test_an_analysis_records_at_its_own_times(tmp_path: Path) -> None:
     """Steps that end at events lie between them."""
     one = scenario({"one": {"participant": sampler(tmp_path), "inputs": {"u": 2.0}}})

@@ -259,7 +259,7 @@ def linearise_points(
             left.append(error)
     if not points:
         raise left[0]
-    return points, [str(error) for error in left]
+    return points, list(dict.fromkeys(map(str, left)))
 
 
 def needs_run(scenario: Scenario) -> bool:

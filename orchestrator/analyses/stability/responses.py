@@ -18,7 +18,7 @@ from models.core.quantities import Vector
 from models.core.system import ModelError, System
 from models.monolithic.trajectory import Trajectory
 
-from ...errors import RecoverableError
+from ...errors import EndedError, RecoverableError
 from ...participants import Participant
 from .linear import ROWS, Linear
 from .trajectory import NotLinearError, ParticipantLinearisation
@@ -63,8 +63,25 @@ class Responses(ParticipantLinearisation):
         self._opaque = component.opaque
         self._sizes = self._layouts[0].nominal[self._columns]
         self.residuals: dict[float, float] = {}
+        self._ended = ""  # why it can't be stepped any more
 
     def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
+        if not self.input_names:  # nothing moves it
+            nothing = np.zeros((len(self._rows), 0))
+            linear = Linear(np.zeros((0, 0)), nothing.T[:0], nothing[:, :0], nothing, np.zeros(0))
+            return self._expand(linear, np.ones((ROWS, 0)), [], outputs)
+        try:
+            if not self._ended:
+                return self._linearise(trajectory, row, outputs)
+        except EndedError as error:
+            self._ended = (
+                f"{self.name}: the FMU ends the simulation at t = {error.reached:.6g} s, before its "
+                f"responses from t = {trajectory.times[row]:.6g} s on are over ({self._beyond:.3g} s, "
+                f"{SAMPLES} macro steps)"
+            )
+        raise NotLinearError(self._ended)
+
+    def _linearise(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
         self._advance_to(trajectory, row)
         if self._opaque:  # whose nominal sizes are often 1 for want of better
             spans = np.ptp(self._values, axis=0)
