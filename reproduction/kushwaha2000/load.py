@@ -76,16 +76,18 @@ def measure_seat_bounce(runs: Runs) -> Values:
     """How far a valve with a seat and 0.2 mm of lash leaves its seat again after landing (m)."""
     return {
         "slow": _bounce(1000.0, "0 mm"), "fast": _bounce(3000.0, "0 mm"), "ramped": _bounce(3000.0, "0.3 mm"),
+        "on_paper_film": _bounce(3000.0, "0 mm", "kushwaha"), "dry": _bounce(3000.0, "0 mm", "dry"),
     }  # fmt: skip
 
 
-def _bounce(speed_rpm: float, ramp: str) -> float:
-    """Highest lift in the 60 degrees after the first landing, in the first turn."""
+def _bounce(speed_rpm: float, ramp: str, film: str = "dowson_toyoda") -> float:
+    """Highest lift in the 60 degrees after the first landing, in the first turn, on a rigid shaft."""
     scenario = load(
         "seat-and-lash",
         [
             f"components.flywheel.parameters.initial_speed='{speed_rpm} rpm'",
             f"components.camshaft.parameters.ramp_height='{ramp}'",
+            f"components.contact.parameters.film_model='{film}'",
         ],
     )
     system = resolve_start(scenario, build_system(scenario))
