@@ -1,4 +1,4 @@
-"""The pushrod in a floating frame, Q (3), against finite segments, Q (1), and the exact rod."""
+"""Pushrod and rocker arm in a floating frame, Q (3), against finite segments and exact numbers."""
 
 from __future__ import annotations
 
@@ -7,13 +7,16 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, null_space
 from scipy.optimize import brentq
 
 from models.core.quantities import Vector
-from models.multibody.floating_frame import FloatingRod, LinearParts
+from models.multibody.floating_frame import FloatingBeam, FloatingRod, LinearParts
+from models.multibody.joints import fixed
 from models.multibody.linear import find_frequencies, find_modes
+from models.multibody.mechanism import Mechanism
 from models.multibody.pushrod_train import pushrod_train
+from models.multibody.shaft import Disc, SegmentedShaft
 from models.valve_train.valve_spring import lumping
 
 from .trains import pushrod_parts
@@ -75,3 +78,47 @@ def test_shapes_of_a_floating_frame_bound_the_frequencies_from_above() -> None:
     few, more = find_train_frequencies(2)[:3], find_train_frequencies(4)[:3]
     assert np.all(few >= more * (1.0 - 1e-12))
     assert few[2] > more[2]
+
+
+STEEL = {"youngs_modulus": 207e9, "density": 7850.0}
+# An arm of a rocker (m) that carries a valve (kg); its mass lies in the end of the arm.
+ARM, THICK, VALVE = 0.04, 0.012, 0.1
+
+
+def test_a_beam_on_pins_has_timoshenkos_frequencies(record: Callable[..., None]) -> None:
+    """350 mm, 20 mm, A_y = 10/9."""
+    beam = FloatingBeam(0.35, 0.02, **STEEL, shapes=14)
+    pins = np.array([beam.deflection_at(side * 0.5 * beam.length) for side in (-1.0, 1.0)])
+    found = find_modes(*beam.matrices, pins)
+    for i, wanted in enumerate((327.953561, 1296.890053, 2865.061822)):
+        quantity = f"beam in a floating frame: natural frequency {i + 1} (Hz)"
+        record("Multibody", quantity, found[i], wanted, "independent evaluation", tolerance=1e-8 * wanted)
+
+
+def test_a_clamped_beam_is_as_flexible_as_timoshenkos() -> None:
+    """L^3/(3 E I) + A_y L/(G A) at its tip, 2.09473e-7 m/N for 100 mm."""
+    beam = FloatingBeam(0.1, 0.02, **STEEL, shapes=4)
+    end = 0.5 * beam.length
+    free = null_space(np.array([beam.deflection_at(-end), beam.turn_at(-end)]))
+    tip = free.T @ beam.deflection_at(end)
+    flexibility = tip @ np.linalg.solve(free.T @ beam.matrices.stiffness @ free, tip)
+    assert flexibility == pytest.approx(2.09473e-7, rel=2e-6)
+
+
+def test_a_rocker_arm_with_its_valve_bends_as_its_finite_segments(record: Callable[..., None]) -> None:
+    """Clamped at the hub. The error of the segments falls with the square of their number."""
+    beam = FloatingBeam(ARM, THICK, **STEEL, shapes=8)
+    mass, end = beam.matrices.mass.copy(), beam.deflection_at(0.5 * ARM)
+    mass += VALVE * np.outer(end, end)
+    hub = np.array([beam.deflection_at(-0.5 * ARM), beam.turn_at(-0.5 * ARM)])
+    frame = find_modes(mass, beam.matrices.stiffness, hub)[0]
+    errors = []
+    for count in (8, 16):
+        stations = [round(ARM * i / count, 9) for i in range(count + 1)]
+        arm = SegmentedShaft(stations, THICK, {ARM: Disc(VALVE, 0.0, 0.0)})
+        clamp = fixed("hub", "ground", arm.segments[0])
+        mechanism = Mechanism(arm.list_bodies(), [clamp], arm.list_beams())
+        errors.append(find_frequencies(mechanism, mechanism.start())[0] / frame - 1.0)
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.05)
+    quantity = "rocker arm of 16 segments: natural frequency over that in a floating frame, less 1"
+    record("Multibody", quantity, errors[1], 0.0, "floating frame", tolerance=1e-3)
