@@ -184,7 +184,7 @@ class _Space:
             if gap(other) >= 0.0 and rate(one) < 0.0 < rate(other):
                 deepest = float(brentq(rate, one, other, xtol=1e-15, rtol=1e-15))  # it may dip in between
             if gap(deepest) < 0.0:
-                return float(brentq(gap, one, deepest, xtol=1e-15, rtol=1e-15))
+                return float(brentq(gap, one, deepest, xtol=1e-15, rtol=1e-15) if gap(one) > 0.0 else one)
         return None
 
     def _leave(self, wall: Wall, looks: Vector, gap: Any) -> float:
