@@ -47,6 +47,7 @@ class Coupling:
         self.wiring = w = wire(system, participants, degree, watched or {})
         self.participants = [participants[name] for name in w.names]
         self.restorable = all(participant.restorable for participant in self.participants)
+        self.divisible = all(getattr(participant, "divisible", True) for participant in self.participants)
         self.calls = np.zeros(len(w.names), dtype=np.int64)
         rated = np.zeros(len(w.sources), dtype=np.bool_)
         self.state = CouplingState(len(w.sources), rated, w.degrees)

@@ -132,6 +132,11 @@ class Description:
     events: EventMode | None
 
     @property
+    def divisible(self) -> bool:
+        """Whether shorter steps get it to the same place: it does not move by steps of its own."""
+        return self.variable_step and not self.fixed_step
+
+    @property
     def is_own(self) -> bool:
         """Whether the file names this program as its generator."""
         return self.tool.startswith(OWN_TOOL)

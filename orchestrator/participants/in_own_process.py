@@ -33,6 +33,7 @@ class InOwnProcess(OwnProcess):
         super().__init__(name, path, settings)
         self._about = read_description(path, settings.interface, settings.sizes)
         self.restorable, self.variable_step = self._about.restorable, self._about.variable_step
+        self.divisible = self._about.divisible
         has_side = has_side_channel(self._about)
         self.side = RemoteSideChannel(self._about, self._call_between) if has_side else None
 

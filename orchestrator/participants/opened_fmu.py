@@ -78,6 +78,7 @@ class OpenedFmu:
             self.close()
             raise
         self.restorable, self.variable_step = description.restorable, description.variable_step
+        self.divisible = description.divisible
         self._fmu = OpenFmu(description, self._fmi, self._errors)
 
     def initialise(self, start_time: float, stop_time: float) -> None:

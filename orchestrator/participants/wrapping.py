@@ -29,6 +29,7 @@ class ParticipantWrapper:
         self.close = participant.close
         self.side = get_side_channel(participant)
         self.variable_step = getattr(participant, "variable_step", True)
+        self.divisible = getattr(participant, "divisible", True)
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return self._participant.signal_degrees(input_names)

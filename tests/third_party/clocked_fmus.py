@@ -1,4 +1,4 @@
-"""An FMU in C with event mode and clocks (`sampler.c`)."""
+"""FMUs in C with event mode and clocks (`sampler.c`, `intervals.c`)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from .c_fmus import HEADERS, build_stubs, compiler
 
-SOURCE = Path(__file__).with_name("sampler.c")
+HERE = Path(__file__).parent
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="sampler" instantiationToken="sampler">
 <CoSimulation modelIdentifier="sampler" hasEventMode="true" canGetAndSetFMUState="true"
@@ -45,20 +45,54 @@ DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 
 def sampler(folder: Path, description: str = DESCRIPTION) -> Path:
     """The FMU, in the folder; the test is skipped where none can be compiled."""
-    path = folder / "sampler.fmu"
+    return _pack("sampler", folder, description)
+
+
+CLOCKS = {
+    "fixed": 'intervalDecimal="0.1" shiftDecimal="0.02"',
+    "calculated": "",
+    "tunable": 'intervalDecimal="0.2"',
+    "changing": "",
+}
+
+
+def intervals(folder: Path) -> Path:
+    """The FMU with these clocks; outputs are the number of ticks of each, and the sum of their times."""
+    clocks = "".join(
+        f'<Clock name="{kind}" valueReference="{100 + i}" causality="input" intervalVariability="{kind}" {more}/>'
+        for i, (kind, more) in enumerate(CLOCKS.items())
+    )
+    names = [*(f"{kind}_ticks" for kind in CLOCKS), *(f"{kind}_sum" for kind in CLOCKS)]
+    outputs = "".join(
+        f'<Float64 name="{name}" valueReference="{i}" causality="output" variability="discrete"/>'
+        for i, name in enumerate(names, 1)
+    )
+    structure = "".join(f'<Output valueReference="{i}" dependencies=""/>' for i in range(1, len(names) + 1))
+    description = (
+        '<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription fmiVersion="3.0" modelName="intervals" '
+        'instantiationToken="intervals"><CoSimulation modelIdentifier="intervals" hasEventMode="true" '
+        'canHandleVariableCommunicationStepSize="true"/><ModelVariables><Float64 name="time" '
+        'valueReference="0" causality="independent" variability="continuous"/>'
+        f"{outputs}{clocks}</ModelVariables><ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
+    )
+    return _pack("intervals", folder, description)
+
+
+def _pack(name: str, folder: Path, description: str) -> Path:
+    path = folder / f"{name}.fmu"
     machine = {"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine())
-    place = "darwin/sampler.dylib" if sys.platform == "darwin" else "linux/sampler.so"
+    place = f"darwin/{name}.dylib" if sys.platform == "darwin" else f"linux/{name}.so"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", description)
-        archive.writestr(f"binaries/{machine}-{place}", _build())
+        archive.writestr(f"binaries/{machine}-{place}", _build(HERE / f"{name}.c"))
     return path
 
 
 @functools.cache
-def _build() -> bytes:
+def _build(source: Path) -> bytes:
     with tempfile.TemporaryDirectory(prefix="clocked_fmus_") as scratch:
-        stubs, library = Path(scratch, "stubs.c"), Path(scratch, "sampler.so")
-        stubs.write_text(build_stubs(SOURCE.read_text(), set()))
-        command = [*compiler(), "-shared", "-fPIC", "-O1", "-w", f"-I{HEADERS}", str(SOURCE), str(stubs)]
+        stubs, library = Path(scratch, "stubs.c"), Path(scratch, "library.so")
+        stubs.write_text(build_stubs(source.read_text(), set()))
+        command = [*compiler(), "-shared", "-fPIC", "-O1", "-w", f"-I{HEADERS}", str(source), str(stubs)]
         subprocess.run([*command, "-o", str(library), "-lm"], check=True, capture_output=True)
         return library.read_bytes()

@@ -11,6 +11,7 @@ import pytest
 from orchestrator.analyses.stability.linearisation import open_linearisations
 from orchestrator.analyses.stability.reopened import Reopened
 from orchestrator.analyses.stability.survey import Survey, survey
+from orchestrator.masters import find_name
 from orchestrator.participants import collect_settings, open_fmu
 from orchestrator.participants.protocol import BoundVariables
 from orchestrator.reporter import Reporter
@@ -91,6 +92,28 @@ def test_the_error_of_a_third_party_fmu_without_states_is_predicted(tmp_path: Pa
     measured = summary.errors["second.position"].relative_rms
     case = "two masses, one an FMU that holds its inputs and saves no state: predicted error"
     record("Coupling", case, estimated, measured, "error of the run", tolerance=0.1 * measured)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("second", "stop", "allowed"),
+    [("stateless_mass", 3.0, 1e-3), ("stateless_mass", 0.5, 1e-2), ("held_mass", 3.0, 1e-3)],
+)
+def test_a_run_with_the_advised_method_and_step_is_within_the_tolerance(
+    second: str, stop: float, allowed: float, tmp_path: Path, record: Any
+) -> None:
+    """By a factor that the advice leaves."""
+    tolerance = {"first.position": allowed, "second.position": allowed}
+    one = masses(second, tmp_path, tolerance=tolerance, stop_time=stop, macro_step=2e-3)
+    best = surveyed(one).best
+    assert best
+    master = {"name": find_name(best.master), "extrapolation": best.master.extrapolation, "order": best.order}
+    changes = {"macro_step": best.advised_step, "master": master, "reference": {"enabled": True}}
+    advised = masses(second, tmp_path, tolerance=tolerance, stop_time=stop, **changes)
+    summary = run(advised, tmp_path / "out", never, Reporter(), figures=False)
+    largest = max(summary.errors[name].relative_rms for name in tolerance)
+    case = f"two masses, {second}, {stop:g} s, {allowed:g} allowed: error with the advised method and step"
+    record("Coupling", case, largest, 0.0, "tolerance", tolerance=0.75 * allowed)
 
 
 def test_instants_after_which_an_fmu_ends_itself_are_left_out(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from orchestrator.run.plan import resolve_fmus
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.system import build_system
 
-from .clocked_fmus import DESCRIPTION, sampler
+from .clocked_fmus import DESCRIPTION, intervals, sampler
 from .public import public
 from .runs import never, ran, scenario
 
@@ -57,6 +57,31 @@ def test_periodic_and_countdown_clocks_tick_at_their_times(
     np.testing.assert_array_equal(found["one.level"], found["time"] > 0.25 - 1e-9)
     alarms = np.floor((found["time"] + 0.07) / 0.2 + 1e-9)
     np.testing.assert_array_equal(found["one.alarms"], alarms)
+
+
+TICKS = {
+    "fixed": 0.02 + 0.1 * np.arange(10),
+    "calculated": 0.125 * np.arange(9),
+    "tunable": 0.2 * np.arange(6),
+    "changing": np.array([0.0, 0.05, 0.15, 0.3, 0.5, 0.75]),
+}
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.parametrize("macro_step", [0.01, 0.3])
+def test_clocks_of_every_interval_tick_at_their_times(
+    macro_step: float, process: str, tmp_path: Path
+) -> None:
+    """The number of ticks and the sum of their times, at the end of every step."""
+    table = {"participant": intervals(tmp_path), "process": process}
+    summary, found = ran(scenario({"one": table}, macro_step=macro_step), tmp_path / "out")
+    assert summary.complete, summary.message
+    for kind, times in TICKS.items():
+        ticked = [times[times <= t + 1e-9] for t in found["time"]]
+        np.testing.assert_array_equal(found[f"one.{kind}_ticks"], [len(one) for one in ticked])
+        np.testing.assert_allclose(found[f"one.{kind}_sum"], [one.sum() for one in ticked], rtol=1e-12)
+    for times in TICKS.values():
+        assert all(np.min(np.abs(found["time"] - t)) < 1e-12 for t in times)
 
 
 @pytest.mark.parametrize("master", MASTERS)
