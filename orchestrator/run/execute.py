@@ -21,7 +21,7 @@ from ..reporter import Reporter
 from ..scenario.system import build_side_lines
 from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
 from ..store.json_codec import Plain
-from ..store.output_folder import SCENARIO, SUMMARY, OutputFolder, format_path
+from ..store.output_folder import SCENARIO, SUMMARY, TEXTS, OutputFolder, format_path
 from .checkpoint import Checkpoints, Identity
 from .interruption import Interruption, guard_exit
 from .nan_monitor import NotNumbers
@@ -31,6 +31,7 @@ from .record import ENDS, FAILED, Ending, Record, Warnings, classify_ending
 from .recording import ResultRecorder
 from .simulation import Statistics, simulate
 from .summary import summarise
+from .text_recorder import TextRecorder, list_texts
 from .watchdog import watching
 from .workload import Forecast
 
@@ -74,13 +75,15 @@ class _Observation:
         self.warnings: dict[str, Warnings] = {}
         recorder = ResultRecorder(folder.unfinished, quantities, every, held_for, stop)
         recorders: list[Observer] = [recorder, self.not_numbers]
+        texts = list_texts(scenario)
+        text_recorders = [TextRecorder(folder.path / TEXTS, texts)] if texts else []
         self._ledger = None
         if scenario.energy.ledger:
             system = add_estimates(add_counting(system, select_counting(scenario, system)))
             self._ledger = Ledger(system, every, folder.unfinished, stop)
             recorders = [*(Trimmed(recorder, system) for recorder in recorders), self._ledger]
         self.system = system
-        self.observers = [*recorders, self.contacts, self.counter]
+        self.observers = [*recorders, *text_recorders, self.contacts, self.counter]
 
     def record(self, ending: Ending, statistics: Statistics | None) -> Record:
         if self.counter.steps < 0:

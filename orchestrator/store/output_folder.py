@@ -22,7 +22,7 @@ from .atomic_write import partial
 UNFINISHED, LOCK, CHECKPOINT = "unfinished", "lock", "checkpoint"
 STORE, CYCLES = "speeds.zarr", "cycles.nc"  # of a sweep over speed, instead of a run
 REPLACED = "replaced"  # files of an earlier run, put aside until this one has its first values
-RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES, REPORT, PRINTED = (
+RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES, REPORT, PRINTED, TEXTS = (
     "result.nc",
     "coupled.csv",
     "units.csv",
@@ -31,6 +31,7 @@ RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES, REPORT, PRINTED = (
     "figures",
     "report.html",
     "printed.log",
+    "texts.csv",
 )
 
 
@@ -140,7 +141,7 @@ def open_folder(out: Path, overwrite: bool) -> Iterator[OutputFolder]:
 
 def list_files(out: Path) -> list[Path]:
     """What a run has written, in the order to be shown."""
-    found = [out / name for name in (REPORT, SUMMARY, RESULT, CSV, UNITS, SCENARIO, PRINTED)]
+    found = [out / name for name in (REPORT, SUMMARY, RESULT, CSV, UNITS, TEXTS, SCENARIO, PRINTED)]
     return [path for path in [*found, *_figures(out)] if path.exists()]
 
 
@@ -170,7 +171,7 @@ def _check_empty(out: Path) -> None:
 
 
 def _list_written(out: Path) -> list[Path]:
-    paths = [out / name for name in (RESULT, CSV, UNITS, SCENARIO, SUMMARY, REPORT, PRINTED)]
+    paths = [out / name for name in (RESULT, CSV, UNITS, SCENARIO, SUMMARY, REPORT, PRINTED, TEXTS)]
     return [path for path in [*paths, *map(partial, paths), *_figures(out)] if path.exists()]
 
 

@@ -59,7 +59,8 @@ CLOCKS = {
 def intervals(folder: Path) -> Path:
     """The FMU with these clocks; outputs are the number of ticks of each, and the sum of their times."""
     clocks = "".join(
-        f'<Clock name="{kind}" valueReference="{100 + i}" causality="input" intervalVariability="{kind}" {more}/>'
+        f'<Clock name="{kind}" valueReference="{100 + i}" causality="input" '
+        f'intervalVariability="{kind}" {more}/>'
         for i, (kind, more) in enumerate(CLOCKS.items())
     )
     names = [*(f"{kind}_ticks" for kind in CLOCKS), *(f"{kind}_sum" for kind in CLOCKS)]

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from orchestrator.engine.step import Step
+from orchestrator.run.text_recorder import TextRecorder
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.ssp import export
 from orchestrator.scenario.system import build_system
@@ -32,6 +36,58 @@ def test_texts_pass_along_a_chain(version: int, process: str, tmp_path: Path) ->
         macro_step=0.1,
     )
     assert find_texts(one, "c", [f"{kind}_output" for kind in pairs]) == [given[kind] for kind in pairs]
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+def test_texts_are_recorded(process: str, tmp_path: Path) -> None:
+    """As they are at the start; a text holds until the next line."""
+    table = {"participant": public("reference-fmus-3/Feedthrough.fmu"), "process": process}
+    inputs = {"String_input": 'grün, "3" > 2', "Binary_input": "00ff10"}
+    one = scenario({"a": table | {"inputs": inputs}}, stop_time=0.2, macro_step=0.1)
+    ran(one, tmp_path / "out")
+    with (tmp_path / "out" / "texts.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == ["time", "variable", "text"]
+    said = [["0.0", "a.String_output", 'grün, "3" > 2'], ["0.0", "a.Binary_output", "00ff10"]]
+    assert sorted(rows[1:]) == sorted(said)
+
+
+class Speaking:
+    """A side channel of a text that changes."""
+
+    text = "flight"
+
+    def get_texts(self, names: list[str]) -> list[str]:
+        return [self.text] * len(names)
+
+
+def test_texts_are_recorded_where_they_change_also_by_a_resumed_run(tmp_path: Path) -> None:
+    unit = SimpleNamespace(side=Speaking())
+    coupling = SimpleNamespace(wiring=SimpleNamespace(names=("one",)), participants=[unit])
+
+    def say(recorder: TextRecorder, time: float, text: str) -> None:
+        unit.side.text = text
+        recorder.observe(time, np.zeros, Step(time, 0.1, 1))
+
+    def record() -> TextRecorder:
+        recorder = TextRecorder(tmp_path / "texts.csv", {"one": ["state"]})
+        recorder.watch(coupling)  # type: ignore[arg-type]
+        return recorder
+
+    first = record()
+    first.begin([])
+    for time, text in ((0.0, "flight"), (0.1, "flight"), (0.2, "contact")):
+        say(first, time, text)
+    state = first.state()
+    say(first, 0.3, "lost with the process")
+    first.end(False, "")
+    second = record()
+    second.resume([], state)
+    for time, text in ((0.3, "contact"), (0.4, "flight")):
+        say(second, time, text)
+    second.end(True, "")
+    rows = (tmp_path / "texts.csv").read_text("utf-8").splitlines()
+    assert rows[1:] == ["0.0,one.state,flight", "0.2,one.state,contact", "0.4,one.state,flight"]
 
 
 @pytest.mark.parametrize("process", PROCESSES)
