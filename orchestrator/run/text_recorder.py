@@ -30,7 +30,7 @@ def list_texts(scenario: Scenario) -> dict[str, list[str]]:
 
 
 class TextRecorder:
-    """Records the `texts` (by instance) in a CSV file: all at the start, then those that a macro step changes.
+    """Records the `texts` (by instance) in a CSV file: at the start, and where a macro step changes one.
 
     A text holds until the next line of its variable. Binary values are hexadecimal digits.
     """

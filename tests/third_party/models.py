@@ -307,7 +307,7 @@ MODELS["inertia"] = Model(
 MODELS["called_vector"] = replace(
     MODELS["vector"],
     variables=tuple(replace(v, derivative="") for v in MODELS["vector"].variables),
-    abilities='maxOutputDerivativeOrder="1" ',
+    abilities=MODELS["vector"].abilities + 'maxOutputDerivativeOrder="1" ',
     rates={"y": "slope"},
 )
 # Its output is right only when initialisation is over.
