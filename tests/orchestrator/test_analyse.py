@@ -16,6 +16,7 @@ from models.slider_crank.motions.machine import FORMS
 from orchestrator.analyses import list_analyses, load
 from orchestrator.analyses._evaluate import analyse, parse_setting
 from orchestrator.errors import MistakeError
+from tests.fmus.names import mark_long
 from tribocosim.command_line import app
 
 # Enough to run every line; each analysis takes those that it has.
@@ -26,7 +27,7 @@ SHORT = {"cycles": 40, "transient": 20, "points": 50, "x_count": 3, "y_count": 2
 SLIDER_CRANK = [name for name in list_analyses() if "form" in load(name).parameters]
 
 
-@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("form", mark_long(FORMS, ["nonlinear"]))
 @pytest.mark.parametrize("name", SLIDER_CRANK)
 def test_runs_for_every_form(name: str, form: str) -> None:
     """Results are those declared, numbers or texts as declared; the table holds the same ones."""

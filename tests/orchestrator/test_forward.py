@@ -135,6 +135,7 @@ def test_a_run_repeats_to_the_bit_from_its_state() -> None:
     np.testing.assert_array_equal(one.values, other.values)
 
 
+@pytest.mark.long
 def test_a_step_over_the_tolerance_is_kept_and_told() -> None:
     """The two masses start with a force that is in no signal yet."""
     _, _, found = ride(control("defect", 1e-8), name="two-masses")

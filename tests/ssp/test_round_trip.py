@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import list_shipped, load, override, read_contents
 from orchestrator.scenario.ssp import export
+from tests.fmus.names import mark_long
 from tests.third_party.c_fmus import fmu
 from tests.third_party.runs import ran
 from tests.third_party.runs import scenario as foreign_scenario
@@ -22,9 +23,8 @@ from tribocosim.cached_fmus import build_fmu
 
 from .schemas import assert_valid
 
-# They find an equilibrium of many instances, or of a pressure field.
-SLOW = ("valve-train-16v", "engine-16v", "valve-train-ehl", "valve-train-ehl-sweep", "engine-ehl")
-NAMES = [pytest.param(name, marks=pytest.mark.long if name in SLOW else ()) for name in list_shipped()]
+# With vectors, a table beside the file, and conversions; the others build many FMUs.
+NAMES = mark_long(list_shipped(), ["valve-train", "my-cam", "quarter-car", "two-masses"])
 
 
 def round_trip(scenario: Scenario, folder: Path) -> Scenario:

@@ -23,6 +23,7 @@ from orchestrator.scenario import Scenario
 from orchestrator.scenario.fmu_limits import FmuLimits
 from orchestrator.scenario.system import build_system
 from orchestrator.scenario.warnings import list_warnings
+from tests.fmus.names import mark_long
 
 from .c_fmus import fmu
 from .runs import never, ran, scenario
@@ -74,7 +75,7 @@ def test_held_inputs_get_the_mean_and_the_run_is_of_second_order(name: str, tmp_
     assert error["hold", 2e-3] > 10.0 * error["linear", 2e-3]
 
 
-@pytest.mark.parametrize("signal", DEGREES)
+@pytest.mark.parametrize("signal", mark_long(DEGREES, ["hermite"]))
 def test_passes_in_compiled_code_give_held_inputs_the_same_bits(signal: str, tmp_path: Path) -> None:
     """Through a conversion of units too; an FMU in its own process is stepped by Python."""
     found = []

@@ -89,7 +89,7 @@ def test_outputs_at_a_jump_are_those_after_it() -> None:
 
 
 def test_what_cannot_be_solved_is_refused() -> None:
-    contact = ehl_line_contact(nodes=51)
+    contact = ehl_line_contact(nodes=101)
     with pytest.raises(ModelError, match="no form as ordinary differential equations"):
         solve_driven(contact, pieces(contact, "approach", [(0.0, 0.0, 0.0)]), np.array([1e-3]))
     mass = falling_mass()

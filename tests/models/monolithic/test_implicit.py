@@ -43,7 +43,7 @@ def with_contact(contact: Component, **parameters: float) -> System:
 
 @cache
 def ringing() -> System:
-    return with_contact(ehl_line_contact(51))
+    return with_contact(ehl_line_contact(101))
 
 
 @cache
@@ -92,7 +92,7 @@ def test_a_formula_film_gives_what_the_reference_of_odes_gives() -> None:
 
 def test_a_formula_is_solved_as_an_ode_and_a_field_is_not() -> None:
     check_ode(with_contact(ehl_contact()))
-    with pytest.raises(ModelError, match=r"contact: ehl_line_contact with nodes = 51 has no form as"):
+    with pytest.raises(ModelError, match=r"contact: ehl_line_contact with nodes = 101 has no form as"):
         check_ode(ringing())
 
 
@@ -142,7 +142,7 @@ def test_steps_reach_all_instants_and_grow_slowly() -> None:
 
 
 def test_a_step_that_cannot_be_solved_names_contact_time_and_remedy() -> None:
-    system = with_contact(ehl_line_contact(51))
+    system = with_contact(ehl_line_contact(101))
     x0 = system.x0.copy()
     x0[system.state.names.index("valve_spring.velocity")] = -1e6
     with pytest.raises(ModelError, match=r"SDIRK4 failed at t = .*contact: .*longest_step = 8e-06 s"):
@@ -158,5 +158,5 @@ def test_events_beside_a_field_are_refused() -> None:
     system = ringing()
     crank = Instance(CATALOGUE["slider_crank"]())
     connections = [(str(c.source), str(c.target)) for c in system.connections]
-    with pytest.raises(ModelError, match=r"crank: slider_crank has events.*contact \(nodes = 51\)"):
+    with pytest.raises(ModelError, match=r"crank: slider_crank has events.*contact \(nodes = 101\)"):
         check_solvable(System({**system.instances, "crank": crank}, connections))

@@ -31,7 +31,7 @@ LOAD_IS_GIVEN = [
 ]
 
 
-def counting(nodes: int = 51, energies: int = 1, **parameters: float) -> Unit:
+def counting(nodes: int = 101, energies: int = 1, **parameters: float) -> Unit:
     """A solved film of smooth surfaces whose steps are not cut."""
     component = ehl_line_contact(nodes=nodes, energies=energies)
     chosen = {"field_tolerance": 0.1, "roughness": 0.0, **parameters}

@@ -103,6 +103,7 @@ def errors(lengths: list[float]) -> dict[str, Vector]:
     return {name: found[:, CONTACT.outputs.index(name)] for name in SMOOTH}
 
 
+@pytest.mark.long
 def test_rates_come_with_the_second_order_of_the_steps() -> None:
     """In the median, as a node that gets or loses its pressure makes a small kink."""
     coarse, fine = (errors([h] * round(STOP / h)) for h in (4e-5, 2e-5))
@@ -110,6 +111,7 @@ def test_rates_come_with_the_second_order_of_the_steps() -> None:
         assert math.log2(np.median(coarse[name]) / np.median(fine[name])) > 1.8, name
 
 
+@pytest.mark.long
 def test_rates_of_uneven_steps() -> None:
     """Films keep the order. Load and width follow what the method (of stage order 1) damps within a step with
     an error of that step, which does not change evenly: their rates are right to a hundredth (measured 0.5 %,

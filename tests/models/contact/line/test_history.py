@@ -21,6 +21,7 @@ OIL = Lubricant(0.036, 1.8e-8)
 NODES_ERROR = 0.02
 
 
+@pytest.mark.long
 def test_a_thousandfold_period_gives_the_steady_film() -> None:
     """On the flank towards a reversal, where the film of the cycle lags by far more than the nodes' error."""
     degrees = np.linspace(100.0, 140.0, 161)
