@@ -17,7 +17,7 @@ from ..core.errors import ModelError
 from ..core.quantities import Vector
 from .bodies import ORIGIN, Point, Y, Z, find_direction, make_axes
 from .ranges import check_values
-from .tables import AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD, PERPENDICULAR
+from .tables import AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD, PERPENDICULAR, ROUND_CAM
 
 
 @dataclass(frozen=True)
@@ -186,6 +186,31 @@ def flat_cam(
         "p_i": at_cam,
         "p_j": at_follower,
     }
+    return Joint(name, cam, follower, [Constraint("contact", fields)], at_cam, at_follower, cam=profile)
+
+
+def round_cam(
+    name: str,
+    cam: str,
+    follower: str,
+    profile: Any,
+    radius: float,
+    *,
+    at_cam: Point = ORIGIN,
+    at_follower: Point = ORIGIN,
+    axis: Point = Z,
+    foot: Point = Y,
+) -> Joint:
+    """A roller, round pad or point (radius 0, m) stays on a cam: 1 constraint. Its multiplier is the load W.
+
+    Its centre is at `at_follower`. The cam is that of `flat_cam`, whose curve must be convex.
+    """
+    check_values(f"joint {name}", radius=radius)
+    first = find_direction(foot)
+    fields = {
+        "kind": ROUND_CAM, "a": first, "a2": np.cross(find_direction(axis), first),
+        "p_i": at_cam, "p_j": at_follower, "offset": radius,
+    }  # fmt: skip
     return Joint(name, cam, follower, [Constraint("contact", fields)], at_cam, at_follower, cam=profile)
 
 
