@@ -132,7 +132,7 @@ def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
     shown = Table("r/min", *(head for head, _, _ in columns), title="Steady cycles", title_justify="left")
     for i, speed in enumerate(table["speed"].values):
         cells = (f"{scale * float(table[name][i]):.4g}" for _, name, scale in columns)
-        shown.add_row(f"{speed * RPM:.0f}", *cells, "" if table["change"][i] <= STEADY else "not steady")
+        shown.add_row(f"{speed * RPM:.0f}", *cells, _describe_state(table.isel(speed=i)))
     reporter.console.print(shown)
     unsteady = int(np.sum(table["change"].values > STEADY))
     if unsteady:
@@ -140,6 +140,13 @@ def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
             f"{unsteady} of {table.sizes['speed']} cycles do not repeat themselves within 1e-5; their "
             "numbers are of the last period"
         )
+
+
+def _describe_state(cycle: xarray.Dataset) -> str:
+    """What keeps the numbers of a cycle from being those of a train that follows its cam."""
+    lost = any(cycle[name] > 0.0 for name in cycle.data_vars if str(name).endswith(".lost"))
+    found = {"contact lost": lost, "not steady": cycle["change"] > STEADY}
+    return ", ".join(text for text, holds in found.items() if holds)
 
 
 def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
@@ -165,9 +172,14 @@ def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
 
 
 def describe_lift_loss(table: xarray.Dataset) -> Iterator[str]:
-    """A sentence on each valve: what its lift loses of the area that it has at the lowest speed."""
+    """A sentence on each valve: what its lift loses of the area that it has at the lowest speed, as long as
+    contact is kept: a valve that flies has more."""
+    lost = _find_lost(table, "lost")
+    followed = table.isel(speed=np.flatnonzero(~lost)) if lost.size == table.sizes["speed"] else table
     for name in (str(name) for name in table.data_vars if str(name).endswith(".lift_area")):
-        area, speeds = table[name].values, table["speed"].values * RPM
+        area, speeds = followed[name].values, followed["speed"].values * RPM
+        if not area.size:
+            continue
         loss = 1.0 - area / area[0]
         worst = int(np.argmax(np.abs(loss)))
         if worst:

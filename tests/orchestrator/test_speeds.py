@@ -18,7 +18,7 @@ from orchestrator.scenario.files import load
 from orchestrator.speeds.compare import find_worst
 from orchestrator.speeds.figures_of_merit import describe_numbers, measure
 from orchestrator.speeds.separation import CLOSE, bisect_separation
-from orchestrator.speeds.sweep import read_table
+from orchestrator.speeds.sweep import describe_lift_loss, read_table
 
 from .commands import called, said
 
@@ -131,6 +131,25 @@ def test_the_worst_of_the_area_under_the_lift_is_the_least() -> None:
     found = find_worst(table, "valve.lift_area", 1e3)
     assert found
     assert (found.value, found.speed_rpm) == pytest.approx((1.0, 2.0 * 60.0 / (2.0 * np.pi)))
+
+
+def test_lift_is_compared_at_speeds_with_contact() -> None:
+    """A valve that flies has more area than the cam gives it."""
+    values = {"valve.lift_area": [2e-3, 1.9e-3, 5e-3], "contact.lost": [0.0, 0.0, 0.1]}
+    table = xarray.Dataset(
+        {name: ("speed", column) for name, column in values.items()},
+        {"speed": np.array([100.0, 200.0, 300.0])},
+    )
+    (sentence,) = describe_lift_loss(table)
+    assert sentence == "valve: the area under its lift is 5 % less at 1910 than at 955 r/min"
+    assert not list(describe_lift_loss(table.isel(speed=[2])))
+
+
+def test_rows_without_contact_are_marked(swept: tuple[Path, str]) -> None:
+    _, said_text = swept
+    rows = {line.split("│")[1].strip(): line for line in said_text.splitlines() if line.startswith("│")}
+    assert "contact lost" in rows["3400"]
+    assert "contact lost" not in rows["1000"]
 
 
 def test_a_folder_without_a_sweep_is_named(tmp_path: Path) -> None:
