@@ -48,6 +48,8 @@ def analyse(
         with reporter.stage(analysis.description):
             table = compute_table(analysis, values)
         results = {result: table[result].item() for result in analysis.results}
+        if analysis.describe:
+            reporter.line(analysis.describe(values))
         reporter.console.print(build_results_table(analysis, results))
         for file in held:
             file.unlink()

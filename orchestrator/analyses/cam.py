@@ -20,6 +20,7 @@ from models.valve_train.followers.shape import FOLLOWERS, Follower, sample_angle
 from ..errors import MistakeError
 from ..scenario.lift_table import doubt_cam
 from ._cam_profile import (
+    FIELDS,
     GEOMETRY,
     NONE,
     TABLE_EVENT,
@@ -209,6 +210,16 @@ def _evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
     return {name: table[name].item() for name in ANALYSIS.results}
 
 
+def _describe(values: Mapping[str, Any]) -> str:
+    """What the results are of; radii, reversals and velocities depend on it."""
+    fields = FIELDS[values["follower"]]
+    radius = f" of radius {1e3 * values['radius']:g} mm" if "radius" in fields else ""
+    return (
+        f"{values['follower'].replace('_', ' ')} follower{radius}, base circle radius "
+        f"{1e3 * values['base_radius']:g} mm, {values['speed'] * 30.0 / math.pi:g} r/min"
+    )
+
+
 _FOLLOWERS = tuple(FOLLOWERS)
 ANALYSIS = Analysis(
     name="cam",
@@ -255,4 +266,5 @@ ANALYSIS = Analysis(
     table=_tabulate,
     draw=draw_by("cam", "draw_cam"),
     texts={"svg": write_svg, "dxf": write_dxf},
+    describe=_describe,
 )

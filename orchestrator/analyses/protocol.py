@@ -109,7 +109,7 @@ class Analysis:
 
     `table` returns the data behind the results and, as variables without dimension, the results. `draw`
     returns a figure of a table and the parameters. `texts` are further files by their endings: functions that
-    return the text of a table and the parameters.
+    return the text of a table and the parameters. `describe` says in words what the results are of.
     """
 
     name: str
@@ -120,6 +120,7 @@ class Analysis:
     table: Callable[[Mapping[str, Any]], xarray.Dataset] | None = None
     draw: Callable[[xarray.Dataset, Mapping[str, Any]], Figure] | None = None
     texts: Mapping[str, Callable[[xarray.Dataset, Mapping[str, Any]], str]] = field(default_factory=dict)
+    describe: Callable[[Mapping[str, Any]], str] | None = None
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name; MistakeError if there is none."""

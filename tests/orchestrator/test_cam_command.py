@@ -107,6 +107,12 @@ def test_scenarios_give_the_cam_and_follower_that_they_have():
     assert find_settings("valve-train")["follower"] == "flat"
 
 
+def test_it_says_of_which_follower_and_speed_its_results_are():
+    describe = load("cam").describe
+    values = load("cam").complete(find_settings("roller-finger") | {"speed": "3000 rpm"})
+    assert describe(values) == "finger roller follower of radius 9 mm, base circle radius 18 mm, 3000 r/min"
+
+
 @pytest.mark.parametrize(
     ("source", "component", "message"),
     [
