@@ -1,21 +1,26 @@
 """Published coupling problems: the fewest doSteps for an error by tool, and our advice against the best.
 
-Equations are our own components'; solutions are matrix exponentials.
+Equations are our own components', or those of public FMUs, which are looked for in the folder that the
+environment variable TRIBOCOSIM_THIRD_PARTY names, or beside the repository. Solutions are matrix
+exponentials.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from fmus.build import build
-from orchestrator.analyses.stability.linearisation import open_linearisations
+from orchestrator.analyses.stability.linearisation import open_linearisations, open_units
 from orchestrator.analyses.stability.survey import survey
 from orchestrator.errors import RunError
-from orchestrator.participants import in_process
+from orchestrator.run.plan import FmuFile
 from orchestrator.run.simulation import simulate
+from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.study.work_precision import methods, peers
@@ -29,6 +34,11 @@ PROBLEMS: dict[str, tuple[str, list[str], float]] = {
     "precice-oscillator": ("two-masses", PRECICE, 0.48),
     "mass-spring-damper": ("two-masses", MAESTRO, 3.2),
 }
+VARIABLE = "TRIBOCOSIM_THIRD_PARTY"
+BESIDE = Path(__file__).parents[1].parent / "shared" / "third_party"
+# The quarter truck on which libcosim's issue 609 compares tools, with solvers inside that are exact enough.
+TRUCK = {"chassis": "quarter_truck/Chassis.fmu", "wheel": "quarter_truck/Wheel.fmu"}
+TIGHT = {"relTolerance": 1e-6, "absTolerance": 1e-6}
 ERRORS = (1e-2, 1e-4)
 STEPS = 5  # macro steps of each method, each half of the one before
 OURS = (
@@ -40,27 +50,89 @@ OURS = (
 )
 
 
+@dataclass(frozen=True)
+class Published:
+    """A problem, its FMUs, and its scenario with a macro step (s) and an error allowed of all its outputs."""
+
+    problem: CouplingProblem
+    files: Mapping[str, FmuFile]
+    describe: Callable[[float, float], Scenario]
+    ours: Sequence[Method] = OURS
+    errors: Sequence[float] = ERRORS
+
+
 def measure() -> Iterator[tuple[str, str]]:
     """Figures and their values, a problem after the other."""
     for name in PROBLEMS:
-        yield from _measure_problem(name)
+        yield from _measure_problem(_build_published(name))
+    folders = [Path(folder) for folder in (os.environ.get(VARIABLE), BESIDE) if folder]
+    for folder in folders:
+        if all((folder / file).is_file() for file in TRUCK.values()):
+            yield from _measure_problem(_build_truck(folder))
+            return
+    yield "quarter-truck", f"not run: needs {', '.join(TRUCK.values())} in the folder of {VARIABLE}"
 
 
-def _measure_problem(name: str) -> Iterator[tuple[str, str]]:
-    problem = build_problem(name, PROBLEMS[name][2])
-    problem = replace(problem, halvings=problem.halvings[:STEPS], held_halvings=problem.held_halvings[:STEPS])
+def _build_published(name: str) -> Published:
+    scenario, settings, stop = PROBLEMS[name]
+    problem = build_problem(name, stop)
     files = build_fmus(problem, lambda component, structure, kind: build(component, None, structure))
+
+    def describe(step: float, allowed: float) -> Scenario:
+        tolerance = "tolerance={" + ", ".join(f"'{one}'={allowed!r}" for one in problem.outputs) + "}"
+        return load(scenario, [*settings, f"stop_time={stop!r}", f"macro_step={step!r}", tolerance])
+
+    return Published(problem, files, describe)
+
+
+def _build_truck(folder: Path) -> Published:
+    """The quarter truck, whose equations are those of the quarter car."""
+    car = build_problem("quarter-car", PROBLEMS["quarter-car"][2])
+
+    def describe(step: float, allowed: float) -> Scenario:
+        tables = {
+            name: {"participant": str(folder / file), "process": "shared", "parameters": TIGHT}
+            for name, file in TRUCK.items()
+        }
+        return build_scenario(
+            {
+                "name": "quarter-truck",
+                "stop_time": car.duration,
+                "macro_step": step,
+                "start": "given",
+                "reference": {"enabled": False},
+                "tolerance": dict.fromkeys(car.outputs, allowed),
+                "connections": [
+                    "chassis.velocity -> wheel.in_vel",
+                    "wheel.out_spring_damper_f -> chassis.force",
+                ],
+                "components": tables,
+            }
+        )
+
+    system = build_system(describe(car.ladder[0], ERRORS[0]))
+    files = {name: FmuFile(folder / file, "") for name, file in TRUCK.items()}
+    # Step control takes thousands of steps, of which each of these FMUs costs a millisecond. Their outputs
+    # stay those of the last step when inputs are given after it: no master comes to the smaller error.
+    fixed = [method for method in OURS if not method.estimator]
+    truck = replace(car, name="quarter-truck", system=system)
+    return Published(truck, files, describe, fixed, ERRORS[:1])
+
+
+def _measure_problem(published: Published) -> Iterator[tuple[str, str]]:
+    problem, files = published.problem, published.files
+    problem = replace(problem, halvings=problem.halvings[:STEPS], held_halvings=problem.held_halvings[:STEPS])
     rows = {
         method.name: [methods.measure_method(problem, files, method, s) for s in method.settings(problem)]
-        for method in OURS
+        for method in published.ours
     }
     rows |= {peer: list(peers.measure_peer(problem, files, peer)) for peer in peers.PEERS}
-    for error in ERRORS:
+    for error in published.errors:
         found = {method: least for method, own in rows.items() if (least := _find_least(own, error))}
         shown = [f"{m} {n}" for m, n in sorted(found.items(), key=lambda item: item[1])]
         shown += [_describe_most(method, own) for method, own in rows.items() if method not in found]
-        yield f"{name}, doSteps for an error of {error:g}", "; ".join(shown)
-        yield f"{name}, advice for an error of {error:g}", _describe_advice(problem, error, found)
+        yield f"{problem.name}, doSteps for an error of {error:g}", "; ".join(shown)
+        yield f"{problem.name}, advice for an error of {error:g}", _describe_advice(published, error, found)
 
 
 def _find_least(rows: Sequence[Row], error: float) -> int:
@@ -76,11 +148,10 @@ def _describe_most(method: str, rows: Sequence[Row]) -> str:
     return f"{method} over {max(row.calls for row in rows)} (error {min(errors):.1e})"
 
 
-def _describe_advice(problem: CouplingProblem, allowed: float, found: dict[str, int]) -> str:
+def _describe_advice(published: Published, allowed: float, found: dict[str, int]) -> str:
     """What `analyse` advises, what a run of it has, and its doSteps over the fewest of all others."""
-    scenario, settings, stop = PROBLEMS[problem.name]
-    tolerance = "tolerance={" + ", ".join(f"'{output}'={allowed!r}" for output in problem.outputs) + "}"
-    one = load(scenario, [*settings, f"stop_time={stop!r}", f"macro_step={problem.ladder[2]!r}", tolerance])
+    problem = published.problem
+    one = published.describe(problem.ladder[2], allowed)
     system = build_system(one)
     with open_linearisations(one, system, None) as sources:
         best = survey(one, system, linearisations=sources).best
@@ -88,9 +159,9 @@ def _describe_advice(problem: CouplingProblem, allowed: float, found: dict[str, 
         return "none"
     step = problem.duration / np.ceil(problem.duration / best.advised_step)
     trace = Trace(problem.outputs)
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
     try:
-        made = simulate(system, units, best.master, float(step), problem.duration, [trace])
+        with open_units(one, system) as units:
+            made = simulate(system, units, best.master, float(step), problem.duration, [trace])
     except RunError as error:
         return f"{best.name}, {step:.3g} s, whose run fails: {error}"
     reached = compute_errors(problem, np.array(trace.times), np.array(trace.rows))["error"]

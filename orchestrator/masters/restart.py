@@ -35,7 +35,7 @@ def repeat_first_step(
     history, degree = state.history, coupling.wiring.degree
     extrapolate(history, degree, coupling.signals)
     if not coupling.restorable:
-        if history.count == 1 and coupling.divisible:
+        if history.count == 1 and coupling.divisible and coupling.wiring.connected.size:
             _grow(coupling, kind, order, time, step)
         else:
             coupling.sweep(kind, order, time, step)
