@@ -36,7 +36,6 @@ from .kernel_content import PACKAGE, compute_digest, describe, is_ours, relative
 # numba's, whose types say little.
 types: Any = numba.types
 normalized: Any = sigutils.normalize_signature
-config: Any = numba.config
 rebuild: Any = compiler.CompileResult._rebuild
 assemble: Any = compiler.compile_result
 
@@ -44,7 +43,6 @@ assemble: Any = compiler.compile_result
 HOME = "tribocosim_kernels"
 sys.modules.setdefault(HOME, python_types.ModuleType(HOME))
 
-FULL = 3  # numba's usual level of optimization
 # Settings of numba's that change the code it makes.
 _SETTINGS = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "USING_SVML")
 
@@ -151,7 +149,7 @@ class LinkedKernelCache(KernelCache):
     """The same for code that other kernels link, which has no machine code and no entry for Python."""
 
     def __init__(self, function: Callable[..., Any], options: str) -> None:
-        super().__init__(function, f"{options}, to link")
+        super().__init__(function, f"{options}, for callers")
 
     def _enter(self, target_context: Any, known: Any) -> Any:
         return Link()
@@ -181,21 +179,14 @@ class LinkedKernelCache(KernelCache):
 
 
 def finalize(library: Any) -> None:
-    """As numba does, without machine code, nor optimization: callers are optimized, with this code in them.
+    """As numba does, without machine code.
 
-    Native FMUs are made at a lower level, where once leaves switches whose derivatives are not known.
+    The code is optimized before its callers link it: left to them, large mechanisms ran 1.5 times as long.
     """
-    if config.OPT == FULL:
-        library._optimize_final_module = _do_nothing
     library._finalize_final_module = library._finalize_dynamic_globals
     library.finalize()
-    vars(library).pop("_optimize_final_module", None)
     del library._finalize_final_module
     library._finalized = True
-
-
-def _do_nothing() -> None:
-    pass
 
 
 def _folder() -> Path:
@@ -205,7 +196,7 @@ def _folder() -> Path:
 @functools.cache
 def _versions(codegen: Any) -> str:
     """A digest of what compiles, and for which processor."""
-    settings = [(name, getattr(config, name, None)) for name in _SETTINGS]
+    settings = [(name, getattr(numba.config, name, None)) for name in _SETTINGS]
     compilers = (sys.implementation.cache_tag, numba.__version__, llvmlite.__version__, np.__version__)
     return hashlib.sha256(repr((compilers, settings, codegen.magic_tuple())).encode()).hexdigest()[:16]
 
