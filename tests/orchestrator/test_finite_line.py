@@ -65,6 +65,7 @@ def test_through_the_cycle_the_middle_is_the_line_contact(tmp_path: Path):
         np.testing.assert_allclose(middle, table["line_film"].values, rtol=1.5e-2)
 
 
+@pytest.mark.long
 def test_through_the_cycle_an_end_bears_what_misalignment_puts_there():
     values = {"instants": 2, "start": 2.4, "end_cell": 0.4, "shaft_length": 0.03}
     cycle = load("finite_line_cycle")

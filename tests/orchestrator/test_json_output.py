@@ -32,14 +32,18 @@ def test_a_run_prints_its_summary(tmp_path: Path) -> None:
     assert found["diagnosis"]["steps"] == printed["macro_steps"]
 
 
-def test_analyses_print_their_results_and_tables(tmp_path: Path) -> None:
-    """A table is as xarray reads it."""
+def test_analyses_print_their_results(tmp_path: Path) -> None:
     cam = read("cam", "cycloidal", "--base-radius", "30 mm", "--out", str(tmp_path / "cam"))
     assert cam["largest_lift"] == pytest.approx(8e-3, rel=1e-9)
-    survey = read("analyse", "two-masses", "--out", str(tmp_path / "survey"))
-    assert xarray.Dataset.from_dict(survey)["largest_stable_step"].size > 10
     assert "cam" in read("analyse")
     assert read("analyse", "cam", "--parameters")["lift"]["unit"] == "m"
+
+
+@pytest.mark.long
+def test_a_survey_prints_its_table(tmp_path: Path) -> None:
+    """As xarray reads it."""
+    survey = read("analyse", "two-masses", "--out", str(tmp_path / "survey"))
+    assert xarray.Dataset.from_dict(survey)["largest_stable_step"].size > 10
 
 
 def test_a_mistake_prints_nothing(tmp_path: Path) -> None:

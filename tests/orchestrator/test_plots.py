@@ -289,7 +289,7 @@ def macro_steps(iterations: list[int]) -> Steps:
     count = len(iterations)
     even = np.full(count, 0.1)
     nothing = np.zeros(count)
-    return Steps(np.cumsum(even), even, np.array(iterations), nothing, nothing, nothing, nothing)
+    return Steps(np.cumsum(even), even, np.array(iterations), *[nothing] * 5)
 
 
 def test_steps_that_are_all_alike_but_the_first_are_not_drawn(bouncing: FigureData) -> None:

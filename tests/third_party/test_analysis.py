@@ -116,6 +116,7 @@ def test_a_run_with_the_advised_method_and_step_is_within_the_tolerance(
     record("Coupling", case, largest, 0.0, "tolerance", tolerance=0.75 * allowed)
 
 
+@pytest.mark.long
 def test_instants_after_which_an_fmu_ends_itself_are_left_out(tmp_path: Path) -> None:
     """Its responses take 0.6 s; one that no connection drives needs none."""
     found = surveyed(masses("ending_mass", tmp_path))

@@ -15,6 +15,7 @@ from models.contact.films import FILMS
 from models.core.integrator import OK
 from models.core.quantities import Vector
 
+pytestmark = pytest.mark.long
 NODES = 101
 CONTACT = ehl_line_contact(nodes=NODES)
 OMEGA = 2.0 * math.pi * 300.0
@@ -103,7 +104,6 @@ def errors(lengths: list[float]) -> dict[str, Vector]:
     return {name: found[:, CONTACT.outputs.index(name)] for name in SMOOTH}
 
 
-@pytest.mark.long
 def test_rates_come_with_the_second_order_of_the_steps() -> None:
     """In the median, as a node that gets or loses its pressure makes a small kink."""
     coarse, fine = (errors([h] * round(STOP / h)) for h in (4e-5, 2e-5))
@@ -111,7 +111,6 @@ def test_rates_come_with_the_second_order_of_the_steps() -> None:
         assert math.log2(np.median(coarse[name]) / np.median(fine[name])) > 1.8, name
 
 
-@pytest.mark.long
 def test_rates_of_uneven_steps() -> None:
     """Films keep the order. Load and width follow what the method (of stage order 1) damps within a step with
     an error of that step, which does not change evenly: their rates are right to a hundredth (measured 0.5 %,
