@@ -166,9 +166,15 @@ class Mechanism:
             )
         worst = int(np.argmax(left))
         return ModelError(
-            f"the mechanism cannot be assembled at t = {t:g} s: {self.constraint_names[worst]} is left with "
-            f"{e.held.value[worst]:.3g}; look at the lengths of its bodies, or start nearer to where they fit"
+            f"the mechanism cannot be assembled at {self.describe_instant(t)}: "
+            f"{self.constraint_names[worst]} is left with {e.held.value[worst]:.3g}; look at the lengths of "
+            "its bodies, or start nearer to where they fit"
         )
+
+    def describe_instant(self, t: float) -> str:
+        """The time, and the angles of the drives there."""
+        angles = [f"{find_drive_angle(row, t):.6g} rad" for row in self.tables.rows if row["kind"] == DRIVEN]
+        return f"t = {t:.6g} s" + (f", drive angle {', '.join(angles)}" if angles else "")
 
     def find_redundant(self, jacobian: Vector) -> tuple[str, ...]:
         """The constraints whose rows depend on those before them."""

@@ -13,7 +13,6 @@ from ..core.errors import ModelError
 from ..core.quantities import Vector
 from .bodies import GROUND
 from .mechanism import Mechanism
-from .tables import DRIVEN, find_drive_angle
 
 # Cosine of the Cardan angle beta below which its rates are said to be lost.
 UPRIGHT = 1e-3
@@ -153,11 +152,7 @@ def explain_failure(mechanism: Mechanism, t: float, q: Vector, v: Vector, reason
     rows = e.held.jacobian / np.linalg.norm(e.held.jacobian, axis=1, keepdims=True)
     combination = np.linalg.svd(rows)[0][:, -1]
     name = mechanism.constraint_names[int(np.argmax(np.abs(combination)))]
-    angles = ", ".join(
-        f"{find_drive_angle(row, t):.6g} rad" for row in mechanism.tables.rows if row["kind"] == DRIVEN
-    )
-    where = f"t = {t:.6g} s" + (f", drive angle {angles}" if angles else "")
     return ModelError(
-        f"the mechanism locks, or can go on in two ways, at {where}: {name} cannot be held any longer "
-        f"({reason}); stop before, or change the lengths of its bodies"
+        f"the mechanism locks, or can go on in two ways, at {mechanism.describe_instant(t)}: {name} cannot "
+        f"be held any longer ({reason}); stop before, or change the lengths of its bodies"
     )
