@@ -1,9 +1,10 @@
-"""The output of C libraries in this process: what they print lies in buffers of the C library."""
+"""Where this process prints: descriptors of its streams, and what C libraries hold in their buffers."""
 
 from __future__ import annotations
 
 import ctypes
 import os
+from typing import Any
 
 _LINES = {"posix": 1}.get(os.name)  # _IOLBF of setvbuf
 
@@ -21,3 +22,11 @@ def flush() -> None:
     """Write what C code has printed."""
     if _LINES is not None:
         ctypes.CDLL(None).fflush(None)
+
+
+def find_descriptor(stream: Any) -> int | None:
+    """The descriptor of a Python stream; None for one that has none."""
+    try:
+        return int(stream.fileno())
+    except (OSError, ValueError):
+        return None

@@ -46,9 +46,24 @@ def kernel(function: F) -> F:
     """
     if not COMPILED:
         return function
-    if KernelDispatcher is None:
-        return cast(F, numba.jit(**_OPTIONS)(function))
-    return cast(F, KernelDispatcher(function, targetoptions=_OPTIONS))
+    dispatcher: Any = (
+        KernelDispatcher(function, targetoptions=_OPTIONS)
+        if KernelDispatcher
+        else numba.jit(**_OPTIONS)(function)
+    )
+    dispatcher.get_call_template = _call_exactly(dispatcher.get_call_template)
+    return cast(F, dispatcher)
+
+
+def _call_exactly(find: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """Kernels call what is compiled for their types: numba would take a record that begins alike."""
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        template, pysig, args, kws = find(args, kws)
+        template.cases = [case for case in template.cases if case.args == tuple(args)] or template.cases
+        return template, pysig, args, kws
+
+    return get_call_template
 
 
 def _view_as_record(context: Any, vector: Any, dtype: Any) -> Any:

@@ -6,8 +6,7 @@ each of them take a third of the time of compilation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
 from numba.core import dispatcher, registry, sigutils
@@ -39,7 +38,7 @@ class KernelDispatcher(registry.CPUDispatcher):
     """Compiles a kernel once for its callers among kernels, and once more if Python calls it too."""
 
     def __init__(self, py_func: Callable[..., Any], locals: Any = None, targetoptions: Any = None) -> None:
-        super().__init__(py_func, locals, targetoptions)
+        super().__init__(py_func, locals or {}, targetoptions)
         usual = self._compiler
         self._link_compiler = _LinkCompiler(
             py_func, self.targetdescr, targetoptions, self.locals, usual.pipeline_class
@@ -49,18 +48,11 @@ class KernelDispatcher(registry.CPUDispatcher):
         self._link_cache = LinkedKernelCache(py_func, options)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Kernels call what is compiled for their types: numba would take a record that begins alike."""
-        with self._compile_to_link():
-            template, pysig, args, kws = super().get_call_template(args, kws)
-        template.cases = [case for case in template.cases if case.args == tuple(args)] or template.cases
-        return template, pysig, args, kws
-
-    @contextmanager
-    def _compile_to_link(self) -> Iterator[None]:
+        """numba asks for it where it compiles a caller, which links the code."""
         usual = self._compiler, self._cache
         self._compiler, self._cache = self._link_compiler, self._link_cache
         try:
-            yield
+            return super().get_call_template(args, kws)
         finally:
             self._compiler, self._cache = usual
 

@@ -158,6 +158,12 @@ def prescribed_rotation(
     )
 
 
+def _lie_across(axis: Point, first: Point) -> dict[str, Vector]:
+    """The fields of a body that turns about an axis: a direction across it, and the one a quarter turn on."""
+    a = find_direction(first)
+    return {"a": a, "a2": np.cross(find_direction(axis), a)}
+
+
 def flat_cam(
     name: str,
     cam: str,
@@ -176,16 +182,10 @@ def flat_cam(
     touches at psi = 0 where `foot` points along `normal`, the face's away from the cam, and psi grows as
     the cam turns about `axis`. `at_follower` is a point of the face.
     """
-    first = find_direction(foot)
-    second = np.cross(find_direction(axis), first)
     fields = {
-        "kind": FLAT_CAM,
-        "a": first,
-        "a2": second,
-        "b": find_direction(normal),
-        "p_i": at_cam,
-        "p_j": at_follower,
-    }
+        "kind": FLAT_CAM, **_lie_across(axis, foot), "b": find_direction(normal),
+        "p_i": at_cam, "p_j": at_follower,
+    }  # fmt: skip
     return Joint(name, cam, follower, [Constraint("contact", fields)], at_cam, at_follower, cam=profile)
 
 
@@ -206,9 +206,8 @@ def round_cam(
     Its centre is at `at_follower`. The cam is that of `flat_cam`, whose curve must be convex.
     """
     check_values(f"joint {name}", radius=radius)
-    first = find_direction(foot)
     fields = {
-        "kind": ROUND_CAM, "a": first, "a2": np.cross(find_direction(axis), first),
+        "kind": ROUND_CAM, **_lie_across(axis, foot),
         "p_i": at_cam, "p_j": at_follower, "offset": radius,
     }  # fmt: skip
     return Joint(name, cam, follower, [Constraint("contact", fields)], at_cam, at_follower, cam=profile)
@@ -246,11 +245,9 @@ def lever_end(
     The lever turns by psi about `axis` through its pivot `at_lever`, which moves the face along its normal,
     away from the lever.
     """
-    face = find_direction(normal)
-    across = np.cross(find_direction(axis), face)
     fields = {
-        "kind": LEVER if end.constant_ratio else PAD, "a": face, "a2": across, "b": face,
-        "p_i": at_lever, "p_j": at_slider, "arm": end.arm, "tilt": end.tilt,
+        "kind": LEVER if end.constant_ratio else PAD, **_lie_across(axis, normal),
+        "b": find_direction(normal), "p_i": at_lever, "p_j": at_slider, "arm": end.arm, "tilt": end.tilt,
         "offset": end.radius - end.arm * math.sin(end.tilt),
     }  # fmt: skip
     return Joint(name, lever, slider, [Constraint("contact", fields)], at_lever, at_slider)

@@ -84,9 +84,9 @@ class PushrodTrain:
 
     def __post_init__(self) -> None:
         check_values("pushrod", density=self.rod.density, damping_time=self.rod.damping_time)
-        for name, least in (("segments", 0), ("coil_masses", 0)):
-            if getattr(self, name) < least:
-                raise ModelError(f"pushrod train: {name} = {getattr(self, name)}: must be {least} or more")
+        for name in ("segments", "coil_masses"):
+            if getattr(self, name) < 0:
+                raise ModelError(f"pushrod train: {name} = {getattr(self, name)}: must be 0 or more")
 
     @cached_property
     def heights(self) -> tuple[float, float, float]:

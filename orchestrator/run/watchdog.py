@@ -31,6 +31,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 
+from ..c_output import find_descriptor
 from ..compilation import PREPARING, announce_compilation
 from ..engine.step import Step
 from ..errors import MistakeError, StalledError
@@ -298,19 +299,11 @@ def _start_process(shared: int) -> subprocess.Popen[bytes]:
         return subprocess.Popen(
             [sys.executable, "-I", "-S", str(script), str(shared)],
             stdin=subprocess.PIPE,
-            stderr=_find_error_stream(),
+            stderr=find_descriptor(sys.stderr),  # may be another than that of standard error
             pass_fds=[shared],
         )
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _find_error_stream() -> int | None:
-    """The descriptor of `sys.stderr`, which may be another than that of standard error; None: it has none."""
-    try:
-        return sys.stderr.fileno()
-    except (OSError, ValueError):
-        return None
 
 
 def _on_quit(handler: int | None) -> int | None:

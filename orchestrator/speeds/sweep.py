@@ -128,11 +128,12 @@ def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan
 
 def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
     """A line for each speed, and how many cycles are not steady."""
-    columns = select_columns(table)
+    columns, lost = select_columns(table), _find_lost(table, "lost")
     shown = Table("r/min", *(head for head, _, _ in columns), title="Steady cycles", title_justify="left")
     for i, speed in enumerate(table["speed"].values):
         cells = (f"{scale * float(table[name][i]):.4g}" for _, name, scale in columns)
-        shown.add_row(f"{speed * RPM:.0f}", *cells, _describe_state(table.isel(speed=i)))
+        marks = {"contact lost": lost[i], "not steady": table["change"][i] > STEADY}
+        shown.add_row(f"{speed * RPM:.0f}", *cells, ", ".join(text for text, holds in marks.items() if holds))
     reporter.console.print(shown)
     unsteady = int(np.sum(table["change"].values > STEADY))
     if unsteady:
@@ -140,13 +141,6 @@ def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
             f"{unsteady} of {table.sizes['speed']} cycles do not repeat themselves within 1e-5; their "
             "numbers are of the last period"
         )
-
-
-def _describe_state(cycle: xarray.Dataset) -> str:
-    """What keeps the numbers of a cycle from being those of a train that follows its cam."""
-    lost = any(cycle[name] > 0.0 for name in cycle.data_vars if str(name).endswith(".lost"))
-    found = {"contact lost": lost, "not steady": cycle["change"] > STEADY}
-    return ", ".join(text for text, holds in found.items() if holds)
 
 
 def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
@@ -172,10 +166,11 @@ def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
 
 
 def describe_lift_loss(table: xarray.Dataset) -> Iterator[str]:
-    """A sentence on each valve: what its lift loses of the area that it has at the lowest speed, as long as
-    contact is kept: a valve that flies has more."""
-    lost = _find_lost(table, "lost")
-    followed = table.isel(speed=np.flatnonzero(~lost)) if lost.size == table.sizes["speed"] else table
+    """A sentence on each valve: what its lift loses of the area that it has at the lowest speed.
+
+    Speeds at which contact is lost are left out: a valve that flies has more area.
+    """
+    followed = table.isel(speed=np.flatnonzero(~_find_lost(table, "lost")))
     for name in (str(name) for name in table.data_vars if str(name).endswith(".lift_area")):
         area, speeds = followed[name].values, followed["speed"].values * RPM
         if not area.size:
@@ -245,9 +240,9 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> Separation 
 
 
 def _find_lost(table: xarray.Dataset, number: str) -> NDArray[np.bool_]:
-    """By speed, whether any contact has this share; empty for a train without contacts."""
+    """By speed, whether any contact has this share."""
     shares = [table[name].values for name in map(str, table.data_vars) if name.endswith(f".{number}")]
-    return np.any(np.array(shares) > 0.0, axis=0)
+    return np.any(np.reshape(shares, (len(shares), table.sizes["speed"])) > 0.0, axis=0)
 
 
 def _bisect(subject: SpeedSubject, speeds: Vector, lost: NDArray[np.bool_], number: str) -> float:

@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from orchestrator.c_output import flush, write_lines_at_once
+from orchestrator.c_output import find_descriptor, flush, write_lines_at_once
 from orchestrator.reporter import Reporter
 from orchestrator.store.output_folder import format_path
 
@@ -69,7 +69,7 @@ def _replace(file: int) -> Iterator[ExitStack]:
             stream.flush()
             before = os.dup(number)
             stack.callback(os.close, before)
-            if _find_descriptor(stream) == number:
+            if find_descriptor(stream) == number:
                 own = os.fdopen(os.dup(before), "w", 1, stream.encoding, stream.errors)
                 setattr(sys, name, own)
                 stack.callback(own.close)
@@ -78,10 +78,3 @@ def _replace(file: int) -> Iterator[ExitStack]:
             stack.callback(os.dup2, before, number)
         stack.callback(flush)
         yield stack
-
-
-def _find_descriptor(stream: Any) -> int:
-    try:
-        return int(stream.fileno())
-    except (OSError, ValueError):
-        return -1
