@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-import json
+import math
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -55,31 +55,35 @@ def speeds(
     *,
     out: str | Path | None = None,
     workers: int | None = None,
+    second_film: str | None = None,
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> xarray.Dataset:
     """The steady cycles of a valve train over the speed of its flywheel, as the command `speeds` finds them.
 
     The attribute `separation` says in words from which speed contact is lost, `separation_speed` is that
-    speed (r/min; nan: none was found). `out` keeps table, cycles and figures in a folder; a sweep that was
+    speed (r/min; nan: none was found). `second_separation` and `second_separation_speed` are those with
+    another film formula in the contacts: `second_film`, by default "dowson_toyoda" (the contacts' own: not
+    found). `out` keeps table, cycles and figures in a folder; a sweep that was
     stopped goes on there.
     """
     check_study_packages()
-    from orchestrator.speeds.sweep import parse_range, read_table, sweep
-    from orchestrator.store.output_folder import SUMMARY
+    from orchestrator.speeds.sweep import parse_range, sweep
     from orchestrator.study.run import Where
 
     if not isinstance(scenario, Scenario):
         scenario = load(scenario)
     chosen = parse_range(low, high, count)
     with _open_folder(out, "speeds") as folder:
-        sweep(scenario.content, chosen, folder, Where(workers=workers), SilentReporter(progress), overwrite)
-        table = read_table(folder)
-        found = json.loads((folder / SUMMARY).read_text("utf-8"))["separation"] or {}
-    speed = found.get("speed")
-    return table.assign_attrs(
-        separation=found.get("text", ""), separation_speed=float("nan") if speed is None else speed
-    )
+        where, reporter = Where(workers=workers), SilentReporter(progress)
+        found = sweep(scenario.content, chosen, folder, where, reporter, overwrite, second_film)
+    attributes: dict[str, Any] = {}
+    for name in ("separation", "second_separation"):
+        told = found.summary.get(name) or {}
+        speed = told.get("speed")
+        attributes[name] = told.get("text", "")
+        attributes[f"{name}_speed"] = math.nan if speed is None else speed
+    return found.table.assign_attrs(attributes)
 
 
 def study(

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from models.core.quantities import Vector
 
+from ..assessment.lost_contact import find_lost
 from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 
 RPM = 30.0 / math.pi
 COLOURS = (COUPLED, REFERENCE, ACCENT, MUTED)
 MOST_ORDERS = 24
+PALE = 0.3  # opacity of speeds at which contact is lost
 # Speeds that make a curve.
 LEAST_SHOWN = 3
 # Colours of natural frequencies, by their kind.
@@ -84,8 +86,7 @@ def _limit_to_contact(
 def _shown_speeds(table: xarray.Dataset) -> NDArray[np.bool_]:
     """The speeds at which no contact is lost, or all where these are too few for a curve."""
     every = np.ones(table.sizes["speed"], dtype=np.bool_)
-    lost = [table[name].values > 0.0 for name in table.data_vars if str(name).endswith(".lost")]
-    kept = ~np.any(lost, axis=0) if lost else every
+    kept = ~find_lost(table)
     return kept if np.count_nonzero(kept) >= LEAST_SHOWN else every
 
 
@@ -104,16 +105,17 @@ def _draw_curves(axes: Axes, scale: float, names: list[str], table: xarray.Datas
         axes.legend(fontsize=7)
 
 
-def draw_map(cycles: xarray.Dataset, name: str) -> Figure:
-    """A load over cam angle and speed; white where it is zero."""
+def draw_map(cycles: xarray.Dataset, name: str, lost: NDArray[np.bool_]) -> Figure:
+    """A load over cam angle and speed; white where it is zero, pale at speeds (rad/s) at which contact is
+    `lost`: there cycles are no steady motions, and blows follow one another."""
     figure, axes = create_subplots(figsize=(7.6, 5.0))
     add_title(figure, f"{name} (N)")
     degrees = np.degrees(cycles["cam_angle"].values)
     degrees -= 360.0 * np.floor(degrees[:, :1] / 360.0)
     load = cycles[name].values
     rpm = np.broadcast_to(RPM * cycles["speed"].values[:, None], load.shape)
-    # Single blows after separation would hide all else.
-    largest = float(np.percentile(load, 99.0))
+    # Blows after separation would hide all else.
+    largest = float(np.max(load if lost.all() else load[~lost]))
     drawn = axes.pcolormesh(
         degrees,
         rpm,
@@ -122,6 +124,7 @@ def draw_map(cycles: xarray.Dataset, name: str) -> Figure:
         cmap="viridis",
         vmin=0.0,
         vmax=largest,
+        alpha=np.broadcast_to(np.where(lost, PALE, 1.0)[:, None], load.shape),
     )
     figure.colorbar(drawn, ax=axes, extend="max" if load.max() > largest else "neither")
     axes.set_xlabel("Cam angle (°)")

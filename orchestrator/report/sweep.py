@@ -12,6 +12,9 @@ from typing import Any
 import numpy as np
 import xarray
 
+from models.core.quantities import Vector
+
+from ..assessment.lost_contact import find_lost
 from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError, build_scenario
 from ..store.output_folder import CYCLES, STORE, SUMMARY
@@ -20,6 +23,7 @@ from .mechanism import list_sketches
 from .packing import pack
 
 ANGLE = "cam_angle"
+RPM = 30.0 / math.pi
 # Maps and curves at first, by the endings of variables and numbers.
 MAPS = (".load", ".film_thickness")
 CURVES = (".least_load", ".least_film", ".seating_velocity", ".spring_margin")
@@ -39,7 +43,7 @@ def collect_sweep(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     with xarray.open_zarr(folder / STORE) as stored:
         numbers = stored.load().sel(speed=cycles["speed"].values)
     toml = str(summary.get("scenario_toml", ""))
-    return _tell(summary, toml), _collect(cycles, numbers, _read_scenario(toml))
+    return _tell(summary, toml, cycles["speed"].values), _collect(cycles, numbers, _read_scenario(toml))
 
 
 def _read_scenario(toml: str) -> Scenario | None:
@@ -50,9 +54,10 @@ def _read_scenario(toml: str) -> Scenario | None:
         return None
 
 
-def _tell(summary: Mapping[str, Any], toml: str) -> dict[str, Any]:
+def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector) -> dict[str, Any]:
     separation = summary.get("separation")
     name = str(summary["scenario"])
+    low, high = (f"{speed * RPM:.6g} rpm" for speed in speeds[[0, -1]])
     return {
         "summary": {},
         "name": name,
@@ -62,7 +67,7 @@ def _tell(summary: Mapping[str, Any], toml: str) -> dict[str, Any]:
         "notices": summary.get("notices", []),
         "version": summary.get("version", ""),
         "versions": "",
-        "command": "tribocosim speeds scenario.toml",
+        "command": f"tribocosim speeds scenario.toml --from '{low}' --to '{high}' --count {speeds.size}",
         "fmus": {},
         "toml": toml,
     }
@@ -89,6 +94,7 @@ def _collect(cycles: xarray.Dataset, numbers: xarray.Dataset, scenario: Scenario
         "sweep": {
             "angle": ANGLE,
             "speeds": speeds.tolist(),
+            "lost": find_lost(numbers).tolist(),
             "periods": (2.0 * math.pi / cycles.attrs["cam_ratio"] / speeds).tolist(),
             "maps": _choose(names, MAPS) or names[:1],
             "curves": _choose(finite, CURVES),

@@ -40,7 +40,8 @@ SHOWN = {"m": ("mm", 1e3), "Pa": ("MPa", 1e-6), "rad": ("deg", math.degrees(1.0)
 def compare(first: Path, second: Path, out: Path, reporter: Reporter) -> dict[str, Any]:
     """Print the worst of each number over the speeds that both sweeps span, and draw both.
 
-    Returns what is printed: by number its unit and the worst of each design, by design its separation.
+    Returns what is printed: by number its unit and the worst of each design; by design its separation, and
+    the one with a second film formula.
     """
     tables = dict(zip(label(first, second), map(read_sweep, (first, second)), strict=True))
     low = max(float(table["speed"].min()) for table in tables.values())
@@ -60,15 +61,19 @@ def compare(first: Path, second: Path, out: Path, reporter: Reporter) -> dict[st
         shown.add_row(name, unit, *(f"{w.value:.5g} at {w.speed_rpm:.0f}" if w else "–" for w in worst))
         numbers[name] = {"unit": unit, **dict(zip(tables, worst, strict=True))}
     reporter.console.print(shown)
-    separations: dict[str, Any] = {
-        name: json.loads((folder / SUMMARY).read_text("utf-8"))["separation"]
+    summaries = {
+        name: json.loads((folder / SUMMARY).read_text("utf-8"))
         for name, folder in zip(tables, (first, second), strict=True)
     }
-    for name, separation in separations.items():
-        reporter.line(f"{name}: {separation['text'] if separation else 'has no contact'}")
+    found: dict[str, Any] = {"worst": numbers}
+    for kind in ("separation", "second_separation"):
+        found[kind] = {name: summary.get(kind) for name, summary in summaries.items()}
+        for name, separation in found[kind].items():
+            if separation:
+                reporter.line(f"{name}: {separation['text']}")
     drawn = save_figure(lambda: draw_summary(tables), out)
     reporter.line(f"figure: {drawn}")
-    return {"worst": numbers, "separation": separations}
+    return found
 
 
 def read_sweep(folder: Path) -> xarray.Dataset:

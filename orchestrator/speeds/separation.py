@@ -1,12 +1,70 @@
-"""The speed at which a train first loses contact."""
+"""The speed at which a train first loses contact, with its film formula and with a second one."""
 
 from __future__ import annotations
 
+import copy
+import functools
 import math
 from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from models.contact.films import FILMS
+from models.core.quantities import Vector
+from models.core.system import ModelError
+
+from ..assessment.lost_contact import find_lost, list_shares
+from ..errors import MistakeError, one_of
+from ..scenario.files import put
+from ..scenario.system import build_system
+from .figures_of_merit import is_separated, parameter_of
+from .subject import SpeedSubject
 
 # Of the speed (rad/s): 0.1 r/min.
 CLOSE = 0.1 * math.pi / 30.0
+RPM = 30.0 / math.pi
+# Taken as second formula, unless all contacts have it.
+USUAL, OTHER = "dowson_toyoda", "moes_venner"
+
+
+class Separation(NamedTuple):
+    """The lowest speeds (r/min) at which a contact is lost while the cam lifts, and at which it is lost where
+    the cam slows the valve; None where it is kept. And in words."""
+
+    speed: float | None
+    nose_speed: float | None
+    text: str
+
+
+def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> Separation | None:
+    """None for a train without contacts."""
+    if not list_shares(table):
+        return None
+    lost, on_nose = (find_lost(table, number) for number in ("lost", "lost_on_nose"))
+    speeds = table["speed"].values
+    if not lost.any():
+        return Separation(None, None, f"contact is kept up to {speeds[-1] * RPM:.0f} r/min")
+    if lost[0]:
+        return Separation(None, None, f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed")
+    try:
+        speed = _bisect(subject, speeds, lost, "lost")
+        nose = _bisect(subject, speeds, on_nose, "lost_on_nose") if on_nose.any() else None
+    except ModelError as error:
+        return Separation(None, None, f"the speed of separation was not found: {error}")
+    again = speeds[int(np.argmax(lost)) :][~lost[int(np.argmax(lost)) :]]
+    kept = f", and kept again at {list_speeds(again)}" if again.size else ""
+    text = f"contact is lost from {speed:.1f} r/min{kept}{_describe_place(table, speed, nose)}"
+    return Separation(round(speed, 2), nose and round(nose, 2), text)
+
+
+def list_speeds(speeds: Vector) -> str:
+    """One speed, or the first and the last of several."""
+    first, last = f"{speeds[0] * RPM:.0f}", f"{speeds[-1] * RPM:.0f}"
+    return f"{first} r/min" if first == last else f"{len(speeds)} speeds from {first} to {last} r/min"
 
 
 def bisect_separation(separated: Callable[[float], bool], kept: float, lost: float) -> float:
@@ -18,3 +76,104 @@ def bisect_separation(separated: Callable[[float], bool], kept: float, lost: flo
         else:
             kept = middle
     return lost
+
+
+def _bisect(subject: SpeedSubject, speeds: Vector, lost: NDArray[np.bool_], number: str) -> float:
+    """The speed (r/min) between the last one with contact and the first one without."""
+    first = int(np.argmax(lost))
+
+    def separated(speed: float) -> bool:
+        return is_separated(*subject.find_motion_at(speed), number)
+
+    kept = float(speeds[max(first - 1, 0)])
+    return RPM * bisect_separation(separated, kept, float(speeds[first]))
+
+
+def _describe_place(table: xarray.Dataset, speed: float, nose: float | None) -> str:
+    """Whether contact is lost over the nose, where the spring is too weak, or only on the flanks."""
+    if all(np.isnan(table[name].values).all() for name in list_shares(table, "lost_on_nose")):
+        return ""
+    if nose is None:
+        return "; it rebounds on the flanks, and is not lost where the cam slows the valve"
+    if nose - speed < 1.0:
+        return ", where the cam slows the valve"
+    return f"; on the flanks, where it rebounds, and where the cam slows the valve from {nose:.1f} r/min"
+
+
+def check_film(film: str | None) -> None:
+    """MistakeError for a film formula that there is not."""
+    if film is not None and film not in FILMS:
+        raise MistakeError(f"--second-film {film}: {one_of(FILMS, film)}")
+
+
+def choose_film(subject: SpeedSubject, film: str | None) -> str | None:
+    """The second film formula: `film`, or the usual one; None where the contacts have no other."""
+    films = set(_list_films(subject).values())
+    chosen = film or (OTHER if films == {USUAL} else USUAL)
+    return None if films <= {chosen} else chosen
+
+
+def _list_films(subject: SpeedSubject) -> dict[str, str]:
+    """The film formula of each contact that has one."""
+    instances = build_system(subject.scenario).instances
+    return {
+        name: tuple(FILMS)[int(parameter_of(instance, "film_model"))]
+        for name, instance in instances.items()
+        if "film_model" in instance.component.parameters.names
+    }
+
+
+def find_second(subject: SpeedSubject, speeds: Vector, first: Separation, film: str) -> Separation:
+    """With the formula `film` in all contacts that have one; between the same `speeds` (rad/s) of the sweep.
+
+    They are tried from where contact was lost first: where it is then kept upwards, else downwards.
+    """
+    tables = copy.deepcopy(dict(subject.tables))
+    for name in _list_films(subject):
+        put(tables, f"components.{name}.parameters.film_model", film)
+    changed = replace(subject, tables=tables, folder=None)
+
+    @functools.cache
+    def measure(speed: float) -> dict[str, bool]:
+        motion = changed.find_motion_at(speed)
+        return {number: is_separated(*motion, number) for number in ("lost", "lost_on_nose")}
+
+    def find(number: str, first_speed: float | None) -> float | None:
+        def separated(speed: float) -> bool:
+            return measure(speed)[number]
+
+        near = speeds.size - 1 if first_speed is None else int(np.searchsorted(RPM * speeds, first_speed))
+        i = find_first(lambda k: separated(float(speeds[k])), near, speeds.size)
+        if not i:
+            return i and RPM * float(speeds[0])
+        return round(RPM * bisect_separation(separated, float(speeds[i - 1]), float(speeds[i])), 2)
+
+    try:
+        speed = find("lost", first.speed)
+        nose = find("lost_on_nose", first.nose_speed) if first.nose_speed and speed else None
+    except ModelError as error:
+        return Separation(None, None, f"with film_model = {film} no speed of separation was found: {error}")
+    return Separation(speed, nose, f"with film_model = {film} {_describe_second(first, speed, nose)}")
+
+
+def find_first(lost: Callable[[int], bool], near: int, count: int) -> int | None:
+    """The first of `count` rows that is lost, from `near` downwards where that one is lost, else upwards."""
+    if not lost(near):
+        return next((k for k in range(near + 1, count) if lost(k)), None)
+    while near > 0 and lost(near - 1):
+        near -= 1
+    return near
+
+
+def _describe_second(first: Separation, speed: float | None, nose: float | None) -> str:
+    if speed is None:
+        return "contact is kept at all these speeds"
+    text = f"contact is lost from {_compare(speed, first.speed)}"
+    if nose is None or nose - speed < 1.0:
+        return text
+    return f"{text}, where the cam slows the valve from {_compare(nose, first.nose_speed)}"
+
+
+def _compare(speed: float, first: float | None) -> str:
+    """A speed (r/min), and by how much it is above the first one."""
+    return f"{speed:.1f} r/min" + (f" ({100.0 * (speed / first - 1.0):+.1f} %)" if first else "")

@@ -14,16 +14,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 from rich.table import Table
 
 from models.contact.films import GROWING
 from models.contact.records import CONTACTS
-from models.core.quantities import Vector
-from models.core.system import ModelError, System
+from models.core.system import System
 from models.monolithic.cycle import STEADY
 
 from ..assessment.contacts.lines import FED
+from ..assessment.lost_contact import find_lost
 from ..errors import MistakeError
 from ..plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
 from ..plots.style import save_figure
@@ -36,8 +35,15 @@ from ..study.files import Plan, parse_study
 from ..study.points import expand_points
 from ..study.run import Where, run
 from ..study.store import DONE
-from .figures_of_merit import is_separated, kinds_of, parameter_of
-from .separation import bisect_separation
+from .figures_of_merit import kinds_of, parameter_of
+from .separation import (
+    Separation,
+    check_film,
+    choose_film,
+    find_second,
+    find_separation,
+    list_speeds,
+)
 from .subject import SPEED, SpeedSubject, count_turns, cycle_path, find_flywheel
 
 FOLDER = "cycles"  # with a file for each cycle
@@ -53,29 +59,47 @@ class Range:
     count: int
 
 
-def sweep(
-    tables: Mapping[str, Any], speeds: Range, out: Path, where: Where, reporter: Reporter, overwrite: bool
-) -> int:
-    """Find the cycles of a scenario that are missing in the folder `out`, then the speed of separation; draw
-    all.
+class Swept(NamedTuple):
+    """The command's exit status, the cycles by speed, and the content of summary.json (empty: no cycle)."""
 
-    Returns the command's exit status. MistakeError or ModelError before anything is written.
+    status: int
+    table: xarray.Dataset
+    summary: Mapping[str, Any]
+
+
+def sweep(
+    tables: Mapping[str, Any],
+    speeds: Range,
+    out: Path,
+    where: Where,
+    reporter: Reporter,
+    overwrite: bool = False,
+    second_film: str | None = None,
+) -> Swept:
+    """Find the cycles of a scenario that are missing in the folder `out`, then the speed of separation, with
+    its film formula and with `second_film` (None: the usual one); draw all.
+
+    MistakeError or ModelError before anything is written.
     """
+    check_film(second_film)
     plan, subject = make_plan(tables, speeds, out)
     status = run(plan, out / STORE, where, reporter, overwrite)
     table = read_table(out)
     if not table.sizes["speed"]:
-        return status
+        return Swept(status, table, {})
     report_cycles(reporter, table)
     separation = find_separation(subject, table)
     if separation is not None:
         reporter.line(separation.text)
-    notices = [*describe_lift_loss(table), *describe_feeding(subject, table)]
+    second = compare_films(subject, table, separation, second_film) if separation else None
+    told = [second["text"]] if second else []
+    notices = [*told, *describe_lift_loss(table), *describe_feeding(subject, table)]
     for text in notices:
         reporter.line(text)
     summary = {
         "scenario": subject.scenario.name,
         "separation": separation and separation._asdict(),
+        "second_separation": second,
         "notices": notices,
         "version": metadata.version("tribocosim"),
         "scenario_toml": to_full_toml(subject.scenario),
@@ -87,7 +111,19 @@ def sweep(
 
         files.append(write_report(out, out / REPORT))
     reporter.line(f"results in {out}: {', '.join(path.relative_to(out).as_posix() for path in files)}")
-    return status
+    return Swept(status, table, summary)
+
+
+def compare_films(
+    subject: SpeedSubject, table: xarray.Dataset, first: Separation, second_film: str | None
+) -> dict[str, Any] | None:
+    """The separation with a second film formula, and its name; None where the contacts have no other, or
+    where the first was lost at all speeds or not found."""
+    film = choose_film(subject, second_film)
+    speeds = table["speed"].values
+    if film is None or (first.speed is None and find_lost(table).any()):
+        return None
+    return {"film_model": film, **find_second(subject, speeds, first, film)._asdict()}
 
 
 def read_table(out: Path) -> xarray.Dataset:
@@ -128,7 +164,7 @@ def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan
 
 def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
     """A line for each speed, and how many cycles are not steady."""
-    columns, lost = select_columns(table), _find_lost(table, "lost")
+    columns, lost = select_columns(table), find_lost(table)
     shown = Table("r/min", *(head for head, _, _ in columns), title="Steady cycles", title_justify="left")
     for i, speed in enumerate(table["speed"].values):
         cells = (f"{scale * float(table[name][i]):.4g}" for _, name, scale in columns)
@@ -170,7 +206,7 @@ def describe_lift_loss(table: xarray.Dataset) -> Iterator[str]:
 
     Speeds at which contact is lost are left out: a valve that flies has more area.
     """
-    followed = table.isel(speed=np.flatnonzero(~_find_lost(table, "lost")))
+    followed = table.isel(speed=np.flatnonzero(~find_lost(table)))
     for name in (str(name) for name in table.data_vars if str(name).endswith(".lift_area")):
         area, speeds = followed[name].values, followed["speed"].values * RPM
         if not area.size:
@@ -196,77 +232,11 @@ def describe_feeding(subject: SpeedSubject, table: xarray.Dataset) -> Iterator[s
             continue
         power = float(np.max(table[f"{contact}.film_power"].values[fed]))
         yield (
-            f"{contact}: at {_list_speeds(table['speed'].values[fed])} its film formula gives up to "
+            f"{contact}: at {list_speeds(table['speed'].values[fed])} its film formula gives up to "
             f"{power:.3g} W to the motion, which no shaft supplies: it feeds vibrations, so that loads, "
             "bounces and separations come out too large; compare with "
-            f"--set components.{contact}.parameters.film_model=dowson_toyoda"
+            f"components.{contact}.parameters.film_model = 'dowson_toyoda'"
         )
-
-
-def _list_speeds(speeds: Vector) -> str:
-    """One speed, or the first and the last of several."""
-    first, last = f"{speeds[0] * RPM:.0f}", f"{speeds[-1] * RPM:.0f}"
-    return f"{first} r/min" if first == last else f"{len(speeds)} speeds from {first} to {last} r/min"
-
-
-class Separation(NamedTuple):
-    """The lowest speeds (r/min) at which a contact is lost while the cam lifts, and at which it is lost where
-    the cam slows the valve; None where it is kept. And in words."""
-
-    speed: float | None
-    nose_speed: float | None
-    text: str
-
-
-def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> Separation | None:
-    """None for a train without contacts."""
-    lost, on_nose = (_find_lost(table, number) for number in ("lost", "lost_on_nose"))
-    if not lost.size:
-        return None
-    speeds = table["speed"].values
-    if not lost.any():
-        return Separation(None, None, f"contact is kept up to {speeds[-1] * RPM:.0f} r/min")
-    if lost[0]:
-        return Separation(None, None, f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed")
-    try:
-        speed = _bisect(subject, speeds, lost, "lost")
-        nose = _bisect(subject, speeds, on_nose, "lost_on_nose") if on_nose.any() else None
-    except ModelError as error:
-        return Separation(None, None, f"the speed of separation was not found: {error}")
-    again = speeds[int(np.argmax(lost)) :][~lost[int(np.argmax(lost)) :]]
-    kept = f", and kept again at {_list_speeds(again)}" if again.size else ""
-    text = f"contact is lost from {speed:.1f} r/min{kept}{_describe_place(table, speed, nose)}"
-    return Separation(round(speed, 2), nose and round(nose, 2), text)
-
-
-def _find_lost(table: xarray.Dataset, number: str) -> NDArray[np.bool_]:
-    """By speed, whether any contact has this share."""
-    shares = [table[name].values for name in map(str, table.data_vars) if name.endswith(f".{number}")]
-    return np.any(np.reshape(shares, (len(shares), table.sizes["speed"])) > 0.0, axis=0)
-
-
-def _bisect(subject: SpeedSubject, speeds: Vector, lost: NDArray[np.bool_], number: str) -> float:
-    """The speed (r/min) between the last one with contact and the first one without."""
-    first = int(np.argmax(lost))
-
-    def separated(speed: float) -> bool:
-        return is_separated(*subject.find_motion_at(speed), number)
-
-    kept = float(speeds[max(first - 1, 0)])
-    return RPM * bisect_separation(separated, kept, float(speeds[first]))
-
-
-def _describe_place(table: xarray.Dataset, speed: float, nose: float | None) -> str:
-    """Whether contact is lost over the nose, where the spring is too weak, or only on the flanks."""
-    if all(
-        np.isnan(table[name].values).all() for name in map(str, table.data_vars) if "lost_on_nose" in name
-    ):
-        return ""
-    if nose is None:
-        return "; it rebounds on the flanks, and is not lost where the cam slows the valve"
-    if nose - speed < 1.0:
-        return ", where the cam slows the valve"
-    return f"; on the flanks, where it rebounds, and where the cam slows the valve from {nose:.1f} r/min"
 
 
 def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Path]:
@@ -287,9 +257,10 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Pat
     joined.to_netcdf(out / CYCLES, engine="h5netcdf")
     files.append(out / CYCLES)
     contacts = [name for name, kind in kinds_of(system).items() if kind in CONTACTS]
+    lost = find_lost(table.sel(speed=joined["speed"].values))
     for load_name in [f"{name}.load" for name in contacts[:2]]:
         stem = load_name.replace(".", "-")
-        files.append(save_figure(partial(draw_map, joined, load_name), out / f"{stem}-map.png"))
+        files.append(save_figure(partial(draw_map, joined, load_name, lost), out / f"{stem}-map.png"))
         files.append(save_figure(partial(draw_orders, joined, load_name), out / f"{stem}-orders.png"))
         files.append(save_figure(partial(draw_campbell, joined, load_name), out / f"{stem}-campbell.png"))
     return files

@@ -9,20 +9,37 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from hypothesis import given
+from hypothesis import strategies as st
 
+import tribocosim
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
 from orchestrator.plots.speeds import draw_summary, find_orders
-from orchestrator.scenario.files import load
+from orchestrator.scenario.files import load, read_changed
+from orchestrator.speeds import separation
 from orchestrator.speeds.compare import find_worst
 from orchestrator.speeds.figures_of_merit import describe_numbers, measure
-from orchestrator.speeds.separation import CLOSE, bisect_separation
+from orchestrator.speeds.separation import (
+    CLOSE,
+    OTHER,
+    RPM,
+    USUAL,
+    Separation,
+    bisect_separation,
+    choose_film,
+    find_first,
+    find_second,
+    find_separation,
+)
+from orchestrator.speeds.subject import SpeedSubject
 from orchestrator.speeds.sweep import describe_lift_loss, read_table
 
 from .commands import called, said
 
-SWEEP = ("speeds", "valve-train", "--from", "1000 rpm", "--to", "3400 rpm", "--count", "3", "--workers", "1")
+SWEEP = ("speeds", "valve-train", "--from", "1000 rpm", "--to", "3400 rpm", "--count", "3", "--workers", "1",
+         "--second-film", "kushwaha")  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -179,6 +196,77 @@ def test_mistakes_are_named_before_anything_is_written(
     assert done.returncode == 2
     assert message in said(done)
     assert not (tmp_path / "out").exists()
+
+
+def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a train that is lost above a speed known for each formula, in contacts only."""
+    tables = read_changed("valve-train", [])
+    limits = {"dowson_toyoda": 3306.0, "dry": 1234.0, "moes_venner": 9999.0}
+    speeds = np.linspace(1000.0, 3600.0, 27) / RPM
+
+    def find_motion(subject: SpeedSubject, speed: float) -> tuple[str, float]:
+        return subject.tables["components"]["contact"]["parameters"]["film_model"], speed
+
+    def is_lost(film: str, speed: float, number: str) -> bool:
+        return RPM * speed >= limits[film] + 100.0 * (number == "lost_on_nose")
+
+    monkeypatch.setattr(SpeedSubject, "find_motion_at", find_motion)
+    monkeypatch.setattr(separation, "is_separated", is_lost)
+    subject, first = SpeedSubject(tables, "flywheel"), Separation(3241.7, 3341.7, "")
+    for film, limit in limits.items():
+        found = find_second(subject, speeds, first, film)
+        if limit > 3600.0:
+            assert (found.speed, found.text) == (
+                None,
+                f"with film_model = {film} contact is kept at all these speeds",
+            )
+        else:
+            assert limit <= found.speed <= limit + 0.11
+            assert limit + 100.0 <= found.nose_speed <= limit + 100.11
+    text = find_second(subject, speeds, Separation(3241.7, None, ""), "dowson_toyoda").text
+    assert text == "with film_model = dowson_toyoda contact is lost from 3306.1 r/min (+2.0 %)"
+
+
+@pytest.mark.long
+def test_the_second_formula_gives_the_speed_of_its_own_sweep(tmp_path: Path) -> None:
+    """To the closeness of both searches."""
+    ends, where = ("3200 rpm", "3400 rpm", 2), {"workers": 1}
+    both = tribocosim.speeds("valve-train", *ends, **where)
+    changed = tribocosim.load("valve-train").with_({"components.contact.parameters.film_model": USUAL})
+    alone = tribocosim.speeds(changed, *ends, **where, second_film=USUAL)
+    assert both.attrs["second_separation_speed"] == pytest.approx(alone.attrs["separation_speed"], abs=0.2)
+    assert both.attrs["separation_speed"] < both.attrs["second_separation_speed"]
+    assert alone.attrs["second_separation"] == ""
+
+
+def test_the_usual_second_formula_is_another_one() -> None:
+    """None where the contacts have no other, or no formula."""
+    for film, second in (("kushwaha", USUAL), (USUAL, OTHER)):
+        changed = read_changed("valve-train", [f"components.contact.parameters.film_model={film}"])
+        assert choose_film(SpeedSubject(changed, "flywheel"), None) == second
+        assert choose_film(SpeedSubject(changed, "flywheel"), film) is None
+    solved = read_changed("valve-train", ["components.contact.component=ehl_line_contact"])
+    assert choose_film(SpeedSubject(solved, "flywheel"), None) is None
+
+
+@given(st.lists(st.booleans(), min_size=1, max_size=12), st.data())
+def test_the_first_loss_is_at_the_end_of_the_nearest_range(lost: list[bool], data: st.DataObject) -> None:
+    near = data.draw(st.integers(0, len(lost) - 1))
+    first = find_first(lost.__getitem__, near, len(lost))
+    if first is None:
+        assert not any(lost[near:])
+    else:
+        assert lost[first]
+        assert all(lost[first:near])
+        assert not any(lost[near:first])
+        assert first > near or first == 0 or not lost[first - 1]
+
+
+def test_a_train_without_contacts_has_no_separation() -> None:
+    table = xarray.Dataset({"shaft.twist": ("speed", [0.1, 0.2])}, {"speed": [100.0, 200.0]})
+    assert find_separation(SpeedSubject({}, "flywheel"), table) is None
 
 
 def test_bisection_ends_within_a_tenth_of_a_revolution() -> None:

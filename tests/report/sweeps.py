@@ -41,11 +41,12 @@ def write_sweep(folder: Path) -> None:
     numbers = xarray.Dataset(
         {
             "contact.least_load": ("speed", load.min(axis=1), {"units": "N", "long_name": "least load"}),
+            "contact.lost": ("speed", [0.0, 0.0, 0.1]),
             "valve.bounce": ("speed", np.full(len(SPEEDS), np.nan), {"units": "m"}),
             "status": ("speed", np.ones(len(SPEEDS), np.int8)),
         },
         {"speed": SPEEDS},
     )
     numbers.to_zarr(folder / "speeds.zarr", zarr_format=2, consolidated=True)
-    summary = {"scenario": "made", "separation": {"text": "contact is kept up to 2865 r/min"}}
+    summary = {"scenario": "made", "separation": {"text": "contact is lost from 2000.0 r/min"}}
     (folder / "summary.json").write_text(json.dumps(summary), "utf-8")

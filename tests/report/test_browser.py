@@ -210,6 +210,19 @@ def test_a_click_on_a_map_chooses_speed_and_angle(browser: Any, tmp_path: Path) 
         assert load == pytest.approx(float(load_of(SPEEDS[2], np.radians(angle))), rel=1e-4)
 
 
+def test_speeds_without_contact_are_pale(browser: Any, tmp_path: Path) -> None:
+    """And the scale is that of the other speeds, whose largest load is known."""
+    write_sweep(tmp_path)
+    with opened(browser, write_report(tmp_path)) as page:
+        settle(page)
+        first = "report.drawings.at(-1).views[0].picture.getContext('2d').getImageData(0, 0, 1, 3).data"
+        assert page.evaluate(f"[...{first}].filter((_, at) => at % 4 === 3)") == [70, 255, 255]
+        assert page.evaluate("report.drawings.at(-1).views[0].range[1]") == pytest.approx(
+            float(load_of(SPEEDS[1], np.array(0.0))), rel=1e-6
+        )
+        assert page.locator("#pale").is_visible()
+
+
 def test_keys_of_a_map_change_the_speed(browser: Any, tmp_path: Path) -> None:
     write_sweep(tmp_path)
     with opened(browser, write_report(tmp_path)) as page:

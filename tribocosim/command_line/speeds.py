@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -15,7 +14,7 @@ from .json_output import Json, build_reporter, print_json
 
 
 @report_errors
-def run_speeds(
+def run_speeds(  # noqa: PLR0913  # options of a command
     scenario: ScenarioName,
     low: Annotated[
         str, typer.Option("--from", metavar="SPEED", help="Lowest speed of the flywheel.")
@@ -31,6 +30,13 @@ def run_speeds(
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one a core")
     ] = None,
+    second_film: Annotated[
+        str | None,
+        typer.Option(
+            help="A film formula with which the speed of separation is found too; the scenario's own: none.",
+            show_default="dowson_toyoda",
+        ),
+    ] = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Start over, replacing the results.")
     ] = False,
@@ -43,15 +49,14 @@ def run_speeds(
     """
     check_study_packages()
     from orchestrator.scenario.files import load, read_changed
-    from orchestrator.speeds.sweep import parse_range, read_table, sweep
-    from orchestrator.store.output_folder import SUMMARY
+    from orchestrator.speeds.sweep import parse_range, sweep
     from orchestrator.study.run import Where
 
     speeds = parse_range(low, high, count)
     folder = out or Path("results") / f"{load(scenario, set_ or []).name}-speeds"
     tables = read_changed(scenario, set_ or [])
-    status = sweep(tables, speeds, folder, Where(workers=workers), build_reporter(as_json), overwrite)
+    where, reporter = Where(workers=workers), build_reporter(as_json)
+    found = sweep(tables, speeds, folder, where, reporter, overwrite, second_film)
     if as_json:
-        summary = json.loads((folder / SUMMARY).read_text("utf-8")) if (folder / SUMMARY).exists() else {}
-        print_json({**summary, "table": read_table(folder).to_dict()})
-    return status
+        print_json({**found.summary, "table": found.table.to_dict()})
+    return found.status

@@ -33,6 +33,7 @@ class Sweep {
     this.report = report; this.records = report.records; this.told = told;
     this.rpm = told.speeds.map((w) => w * 30 / Math.PI);
     this.choice = get("speeds");
+    get("pale").hidden = !told.lost.includes(true);
     this.rpm.forEach((n, k) => {
       const option = document.createElement("option");
       option.value = k; option.textContent = readable(+n.toFixed(1)) + " r/min"; this.choice.append(option);
@@ -63,6 +64,12 @@ class Sweep {
   async point(k, angle) { await this.choose(k); this.report.setTime(this.report.base.times[locate(this.report.view.xs, angle)]); }
 
   nearest(rpm) { return this.rpm.reduce((best, n, k) => Math.abs(n - rpm) < Math.abs(this.rpm[best] - rpm) ? k : best, 0); }
+
+  // Of values that are `rows` to a speed those at speeds with contact: blows after separation would hide all else.
+  kept(values, rows) {
+    const { lost } = this.told;
+    return lost.includes(false) ? values.filter((_, at) => !lost[Math.floor(at / rows)]) : values;
+  }
 
   // Degrees of the cam at a row of a speed.
   angle(k, i) { return this.angles[k * this.records.bases[0].rows + i] * 180 / Math.PI; }
@@ -116,15 +123,14 @@ class AngleSpeedMap {
   async load() {
     this.variable = this.records.variables.get(this.choice.value);
     this.values = await this.records.whole(this.choice.value);
-    const sorted = Float32Array.from(this.values).sort(), at = (share) => sorted[Math.floor(share * (sorted.length - 1))];
-    // Single blows after separation would hide all else.
-    this.range = [at(0), at(0.99)].map((v) => v * this.variable.factor);
+    const sorted = this.sweep.kept(this.values, this.records.bases[0].rows).sort();
+    this.range = [sorted[0], sorted[sorted.length - 1]].map((v) => v * this.variable.factor);
     if (!(this.range[1] > this.range[0])) this.range[1] = this.range[0] + 1e-12;
     this.paint();
     this.sweep.report.refresh();
   }
 
-  // One pixel for each value; where a load is zero, none.
+  // One pixel for each value; where a load is zero, none, and pale at speeds at which contact is lost.
   paint() {
     const n = this.records.bases[0].rows, rows = this.sweep.rpm.length, [least, most] = this.range, isLoad = /\.load$/.test(this.variable.name);
     this.picture = document.createElement("canvas");
@@ -133,7 +139,7 @@ class AngleSpeedMap {
     this.values.forEach((value, at) => {
       const k = Math.floor(at / n), place = 4 * ((rows - 1 - k) * n + at % n);
       const [red, green, blue] = shade((value * this.variable.factor - least) / (most - least));
-      image.data.set([red, green, blue, isLoad && value <= 0 ? 0 : 255], place);
+      image.data.set([red, green, blue, isLoad && value <= 0 ? 0 : this.sweep.told.lost[k] ? 70 : 255], place);
     });
     g.putImageData(image, 0, 0);
   }
@@ -188,19 +194,26 @@ class Curve {
 
   draw() {
     const { g, width, height } = prepare(this.canvas), rpm = this.sweep.rpm, v = this.number;
-    const values = v.values.map((one) => one === null ? NaN : one * v.factor), finite = values.filter((one) => one === one);
+    const values = v.values.map((one) => one === null ? NaN : one * v.factor), finite = this.sweep.kept(values, 1).filter((one) => one === one);
     const y = widen([Math.min(...finite), Math.max(...finite)]), x = this.x = [rpm[0], rpm[rpm.length - 1]];
     const f = this.frame = makeFrame(width, height, x, y);
     drawAxes(g, f, x, y, "speed (r/min)");
+    inside(g, f, () => this.trace(g, f, values));
+    const k = this.sweep.records.chosen, value = readable(values[k]) + (v.unit ? " " + v.unit : "");
+    drawUpright(g, f, rpm[k], "now");
+    this.reading.textContent = value;
+    this.canvas.setAttribute("aria-label", v.description + " over speed; at the chosen speed " + value);
+  }
+
+  trace(g, f, values) {
+    const { rpm, told } = this.sweep, half = 0.5 * (f.right - f.left) / (rpm.length - 1);
+    g.fillStyle = color("shade");
+    told.lost.forEach((lost, k) => { if (lost) g.fillRect(f.x(rpm[k]) - half, f.top, 2 * half, f.bottom - f.top); });
     g.strokeStyle = g.fillStyle = color("coupled"); g.lineWidth = 1.4;
     g.beginPath();
     let down = false;
     values.forEach((one, k) => { if (one === one) g[down ? "lineTo" : "moveTo"](f.x(rpm[k]), f.y(one)); down = one === one; });
     g.stroke();
     for (const [k, one] of values.entries()) if (one === one) g.fillRect(f.x(rpm[k]) - 2, f.y(one) - 2, 4, 4);
-    const k = this.sweep.records.chosen, value = readable(values[k]) + (v.unit ? " " + v.unit : "");
-    drawUpright(g, f, rpm[k], "now");
-    this.reading.textContent = value;
-    this.canvas.setAttribute("aria-label", v.description + " over speed; at the chosen speed " + value);
   }
 }
