@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-# How the interval of a clock is known. Those of the first group never change, those of the second are asked
-# for after every event.
-STEADY = ("constant", "fixed", "calculated")
-ASKED = ("tunable", "changing", "countdown")
-TRIGGERED = "triggered"
+# intervalVariability: what ticks at intervals of the FMU's, and what does not tick by time. All others tick
+# periodically.
+CHANGING, COUNTDOWN, TRIGGERED = "changing", "countdown", "triggered"
+# Periods that the importer may set, where the description states one.
+SETTABLE = ("fixed", "tunable")
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,11 @@ class Clock:
     variability: str
     interval: float | None
     shift: float
+
+    @property
+    def settable(self) -> bool:
+        """Whether a run may set its interval."""
+        return self.variability in SETTABLE and self.interval is not None
 
 
 @dataclass(frozen=True)

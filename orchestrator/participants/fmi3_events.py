@@ -20,8 +20,8 @@ from fmus.fmi.model_exchange import MOST_ITERATIONS
 from models.core.quantities import Vector
 
 from ..errors import EndedError, ParticipantError
-from .clock_schedule import ClockSchedule
-from .description import Description, Variable
+from .clock_schedule import ClockSchedule, Pace
+from .description import CLOCK, Description, Variable
 from .fmi3 import EARLY, ENDED, EVENT, MAXIMUM_RETURNS, ROUNDING, Fmi3
 from .fmi_instance import DISCARD, WARNING
 
@@ -31,22 +31,22 @@ SMOOTH, DISCRETE, CLOCKED = range(3)
 @dataclass
 class EventMemory:
     """What the FMU's own state does not tell: when its next time event is (s), whether it asked for event
-    mode, when its clocks tick next (s), the discrete inputs that it has, and whether it wants the end."""
+    mode, the paces of its clocks, the discrete inputs that it has, and whether it wants the end."""
 
     next_event: float = math.inf
     needed: bool = False
-    ticks: list[float] = field(default_factory=list)
+    paces: list[Pace] = field(default_factory=list)
     discrete: dict[int, list[float]] = field(default_factory=dict)
     ended: bool = False
 
     def copy(self) -> EventMemory:
-        return replace(self, ticks=self.ticks.copy(), discrete=self.discrete.copy())
+        return replace(self, paces=self.paces.copy(), discrete=self.discrete.copy())
 
 
 class Fmi3WithEvents(Fmi3):
     """Implements `FmiInstance`, and handles events (see `SideChannel`).
 
-    `used`: the FMU has taken event mode; else it is as `Fmi3`.
+    `used`: the FMU has taken event mode; else it is as `Fmi3`. What is set of a clock is its interval.
     """
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
@@ -61,12 +61,14 @@ class Fmi3WithEvents(Fmi3):
             for whole in (v.name, v.name.rpartition("[")[0])
             if whole in clocked
         }
-        self._clocks = ClockSchedule(description.events.clocks.values(), self._ask_intervals)
+        self._clocks = ClockSchedule(description.events.clocks.values(), self)
         self._variable_step = description.variable_step
         self._memory_of_events = EventMemory()
         self._kept: dict[int, EventMemory] = {}
         self.used, self._ready, self._in_events = True, False, False
         self._time = 0.0
+        self._intervals: dict[Variable, float] = {}  # that are given to settable clocks (s)
+        self._ticking: list[str] = []  # in the present event
         self._waiting: dict[int, tuple[tuple[str, ...], Callable[[], None]]] = {}
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
@@ -85,20 +87,29 @@ class Fmi3WithEvents(Fmi3):
     def enter_initialization(self, start_time: float, stop_time: float) -> None:
         super().enter_initialization(start_time, stop_time)
         self._time = start_time
+        if self._intervals and self.used:
+            count = len(self._intervals)
+            references = (c_uint * count)(*(v.reference for v in self._intervals))
+            self.slave.fmi3SetIntervalDecimal(
+                self.slave.component, references, count, (c_double * count)(*self._intervals.values())
+            )
 
     def exit_initialization(self) -> None:
+        if self.used:
+            given = {clock.name: interval for clock, interval in self._intervals.items()}
+            self._memory_of_events = EventMemory(paces=self._clocks.begin(self._time, given))
         super().exit_initialization()
-        if not self.used:
-            return
-        self._ready = self._in_events = True
-        self._memory_of_events = EventMemory(ticks=self._clocks.begin(self._time))
-        self._leave_events()
+        if self.used:
+            self._ready = self._in_events = True
+            self._leave_events()
 
     # What is set and read.
 
     def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
         given, kind = list(values), self._classify(variables[0])
-        if not self._ready or kind == SMOOTH:
+        if variables[0].type == CLOCK:
+            self._intervals[variables[0]] = given[0]
+        elif not self._ready or kind == SMOOTH:
             super().set(variables, given)
         elif kind == CLOCKED:
             clocks = self._clocked[variables[0].reference]
@@ -178,7 +189,11 @@ class Fmi3WithEvents(Fmi3):
         memory = self._memory_of_events
         if memory.ended:
             return math.inf
-        return self._time if memory.needed else min(memory.next_event, *memory.ticks, math.inf)
+        return (
+            self._time
+            if memory.needed
+            else min(memory.next_event, *(pace.next for pace in memory.paces), math.inf)
+        )
 
     def handle(self, time: float, triggered: Sequence[str] = ()) -> list[str] | None:
         """Handle what is due at `time`, the present, with these input clocks active; the output clocks that
@@ -188,8 +203,8 @@ class Fmi3WithEvents(Fmi3):
             return None
         self._time = time
         self._enter_events()
-        active = self._tick(triggered)
-        self._leave_events()
+        self._tick(triggered)
+        active = self._leave_events()
         if self._memory_of_events.next_event <= time + slack:  # which has been handled now
             self._memory_of_events.next_event = math.inf
         return active
@@ -197,29 +212,29 @@ class Fmi3WithEvents(Fmi3):
     def _enter_events(self) -> None:
         if not self._in_events:
             self.slave.enterEventMode()
-            self._in_events = True
+            self._in_events, self._ticking = True, []
 
-    def _leave_events(self) -> None:
-        if self._in_events and self._ready:
-            self._iterate()
-            if self._memory_of_events.ended:
-                self._in_events = False
-                return
-            self.slave.enterStepMode()
-            self._in_events = False
-
-    def _tick(self, triggered: Sequence[str]) -> list[str]:
-        """In event mode: let clocks tick that are due, or triggered; the output clocks that tick then."""
-        ticking = [*self._clocks.list_due(self._memory_of_events.ticks, self._time), *triggered]
-        self._memory_of_events.needed = False
-        if ticking:
-            self.slave.setClock(self._clocks.get_references(ticking), [True] * len(ticking))
-            for clocks, send in self._waiting.values():
-                if set(clocks) & set(ticking):
-                    send()
+    def _leave_events(self) -> list[str]:
+        """Iterate, see when clocks tick next, and enter step mode; the output clocks that ticked."""
+        if not (self._in_events and self._ready):
+            return []
         active = self._iterate()
-        self._clocks.advance(self._memory_of_events.ticks, ticking, self._time)
+        self._in_events = False
+        if not self._memory_of_events.ended:
+            self._clocks.advance(self._memory_of_events.paces, self._ticking, self._time)
+            self.slave.enterStepMode()
         return active
+
+    def _tick(self, triggered: Sequence[str]) -> None:
+        """In event mode: let clocks tick that are due, or triggered."""
+        self._ticking = [*self._clocks.list_due(self._memory_of_events.paces, self._time), *triggered]
+        self._memory_of_events.needed = False
+        if self._ticking:
+            references = self._clocks.get_references(self._ticking)
+            self.slave.setClock(references, [True] * len(references))
+            for clocks, send in self._waiting.values():
+                if set(clocks) & set(self._ticking):
+                    send()
 
     def _iterate(self) -> list[str]:
         """Event iterations until the FMU needs no more; the output clocks that ticked in them."""
@@ -240,12 +255,16 @@ class Fmi3WithEvents(Fmi3):
             "iterations; look at its inputs and parameters, or ask who made it"
         )
 
-    def _ask_intervals(self, references: Sequence[int]) -> list[tuple[float, int]]:
-        """The intervals (s) of clocks with their qualifiers: 0 not yet known, 1 unchanged, 2 changed."""
+    def ask_intervals(self, references: Sequence[int]) -> list[tuple[float, int]]:
         count = len(references)
         wanted, found, told = (c_uint * count)(*references), (c_double * count)(), (c_int * count)()
         self.slave.getIntervalDecimal(wanted, found, told)
         return list(zip(found, told, strict=True))
+
+    def ask_shifts(self, references: Sequence[int]) -> list[float]:
+        found = (c_double * len(references))()
+        self.slave.getShiftDecimal((c_uint * len(references))(*references), found)
+        return list(found)
 
     # Steps and states.
 
@@ -309,12 +328,14 @@ class Fmi3WithEvents(Fmi3):
 
     def serialise(self, state: c_void_p) -> bytes:
         memory = self._kept[state.value or 0]
-        own = [memory.next_event, memory.needed, memory.ticks, list(memory.discrete.items())]
+        own = [memory.next_event, memory.needed, memory.paces, list(memory.discrete.items())]
         return json.dumps(own).encode() + b"\n" + super().serialise(state)
 
     def deserialise(self, data: bytes) -> c_void_p:
         own, _, rest = data.partition(b"\n")
-        next_event, needed, ticks, discrete = json.loads(own)
+        next_event, needed, paces, discrete = json.loads(own)
         state = super().deserialise(rest)
-        self._kept[state.value or 0] = EventMemory(next_event, needed, ticks, dict(discrete))
+        self._kept[state.value or 0] = EventMemory(
+            next_event, needed, [Pace(*p) for p in paces], dict(discrete)
+        )
         return state

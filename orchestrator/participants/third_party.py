@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
@@ -95,7 +95,7 @@ def _read_component(
     return ThirdPartyComponent(
         name=about.model,
         description=about.text,
-        parameters=_build_layout(v for v in about.variables.values() if v.settable and v.numeric),
+        parameters=NamedLayout([*_build_fields(v for v in numbers if v.settable), *_build_intervals(about)]),
         state=_build_layout(v for v in about.variables.values() if v.numeric and _has_start(v)),
         inputs=_build_layout(inputs),
         outputs=_build_layout(outputs),
@@ -118,7 +118,21 @@ def _has_start(variable: Variable) -> bool:
 
 
 def _build_layout(variables: Iterable[Variable]) -> NamedLayout:
-    return NamedLayout(Field(v.name, build_quantity(v), _clip_start(v)) for v in variables)
+    return NamedLayout(_build_fields(variables))
+
+
+def _build_fields(variables: Iterable[Variable]) -> Iterator[Field]:
+    return (Field(v.name, build_quantity(v), _clip_start(v)) for v in variables)
+
+
+def _build_intervals(about: Description) -> Iterator[Field]:
+    """The intervals of clocks that the environment may set, by the clocks' names."""
+    for clock in about.events.clocks.values() if about.events else ():
+        if clock.settable:
+            quantity = Quantity(
+                "s", f"interval of the clock {clock.name}", clock.interval or 1.0, positive=True
+            )
+            yield Field(clock.name, quantity, clock.interval or 0.0)
 
 
 def build_quantity(variable: Variable) -> Quantity:

@@ -48,22 +48,24 @@ def sampler(folder: Path, description: str = DESCRIPTION) -> Path:
     return _pack("sampler", folder, description)
 
 
+# By name: intervalVariability, and what more is stated.
 CLOCKS = {
-    "fixed": 'intervalDecimal="0.1" shiftDecimal="0.02"',
-    "calculated": "",
-    "tunable": 'intervalDecimal="0.2"',
-    "changing": "",
+    "fixed": ("fixed", 'intervalDecimal="0.1" shiftDecimal="0.02"'),
+    "tunable": ("tunable", 'intervalDecimal="0.2"'),
+    "asked": ("fixed", ""),
+    "tuned": ("tunable", ""),
+    "changing": ("changing", ""),
 }
 
 
 def intervals(folder: Path) -> Path:
     """The FMU with these clocks; outputs are the number of ticks of each, and the sum of their times."""
     clocks = "".join(
-        f'<Clock name="{kind}" valueReference="{100 + i}" causality="input" '
+        f'<Clock name="{name}" valueReference="{100 + i}" causality="input" '
         f'intervalVariability="{kind}" {more}/>'
-        for i, (kind, more) in enumerate(CLOCKS.items())
+        for i, (name, (kind, more)) in enumerate(CLOCKS.items())
     )
-    names = [*(f"{kind}_ticks" for kind in CLOCKS), *(f"{kind}_sum" for kind in CLOCKS)]
+    names = [*(f"{name}_ticks" for name in CLOCKS), *(f"{name}_sum" for name in CLOCKS)]
     outputs = "".join(
         f'<Float64 name="{name}" valueReference="{i}" causality="output" variability="discrete"/>'
         for i, name in enumerate(names, 1)

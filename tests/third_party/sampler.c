@@ -1,7 +1,8 @@
 /* FMI 3.0 co-simulation with event mode and clocks, which refuses every call that the standard forbids then.
    `tick` (constant, 0.1 s) adds 0.1 u to y. Every second tick sets `alarm` (countdown) to 0.03 s and ticks the
    output clock `fired`. `poke` (triggered) counts. A time event at 0.25 s sets `level`; doStep may not go beyond.
-   `gain` is a discrete input: scaled = gain * y. Where it is negative the next event stays at the present. */
+   `gain` is a discrete input: scaled = gain * y. Where it is negative the next event stays at the present; 5 sets the
+   alarm too. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -15,7 +16,7 @@ enum { INSTANTIATED, INITIALISING, EVENT, STEP };
 typedef struct {
     double v[COUNT], alarm;
     int mode;
-    bool on[4], fired, set, events;
+    bool on[4], fired, set, warned;
 } Instance;
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
@@ -64,7 +65,7 @@ fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference r[], size_t n, 
 fmi3Status fmi3GetIntervalDecimal(fmi3Instance c, const fmi3ValueReference r[], size_t n, fmi3Float64 x[],
                                   fmi3IntervalQualifier q[]) {
     Instance *m = c;
-    if (m->mode != EVENT || n != 1 || r[0] != ALARM) return fmi3Error;
+    if ((m->mode != INITIALISING && m->mode != EVENT) || n != 1 || r[0] != ALARM) return fmi3Error;
     x[0] = m->alarm;
     q[0] = m->alarm > 0.0 ? (m->set ? fmi3IntervalChanged : fmi3IntervalUnchanged) : fmi3IntervalNotYetKnown;
     m->set = false;
@@ -80,6 +81,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Bool
         m->v[Y] += 0.1 * m->v[U];
         if (fmod(m->v[TICKS], 2.0) == 0.0) m->alarm = 0.03, m->set = true;
     }
+    if (m->v[GAIN] == 5.0 && !m->warned) m->alarm = 0.03, m->set = m->warned = true;
     if (m->on[1]) m->v[ALARMS]++, m->alarm = 0.0;
     if (m->on[2]) m->v[POKES]++;
     if (m->v[TIME] >= 0.25 - 1e-12) m->v[LEVEL] = 1.0;

@@ -10,7 +10,7 @@ import fmpy
 import numpy as np
 import pytest
 
-from models.core.system import Port
+from models.core.system import ModelError, Port
 from orchestrator.analyses.stability.trajectory import run_course
 from orchestrator.participants.fmu import FmuParticipant
 from orchestrator.participants.opened_fmu import FmuSettings
@@ -61,27 +61,61 @@ def test_periodic_and_countdown_clocks_tick_at_their_times(
 
 TICKS = {
     "fixed": 0.02 + 0.1 * np.arange(10),
-    "calculated": 0.125 * np.arange(9),
     "tunable": 0.2 * np.arange(6),
-    "changing": np.array([0.0, 0.05, 0.15, 0.3, 0.5, 0.75]),
+    "asked": 0.05 + 0.125 * np.arange(8),
+    "tuned": np.array([0.0, 0.2, 0.4, 0.55, 0.7, 0.85, 1.0]),
+    "changing": np.array([0.05, 0.15, 0.3, 0.5, 0.75]),
 }
+# Of clocks with other intervals than they state.
+GIVEN = {"fixed": 0.02 + 0.07 * np.arange(15), "tunable": 0.25 * np.arange(5)}
 
 
+@pytest.mark.parametrize("given", [{}, {"fixed": "70 ms", "tunable": 0.25}])
 @pytest.mark.parametrize("process", PROCESSES)
 @pytest.mark.parametrize("macro_step", [0.01, 0.3])
 def test_clocks_of_every_interval_tick_at_their_times(
-    macro_step: float, process: str, tmp_path: Path
+    macro_step: float, process: str, given: dict[str, Any], tmp_path: Path
 ) -> None:
     """The number of ticks and the sum of their times, at the end of every step."""
-    table = {"participant": intervals(tmp_path), "process": process}
+    table = {"participant": intervals(tmp_path), "process": process, "parameters": given}
     summary, found = ran(scenario({"one": table}, macro_step=macro_step), tmp_path / "out")
     assert summary.complete, summary.message
-    for kind, times in TICKS.items():
+    due = {**TICKS, **{name: GIVEN[name] for name in given}}
+    for name, times in due.items():
         ticked = [times[times <= t + 1e-9] for t in found["time"]]
-        np.testing.assert_array_equal(found[f"one.{kind}_ticks"], [len(one) for one in ticked])
-        np.testing.assert_allclose(found[f"one.{kind}_sum"], [one.sum() for one in ticked], rtol=1e-12)
-    for times in TICKS.values():
+        np.testing.assert_array_equal(found[f"one.{name}_ticks"], [len(one) for one in ticked])
+        sums = [one.sum() for one in ticked]
+        np.testing.assert_allclose(found[f"one.{name}_sum"], sums, rtol=1e-12, atol=1e-12)
+    for times in due.values():
         assert all(np.min(np.abs(found["time"] - t)) < 1e-12 for t in times)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"tunable": 0.0}, r"tunable = 0 s \(interval of the clock tunable\): must be > 0"),
+        ({"asked": 0.1}, "no such parameter"),
+    ],
+)
+def test_intervals_that_a_clock_cannot_have_are_refused(
+    given: dict[str, float], said: str, tmp_path: Path
+) -> None:
+    with pytest.raises((ScenarioError, ModelError), match=said):
+        build_system(scenario({"one": {"participant": intervals(tmp_path), "parameters": given}}))
+
+
+def test_a_countdown_that_a_discrete_input_starts_ticks_at_its_time(tmp_path: Path) -> None:
+    """The ticks of one, five at 0.4 s, set the alarm of the other, which ticks 0.03 s later."""
+    path = sampler(tmp_path)
+    one = scenario(
+        {"one": {"participant": path}, "two": {"participant": path}},
+        connections=["one.ticks -> two.gain"], macro_step=0.04, stop_time=0.5, master={"name": "jacobi"},
+    )  # fmt: skip
+    summary, found = ran(one, tmp_path / "out")
+    assert summary.complete, summary.message
+    times, alarms = found["time"], found["two.alarms"]
+    rises = times[np.flatnonzero(np.diff(alarms) > 0) + 1]
+    np.testing.assert_allclose(rises, [0.13, 0.33, 0.43], atol=1e-9)
 
 
 @pytest.mark.parametrize("master", MASTERS)

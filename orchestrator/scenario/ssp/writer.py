@@ -21,7 +21,7 @@ from models.core.quantities import Quantity
 from models.core.system import Instance, System
 
 from ...participants import collect_settings
-from ...participants.description import BOOLEANS, REALS, Description, Variable, read_description
+from ...participants.description import BOOLEANS, CLOCK, REALS, Description, Variable, read_description
 from ...store.atomic_write import replace
 from .. import ComponentTable, Scenario, ScenarioError, parse_line
 from ..system import Builder, build_side_lines, build_system, resolve_start
@@ -158,7 +158,7 @@ def _find_quantity(instance: Instance, name: str) -> Quantity | None:
 
 def _format_value(variable: Variable, quantity: Quantity | None, value: float) -> tuple[str, Any]:
     """Type and value of a parameter."""
-    if variable.type in REALS:
+    if variable.type in (*REALS, CLOCK):  # of a clock its interval
         return "Real", float(value)
     if variable.type in BOOLEANS:
         return "Boolean", bool(value)
