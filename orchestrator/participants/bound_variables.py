@@ -54,7 +54,8 @@ class BoundInputs:
     (canInterpolateInputs of FMI 2.0) to the inputs `called`, numbers of columns. Others are not given.
     `picked` are rows and columns of what goes to variables, `write` transfers all. `fixed` has the values
     of inputs that nothing drives. `held` marks those of `picked` that the FMU holds over a step (see
-    `held_inputs`).
+    `held_inputs`). `follows` marks what of `memory` the FMU takes; which orders by call, it says only when it
+    is called.
     """
 
     def __init__(
@@ -87,6 +88,9 @@ class BoundInputs:
             and fmu.is_real(name)
             and name_derivative(name, 1) not in known
         ]
+        self.follows = np.zeros(memory.shape, dtype=np.bool_)
+        self.follows[self.picked] = True
+        self.follows[:, self.called] = True
         if self.called:
             self._call_derivatives([fmu.find(names[column]).reference for column in self.called])
 
@@ -123,9 +127,10 @@ class BoundInputs:
             write()
             if fmu.stepping:  # before that the standard has no such call
                 slopes[:] = memory[1:, columns]
-                for taken, send in enumerate(sends):
-                    if send() and taken:
-                        del sends[taken:]
+                for order, send in enumerate(sends, 1):
+                    if send() and order > 1:
+                        del sends[order - 1 :]
+                        self.follows[order:, columns] = False
                         break
 
         self.write = write_all

@@ -63,9 +63,7 @@ class FmuParticipant(OpenedFmu):
         self._inputs = BoundInputs(self._fmu, bound.input_names, bound.inputs, self._settings.inputs)
         self._outputs = BoundOutputs(self._fmu, bound.output_names, bound.outputs, bound.rates)
         self.write, self.read = self._inputs.write, self._outputs.read
-        self.follows = np.zeros(bound.inputs.shape, dtype=np.bool_)
-        self.follows[self._inputs.picked] = True
-        self.follows[:, self._inputs.called] = True
+        self.follows = self._inputs.follows
         driven = {bound.input_names[i] for i in self._inputs.picked[1][self._inputs.held]}
         depends = self._fmu.description.depends
         at_once = any(driven.intersection(depends.get(name, driven)) for name in bound.output_names)

@@ -276,6 +276,12 @@ MODELS["first_slope"] = replace(
 )
 # The mass that takes no slope of its force, and can be taken back.
 MODELS["held_mass"] = replace(MODELS["sprung"], abilities=MODELS["dahlquist"].abilities)
+MODELS["printing_mass"] = replace(
+    MODELS["held_mass"], step='printf("moving\\n"); ' + MODELS["held_mass"].step
+)
+MODELS["printing_mass_first"] = replace(
+    MODELS["held_mass"], output='printf("no licence\\n"); raise(SIGSEGV);'
+)
 # It ends the simulation at 0.8 s.
 MODELS["ending_mass"] = replace(
     MODELS["held_mass"],

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from models.monolithic.trajectory import Trajectory
 from orchestrator.analyses.stability.linearisation import open_linearisations
 from orchestrator.analyses.stability.reopened import Reopened
+from orchestrator.analyses.stability.responses import Responses
 from orchestrator.analyses.stability.survey import Survey, survey
 from orchestrator.masters import find_name
 from orchestrator.participants import collect_settings, open_fmu
@@ -20,6 +22,7 @@ from orchestrator.scenario import Scenario, ScenarioError
 from orchestrator.scenario.system import build_system
 
 from .c_fmus import fmu
+from .public import public
 from .runs import never, scenario
 from .test_held_inputs import LINES
 
@@ -32,6 +35,10 @@ def masses(second: str, folder: Path, **changes: Any) -> Scenario:
     }
     more = {"connections": LINES, "tolerance": {"second.position": 0.3}, "stop_time": 0.5}
     return scenario(tables, **more | changes)
+
+
+# A course of nothing: of those that nothing drives it is not looked at.
+IDLE = Trajectory(np.zeros(1), {}, np.zeros((1, 0)), np.zeros((1, 0)))
 
 
 def surveyed(one: Scenario) -> Survey:
@@ -134,6 +141,19 @@ def test_instants_after_which_an_fmu_ends_itself_are_left_out(tmp_path: Path) ->
     assert len(surveyed(driven).points) == 12
 
 
+def test_an_fmu_that_nothing_drives_responds_to_nothing(tmp_path: Path) -> None:
+    """Its input is free, and it has two outputs."""
+    path = fmu("held_mass", 2, tmp_path)
+    system = build_system(scenario({"mass": {"participant": path}}))
+    unit = open_fmu("mass", path, system.instances["mass"])
+    try:
+        found = Responses("mass", unit, system, 0.01).about(IDLE, 0, ["position", "velocity"])
+    finally:
+        unit.close()
+    assert (found.A.shape, found.B.shape, found.D.shape) == ((0, 0), (0, 1), (2, 1))
+    assert not found.D.any()
+
+
 def test_a_repetition_that_costs_too_much_is_refused_with_its_cost(tmp_path: Path) -> None:
     one = masses("stateless_mass", tmp_path, stop_time=2e4)
     with (
@@ -141,3 +161,27 @@ def test_a_repetition_that_costs_too_much_is_refused_with_its_cost(tmp_path: Pat
         open_linearisations(one, build_system(one), None),
     ):
         pass
+
+
+@pytest.mark.long
+def test_signals_to_fmus_that_take_slopes_only_are_predicted_as_lines(tmp_path: Path, record: Any) -> None:
+    """A public drive train and its controller, linearised by directional derivatives: the predicted error of
+    the coupling against that of the run by refinement, and no gain from rates."""
+    tables = {
+        "drive": {"participant": public("fmpy/Drivetrain.fmu")},
+        "control": {"participant": public("fmpy/Controller.fmu"), "parameters": {"PI.k": 20.0}},
+    }
+    error = {}
+    for signal in ("linear", "hermite"):
+        one = scenario(
+            tables, connections=["drive.w -> control.u_m", "control.y -> drive.tau"], macro_step=4e-3,
+            master={"name": "jacobi", "extrapolation": signal}, tolerance={"drive.w": 1e-3},
+            reference={"method": "refinement"},
+        )  # fmt: skip
+        error[signal] = surveyed(one).own.errors[one.macro_step]["drive.w"]
+        if signal == "linear":
+            summary = run(one, tmp_path / "out", never, Reporter(), figures=False)
+            measured = summary.errors["drive.w"].relative_rms
+    assert error["hermite"] == pytest.approx(error["linear"], rel=0.05)
+    case = "public drive train, slopes only: predicted relative RMS error of drive.w"
+    record("Coupling", case, error["linear"], measured, "error of the run", tolerance=0.5 * measured)

@@ -55,6 +55,38 @@ def test_a_run_that_is_refused_shows_what_was_printed(tmp_path: Path) -> None:
     assert list((tmp_path / "out").iterdir()) == []
 
 
+def analysed(name: str, folder: Path) -> CompletedProcess[str]:
+    """The analysis of a pair of that FMU and one of ours as a command, with an older log in its folder."""
+    tables = {"mass": {"participant": fmu(name, 2, folder), "process": "own"}}
+    tables["driven"] = {"component": "sprung_mass", "participant": "in-process"}
+    one = scenario(
+        tables, connections=["mass.position * 1 -> driven.force"], tolerance={"driven.position": 0.1},
+        stop_time=0.2,
+    )  # fmt: skip
+    file = folder / "one.toml"
+    file.write_text(to_short_toml(one, folder), "utf-8")
+    (folder / "out").mkdir()
+    (folder / "out" / "stability.log").write_text("old", "utf-8")
+    return tribocosim("analyse", str(file), "--out", str(folder / "out"))
+
+
+@pytest.mark.long
+def test_what_fmus_print_in_an_analysis_is_in_a_file(tmp_path: Path) -> None:
+    done = analysed("printing_mass", tmp_path)
+    assert done.returncode == 0, done.stderr
+    printed = (tmp_path / "out" / "stability.log").read_text("utf-8").splitlines()
+    assert set(printed) == {"moving"}
+    assert f"{len(printed)} lines that FMUs printed: " in done.stdout
+    assert "moving" not in done.stdout + done.stderr
+
+
+def test_an_analysis_that_fails_shows_what_was_printed(tmp_path: Path) -> None:
+    done = analysed("printing_mass_first", tmp_path)
+    assert done.returncode not in (0, None)
+    assert "no licence" in done.stderr
+    assert (tmp_path / "out" / "stability.log").read_text("utf-8") == "no licence\n"
+
+
 def test_a_verbose_run_shows_it_where_it_falls(tmp_path: Path) -> None:
     done = started("printing", "shared", tmp_path, "--verbose")
     assert "at 0.01" in done.stdout

@@ -47,7 +47,10 @@ def analyse_scenario(
     folder = out or Path("results") / f"{scenario.name}-{FILE}"
     held = find_results(folder, FILE, overwrite)
     with create_folder(folder):
-        found = survey_scenario(scenario, instants, reporter, build, responses)
+        printed = folder / f"{FILE}.log"
+        printed.unlink(missing_ok=True)
+        with reporter.keep_prints(printed):
+            found = survey_scenario(scenario, instants, reporter, build, responses)
         for file in held:
             file.unlink()
         files = write_survey(found, folder)

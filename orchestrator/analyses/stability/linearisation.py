@@ -143,7 +143,7 @@ class Directional(ParticipantLinearisation):
     """Implements `Linearisation` for a `linearisable` FMU, by its directional derivatives.
 
     At a kink they are those of the active branch. The model description says which derivatives of its inputs
-    the FMU follows.
+    the FMU follows, or its answers to the calls that set them.
     """
 
     def __init__(self, name: str, participant: FmuParticipant, system: System) -> None:

@@ -68,7 +68,7 @@ class Responses(ParticipantLinearisation):
     def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
         if not self.input_names:  # nothing moves it
             nothing = np.zeros((len(self._rows), 0))
-            linear = Linear(np.zeros((0, 0)), nothing.T[:0], nothing[:, :0], nothing, np.zeros(0))
+            linear = Linear(np.zeros((0, 0)), np.zeros((0, 0)), nothing, nothing, np.zeros(0))
             return self._expand(linear, np.ones((ROWS, 0)), [], outputs)
         try:
             if not self._ended:
