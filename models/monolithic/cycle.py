@@ -74,18 +74,25 @@ def find_cycle(
     x[held] = system.x0[held]
     begun, ended = list[Vector](), list[Vector]()
     for periods in range(1, most_periods + 1):
-        z = problem.start(x)
-        stiff, longest = stiffness(problem, 0.0, z, times)
-        states, _ = march(problem, Cvode(problem, TOLERANCE, stiff, longest), z, 0.0, times)
-        end = states[-1, :n]
+        # Stops at samples take most of the time of a period: only the last one makes them.
+        end = _move(problem, x, times, times[[0, -1]])[-1, :n]
         change = np.abs(end - x)[~held] / (system.state.nominal + np.abs(x))[~held]
         if (worst := float(np.max(change, initial=0.0))) <= STEADY or periods == most_periods:
             break
         begun.append(scaling.flat(x))
         ended.append(scaling.flat(end))
         x = scaling.state(_extrapolate(begun[-MEMORY:], ended[-MEMORY:]), x)
+    states = _move(problem, x, times, times)
     inputs, outputs, _ = observe(problem, times, states)
     return Cycle(system, times, inputs, outputs, end.copy(), worst, periods)
+
+
+def _move(problem: SystemProblem, x: Vector, times: Vector, stops: Vector) -> Vector:
+    """States at `stops`, from `x` at the first; steps are no longer than the distances of `times`."""
+    z = problem.start(x)
+    stiff, longest = stiffness(problem, 0.0, z, times)
+    states, _ = march(problem, Cvode(problem, TOLERANCE, stiff, longest), z, 0.0, stops)
+    return states
 
 
 class _Scaling:
