@@ -50,9 +50,10 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> Separation 
         return Separation(None, None, f"contact is kept up to {speeds[-1] * RPM:.0f} r/min")
     if lost[0]:
         return Separation(None, None, f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed")
+    is_lost = _find_losses(subject)
     try:
-        speed = _bisect(subject, speeds, lost, "lost")
-        nose = _bisect(subject, speeds, on_nose, "lost_on_nose") if on_nose.any() else None
+        speed = _bisect(is_lost, speeds, lost, "lost")
+        nose = _bisect(is_lost, speeds, on_nose, "lost_on_nose") if on_nose.any() else None
     except ModelError as error:
         return Separation(None, None, f"the speed of separation was not found: {error}")
     again = speeds[int(np.argmax(lost)) :][~lost[int(np.argmax(lost)) :]]
@@ -78,15 +79,24 @@ def bisect_separation(separated: Callable[[float], bool], kept: float, lost: flo
     return lost
 
 
-def _bisect(subject: SpeedSubject, speeds: Vector, lost: NDArray[np.bool_], number: str) -> float:
+def _find_losses(subject: SpeedSubject) -> Callable[[float, str], bool]:
+    """A function of speed (rad/s) and number; what it finds at a speed serves all numbers."""
+
+    @functools.cache
+    def measure(speed: float) -> dict[str, bool]:
+        motion = subject.find_motion_at(speed)
+        return {number: is_separated(*motion, number) for number in ("lost", "lost_on_nose")}
+
+    return lambda speed, number: measure(speed)[number]
+
+
+def _bisect(
+    is_lost: Callable[[float, str], bool], speeds: Vector, lost: NDArray[np.bool_], number: str
+) -> float:
     """The speed (r/min) between the last one with contact and the first one without."""
     first = int(np.argmax(lost))
-
-    def separated(speed: float) -> bool:
-        return is_separated(*subject.find_motion_at(speed), number)
-
     kept = float(speeds[max(first - 1, 0)])
-    return RPM * bisect_separation(separated, kept, float(speeds[first]))
+    return RPM * bisect_separation(lambda speed: is_lost(speed, number), kept, float(speeds[first]))
 
 
 def _describe_place(table: xarray.Dataset, speed: float, nose: float | None) -> str:
@@ -131,16 +141,11 @@ def find_second(subject: SpeedSubject, speeds: Vector, first: Separation, film: 
     tables = copy.deepcopy(dict(subject.tables))
     for name in _list_films(subject):
         put(tables, f"components.{name}.parameters.film_model", film)
-    changed = replace(subject, tables=tables, folder=None)
-
-    @functools.cache
-    def measure(speed: float) -> dict[str, bool]:
-        motion = changed.find_motion_at(speed)
-        return {number: is_separated(*motion, number) for number in ("lost", "lost_on_nose")}
+    is_lost = _find_losses(replace(subject, tables=tables, folder=None))
 
     def find(number: str, first_speed: float | None) -> float | None:
         def separated(speed: float) -> bool:
-            return measure(speed)[number]
+            return is_lost(speed, number)
 
         near = speeds.size - 1 if first_speed is None else int(np.searchsorted(RPM * speeds, first_speed))
         i = find_first(lambda k: separated(float(speeds[k])), near, speeds.size)
