@@ -207,7 +207,8 @@ def test_a_sweep_has_all_its_cycles(tmp_path: Path) -> None:
     np.testing.assert_allclose(packed["contact.load"], found, rtol=4e-5)
     # At half the speed of the drive, a turn of the cam takes twice its period.
     np.testing.assert_allclose(content["sweep"]["periods"], 4.0 * math.pi / SPEEDS)
-    assert [one["name"] for one in content["sweep"]["numbers"]] == ["contact.least_load"]
+    names = [one["name"] for one in content["sweep"]["numbers"]]
+    assert names == ["contact.least_load", "contact.lost"]
 
 
 def test_the_page_asks_nothing_of_any_network(page: str) -> None:
