@@ -1,7 +1,7 @@
 """Checks of a packaged FMU, ours or third-party, without unpacking or running it.
 
-`validate` lists what is wrong, in one line each; an empty list means nothing was found. `info` says what
-an FMU is.
+`inspect` tells what keeps an FMU from running here, and what else departs from the standard, in one line
+each; `validate` lists both. `info` says what an FMU is.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import fmpy
-from fmpy.model_description import ModelDescription, read_model_description
+from fmpy.model_description import read_model_description
 from fmpy.validation import validate_fmu
 from lxml import etree
 
@@ -93,28 +93,67 @@ class FmuInfo:
         return "\n".join([*(f"{key:10} {value}" for key, value in head.items() if value), "", *table])
 
 
+@dataclass(frozen=True)
+class Findings:
+    """What keeps an FMU from running on this machine, and what else departs from the standard."""
+
+    faults: list[str]
+    remarks: list[str]
+
+    def __bool__(self) -> bool:
+        return bool(self.faults or self.remarks)
+
+    def __str__(self) -> str:
+        if not self:
+            return "nothing found"
+        parts = (("cannot run here:", self.faults), ("departs from the standard:", self.remarks))
+        return "\n".join("\n  ".join([head, *lines]) for head, lines in parts if lines)
+
+
 def validate(path: Path | str) -> list[str]:
+    """All that is wrong with the FMU at `path`."""
+    found = inspect(path)
+    return found.faults + found.remarks
+
+
+def inspect(path: Path | str) -> Findings:
     """What is wrong with the FMU at `path`: the archive first, then its content (fmpy's checks and ours)."""
     path = Path(path)
     try:
         with open_archive(path) as archive:
             faults = archive_faults(archive)
             if faults:
-                return faults
+                return Findings(faults, [])
             version = _fmi_version(archive)
             names = set(archive.namelist())
             terminals = archive.read(TERMINALS) if TERMINALS in names else b""
     except FmuFileError as error:
-        return [str(error)]
-    faults = [one_line(problem) for problem in validate_fmu(str(path))]
-    if version != "1.0" and not faults:
+        return Findings([str(error)], [])
+    departures = [one_line(problem) for problem in validate_fmu(str(path))]
+    try:
         described = read_model_description(str(path), validate=False)
-        faults += _content_faults(described, names)
-        with open_archive(path) as archive:
-            faults += binary_faults(archive, described)
+    except Exception as error:  # fmpy lets through whatever its XML libraries raise
+        return Findings(departures or [f"{DESCRIPTION} cannot be read: {one_line(error)}"], [])
+    if version == "1.0":
+        return Findings([], departures)
+    slave = described.coSimulation or described.modelExchange or described.scheduledExecution
+    if slave is None:
+        return Findings([f"{DESCRIPTION}: neither co-simulation nor model exchange"], departures)
+    with open_archive(path) as archive:
+        libraries = [*_name_faults(slave.modelIdentifier, names), *binary_faults(archive, described)]
+    faults = [line for line in libraries if _is_here(line)]
+    departures += [line for line in libraries if line not in faults]
+    if not departures:  # what else is checked asks for a description in order
+        departures += [fault for variable in described.modelVariables for fault in _range_faults(variable)]
         if terminals:
-            faults += terminal_faults(terminals, {v.name for v in described.modelVariables})
-    return faults
+            departures += terminal_faults(terminals, {v.name for v in described.modelVariables})
+    return Findings(faults, departures)
+
+
+def _is_here(fault: str) -> bool:
+    """Whether it is of the libraries of this platform, or of all."""
+    place = PurePosixPath(fault.partition(":")[0]).parts
+    return len(place) < 2 or place[1] in (fmpy.platform, fmpy.platform_tuple)
 
 
 def terminal_faults(xml: bytes, variables: Collection[str]) -> list[str]:
@@ -227,31 +266,28 @@ def _fmi_version(archive: zipfile.ZipFile) -> str:
     return version
 
 
-def _content_faults(described: ModelDescription, names: set[str]) -> list[str]:
-    """What the standard asks for and the schema cannot say."""
+def _name_faults(identifier: str, names: set[str]) -> list[str]:
+    """Where no library has the name that the standard asks for."""
     faults = []
-    slave = described.coSimulation or described.modelExchange or described.scheduledExecution
-    if slave is None:
-        return [f"{DESCRIPTION}: neither co-simulation nor model exchange"]
     stems: dict[str, set[str]] = {}
     for path in filter(is_library, map(PurePosixPath, names)):
         stems.setdefault(path.parts[1], set()).add(path.stem)
     sources = any(name.startswith("sources/") for name in names)
     if not sources and not stems:
-        faults.append(f"binaries: none is called {slave.modelIdentifier}, the model identifier")
+        faults.append(f"binaries: none is called {identifier}, the model identifier")
     for folder, found in sorted(stems.items()):
-        if slave.modelIdentifier not in found:
+        if identifier not in found:
             faults.append(
-                f"binaries/{folder}: none is called {slave.modelIdentifier}, the model identifier, but "
+                f"binaries/{folder}: none is called {identifier}, the model identifier, but "
                 f"{', '.join(sorted(found))}"
             )
-    for variable in described.modelVariables:
-        if variable.type in ("Real", "Float64") and variable.start is not None and not variable.dimensions:
-            faults += _range_faults(variable)
     return faults
 
 
 def _range_faults(variable: Any) -> list[str]:
+    """Of a number that starts outside of its range, which the schema cannot say."""
+    if variable.type not in ("Real", "Float64") or variable.start is None or variable.dimensions:
+        return []
     start = float(variable.start)
     low = -float("inf") if variable.min is None else float(variable.min)
     high = float("inf") if variable.max is None else float(variable.max)

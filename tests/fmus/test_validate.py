@@ -6,13 +6,15 @@ import hashlib
 import zipfile
 from pathlib import Path
 
+import fmpy
 import pytest
 
+import tribocosim
 from fmus.build import NAMES
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError
 from fmus.fmi.origin import is_built_here
-from fmus.fmi.validate import FmuFileError, info, validate
+from fmus.fmi.validate import Findings, FmuFileError, info, inspect, validate
 
 XML = "modelDescription.xml"
 
@@ -130,7 +132,30 @@ def test_a_library_of_another_name_is_named(fmu_files: dict[str, Path], tmp_path
     with zipfile.ZipFile(fmu_files["flywheel"]) as archive, zipfile.ZipFile(renamed, "w") as target:
         for name in archive.namelist():
             target.writestr(name.replace("linux64/flywheel.", "linux64/wheel."), archive.read(name))
-    assert validate(renamed) == ["binaries/linux64: none is called flywheel, the model identifier, but wheel"]
+    lines = ["binaries/linux64: none is called flywheel, the model identifier, but wheel"]
+    assert validate(renamed) == lines
+    here = fmpy.platform == "linux64"
+    assert inspect(renamed) == (Findings(lines, []) if here else Findings([], lines))
+
+
+def test_a_library_of_another_platform_keeps_nobody_here_from_running(
+    fmu_files: dict[str, Path], tmp_path: Path
+) -> None:
+    renamed = tmp_path / "renamed.fmu"
+    with zipfile.ZipFile(fmu_files["flywheel"]) as archive, zipfile.ZipFile(renamed, "w") as target:
+        for name in archive.namelist():
+            target.writestr(name.replace("win64/flywheel.", "win64/wheel."), archive.read(name))
+    found = tribocosim.validate_fmu(renamed)
+    assert (len(found.faults), len(found.remarks)) == (int(fmpy.platform == "win64"), 1 - len(found.faults))
+    assert not tribocosim.validate_fmu(fmu_files["flywheel"])
+    assert str(tribocosim.validate_fmu(fmu_files["flywheel"])) == "nothing found"
+
+
+def test_it_agrees_with_its_reference_from_python(fmu_files: dict[str, Path]) -> None:
+    assert tribocosim.fmu_info(fmu_files["flywheel"]).name == "flywheel"
+    assert all(way.agrees for way in tribocosim.compare_fmu(fmu_files["flywheel"]))
+    with pytest.raises(tribocosim.MistakeError, match="not a zip archive"):
+        tribocosim.compare_fmu(__file__)
 
 
 def test_only_what_was_built_here_is_known(fmu_files: dict[str, Path], tmp_path: Path) -> None:

@@ -85,12 +85,13 @@ def require_convexity(profile: CamProfile) -> Requirement:
     def is_convex(p: Any, told: Vector) -> bool:
         smallest = smallest_radius(p)
         told[0] = 1e3 * smallest
+        told[1] = 1e-3 * math.ceil(1e6 * (p.base_radius - smallest))  # rho = R0 + s + s''
         return smallest > 0.0
 
     return Requirement(
         is_convex,
         "base_radius: the smallest radius of curvature is {0:.3f} mm; it must be > 0 for a flat follower "
-        "(undercut); increase base_radius, or take a profile with less |s''|",
+        "(undercut); take base_radius > {1:.3f} mm, or a profile with less |s''|",
     )
 
 
