@@ -7,10 +7,11 @@ from collections.abc import Iterable, Mapping
 
 
 def one_of(names: Iterable[str], given: object = "") -> str:
-    """The end of a message about a choice: all of them, and the one that was probably meant."""
+    """The end of a message about a choice: the one that was probably meant, and all of them."""
     known, text = list(names), str(given).lower()
     close = difflib.get_close_matches(text, known, n=1) or [n for n in known if len(text) > 2 and text in n]
-    return f"must be one of {', '.join(known)}" + (f"; did you mean {close[0]}?" if close else "")
+    text = f"must be one of {', '.join(known)}"
+    return f"did you mean {close[0]}? It {text}" if close else text
 
 
 def instead_of_discarded(name: str) -> str:

@@ -17,16 +17,25 @@ if TYPE_CHECKING:
     from .api import Scenario as Scenario
     from .api import analyse as analyse
     from .api import build_fmu as build_fmu
+    from .api import cam as cam
+    from .api import compare as compare
+    from .api import compare_fmu as compare_fmu
+    from .api import fmu_info as fmu_info
     from .api import load as load
     from .api import open as open
+    from .api import report as report
+    from .api import resume as resume
     from .api import run as run
+    from .api import scenarios as scenarios
     from .api import session as session
     from .api import speeds as speeds
     from .api import study as study
+    from .api import validate_fmu as validate_fmu
 
 __all__ = [
-    "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "load", "open", "run",
-    "session", "speeds", "study",
+    "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "cam", "compare", "compare_fmu",
+    "fmu_info", "load", "open", "report", "resume", "run", "scenarios", "session", "speeds", "study",
+    "validate_fmu",
 ]  # fmt: skip
 
 

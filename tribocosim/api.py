@@ -17,20 +17,24 @@ from orchestrator.store.result_file import find_result, open_result
 
 from .cached_fmus import build_fmu as build_cached_fmu
 from .cached_fmus import check_native
-from .fmu import build_fmu as build_fmu
+from .fmu import build_fmu, compare_fmu, fmu_info, validate_fmu
 from .reporting import Progress, SilentReporter
-from .scenario import Scenario, load
+from .scenario import Scenario, load, scenarios
 from .stepping import Session as session
-from .studies import analyse, speeds, study
+from .studies import analyse, cam, compare, speeds, study
+from .wording import in_python, speak_python
 
 if TYPE_CHECKING:
     import xarray
 
+    from orchestrator.run.summary import Summary
+
     from .pictures import Picture
 
 __all__ = [
-    "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "load", "open", "run",
-    "session", "speeds", "study",
+    "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "cam", "compare", "compare_fmu",
+    "fmu_info", "load", "open", "report", "resume", "run", "scenarios", "session", "speeds", "study",
+    "validate_fmu",
 ]  # fmt: skip
 
 
@@ -67,7 +71,7 @@ class Result:
     @property
     def notices(self) -> list[str]:
         """What the command prints of the scenario, the contacts, the steps and the FMUs, line by line."""
-        return list(self.summary.get("notices", []))
+        return [in_python(line) for line in self.summary.get("notices", [])]
 
     @property
     def errors(self) -> dict[str, float]:
@@ -76,10 +80,15 @@ class Result:
 
     def report(self, path: str | Path = "report.html") -> Path:
         """Write the run as a page for a browser, in one file: its mechanism in motion, plots, errors."""
-        from orchestrator.report import write_report
+        return report(self.folder or self._kept, path)
 
-        return write_report(self.folder or self._kept, Path(path))
+    def diagnose(self) -> list[str]:
+        """What limited the macro steps, and what would help, line by line, as the command `diagnose` has."""
+        from orchestrator.assessment.diagnosis.report import diagnose
 
+        return [in_python(line) for line in diagnose(self.folder or self._kept).lines]
+
+    @speak_python()
     def friction(self, contact: str | None = None, *, wear_coefficient: float = 1e-17) -> xarray.Dataset:
         """Friction and wear of a contact under a cam over the last revolution, as the command `friction` has.
 
@@ -106,6 +115,7 @@ class Result:
         return draw(variables, self.coupled, self.reference)
 
 
+@speak_python()
 def run(
     scenario: Scenario | str | Path,
     out: str | Path | None = None,
@@ -143,11 +153,36 @@ def _run(
     checked = scenario.check()
     check_native(checked)
     summary = run_pipeline(checked, folder, build_cached_fmu, reporter, overwrite, figures)
+    return _open_complete(summary, folder)
+
+
+def _open_complete(summary: Summary, folder: Path) -> Result:
     if not summary.complete:
         raise RunError(summary.message)
     return open(folder)
 
 
+@speak_python()
+def resume(folder: str | Path, *, figures: bool = True, progress: Progress | None = None) -> Result:
+    """Continue a run that was stopped, from its last checkpoint, with the same results.
+
+    `figures` are drawn unless the run was begun without. MistakeError if it cannot go on.
+    """
+    from orchestrator.run.resume import resume as resume_pipeline
+
+    summary = resume_pipeline(Path(folder), build_cached_fmu, SilentReporter(progress), figures)
+    return _open_complete(summary, Path(folder))
+
+
+@speak_python()
+def report(folder: str | Path, path: str | Path | None = None) -> Path:
+    """Write the page of a run or a sweep over speed anew, by default into its folder; its path."""
+    from orchestrator.report import write_report
+
+    return write_report(Path(folder), None if path is None else Path(path))
+
+
+@speak_python()
 def open(folder: str | Path) -> Result:
     """The result in the folder of a run, read into memory. MistakeError if there is none."""
     folder = Path(folder)

@@ -6,9 +6,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from models.core.system import suggestion
 from orchestrator.errors import MistakeError
+
+from .wording import speak_python
+
+if TYPE_CHECKING:
+    from fmus.cross_check.compare import Comparison
+    from fmus.fmi.validate import Findings, FmuInfo
 
 
 @dataclass(frozen=True)
@@ -26,6 +33,7 @@ class FmuOptions:
     libpython: str | None = None
 
 
+@speak_python()
 def build_fmu(
     component: str,
     out: str | Path = ".",
@@ -44,6 +52,45 @@ def build_fmu(
     options = FmuOptions(structure, native, platforms or None, fmi)
     check_options([component], options)
     return build_file(component, Path(out), options)
+
+
+@speak_python()
+def fmu_info(file: str | Path) -> FmuInfo:
+    """What an FMU is, what it can, and its variables; printed it is what the command `fmu info` shows."""
+    from fmus.fmi.archive import FmuFileError
+    from fmus.fmi.validate import info
+
+    try:
+        return info(Path(file))
+    except FmuFileError as error:
+        raise MistakeError(str(error)) from None
+
+
+@speak_python()
+def validate_fmu(file: str | Path) -> Findings:
+    """What keeps an FMU from running here (`faults`), and what else departs from the standard (`remarks`).
+
+    Both are lines of text; the findings are false where there are none.
+    """
+    from fmus.fmi.validate import inspect
+
+    return inspect(Path(file))
+
+
+@speak_python()
+def compare_fmu(file: str | Path, tolerance: float | None = None) -> list[Comparison]:
+    """Run an FMU in this process and compare it with its reference results, inside the file or beside it.
+
+    One entry for each way in which it can be run; `agrees` says whether it is within `tolerance` (default: of
+    the .opt file). MistakeError if there is no reference or it does not run.
+    """
+    from fmus.cross_check.compare import compare
+    from fmus.cross_check.files import CrossCheckError
+
+    try:
+        return compare(Path(file), tolerance)
+    except CrossCheckError as error:
+        raise MistakeError(str(error)) from None
 
 
 def check_options(names: Sequence[str] | None, options: FmuOptions) -> Sequence[str]:

@@ -34,7 +34,7 @@ def draw(variables: Sequence[str], coupled: xarray.Dataset, reference: xarray.Da
         unit = str(values.attrs.get("units", "1"))
         if unit in PREFIXED:
             axes.yaxis.set_major_formatter(EngFormatter(unit))
-        axes.set_ylabel(name if unit in PREFIXED else f"{name}\n[{unit}]")
+        axes.set_ylabel(name if unit in (*PREFIXED, "1", "") else f"{name}\n[{unit}]")
     if len(variables):
         grid[-1, 0].set_xlabel("time [s]")
         if len(grid[0, 0].lines) > 1:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from orchestrator.errors import MistakeError
 from orchestrator.scenario import build_scenario
-from orchestrator.scenario.files import find, put, read_contents, resolve_paths
+from orchestrator.scenario.files import find, list_shipped, put, read_contents, resolve_paths
+
+from .wording import speak_python
 
 if TYPE_CHECKING:
     from orchestrator.scenario import Scenario as CheckedScenario
@@ -59,6 +62,13 @@ class Scenario:
         return self.with_({f"components.{name}.participant": "native" for name in built})
 
 
+def scenarios() -> dict[str, str]:
+    """The names of the shipped scenarios, and what they are."""
+    shipped = list_shipped().items()
+    return {name: tomllib.loads(path.read_text("utf-8")).get("description", "") for name, path in shipped}
+
+
+@speak_python()
 def load(source: str | Path | Mapping[str, Any]) -> Scenario:
     """A shipped scenario by its name, a .toml or .ssp file, or tables. MistakeError for a fault."""
     if isinstance(source, Mapping):

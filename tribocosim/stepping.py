@@ -22,6 +22,7 @@ from orchestrator.stepping import list_event_outputs
 from .cached_fmus import build_fmu
 from .reporting import SilentReporter
 from .scenario import Scenario
+from .wording import speak_python
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ class Session:
     The steps are those of the run, to the bit. RunError where one cannot be made.
     """
 
+    @speak_python()
     def __init__(self, scenario: Scenario) -> None:
         checked = scenario.check()
         plan = make_plan(checked, build_fmu, SilentReporter(), figures=False)

@@ -16,11 +16,13 @@ from .cached_fmus import build_fmu
 from .packages import check_study_packages
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load
+from .wording import speak_python
 
 if TYPE_CHECKING:
     import xarray
 
 
+@speak_python()
 def analyse(
     subject: Scenario | str | Path,
     settings: Mapping[str, Any] | None = None,
@@ -47,6 +49,45 @@ def analyse(
     return build_dataset(survey_scenario(checked, instants, SilentReporter(progress), build_fmu, responses))
 
 
+@speak_python()
+def cam(
+    source: str | Path,
+    settings: Mapping[str, Any] | None = None,
+    *,
+    component: str | None = None,
+    out: str | Path | None = None,
+    overwrite: bool = False,
+) -> xarray.Dataset:
+    """What a cam is like: of a lift table (.csv), a law such as "cycloidal", or a scenario's `component`.
+
+    `settings` are parameters of the analysis `cam`, such as {"follower": "roller", "radius": "8 mm"}. With a
+    folder `out` its table, figure, SVG and DXF are written, as by the command `cam`.
+    """
+    from orchestrator.analyses._cam_source import find_settings
+    from orchestrator.analyses._evaluate import compute_table, evaluate
+
+    analysis = load_analysis("cam")
+    given = {**find_settings(str(source), component), **(settings or {})}
+    if out is None:
+        return compute_table(analysis, analysis.complete(given))
+    return evaluate(analysis, given, Path(out), overwrite, SilentReporter())
+
+
+@speak_python()
+def compare(first: str | Path, second: str | Path, figure: str | Path | None = None) -> dict[str, Any]:
+    """Two designs side by side, from the folders of their sweeps over speed, as the command `compare` does.
+
+    `worst` has by number its unit, and of each design the worst value and its speed (r/min); `separation` and
+    `second_separation` are those of each design. `figure` is a file for both over speed.
+    """
+    check_study_packages()
+    from orchestrator.speeds.compare import compare as compare_sweeps
+
+    file = None if figure is None else Path(figure)
+    return compare_sweeps(Path(first), Path(second), file, SilentReporter())
+
+
+@speak_python()
 def speeds(
     scenario: Scenario | str | Path,
     low: str = "500 rpm",
@@ -86,6 +127,7 @@ def speeds(
     return found.table.assign_attrs(attributes)
 
 
+@speak_python()
 def study(
     tables: Mapping[str, Any] | str | Path,
     scenario: Scenario | None = None,

@@ -36,13 +36,20 @@ def analyse(
     reporter: Reporter | None = None,
 ) -> dict[str, float | str]:
     """Compute, print and write into `out` (default: results/NAME), which changes when all is computed."""
-    reporter = reporter or Reporter()
     analysis = load(name)
     given = dict(parse_setting(text) for text in settings)
-    values = analysis.complete(given)
+    folder = out or Path("results") / analysis.name
+    table = evaluate(analysis, given, folder, overwrite, reporter or Reporter())
+    return {result: table[result].item() for result in analysis.results}
+
+
+def evaluate(
+    analysis: Analysis, given: Mapping[str, Any], folder: Path, overwrite: bool, reporter: Reporter
+) -> xarray.Dataset:
+    """Compute with the parameters `given`, print, and write into `folder`; the table."""
+    values = analysis.complete(dict(given))
     for doubt in analysis.list_doubts(given):
         reporter.line(doubt)
-    folder = out or Path("results") / analysis.name
     held = find_results(folder, analysis.name, overwrite)
     with create_folder(folder):
         with reporter.stage(analysis.description):
@@ -55,7 +62,7 @@ def analyse(
             file.unlink()
         files = write_results(analysis, values, table, folder)
     reporter.line(f"results in {folder}: {', '.join(file.name for file in files)}")
-    return results
+    return table
 
 
 def parse_setting(text: str) -> tuple[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 from models.catalogue import CATALOGUE
 from models.core.component import Component
@@ -25,13 +26,48 @@ def write_page(names: Sequence[str] = ()) -> str:
 
     MistakeError for a name that no component has.
     """
+    parts = [INTRODUCTION] * (not names)
+    return "\n".join([*parts, *("\n".join(_write_component(one)) for one in _find(names))])
+
+
+def describe_components(names: Sequence[str] = ()) -> dict[str, dict[str, Any]]:
+    """By component what its page says, as plain data; all by default. MistakeError as of `write_page`."""
+    return {
+        one.name: {
+            "description": one.description,
+            "structure": dict(one.structure),
+            "parameters": _describe(one.parameters),
+            "start_values": _describe(one.state),
+            "inputs": _describe(one.inputs),
+            "outputs": _describe(one.outputs),
+        }
+        for one in _find(names)
+    }
+
+
+def _find(names: Sequence[str]) -> Iterator[Component]:
     for name in names:
         if name not in CATALOGUE:
             raise MistakeError(f"no component {name!r}; {suggestion(name, CATALOGUE)}")
-    parts = [INTRODUCTION] * (not names)
-    return "\n".join(
-        [*parts, *("\n".join(_write_component(CATALOGUE[name]())) for name in names or CATALOGUE)]
-    )
+    for name in names or CATALOGUE:
+        yield CATALOGUE[name]()
+
+
+def _describe(layout: Layout) -> dict[str, dict[str, str | float]]:
+    return {
+        name: {
+            "unit": field.quantity.unit,
+            "start": field.quantity.choices[int(field.start)] if field.quantity.choices else field.start,
+            "allowed": field.quantity.describe_range(),
+            "description": field.quantity.description,
+        }
+        for name, field in _list_fields(layout).items()
+    }
+
+
+def _list_fields(layout: Layout) -> dict[str, Field]:
+    """By name, without internal ones; of elements of a vector one."""
+    return {_format_name(field): field for field in layout.fields if not field.quantity.internal}
 
 
 def _write_component(component: Component) -> Iterator[str]:
@@ -48,7 +84,7 @@ def _write_component(component: Component) -> Iterator[str]:
 
 def _write_table(title: str, layout: Layout, default: str) -> Iterator[str]:
     """Rows of all variables; elements of a vector have one row. Outputs have neither defaults nor ranges."""
-    fields = {_format_name(field): field for field in layout.fields if not field.quantity.internal}
+    fields = _list_fields(layout)
     if not fields:
         return
     head = ["name", "unit", default, "allowed", "meaning"] if default else ["name", "unit", "meaning"]

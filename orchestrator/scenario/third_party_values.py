@@ -63,8 +63,8 @@ def convert_enumerations(component: ThirdPartyComponent, values: Mapping[str, Va
             found[name] = float(value)
         else:
             shown = f"{value:g}" if isinstance(value, float) else repr(value)
-            known, *near = one_of(tuple(items), value if isinstance(value, str) else "").split("; ")
-            said = "; ".join([f"{known}, or their numbers ({_format_numbers(numbers)})", *near])
+            known = one_of(tuple(items), value if isinstance(value, str) else "")
+            said = f"{known}, or their numbers ({_format_numbers(numbers)})"
             faults.append((name, f" = {shown} ({variable.description or name}): {said}"))
     if faults:
         raise Faults(*faults)

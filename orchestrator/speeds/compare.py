@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -37,8 +37,8 @@ LEFT_OUT = ("change", "periods", "least_load_angle")
 SHOWN = {"m": ("mm", 1e3), "Pa": ("MPa", 1e-6), "rad": ("deg", math.degrees(1.0))}
 
 
-def compare(first: Path, second: Path, out: Path, reporter: Reporter) -> dict[str, Any]:
-    """Print the worst of each number over the speeds that both sweeps span, and draw both.
+def compare(first: Path, second: Path, out: Path | None, reporter: Reporter) -> dict[str, Any]:
+    """Print the worst of each number over the speeds that both sweeps span, and draw both in the file `out`.
 
     Returns what is printed: by number its unit and the worst of each design; by design its separation, and
     the one with a second film formula.
@@ -59,7 +59,8 @@ def compare(first: Path, second: Path, out: Path, reporter: Reporter) -> dict[st
         unit, scale = choose_unit(name, values.attrs.get("units", ""))
         worst = [find_worst(table, name, scale) for table in common]
         shown.add_row(name, unit, *(f"{w.value:.5g} at {w.speed_rpm:.0f}" if w else "–" for w in worst))
-        numbers[name] = {"unit": unit, **dict(zip(tables, worst, strict=True))}
+        plain = [w and asdict(w) for w in worst]
+        numbers[name] = {"unit": unit, **dict(zip(tables, plain, strict=True))}
     reporter.console.print(shown)
     summaries = {
         name: json.loads((folder / SUMMARY).read_text("utf-8"))
@@ -71,8 +72,8 @@ def compare(first: Path, second: Path, out: Path, reporter: Reporter) -> dict[st
         for name, separation in found[kind].items():
             if separation:
                 reporter.line(f"{name}: {separation['text']}")
-    drawn = save_figure(lambda: draw_summary(tables), out)
-    reporter.line(f"figure: {drawn}")
+    if out is not None:
+        reporter.line(f"figure: {save_figure(lambda: draw_summary(tables), out)}")
     return found
 
 

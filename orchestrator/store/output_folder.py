@@ -22,17 +22,10 @@ from .atomic_write import partial
 UNFINISHED, LOCK, CHECKPOINT = "unfinished", "lock", "checkpoint"
 STORE, CYCLES = "speeds.zarr", "cycles.nc"  # of a sweep over speed, instead of a run
 REPLACED = "replaced"  # files of an earlier run, put aside until this one has its first values
-RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES, REPORT, PRINTED, TEXTS = (
-    "result.nc",
-    "coupled.csv",
-    "units.csv",
-    "scenario.toml",
-    "summary.json",
-    "figures",
-    "report.html",
-    "printed.log",
-    "texts.csv",
-)
+RESULT, CSV, UNITS, SCENARIO = "result.nc", "coupled.csv", "units.csv", "scenario.toml"
+SUMMARY, REPORT, PRINTED, TEXTS = "summary.json", "report.html", "printed.log", "texts.csv"
+# What a run writes, in the order to be shown, and its figures.
+WRITTEN, FIGURES = (REPORT, SUMMARY, RESULT, CSV, UNITS, TEXTS, SCENARIO, PRINTED), "figures"
 
 
 class OutputFolderError(MistakeError):
@@ -141,8 +134,7 @@ def open_folder(out: Path, overwrite: bool) -> Iterator[OutputFolder]:
 
 def list_files(out: Path) -> list[Path]:
     """What a run has written, in the order to be shown."""
-    found = [out / name for name in (REPORT, SUMMARY, RESULT, CSV, UNITS, TEXTS, SCENARIO, PRINTED)]
-    return [path for path in [*found, *_figures(out)] if path.exists()]
+    return [path for path in [*(out / name for name in WRITTEN), *_figures(out)] if path.exists()]
 
 
 def suggest_folder(path: Path) -> str | None:
@@ -171,8 +163,7 @@ def _check_empty(out: Path) -> None:
 
 
 def _list_written(out: Path) -> list[Path]:
-    paths = [out / name for name in (RESULT, CSV, UNITS, SCENARIO, SUMMARY, REPORT, PRINTED, TEXTS)]
-    return [path for path in [*paths, *map(partial, paths), *_figures(out)] if path.exists()]
+    return [*list_files(out), *(path for name in WRITTEN if (path := partial(out / name)).exists())]
 
 
 def _figures(out: Path) -> list[Path]:

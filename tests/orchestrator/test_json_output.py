@@ -56,10 +56,19 @@ def test_scenarios_are_all_there() -> None:
     assert read("scenarios").keys() == list_shipped().keys()
 
 
+def test_components_say_what_their_page_says() -> None:
+    camshaft = read("components", "camshaft")["camshaft"]
+    lift = camshaft["parameters"]["lift"]
+    assert (lift["unit"], lift["start"]) == ("m", pytest.approx(8e-3))
+    assert camshaft["parameters"]["law"]["start"] == "cycloidal"
+    assert "cam_angle" in camshaft["outputs"]
+
+
 def test_files_that_are_no_fmus_have_their_faults(tmp_path: Path) -> None:
     file = tmp_path / "no.fmu"
     file.write_text("no archive")
-    assert read("fmu", "validate", str(file), status=1)[str(file)]
+    (fault,) = read("fmu", "validate", str(file), status=1)[str(file)]["faults"]
+    assert "not a zip archive" in fault
 
 
 @pytest.mark.parametrize("name", tribocosim.errors.__all__)

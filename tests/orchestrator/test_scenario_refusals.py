@@ -40,8 +40,8 @@ BAD = {
     "reference.toleranc=2": ("reference.toleranc", "did you mean tolerance?"),
     "master.name=jacob": ("master.name", "did you mean jacobi?"),
     "master.name=gauss": (
-        "--set master.name: 'gauss': must be one of jacobi, gauss_seidel, iterated, newton; did you mean "
-        "gauss_seidel?",
+        "--set master.name: 'gauss': did you mean gauss_seidel? It must be one of jacobi, gauss_seidel, "
+        "iterated, newton",
     ),
     "step_control.estimator=doubl": ("did you mean step_doubling?",),
     "master.tolerance=3": ("master.tolerance", "gauss_seidel"),

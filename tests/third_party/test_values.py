@@ -63,7 +63,7 @@ KNOWN = r"must be one of steel, brass, other, or their numbers \(1, 2, 9\)"
         (
             "parameters",
             {"material": "stel"},
-            rf"material = 'stel' \(material\): {KNOWN}; did you mean steel\?",
+            rf"material = 'stel' \(material\): did you mean steel\? It {KNOWN}",
         ),
         ("parameters", {"material": 3}, rf"material = 3 \(material\): {KNOWN}"),
         ("parameters", {"material": 1.5}, rf"material = 1\.5 \(material\): {KNOWN}"),

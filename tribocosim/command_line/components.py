@@ -8,6 +8,7 @@ import typer
 
 from .completion import complete_component
 from .error_report import report_errors
+from .json_output import Json, print_json
 
 
 @report_errors
@@ -16,8 +17,12 @@ def print_components(
         list[str] | None,
         typer.Argument(help="Components.", show_default="all", autocompletion=complete_component),
     ] = None,
+    as_json: Json = False,
 ) -> None:
     """Print the components' parameters, start values, inputs and outputs, as Markdown."""
-    from orchestrator.scenario.components import write_page
+    from orchestrator.scenario.components import describe_components, write_page
 
+    if as_json:
+        print_json(describe_components(names or ()))
+        return
     print(write_page(names or ()), end="")

@@ -23,14 +23,9 @@ def list_scenarios(
 
         print(write_schema(), end="")
         return
-    import tomllib
+    from ..scenario import scenarios
 
-    from orchestrator.scenario.files import list_shipped
-
-    found = {
-        name: tomllib.loads(path.read_text("utf-8")).get("description", "")
-        for name, path in list_shipped().items()
-    }
+    found = scenarios()
     if as_json:
         print_json(found)
         return
