@@ -1,6 +1,5 @@
 """The monolithic reference: a whole System as one problem, without splitting, by two methods."""
 
-from .difference import Difference, difference, time_weights
 from .energy import EnergyBalance
 from .equilibrium import equilibrium
 from .problem import Event, check_ode, check_solvable
@@ -8,14 +7,11 @@ from .reference import LONGEST_STEP, Reference, solve
 
 __all__ = [
     "LONGEST_STEP",
-    "Difference",
     "EnergyBalance",
     "Event",
     "Reference",
     "check_ode",
     "check_solvable",
-    "difference",
     "equilibrium",
     "solve",
-    "time_weights",
 ]

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..core.difference import Difference, difference, time_weights
 from ..core.evaluation import check_start
 from ..core.quantities import Vector
 from ..core.system import ModelError, System
 from .cvode import Cvode
-from .difference import Difference, difference, time_weights
 from .energy import EnergyBalance
 from .implicit import ImplicitProblem
 from .implicit_methods import Bdf3, ImplicitMethod, Sdirk4, march_implicit

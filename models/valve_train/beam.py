@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
 from ..core.quantities import Vector
 
@@ -266,7 +266,7 @@ def _reduce(
     count = rigid.shape[1]
     rigid = rigid @ np.linalg.inv(np.linalg.cholesky(rigid.T @ M @ rigid)).T
     inertia = M @ rigid
-    squares, vectors = eigh(K, M, subset_by_index=(0, min(lowest + count, K.shape[0]) - 1))
+    squares, vectors = scipy.linalg.eigh(K, M, subset_by_index=(0, min(lowest + count, K.shape[0]) - 1))
     exact = vectors[:, count:]
     # Loads on a free shaft are balanced by its inertia; its rigid motions are held with any stiffness.
     loads = np.eye(K.shape[0])[:, at] - inertia @ rigid[at].T
@@ -276,7 +276,7 @@ def _reduce(
     size, turned = np.linalg.eigh(mass / np.sqrt(np.outer(np.diag(mass), np.diag(mass))))
     basis = static / np.sqrt(np.diag(mass)) @ turned[:, size > DEPENDENT * size.max()]
     basis = np.column_stack([exact, basis])
-    squares, mixed = eigh(basis.T @ K @ basis, basis.T @ M @ basis)
+    squares, mixed = scipy.linalg.eigh(basis.T @ K @ basis, basis.T @ M @ basis)
     modes = np.zeros((whole, count + squares.size))
     modes[free] = np.column_stack([rigid, basis @ mixed])
     return np.r_[np.zeros(count), np.sqrt(squares)], modes

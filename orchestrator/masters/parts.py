@@ -6,7 +6,7 @@ from collections.abc import Callable
 from graphlib import TopologicalSorter
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from models.core.quantities import Vector
 
@@ -67,7 +67,7 @@ def find_parts(
     for connection in wiring.system.connections:
         source, target = (wiring.names.index(p.instance) for p in (connection.source, connection.target))
         graph[source, target] = True
-    _, label = connected_components(graph, directed=True, connection="strong")
+    _, label = scipy.sparse.csgraph.connected_components(graph, directed=True, connection="strong")
     before_part: dict[int, set[int]] = {int(part): set() for part in label}
     for source, target in np.argwhere(graph):
         if label[source] != label[target]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from models.core.system import Connection, Port
 
@@ -22,7 +22,7 @@ def find_highest_degrees(connections: Sequence[Connection], followed: Mapping[Po
     ends = np.array([[names.index(p.instance) for p in (c.source, c.target)] for c in connections], dtype=int)
     graph = np.zeros((len(names), len(names)), dtype=bool)
     graph[tuple(ends.reshape(-1, 2).T)] = True
-    _, loop = connected_components(graph, directed=True, connection="strong")
+    _, loop = scipy.sparse.csgraph.connected_components(graph, directed=True, connection="strong")
     own: dict[Port, int] = {}
     of_loop: dict[int, int] = {}
     for c, (source, target) in zip(connections, ends, strict=True):

@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from models.core.difference import CONSTANT, time_weights
 from models.core.quantities import Vector
-from models.monolithic.difference import CONSTANT, time_weights
 
 from .data import FigureData
 from .style import ACCENT, COUPLED, add_title, create_subplots, label_abscissa

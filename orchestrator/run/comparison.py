@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from models.core.difference import Difference, difference, time_weights
 from models.core.quantities import Vector
-from models.monolithic.difference import Difference, difference, time_weights
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from models.core.difference import Difference
 from models.core.quantities import Vector
-from models.monolithic.difference import Difference
 
 from ..participants import ThirdPartyComponent, collect_settings
 from ..participants.description import MODEL_EXCHANGE

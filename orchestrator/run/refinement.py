@@ -20,8 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from models.core.difference import Difference, difference, time_weights
 from models.core.quantities import Vector
-from models.monolithic.difference import Difference, difference, time_weights
 
 from ..engine.step import Step
 from ..reporter import Reporter

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
+from models.core.difference import difference, time_weights
 from models.core.quantities import Vector
 from models.core.system import System
 from models.flywheel import PRESCRIBED
-from models.monolithic.difference import difference, time_weights
 
 from ..scenario import Scenario, ScenarioError
 from .witnessed_trains import DirectTrain, PushrodTrainOfParts, WitnessedTrain, find_train

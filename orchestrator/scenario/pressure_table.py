@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+import scipy
 
 from models.core.quantities import Vector
 from models.slider_crank.piston.cylinder_gas import CylinderGasParameters, CylinderParameters
@@ -79,4 +79,4 @@ def _find_slopes(angle: Vector, pressure: Vector, period: float) -> Vector:
     """dp/dtheta (Pa) at the points, which go on periodically."""
     angles = np.r_[angle[-BESIDE:] - period, angle, angle[:BESIDE] + period]
     pressures = np.r_[pressure[-BESIDE:], pressure, pressure[:BESIDE]]
-    return np.asarray(PchipInterpolator(angles, pressures).derivative()(angle))
+    return np.asarray(scipy.interpolate.PchipInterpolator(angles, pressures).derivative()(angle))

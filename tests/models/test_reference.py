@@ -11,9 +11,10 @@ import pytest
 
 from models.compile.kernel import kernel
 from models.core.component import Component, Events
+from models.core.difference import difference, time_weights
 from models.core.quantities import Layout, Quantity
 from models.core.system import Instance, ModelError, System
-from models.monolithic import difference, equilibrium, solve, time_weights
+from models.monolithic import equilibrium, solve
 from models.monolithic.reference import SystemProblem, stiffness
 
 from .systems import run, turn, valve_train

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from fmus.build import build
+from models.core.difference import difference
 from models.core.system import System
-from models.monolithic import difference, solve
+from models.monolithic import solve
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import open_fmu
 from orchestrator.participants.protocol import BoundVariables

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from models.core.difference import difference
 from models.core.evaluation import Evaluation
 from models.core.system import Instance, Port
-from models.monolithic.difference import difference
 from models.monolithic.trajectory import compute_trajectory
 from models.oscillators.two_masses import CoupledMassParameters
 from models.valve_train.valve_spring import valve_spring

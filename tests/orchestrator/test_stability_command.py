@@ -9,7 +9,7 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from models.monolithic.difference import difference
+from models.core.difference import difference
 from models.monolithic.trajectory import compute_trajectory
 from orchestrator.analyses.stability.analyse import analyse_scenario
 from orchestrator.analyses.stability.figure import draw_figure

@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.monolithic import difference, equilibrium, solve
-from models.monolithic.difference import time_weights
+from models.core.difference import difference, time_weights
+from models.monolithic import equilibrium, solve
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system

@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.monolithic import difference, equilibrium, solve
+from models.core.difference import difference
+from models.monolithic import equilibrium, solve
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.scenario.files import load

@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from models.core.difference import difference
 from models.core.system import ModelError
-from models.monolithic import difference, equilibrium
+from models.monolithic import equilibrium
 from models.monolithic.problem import SystemProblem
 from reproduction.adherence import AdherenceProblem, solve_adherence
 from tests.models import independent_train

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 import tribocosim
 from fmus.native.fmu import build
 from fmus.native.machine_code import this_platform
-from models.monolithic.difference import difference
+from models.core.difference import difference
 from models.oscillators.exact import quarter_car
 
 from .public import public

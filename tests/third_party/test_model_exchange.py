@@ -14,8 +14,8 @@ import pytest
 import tribocosim
 from fmus.native.fmu import build
 from fmus.native.machine_code import this_platform
+from models.core.difference import difference
 from models.core.system import Instance
-from models.monolithic.difference import difference
 from models.oscillators.exact import quarter_car
 from orchestrator.participants import Participant, open_fmu, read_component
 from orchestrator.participants.protocol import BoundVariables

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fmus.fmi.validate import info
-from models.monolithic.difference import difference, time_weights
+from models.core.difference import difference, time_weights
 from models.oscillators.exact import quarter_car
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.warnings import list_warnings

@@ -14,7 +14,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from models.monolithic.difference import difference
+from models.core.difference import difference
 
 from .public import public
 from .runs import ran, scenario

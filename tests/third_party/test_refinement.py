@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribocosim
-from models.monolithic.difference import difference, time_weights
+from models.core.difference import difference, time_weights
 from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.run.refinement import extrapolate

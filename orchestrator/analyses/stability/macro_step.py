@@ -16,9 +16,9 @@ import numpy as np
 from scipy.linalg import eig
 from scipy.sparse import csr_array
 
+from models.core.difference import difference
 from models.core.quantities import Vector
 from models.core.system import Port, System
-from models.monolithic.difference import difference
 from models.monolithic.trajectory import Trajectory
 
 from ...masters import Master

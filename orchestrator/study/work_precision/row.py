@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from models.core.difference import difference
 from models.core.quantities import Vector
-from models.monolithic.difference import difference
 
 from ...run.plan import FmuFile
 from ...scenario.system import Builder

@@ -13,8 +13,9 @@ from models.catalogue import CATALOGUE
 from models.contact.ehl_contact import ehl_contact
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.core.component import Component
+from models.core.difference import difference
 from models.core.system import Instance, ModelError, System
-from models.monolithic import check_ode, check_solvable, difference, equilibrium, solve
+from models.monolithic import check_ode, check_solvable, equilibrium, solve
 from models.monolithic.implicit import ImplicitProblem
 from models.monolithic.implicit_methods import Bdf3, Sdirk4, Trajectory, march_implicit, step_lengths
 from models.oscillators import exact

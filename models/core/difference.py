@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.quantities import Vector
+from .quantities import Vector
 
 # Below this share of its size a signal's spread is rounding, and the signal counts as constant.
 CONSTANT = 1e-12
