@@ -130,7 +130,7 @@ class AngleSpeedMap {
     this.sweep.report.refresh();
   }
 
-  // One pixel for each value; where a load is zero, none, and pale at speeds at which contact is lost.
+  // One pixel for each value; where a load is zero, none, and faint at speeds at which contact is lost.
   paint() {
     const n = this.records.bases[0].rows, rows = this.sweep.rpm.length, [least, most] = this.range, isLoad = /\.load$/.test(this.variable.name);
     this.picture = document.createElement("canvas");
