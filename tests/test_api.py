@@ -258,6 +258,7 @@ def test_importing_it_loads_little_and_switches_nothing() -> None:
     assert done.stdout.split() == ["False", "False"]
 
 
+@pytest.mark.long
 def test_the_page_runs(tmp_path: Path) -> None:
     code = "\n".join(re.findall(r"```python\n(.+?)```", PAGE.read_text("utf-8"), re.DOTALL))
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
@@ -442,6 +443,7 @@ def test_a_survey_has_the_table_of_the_command(tmp_path: Path) -> None:
         np.testing.assert_array_equal(written["largest_stable_step"], found["largest_stable_step"])
 
 
+@pytest.mark.long
 def test_a_study_is_a_table_over_its_axes() -> None:
     scenario = tribocosim.load("two-masses").with_({"stop_time": 0.2, "reference.enabled": False})
     axes = {"macro_step": [1e-3, 2e-3]}

@@ -54,7 +54,7 @@ def solve_pendulum(time: float) -> float:
     return float(solve_ivp(rates, (0.0, time), [0.5, 0.0], "DOP853", rtol=1e-12, atol=1e-14).y[0, -1])
 
 
-@pytest.mark.parametrize("native", [False, True])
+@pytest.mark.parametrize("native", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_its_fmu_moves_by_its_equations_where_nothing_else_is(
     native: bool, folder: Path, isolated: Isolated
 ) -> None:

@@ -227,7 +227,7 @@ def smoothed_law():
     return smooth_lift(angles, np.round(sample(law_lift, angles, law("polynomial_4567"))[0] / 1e-7) * 1e-7)
 
 
-@pytest.mark.parametrize("turned", [0, 90, 180, 270])
+@pytest.mark.parametrize("turned", [90, *(pytest.param(a, marks=pytest.mark.long) for a in (0, 180, 270))])
 def test_the_event_of_a_table_does_not_depend_on_where_it_begins(turned):
     """A thousandth of the lift is reached at 35 x^4 = 1e-3, to the spacing of the samples."""
     whole = smoothed_law()

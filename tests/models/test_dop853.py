@@ -18,7 +18,9 @@ OPTIONS = {"rtol": 1e-3, "atol": 1e-3, "max_step": 2e-4}
 END = 5e-3
 
 
-@pytest.mark.parametrize("motion", ["prescribed", "free: an algebraic loop"])
+@pytest.mark.parametrize(
+    "motion", [pytest.param("prescribed", marks=pytest.mark.long), "free: an algebraic loop"]
+)
 def test_every_step_is_scipys(motion: str) -> None:
     """From the same state with the same length: 1e-13 is the rounding of sums in another order."""
     free = {"motion": 0.0, "inertia": 0.02}

@@ -43,7 +43,7 @@ def _device() -> None:
 
 
 @pytest.mark.usefixtures("_device")
-@pytest.mark.parametrize("form", ["as_published", "nonlinear"])
+@pytest.mark.parametrize("form", ["as_published", pytest.param("nonlinear", marks=pytest.mark.long)])
 def test_device_agrees_with_the_processor(form: str) -> None:
     compare(form)
 

@@ -110,7 +110,12 @@ def test_the_physics_as_it_is_agrees(rise):
     assert max(errors_of(ROOT, rise).values()) < TOLERANCE
 
 
-@pytest.mark.parametrize("mutation", MUTATIONS)
+ALWAYS, *OTHERS = MUTATIONS
+
+
+@pytest.mark.parametrize(
+    "mutation", [ALWAYS, *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)]
+)
 def test_wrong_physics_is_noticed(mutation, rise, tmp_path):
     """A copy of the models with one wrong term is twenty times further off than is tolerated."""
     file, right, wrong = MUTATIONS[mutation]

@@ -69,6 +69,7 @@ def test_elastic_impacts_without_friction_keep_the_energy() -> None:
     assert energies(FREE, x, u, p)[0] == pytest.approx(before, rel=1e-8)
 
 
+@pytest.mark.long
 def test_energy_balances_through_impacts_chatter_and_sliding() -> None:
     """An engine's expansion stroke, with every kind of contact."""
     system = System(

@@ -64,6 +64,7 @@ def rate_of(position: str) -> str:
 
 @settings(max_examples=150, deadline=None)
 @given(st.sampled_from(sorted(PARTS)), st.integers(0, 2**32 - 1))
+@pytest.mark.long
 def test_power_through_the_bonds_is_stored_or_lost(part, seed):
     """dE/dt = sum of the bonds' powers - dissipation + source, at any state and inputs."""
     name, given_parameters = PARTS[part]
@@ -263,6 +264,7 @@ def pushrod_links(segments=4):
     )
 
 
+@pytest.mark.long
 def test_natural_frequencies_of_a_pushrod_train(record):
     """The cam's side is held; four segments."""
     system = pushrod_links()

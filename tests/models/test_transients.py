@@ -55,6 +55,7 @@ def test_starts_are_between_the_walls_and_repeat_with_their_seed() -> None:
     np.testing.assert_array_equal(starts, draw_starts(machine, 1000, seed=3))
 
 
+@pytest.mark.long
 def test_transient_chaos_of_the_thesis_does_not_depend_on_the_workers() -> None:
     machine = Machine(damping=0.075, gap=0.01, form="as_published")
     starts = draw_starts(machine, 40)

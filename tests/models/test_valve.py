@@ -169,7 +169,10 @@ TAKE_UPS = {
 LONGEST_STEP = 1e-6
 
 
-@pytest.mark.parametrize(("ramp", "speed"), TAKE_UPS)
+@pytest.mark.parametrize(
+    ("ramp", "speed"),
+    [pytest.param(*key, marks=[pytest.mark.long] * (key != (0.3, 3000.0))) for key in TAKE_UPS],
+)
 def test_a_cam_takes_up_the_lash_and_puts_the_valve_down(ramp, speed, record):
     omega = speed * math.pi / 30.0
     cam = camshaft().parameters.view(camshaft().parameters.vector({"ramp_height": 1e-3 * ramp}))

@@ -87,14 +87,14 @@ def test_result_holds_coupled_run_and_reference_at_the_same_times(result: Path) 
 def test_the_resolved_scenario_runs_identically(result: Path, tmp_path: Path) -> None:
     again = tmp_path / "again"
     arguments = ["--set=reference.enabled=false", "--no-figures"]
-    done = tribocosim("run", str(result / "scenario.toml"), "--out", str(again), *arguments)
+    done = called("run", str(result / "scenario.toml"), "--out", str(again), *arguments)
     assert done.returncode == 0
     assert (again / "coupled.csv").read_bytes() == (result / "coupled.csv").read_bytes()
 
 
 def test_an_existing_result_is_kept_unless_told(result: Path) -> None:
     before = (result / "summary.json").read_bytes()
-    done = tribocosim("run", "valve-train", "--out", str(result), *SHORT)
+    done = called("run", "valve-train", "--out", str(result), *SHORT)
     assert done.returncode == 2
     assert "already holds a result" in said(done)
     assert "--overwrite" in said(done)
@@ -104,7 +104,7 @@ def test_an_existing_result_is_kept_unless_told(result: Path) -> None:
 def test_a_scenario_is_not_replaced_by_its_own_result(tmp_path: Path) -> None:
     own = tmp_path / "scenario.toml"
     own.write_text("# mine\nextends = 'valve-train'\n")
-    done = tribocosim("run", str(own), "--out", str(tmp_path), "--overwrite", *SHORT)
+    done = called("run", str(own), "--out", str(tmp_path), "--overwrite", *SHORT)
     assert done.returncode == 2
     assert "is the scenario itself" in said(done)
     assert own.read_text().startswith("# mine")
@@ -119,7 +119,7 @@ def test_too_tight_a_tolerance_is_not_a_success(tmp_path: Path) -> None:
         "--out",
         str(tmp_path / "out"),
     ]
-    done = tribocosim("run", "valve-train", *SHORT, *arguments)
+    done = called("run", "valve-train", *SHORT, *arguments)
     assert done.returncode == 1
     assert "contact.load" in done.stdout
     assert "outside the tolerance" in done.stdout
@@ -131,19 +131,19 @@ def test_a_train_with_lash_in_equal_steps_is_told_the_remedy(tmp_path: Path) -> 
     changes = ("lash=0.2 mm", "seat_stiffness=2e7", "seat_damping=300")
     given = [f"--set=components.valve_spring.parameters.{change}" for change in changes]
     train = ("run", "valve-train", *given, "--set=stop_time=45 ms", "--no-figures")
-    done = tribocosim(*train, "--out", str(tmp_path / "equal"))
+    done = called(*train, "--out", str(tmp_path / "equal"))
     assert done.returncode == 1, done.stderr
     (verdict,) = (line for line in done.stdout.splitlines() if "outside the tolerance" in line)
     remedy = verdict.rpartition(": ")[2].split()
     assert remedy[0] == "--set"
-    done = tribocosim(*train, *remedy, "--out", str(tmp_path / "located"))
+    done = called(*train, *remedy, "--out", str(tmp_path / "located"))
     assert done.returncode == 0, done.stdout
 
 
 def test_instability_is_named_and_what_was_computed_is_kept(tmp_path: Path) -> None:
     out = tmp_path / "out"
     arguments = ["--master", "jacobi", "--set=macro_step=100 us", "--set=stop_time=50 ms", *IN_PROCESS]
-    done = tribocosim("run", "valve-train", "--out", str(out), *arguments)
+    done = called("run", "valve-train", "--out", str(out), *arguments)
     assert done.returncode == 3
     assert "unstable" in said(done)
     assert "macro_step" in said(done)
@@ -290,7 +290,7 @@ def test_listing_and_version() -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes and statuses of Unix")
-@pytest.mark.parametrize("unbuffered", [[], ["-u"]])
+@pytest.mark.parametrize("unbuffered", [[], pytest.param(["-u"], marks=pytest.mark.long)])
 @pytest.mark.parametrize("arguments", [["scenarios"], ["run", "valve-train", *SHORT, "--no-figures"]])
 def test_a_reader_that_leaves_ends_the_command_quietly(
     unbuffered: list[str], arguments: list[str], tmp_path: Path

@@ -18,7 +18,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.store.json_codec import from_text, to_text
 
-from .commands import IN_PROCESS, tribocosim
+from .commands import IN_PROCESS, called
 
 RECORDS = 200
 told = partial(lines, source="all macro steps", fixed_steps=True)
@@ -236,7 +236,7 @@ def test_contacts_and_warnings_do_not_depend_on_what_is_recorded(tmp_path: Path)
     found, warned = [], []
     for every in ("5 us", "20 us", "100 us"):
         out = tmp_path / every.replace(" ", "")
-        done = tribocosim("run", "valve-train", *FAST, f"--set=output_step={every}", "--out", str(out))
+        done = called("run", "valve-train", *FAST, f"--set=output_step={every}", "--out", str(out))
         summary = json.loads((out / "summary.json").read_text())
         assert summary["contacts_from"] == "all macro steps"
         found.append(summary["contacts"]["contact"])

@@ -73,6 +73,7 @@ def build_native(component, fmi):
         pytest.param(two_masses(damping=2.0), id="two masses"),
     ],
 )
+@pytest.mark.long
 def test_native_fmus_have_the_matrices_of_their_equations(system, fmi):
     """Equations are differenced, to 1e-9 of what is linear."""
     where = solve_trajectory(system, 0.2, SPACING)
@@ -87,7 +88,7 @@ def test_native_fmus_have_the_matrices_of_their_equations(system, fmi):
     ("name", "fmi", "tolerance"),
     [
         pytest.param("camshaft", 2, 1e-8, marks=pytest.mark.long),
-        ("valve_spring", 2, 1e-8),
+        pytest.param("valve_spring", 2, 1e-8, marks=pytest.mark.long),
         ("valve_spring", 3, 1e-8),
         pytest.param("contact", 2, 1e-6, marks=pytest.mark.long),
     ],

@@ -237,6 +237,7 @@ def impulses():
     return Impulses(inertia=1e4)
 
 
+@pytest.mark.long
 def test_what_impulses_take_from_the_shaft_they_give_to_the_mechanism(impulses):
     assert impulses.given > 1.0
     assert impulses.ledger["besides slider_crank"] == pytest.approx(impulses.given, rel=1e-6)

@@ -80,6 +80,7 @@ def test_touch_and_release_are_those_of_the_exact_motion(relative, case):
     assert np.abs(found - instants).max() < 1e-9 + error.max() / slowest
 
 
+@pytest.mark.long
 def test_the_error_follows_the_tolerance_and_energy_is_kept_over_many_bounces():
     drifts, errors = [], []
     for relative in (1e-6, 1e-8):

@@ -26,7 +26,7 @@ from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 
-from .commands import SHORT, tribocosim
+from .commands import SHORT, called
 from .faulty import Faulty
 from .faulty_runs import simulated
 from .recorder import Recorder
@@ -114,7 +114,7 @@ def test_a_camshaft_that_needs_a_quarter_of_the_step_gets_it_with_two_retries(re
     file = write_tampered(build("camshaft", tmp_path), tmp_path / "limited.fmu", LIMITED.format(step=5e-6))
     others = [text for text in SHORT if "camshaft" not in text]
     out = tmp_path / "out"
-    done = tribocosim(
+    done = called(
         "run", "valve-train", "--out", str(out), *others, "--no-figures", "--set=reference.enabled=false",
         "--set=macro_step=5 us", f"--set=components.camshaft.participant={file}",
         f"--set=components.camshaft.retries={retries}",

@@ -18,6 +18,7 @@ ROUGH = {"nodes_per_half_width": 12.0, "end_cell": 0.3}
 ANALYSIS = load("finite_line")
 
 
+@pytest.mark.long
 def test_the_nose_bears_spring_and_lift():
     """610 N on 28.88 mm: Hertz pressure 252.4 MPa; the slope of the set's own shaft is W l^2/(2 E J)."""
     values = ANALYSIS.complete({**ROUGH, "profile": "logarithmic", "alignment": 1.0, "shaft_length": 0.02})

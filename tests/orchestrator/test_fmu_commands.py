@@ -8,14 +8,14 @@ import pytest
 from fmus.native import fmu as native
 from orchestrator.store.result_file import open_result
 
-from .commands import SHORT, called, said, tribocosim
+from .commands import SHORT, called, said
 
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The camshaft's FMU as the command builds it."""
     folder = tmp_path_factory.mktemp("fmu")
-    assert tribocosim("fmu", "build", "camshaft", "--out", str(folder)).returncode == 0
+    assert called("fmu", "build", "camshaft", "--out", str(folder)).returncode == 0
     return folder / "camshaft.fmu"
 
 
@@ -116,7 +116,7 @@ def test_an_fmu_that_fails_in_mid_run_is_named(kind: str, fmu: Path, tmp_path: P
     file, out = write_tampered(fmu, tmp_path / f"{kind}.fmu", code), tmp_path / "out"
     others = [text for text in SHORT if "camshaft" not in text]
     arguments = [*others, f"--set=components.camshaft.participant={file}", "--no-figures"]
-    done = tribocosim("run", "valve-train", "--out", str(out), *arguments)
+    done = called("run", "valve-train", "--out", str(out), *arguments)
     assert done.returncode == 3
     message = done.stderr.strip().splitlines()[-1]
     assert message.startswith("tribocosim: incomplete: camshaft")
@@ -162,7 +162,7 @@ def test_a_damaged_or_foreign_fmu_is_refused(spoil, fmu: Path, tmp_path: Path) -
     spoil(fmu, file)
     others = [text for text in SHORT if "camshaft" not in text]
     arguments = [*others, f"--set=components.camshaft.participant={file}"]
-    done = tribocosim("run", "valve-train", "--out", str(tmp_path / "out"), *arguments)
+    done = called("run", "valve-train", "--out", str(tmp_path / "out"), *arguments)
     assert done.returncode == 2
     assert said(done).startswith("tribocosim: components.camshaft.participant: ")
     assert not (tmp_path / "out").exists()

@@ -12,14 +12,14 @@ import xarray
 import tribocosim.errors
 from orchestrator.scenario.files import list_shipped
 
-from .commands import tribocosim as command
+from .commands import called
 
 SHORT = ["--set", "stop_time=50 ms", "--set", "reference.enabled=false", "--no-figures"]
 
 
 def read(*arguments: str, status: int = 0) -> Any:
     """What the command prints, as JSON."""
-    done = command(*arguments, "--json")
+    done = called(*arguments, "--json")
     assert done.returncode == status, done.stderr
     return json.loads(done.stdout)
 
@@ -47,7 +47,7 @@ def test_a_survey_prints_its_table(tmp_path: Path) -> None:
 
 
 def test_a_mistake_prints_nothing(tmp_path: Path) -> None:
-    done = command("run", "two-mases", "--json", "--out", str(tmp_path / "out"))
+    done = called("run", "two-mases", "--json", "--out", str(tmp_path / "out"))
     assert (done.returncode, done.stdout) == (2, "")
     assert "two-masses" in done.stderr
 

@@ -136,6 +136,7 @@ def test_crank_angles_are_halved_and_doubted_without_their_name(tmp_path):
 )
 @given(row=st.integers(40, 120), error=st.sampled_from([-0.1, -0.02, 0.02, 0.1]))
 @settings(max_examples=10, deadline=None)
+@pytest.mark.long
 def test_one_wrong_row_is_named_and_none_without_it(rounding, noise, row, error):
     """The row's deviation from the spline through the others is its error."""
     random = np.random.default_rng(row)

@@ -48,7 +48,14 @@ def test_a_coupled_run_comes_to_the_monolithic_one_with_the_order_of_the_compone
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
 
 
-@pytest.mark.parametrize("master", [GaussSeidel("linear"), ITERATED, Newton("linear")], ids=repr)
+@pytest.mark.parametrize(
+    "master",
+    [
+        GaussSeidel("linear"),
+        *(pytest.param(one, marks=pytest.mark.long) for one in (ITERATED, Newton("linear"))),
+    ],
+    ids=repr,
+)
 def test_an_fmu_of_a_thousand_states_runs_as_the_component_to_the_last_bit(master, layer_file: Path) -> None:
     """Also where it is rolled back many times in every macro step."""
     system = dragged(SHEETS)

@@ -120,8 +120,12 @@ def test_the_largest_stable_step_is_where_the_radius_derived_by_hand_crosses_one
 @pytest.mark.parametrize(
     "master",
     [
-        *(kind(signal) for kind in (Jacobi, GaussSeidel) for signal in ("linear", "quadratic", "hermite")),
-        *(Iterated(signal) for signal in ("linear", "quadratic")),
+        *(
+            pytest.param(kind(signal), marks=[pytest.mark.long] * (signal != "linear"))
+            for kind in (Jacobi, GaussSeidel)
+            for signal in ("linear", "quadratic", "hermite")
+        ),
+        *(pytest.param(Iterated(signal), marks=pytest.mark.long) for signal in ("linear", "quadratic")),
     ],
     ids=lambda master: f"{type(master).__name__}-{master.extrapolation}",
 )
@@ -133,6 +137,7 @@ def test_runs_of_the_masses_grow_beyond_the_predicted_limit_and_decay_below_it(m
     assert_growth_changes_at(limit, behaviour, system, lambda: build_participants(system))
 
 
+@pytest.mark.long
 def test_the_limit_is_where_stability_first_ends_though_it_returns():
     """An iterated master amplifies two masses where a step holds half a period of the light one. Radii from
     an independent calculation, to their last digit; growth as a run shows it."""
@@ -220,6 +225,7 @@ def test_the_valve_train_runs_below_the_predicted_limit_and_runs_away_beyond(val
     assert beyond > 1.0
 
 
+@pytest.mark.long
 def test_means_of_held_inputs_are_stable_at_longer_steps_than_hold(valve_train, lift, record):
     """All participants hold their inputs, about instants through the lift."""
 
@@ -243,7 +249,7 @@ def test_means_of_held_inputs_are_stable_at_longer_steps_than_hold(valve_train, 
         GaussSeidel("quadratic"),
         pytest.param(Jacobi("linear"), marks=pytest.mark.long),
         pytest.param(GaussSeidel("hermite"), marks=pytest.mark.long),
-        Iterated("hermite"),
+        pytest.param(Iterated("hermite"), marks=pytest.mark.long),
     ],
     ids=lambda master: f"{type(master).__name__}-{master.extrapolation}",
 )

@@ -30,6 +30,7 @@ def masses(tmp_path):
     return write_masses(tmp_path)
 
 
+@pytest.mark.long
 def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_the_tolerance(
     masses, tmp_path
 ):

@@ -215,7 +215,7 @@ def test_a_study_leaves_its_store_a_table_and_a_figure(undisturbed: Path) -> Non
 def test_a_finished_study_evaluates_nothing_again(undisturbed: Path) -> None:
     before, times = read_files(undisturbed / "store.zarr"), count_evaluations(undisturbed)
     arguments = ["study", str(undisturbed / "test.toml"), "--out", str(undisturbed / "store.zarr")]
-    assert tribocosim(*arguments).returncode == 1
+    assert called(*arguments).returncode == 1
     assert read_files(undisturbed / "store.zarr") == before
     assert count_evaluations(undisturbed) == times
 
@@ -307,7 +307,7 @@ def test_a_study_without_its_packages_names_them_and_the_extra(
 
 def test_an_unreachable_scheduler_is_one_message(tmp_path: Path) -> None:
     address = "tcp://127.0.0.1:1"
-    done = tribocosim(
+    done = called(
         "study", str(write_study(tmp_path, "PLAIN")), "--scheduler", address, "--timeout", "0.5",
         "--out", str(tmp_path / "store.zarr"),
     )  # fmt: skip
@@ -316,6 +316,7 @@ def test_an_unreachable_scheduler_is_one_message(tmp_path: Path) -> None:
     assert not (tmp_path / "store.zarr").exists()
 
 
+@pytest.mark.long
 def test_workers_of_another_source_are_refused(cluster: str, tmp_path: Path) -> None:
     """The analysis's module is changed here after the workers have read it."""
     shutil.copy(ROOT / "tests" / "orchestrator" / "known_analyses.py", tmp_path / "elsewhere.py")

@@ -134,6 +134,7 @@ def test_an_unstable_coupling_is_a_row_without_error_that_says_so(files):
     "peer",
     ["fmpy script", *(pytest.param(p, marks=pytest.mark.long) for p in peers.PEERS if p != "fmpy script")],
 )
+@pytest.mark.long
 def test_peers_give_the_numbers_of_our_held_jacobi_at_the_same_times(quarter_car, files, peer, record):
     """All four outputs are states, so that nobody's way of showing feedthrough matters: errors agree to 1e-9
     of themselves (the tools' times differ in rounding), where one step of shift would double them."""

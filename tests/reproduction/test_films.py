@@ -82,6 +82,7 @@ def test_laws_are_least_squares(runs: Runs) -> None:
             assert squares(moved) > squares(law)
 
 
+@pytest.mark.long
 def test_steady_films_are_everywhere_but_at_the_reversals(runs: Runs) -> None:
     cycle = runs.shown
     at_rest = np.isin(np.arange(cycle.angle_deg.size), cycle.reversals)
@@ -154,6 +155,7 @@ def test_every_formula_is_judged(runs: Runs) -> None:
     assert "inf" not in page.replace("infl", "")
 
 
+@pytest.mark.long
 def test_every_figure_is_drawn(runs: Runs, tmp_path: Path) -> None:
     source = load_publication("films")
     source.draw(runs, tmp_path)

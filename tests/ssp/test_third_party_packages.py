@@ -11,7 +11,7 @@ import pytest
 from fmus.native.fmu import build
 from fmus.native.machine_code import this_platform
 from orchestrator.scenario.files import load
-from tests.orchestrator.commands import tribocosim
+from tests.orchestrator.commands import called
 from tests.third_party.c_fmus import fmu
 from tests.third_party.runs import ran
 
@@ -218,7 +218,7 @@ def test_signals_go_by_dictionaries(tmp_path: Path, files: dict[str, bytes]) -> 
 
 def test_a_package_is_written_as_a_scenario(tmp_path: Path, files: dict[str, bytes]) -> None:
     path = package(tmp_path / "a.ssp", component("decay", "dahlquist", DECAY), files=files)
-    done = tribocosim("ssp", "import", str(path), "--out", str(tmp_path / "folder"))
+    done = called("ssp", "import", str(path), "--out", str(tmp_path / "folder"))
     assert done.returncode == 0, done.stderr
     written = tmp_path / "folder" / "other.toml"
     assert 'participant = "resources/dahlquist.fmu"' in written.read_text()
@@ -347,7 +347,7 @@ def test_a_connector_that_a_component_has_not_is_named_with_its_connection(
 
 
 def test_what_is_no_package_is_not_read_as_one() -> None:
-    shown = tribocosim("ssp", "import", "README.md")
+    shown = called("ssp", "import", "README.md")
     assert shown.returncode == 2
     assert "README.md: is no package; give an .ssp file" in shown.stderr
 
@@ -355,11 +355,11 @@ def test_what_is_no_package_is_not_read_as_one() -> None:
 def test_a_file_that_is_there_is_not_replaced_unasked(tmp_path: Path) -> None:
     path = tmp_path / "made.ssp"
     path.write_text("mine")
-    shown = tribocosim("ssp", "export", "two-masses", "--out", str(path))
+    shown = called("ssp", "export", "two-masses", "--out", str(path))
     assert shown.returncode == 2
     assert "made.ssp: is already there; choose another --out, or replace it with --overwrite" in shown.stderr
     assert path.read_text() == "mine"
-    assert tribocosim("ssp", "export", "two-masses", "--out", str(path), "--overwrite").returncode == 0
+    assert called("ssp", "export", "two-masses", "--out", str(path), "--overwrite").returncode == 0
     assert zipfile.is_zipfile(path)
 
 

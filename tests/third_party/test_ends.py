@@ -60,7 +60,11 @@ def test_one_alone_is_recorded_to_its_end(until: float, version: int, process: s
 
 @pytest.mark.parametrize(
     ("master", "version", "process"),
-    [*((master, 2, "shared") for master in MASTERS), ("jacobi", 3, "shared"), ("gauss_seidel", 3, "own")],
+    [
+        *((master, 2, "shared") for master in MASTERS),
+        ("jacobi", 3, "shared"),
+        pytest.param("gauss_seidel", 3, "own", marks=pytest.mark.long),
+    ],
 )
 def test_all_are_recorded_to_the_end_of_its_step(
     master: str, version: int, process: str, tmp_path: Path

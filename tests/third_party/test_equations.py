@@ -50,7 +50,9 @@ def run(
     return tribocosim.run(tribocosim.load(one.model_dump(exclude_unset=True)))
 
 
-@pytest.mark.parametrize("chassis", ["chassis of FMI 3", "chassis of ours"])
+@pytest.mark.parametrize(
+    "chassis", [pytest.param("chassis of FMI 3", marks=pytest.mark.long), "chassis of ours"]
+)
 def test_equations_of_fmus_are_solved_to_the_exact_motion(
     chassis: str, parts: dict[str, dict[str, Any]], record: Any
 ) -> None:

@@ -76,6 +76,7 @@ def test_held_inputs_get_the_mean_and_the_run_is_of_second_order(name: str, tmp_
 
 
 @pytest.mark.parametrize("signal", mark_long(DEGREES, ["hermite"]))
+@pytest.mark.long
 def test_passes_in_compiled_code_give_held_inputs_the_same_bits(signal: str, tmp_path: Path) -> None:
     """Through a conversion of units too; an FMU in its own process is stepped by Python."""
     found = []

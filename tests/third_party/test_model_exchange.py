@@ -45,6 +45,7 @@ def integrated(file: Path, **table: Any) -> dict[str, Any]:
         *(pytest.param(*case, marks=pytest.mark.long) for case in (("hold", 1), ("quadratic", 3))),
     ],
 )
+@pytest.mark.long
 def test_integrated_fmus_follow_signals_at_their_orders(
     signal: str, order: int, files: dict[str, Path], tmp_path: Path, record: Any
 ) -> None:

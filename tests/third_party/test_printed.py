@@ -27,7 +27,7 @@ def started(name: str, process: str, folder: Path, *more: str) -> CompletedProce
     return tribocosim("run", str(file), "--out", str(folder / "out"), "--no-figures", *more)
 
 
-@pytest.mark.parametrize("process", ["own", "shared"])
+@pytest.mark.parametrize("process", ["own", pytest.param("shared", marks=pytest.mark.long)])
 def test_what_fmus_print_is_in_a_file_that_the_run_names(process: str, tmp_path: Path) -> None:
     done = started("printing", process, tmp_path)
     printed = (tmp_path / "out" / "printed.log").read_text("utf-8").splitlines()
@@ -39,7 +39,7 @@ def test_what_fmus_print_is_in_a_file_that_the_run_names(process: str, tmp_path:
     assert done.stderr == ""
 
 
-@pytest.mark.parametrize("process", ["own", "shared"])
+@pytest.mark.parametrize("process", ["own", pytest.param("shared", marks=pytest.mark.long)])
 def test_of_an_fmu_that_crashes_every_line_is_kept(process: str, tmp_path: Path) -> None:
     done = started("printing_crash", process, tmp_path)
     assert done.returncode not in (0, None)

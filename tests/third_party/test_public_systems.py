@@ -147,6 +147,7 @@ def test_time_events_of_one_fmu_are_seen_by_another_at_their_instants(tmp_path: 
     record("FMUs", case, error, 0.0, "independent solution", tolerance=1e-8)
 
 
+@pytest.mark.long
 def test_fmus_that_take_slopes_only_are_coupled_by_signals_of_any_order(tmp_path: Path) -> None:
     """A drive train and its controller, of a tool that ignores a call with a second derivative and whose
     rates are no numbers at the start, against their equations: any signal is as good as a line."""

@@ -67,10 +67,10 @@ def compare_methods(
 @pytest.mark.parametrize(
     ("master", "signal", "expected"),
     [
-        ("jacobi", "hold", 1.0),
+        pytest.param("jacobi", "hold", 1.0, marks=pytest.mark.long),
         ("jacobi", "linear", 2.0),
-        ("jacobi", "quadratic", 3.0),
-        ("gauss_seidel", "linear", 2.0),
+        pytest.param("jacobi", "quadratic", 3.0, marks=pytest.mark.long),
+        pytest.param("gauss_seidel", "linear", 2.0, marks=pytest.mark.long),
         ("gauss_seidel", "hermite", 4.0),
     ],
 )

@@ -96,7 +96,7 @@ def test_a_process_of_its_own_is_for_all_but_what_is_as_we_made_it(tmp_path: Pat
 
 @pytest.mark.parametrize(
     ("vice", "version"),
-    [("crashing", 2), ("quitting", 2), pytest.param("quitting", 3, marks=pytest.mark.long)],
+    [("crashing", 2), *(pytest.param("quitting", version, marks=pytest.mark.long) for version in (2, 3))],
 )
 def test_what_ends_the_run_s_process_leaves_what_was_recorded(
     vice: str, version: int, tmp_path: Path
@@ -131,7 +131,11 @@ def test_an_exit_before_the_first_step_is_told(tmp_path: Path) -> None:
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="exit of the C library is another on Windows")
 @pytest.mark.parametrize(
     ("last", "status"),
-    [("", 0), ("import sys; sys.exit(9)", 9), ("import ctypes; ctypes.CDLL(None).exit(7)", 7)],
+    [
+        pytest.param("", 0, marks=pytest.mark.long),
+        ("import sys; sys.exit(9)", 9),
+        ("import ctypes; ctypes.CDLL(None).exit(7)", 7),
+    ],
 )
 def test_a_process_whose_runs_have_ended_ends_as_it_likes(last: str, status: int, tmp_path: Path) -> None:
     path = fmu("dahlquist", 2, tmp_path)

@@ -19,7 +19,7 @@ from tests.third_party.c_fmus import fmu as third_party
 from ..names import mark_long
 
 
-@pytest.mark.parametrize("name", mark_long(REFERENCED, ["camshaft", "valve_spring", "flywheel"]))
+@pytest.mark.parametrize("name", mark_long(REFERENCED, ["valve_spring", "flywheel"]))
 def test_fmus_in_python_reproduce_their_references(name: str, fmu_files: dict[str, Path], record) -> None:
     """To the tolerance that ships with each: that of the component's own steps, as the FMU adds nothing."""
     (found,) = compare(fmu_files[name])

@@ -85,7 +85,7 @@ def test_shipped_results_are_what_the_physics_gives(name: str, record) -> None:
     ("name", "parameter"),
     [
         ("valve_spring", "valve_mass"),
-        ("slider_crank", "restitution"),
+        pytest.param("slider_crank", "restitution", marks=pytest.mark.long),
         ("ehl_contact", "viscosity"),
         ("camshaft", "base_radius"),
         ("cylinder_gas", "expansion_exponent"),

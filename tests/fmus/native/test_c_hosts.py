@@ -185,6 +185,7 @@ def test_random_calls(name: str, fmi: int, files: Files, compiled: Compiled, tmp
 
 
 @pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.long)])
+@pytest.mark.long
 def test_random_calls_under_valgrind(fmi: int, files: Files, compiled: Compiled, tmp_path: Path) -> None:
     if shutil.which("valgrind") is None:
         pytest.skip("needs valgrind")

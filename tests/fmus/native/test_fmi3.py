@@ -148,6 +148,7 @@ def test_derivatives_by_variables(name: str, native_files: Files, fmi3_files: Fi
         slave.free()
 
 
+@pytest.mark.long
 def test_event_indicators_have_derivatives(fmi3_files: Files) -> None:
     """Between the walls they are the distances to the upper and the lower one."""
     slave = Instance3(fmi3_files["slider_crank"])
@@ -185,7 +186,7 @@ def test_a_saved_state_brings_the_same_motion(name: str, fmi3_files: Files) -> N
         one.free()
 
 
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("name", mark_long(MOTIONS, FAST))
 def test_the_hosts_integrator_finds_the_same_motion(name: str, fmi3_files: Files) -> None:
     """As with FMI 2.0: at the end, and everywhere but about impacts, whose instants differ."""
     start, stop = MOTIONS[name]

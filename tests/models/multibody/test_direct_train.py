@@ -73,6 +73,7 @@ def test_parts_joints_and_freedoms_are_those_of_ks_tables_1_and_2() -> None:
         (1000.0, (323.401, 607.399), (-4.880, 4.856), 4.866),
     ],
 )
+@pytest.mark.long
 def test_ks_train_on_a_flexible_shaft(
     speed_rpm: float,
     load: tuple[float, float],

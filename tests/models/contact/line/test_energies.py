@@ -130,6 +130,7 @@ def pressed() -> Unit:
     return unit
 
 
+@pytest.mark.long
 def test_a_steady_film_dissipates_exactly_what_it_is_given(pressed: Unit, record) -> None:
     """And gains nothing; as exactly as Newton's method balances its volumes."""
     before = {name: pressed[name] for name in (GAINED, DISSIPATED, SOURCED)}
@@ -144,12 +145,14 @@ def test_a_steady_film_dissipates_exactly_what_it_is_given(pressed: Unit, record
     assert rubbed < dissipated < 1.2 * rubbed
 
 
+@pytest.mark.long
 def test_what_is_stored_is_about_that_of_a_dry_contact(pressed: Unit) -> None:
     """Hertz's under the same load: a film spreads the pressure, which stores less, and oil is compressed."""
     dry = elastic_energy(pressed["load"], RUNNING["radius_of_curvature"], 12e-3, STEEL)
     assert pressed[STORED] == pytest.approx(dry, rel=0.02)
 
 
+@pytest.mark.long
 def test_an_opening_contact_returns_what_was_stored(pressed: Unit) -> None:
     """Parted so fast that little oil flows: the bond takes what bodies and oil stored but for a few percent,
     and no energy comes of it."""

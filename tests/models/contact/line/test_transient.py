@@ -62,6 +62,7 @@ def test_films_of_the_cam_cycle_converge_with_nodes_and_steps(record) -> None:
         record("Field", quantity, found, finer, source, relative=relative)
 
 
+@pytest.mark.long
 def test_a_domain_twice_as_wide_changes_little(record) -> None:
     """Thick films on the flank draw their oil from farther away: measured 0.5 %, at the reversals 0.06 %."""
     degrees = np.array([112.0, 144.0, 168.0])
