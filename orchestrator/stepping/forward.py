@@ -21,6 +21,10 @@ from .indicators import INDICATORS
 ENDING = 1e-9
 # The first step, of the one that is given: signals have no past there and are held.
 FIRST = 0.01
+# Steps stay as long as they are while the error asks for no less than this factor, and until it allows GROW,
+# as in DASSL. With equal steps, errors of both signs cancel over a period of the motion; steps that follow
+# the error within the period lose that.
+KEPT = 0.75
 
 
 class ForwardSteps:
@@ -85,6 +89,8 @@ class ForwardSteps:
             self._controller = PI()
         else:
             factor = controller.after(error, exponent, length)
+            if KEPT <= controller.allowed(controller.error, exponent) < GROW:
+                factor = 1.0
         self._set_by = GROWTH if factor >= GROW else ERROR
         self._next = max(length * factor, control.minimum_step)
         if self._next >= control.maximum_step:

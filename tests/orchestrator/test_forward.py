@@ -95,9 +95,9 @@ def control(estimator: str, tolerance: float) -> ForwardSteps:
         pytest.param("quarter-car", "defect", "jacobi", 1.0, marks=pytest.mark.long),
         ("quarter-car", "defect", "gauss_seidel", 1.0),
         # A motion of even liveliness, where equal steps are best.
-        ("two-masses", "defect", "gauss_seidel", 2.1),
-        ("two-masses", "defect", "jacobi", 1.3),
-        pytest.param("two-masses", "residual_energy", "jacobi", 1.4, marks=pytest.mark.long),
+        ("two-masses", "defect", "gauss_seidel", 1.1),
+        ("two-masses", "defect", "jacobi", 1.05),
+        pytest.param("two-masses", "residual_energy", "jacobi", 1.05, marks=pytest.mark.long),
     ],
 )
 def test_the_error_falls_with_the_tolerance_and_is_compared_with_fixed_steps(
@@ -112,6 +112,25 @@ def test_the_error_falls_with_the_tolerance_and_is_compared_with_fixed_steps(
     assert same.macro_steps == statistics.macro_steps
     case = f"{name}, {estimator}, {master}: error over that of fixed steps at equal work"
     record("Coupling", case, tight / fixed, 0.0, "bound", tolerance=most)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("estimator", "master"),
+    [("defect", "gauss_seidel"), ("defect", "jacobi"), ("residual_energy", "jacobi")],
+)
+def test_where_equal_steps_are_best_controlled_ones_come_near(
+    estimator: str, master: str, record: Any
+) -> None:
+    """A motion of even liveliness, over seven tolerances: the steps at the start are all that is lost."""
+    ratios = []
+    for tolerance in np.geomspace(1e-3, 1e-6, 7):
+        error, statistics, _ = ride(control(estimator, float(tolerance)), master, "two-masses")
+        fixed, _, _ = ride(FixedSteps(STOP / statistics.macro_steps), master, "two-masses")
+        ratios.append(error / fixed)
+    case = f"two-masses, {estimator}, {master}, 1e-3 to 1e-6: error over that of fixed steps at equal work"
+    record("Coupling", f"{case}, median", float(np.median(ratios)), 0.0, "bound", tolerance=1.1)
+    record("Coupling", f"{case}, worst", max(ratios), 0.0, "bound", tolerance=1.2)
 
 
 @pytest.mark.parametrize("signal", ["linear", "quadratic"])
@@ -147,3 +166,9 @@ def test_a_step_over_the_tolerance_is_kept_and_told() -> None:
 def test_a_master_that_repeats_its_steps_is_refused() -> None:
     with pytest.raises(ValueError, match="use predictor_corrector"):
         check_estimator("defect", MASTERS["iterated"]())
+
+
+def test_residual_energy_is_refused_where_one_side_of_a_bond_is_known() -> None:
+    with pytest.raises(ValueError, match="use defect, or the master jacobi"):
+        check_estimator("residual_energy", MASTERS["gauss_seidel"]())
+    check_estimator("residual_energy", MASTERS["jacobi"]())

@@ -61,7 +61,7 @@ CONTROLLED = (
     Method("gauss_seidel", "quadratic", "step_doubling"),
     Method("gauss_seidel", "hermite", "step_doubling"),
     Method("gauss_seidel", "quadratic", "defect"),
-    Method("gauss_seidel", "quadratic", "residual_energy"),
+    Method("jacobi", "quadratic", "residual_energy"),
     Method("iterated", "quadratic", "predictor_corrector"),
     Method("iterated", "hermite", "predictor_corrector"),
 )
