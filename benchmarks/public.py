@@ -1,20 +1,21 @@
 """Published coupling problems: the fewest doSteps for an error by tool, and our advice against the best.
 
-Equations are our own components', or those of public FMUs, which are looked for in the folder that the
-environment variable TRIBOCOSIM_THIRD_PARTY names, or beside the repository. Solutions are matrix
-exponentials.
+Equations are our own components', or those of public FMUs. These, and published solutions, are looked for in
+the folder that the environment variable TRIBOCOSIM_THIRD_PARTY names, or beside the repository. Solutions are
+matrix exponentials, and the monolithic reference of the hydraulic manipulator.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from fmus.build import build
+from models.monolithic import solve
 from orchestrator.analyses.stability.linearisation import open_linearisations, open_units
 from orchestrator.analyses.stability.survey import survey
 from orchestrator.errors import RunError
@@ -25,7 +26,13 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.study.work_precision import methods, peers
 from orchestrator.study.work_precision.methods import Method, Trace
-from orchestrator.study.work_precision.problem import MAESTRO, PRECICE, CouplingProblem, build_problem
+from orchestrator.study.work_precision.problem import (
+    MAESTRO,
+    PRECICE,
+    CouplingProblem,
+    build_problem,
+    solve_reference,
+)
 from orchestrator.study.work_precision.row import Row, build_fmus, compute_errors
 
 # The scenario, what it changes, and how long it is coupled (s).
@@ -39,6 +46,12 @@ BESIDE = Path(__file__).parents[1].parent / "shared" / "third_party"
 # The quarter truck on which libcosim's issue 609 compares tools, with solvers inside that are exact enough.
 TRUCK = {"chassis": "quarter_truck/Chassis.fmu", "wheel": "quarter_truck/Wheel.fmu"}
 TIGHT = {"relTolerance": 1e-6, "absTolerance": 1e-6}
+# The published solution of the hydraulic manipulator, by the names of its columns.
+PUBLISHED = "cosim-benchmarks/hydraulicManipulator_refM2.csv"
+COLUMNS = {
+    "s": "links.length", "sd": "links.rate", "p1": "cylinder.pressure_1", "p2": "cylinder.pressure_2",
+    "f": "cylinder.force",
+}  # fmt: skip
 ERRORS = (1e-2, 1e-4)
 STEPS = 5  # macro steps of each method, each half of the one before
 OURS = (
@@ -65,12 +78,26 @@ def measure() -> Iterator[tuple[str, str]]:
     """Figures and their values, a problem after the other."""
     for name in PROBLEMS:
         yield from _measure_problem(_build_published(name))
+    yield from _measure_problem(_build_manipulator())
+    if folder := find_data([PUBLISHED]):
+        difference = max(compare_manipulator(folder / PUBLISHED).values())
+        yield "hydraulic-manipulator, largest difference to the published solution", f"{difference:.1e}"
+    else:
+        yield "hydraulic-manipulator, published solution", _describe_absent([PUBLISHED])
+    if folder := find_data(TRUCK.values()):
+        yield from _measure_problem(_build_truck(folder))
+    else:
+        yield "quarter-truck", _describe_absent(TRUCK.values())
+
+
+def find_data(files: Iterable[str]) -> Path | None:
+    """The folder that has these files of others."""
     folders = [Path(folder) for folder in (os.environ.get(VARIABLE), BESIDE) if folder]
-    for folder in folders:
-        if all((folder / file).is_file() for file in TRUCK.values()):
-            yield from _measure_problem(_build_truck(folder))
-            return
-    yield "quarter-truck", f"not run: needs {', '.join(TRUCK.values())} in the folder of {VARIABLE}"
+    return next((one for one in folders if all((one / file).is_file() for file in files)), None)
+
+
+def _describe_absent(files: Iterable[str]) -> str:
+    return f"not run: needs {', '.join(files)} in the folder of {VARIABLE}"
 
 
 def _build_published(name: str) -> Published:
@@ -82,6 +109,65 @@ def _build_published(name: str) -> Published:
         tolerance = "tolerance={" + ", ".join(f"'{one}'={allowed!r}" for one in problem.outputs) + "}"
         return load(scenario, [*settings, f"stop_time={stop!r}", f"macro_step={step!r}", tolerance])
 
+    return Published(problem, files, describe)
+
+
+def describe_manipulator(stop: float, step: float = 1e-3, allowed: float = 1e-2) -> Scenario:
+    """The hydraulic manipulator, up to a time and in macro steps (s), with this error of each output."""
+    components = {
+        name: {"component": f"benchmarks.hydraulic_manipulator:{name}"} for name in ("links", "cylinder")
+    }
+    lines = [
+        "cylinder.force -> links.force", "links.length -> cylinder.length", "links.rate -> cylinder.rate",
+    ]  # fmt: skip
+    return build_scenario(
+        {
+            "name": "hydraulic-manipulator",
+            "stop_time": stop,
+            "macro_step": step,
+            "start": "given",
+            "tolerance": dict.fromkeys(COLUMNS.values(), allowed),
+            "connections": lines,
+            "components": components,
+        }
+    )
+
+
+def compare_manipulator(file: Path) -> dict[str, float]:
+    """The largest difference to the published solution by output, over its range."""
+    published = np.genfromtxt(file, delimiter=",", names=True)
+    system = build_system(describe_manipulator(float(published["t"][-1])))
+    solution = solve(system, published["t"])
+    return {
+        output: float(np.max(np.abs(solution[output] - published[column])) / np.ptp(published[column]))
+        for column, output in COLUMNS.items()
+    }
+
+
+def _build_manipulator() -> Published:
+    """Over the first second, in which the valve's motion grows."""
+    outputs = tuple(COLUMNS.values())
+    times = 16e-3 * np.arange(1.0, 65.0)
+
+    def describe(step: float, allowed: float) -> Scenario:
+        return describe_manipulator(float(times[-1]), step, allowed)
+
+    system = build_system(describe(1e-3, ERRORS[0]))
+    truth, uncertainty = solve_reference(system, outputs, times)
+    problem = CouplingProblem(
+        name="hydraulic-manipulator",
+        description="the first second, against the monolithic reference",
+        system=system,
+        times=times,
+        halvings=(0, 1, 2, 3, 4),
+        held_halvings=(4, 5, 6, 7, 8),
+        outputs=outputs,
+        truth=truth,
+        uncertainty=uncertainty,
+    )
+    files = {
+        name: FmuFile(build(f"benchmarks.hydraulic_manipulator:{name}"), "") for name in system.instances
+    }
     return Published(problem, files, describe)
 
 

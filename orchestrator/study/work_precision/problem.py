@@ -161,7 +161,7 @@ def build_valve_train(times: Vector) -> CouplingProblem:
     system = _start_at(system, equilibrium(system))
     system = _start_at(system, solve(system, np.linspace(0.0, 4e-3, 11), tolerance=1e-12).state[-1])
     outputs = ("contact.load", "contact.film_thickness")
-    truth, uncertainty = _solve_reference(system, outputs, times)
+    truth, uncertainty = solve_reference(system, outputs, times)
     return CouplingProblem(
         name="valve-train",
         description="the lift at 1000 r/min, against the monolithic reference",
@@ -193,7 +193,7 @@ def _start_at(system: System, x: Vector) -> System:
 FINER = 64
 
 
-def _solve_reference(system: System, outputs: tuple[str, ...], times: Vector) -> tuple[Truth, float]:
+def solve_reference(system: System, outputs: tuple[str, ...], times: Vector) -> tuple[Truth, float]:
     """The monolithic reference from 0 to times[-1], and its uncertainty."""
     from models.monolithic import solve
 
