@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -21,7 +22,7 @@ from orchestrator.stepping import list_event_outputs
 
 from .cached_fmus import build_fmu
 from .reporting import SilentReporter
-from .scenario import Scenario
+from .scenario import Scenario, load
 from .wording import speak_python
 
 
@@ -48,8 +49,8 @@ class Session:
     """
 
     @speak_python()
-    def __init__(self, scenario: Scenario) -> None:
-        checked = scenario.check()
+    def __init__(self, scenario: Scenario | str | Path) -> None:
+        checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
         plan = make_plan(checked, build_fmu, SilentReporter(), figures=False)
         self.stop_time = checked.stop_time
         self._system, self._outputs = plan.system, plan.system.outputs

@@ -37,7 +37,7 @@ class ErrorReporter:
     def __init__(self, name: str) -> None:
         self.name = name
         # The last messages only, so that they do not fill the memory.
-        self._messages: deque[str] = deque(maxlen=20)
+        self._messages: deque[tuple[int, str]] = deque(maxlen=20)
         self.fatal = False
         self.warnings, self.first_warning = 0, ""
 
@@ -46,7 +46,7 @@ class ErrorReporter:
         text = message.decode(errors="replace") if message else ""
         # What a terminal would take for a command is none here.
         if lines := ["".join(c if c.isprintable() else "?" for c in s) for s in text.strip().splitlines()]:
-            self._messages.append(lines[-1])
+            self._messages.append((status, lines[-1]))
             if status == WARNING:
                 self.warnings += 1
                 self.first_warning = self.first_warning or lines[-1]
@@ -64,7 +64,9 @@ class ErrorReporter:
             raise kind(f"{self.name}: {what}: {self.quote_messages() or error}") from None
 
     def quote_messages(self) -> str:
-        said = "; ".join(dict.fromkeys(self._messages))
+        """What the FMU said of errors; without such a word, all that it said."""
+        errors = [text for status, text in self._messages if status > WARNING]
+        said = "; ".join(dict.fromkeys(errors or (text for _, text in self._messages)))
         self._messages.clear()
         return said
 
@@ -115,7 +117,7 @@ class ErrorReporter:
             when = time if reached is None else reached
             if when >= time + step * (1.0 - WHOLE):
                 self.fmi.ended_in.append(time)
-                self._messages.append(said)  # for that error
+                self._messages.append((DISCARD, said))  # for that error
                 return
             raise EndedError(
                 f"{self.name}: the FMU asks to end the simulation at t = {when:.9g} s"

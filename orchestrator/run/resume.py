@@ -42,7 +42,7 @@ def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) 
     """
     start = clock.perf_counter()
     if not (out / SCENARIO).is_file():
-        remedy = "tribocosim run makes one"
+        remedy = "make one with tribocosim run"
         if (out / SUMMARY).exists() or find_run_state(out).exists():
             remedy = "put back the file that the run had written"
         elif close := suggest_folder(out):

@@ -20,6 +20,7 @@ from orchestrator.errors import (
 )
 from orchestrator.masters import GaussSeidel, Jacobi
 from orchestrator.participants import open_fmu
+from orchestrator.participants.failures import ErrorReporter
 from orchestrator.run.participants import build_participants
 from orchestrator.run.plan import FmuFile
 from orchestrator.run.simulation import simulate
@@ -126,3 +127,13 @@ def test_a_camshaft_that_needs_a_quarter_of_the_step_gets_it_with_two_retries(re
             "incomplete: camshaft: step from t = 0 s by 2.5e-06 s returned Discard"
         )
         assert "raise components.camshaft.retries" in summary["message"]
+
+
+def test_an_error_is_quoted_without_what_was_said_before_it():
+    """All that was said, where no message is of an error."""
+    errors = ErrorReporter("motor")
+    for status, text in ((0, b"fmi2SetupExperiment"), (3, b"singular"), (1, b"slow")):
+        errors.log(status, text)
+    assert errors.quote_messages() == "singular"
+    errors.log(0, b"fmi2Terminate")
+    assert errors.quote_messages() == "fmi2Terminate"
