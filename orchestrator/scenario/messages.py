@@ -18,7 +18,7 @@ Location = tuple[int | str, ...]
 # Remedies for missing keys.
 REMEDIES = {
     "tolerance": "; state the largest relative RMS error of at least one output: [tolerance] "
-    '"contact.load" = 1e-3',
+    '"contact.load" = 1e-3; or compare with nothing: reference.enabled = false',
     "stop_time": '; e.g. stop_time = "120 ms"',
     "macro_step": '; e.g. macro_step = "5 us"',
     "components": '; e.g. [components.camshaft] component = "camshaft"',

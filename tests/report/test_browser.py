@@ -186,6 +186,31 @@ def test_a_million_rows_stay_few_marks(browser: Any, tmp_path: Path) -> None:
         assert page.evaluate("report.panels[0].detail.at(125001)") < 1.1
 
 
+def test_rows_that_share_a_pixel_are_joined_to_the_row_before_by_one_line(
+    browser: Any, tmp_path: Path
+) -> None:
+    """Rows far apart and then close together: no upright reaches down to the row that a line has left."""
+    write_sweep(tmp_path)
+    with opened(browser, write_report(tmp_path)) as page:
+        heights = page.evaluate(
+            "(() => { const tall = [], none = () => {}, same = (v) => v;"
+            "const g = { lineWidth: 1, beginPath: none, stroke: none, moveTo: none, lineTo: none,"
+            " fillRect: (x, y, wide, high) => tall.push(Math.abs(high)) };"
+            "const values = Float32Array.from([0, 5, 5.1, 5.2, 5.3, 6]), series = new Series(values, values);"
+            "traceLine(g, { x: same, y: (v) => -v }, series, [0, 10, 10.1, 10.2, 10.3, 20], 1, 0, 6);"
+            "return tall; })()"
+        )
+        assert heights
+        assert max(heights) == pytest.approx(0.3 + 1.0, abs=1e-6)  # of the rows, and the line's thickness
+
+
+def test_numbers_are_written_without_zeros_that_say_nothing(browser: Any, tmp_path: Path) -> None:
+    write_sweep(tmp_path)
+    with opened(browser, write_report(tmp_path)) as page:
+        said = page.evaluate("[1e-4, 1.5e-4, 1.2345e6, -1e-10, 2e5, 0, 12.5, 100].map(readable)")
+        assert said == ["1e-4", "1.5e-4", "1.234e+6", "-1e-10", "2e+5", "0", "12.5", "100"]
+
+
 def test_no_text_of_a_result_runs(browser: Any, tmp_path: Path) -> None:
     """Of names, units, descriptions and messages that are scripts; the losses are marked all the same."""
     with opened(browser, write_evil(tmp_path)) as page:

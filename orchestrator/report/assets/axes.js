@@ -118,11 +118,12 @@ function traceLine(g, frame, series, xs, factor, i, j) {
       const top = frame.y(most * factor), wide = Math.max(to - from, thick);
       g.fillRect(0.5 * (from + to - wide), top - 0.5 * thick, wide, frame.y(least * factor) - top + thick);
     }
-    if (single && n < j && low[n] === low[n] && to - from > 1) {
+    const lined = single && n < j && low[n] === low[n] && to - from > 1;
+    if (lined) {
       g.moveTo(n > m + 1 ? to - 1 : from, frame.y(low[n - 1] * factor));
       g.lineTo(to, frame.y(low[n] * factor));
     }
-    before = n - 1;
+    before = lined ? -1 : n - 1;
   }
   g.stroke();
 }

@@ -98,5 +98,5 @@ class Records {
 function readable(x) {
   if (x === 0 || !isFinite(x)) return String(x);
   const size = Math.abs(x);
-  return size >= 1e5 || size < 1e-3 ? x.toExponential(3) : String(+x.toPrecision(5));
+  return size >= 1e5 || size < 1e-3 ? x.toExponential(3).replace(/\.?0+e/, "e") : String(+x.toPrecision(5));
 }
