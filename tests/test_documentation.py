@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import shutil
 import sys
 import textwrap
 from dataclasses import replace
@@ -20,7 +21,7 @@ from orchestrator.masters.acceleration import ACCELERATIONS
 from orchestrator.participants import in_process
 from orchestrator.plots.data import FigureData
 from orchestrator.run.simulation import simulate
-from orchestrator.scenario.files import load
+from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.schema import build_schema
 from orchestrator.stepping.estimators import ESTIMATORS
 
@@ -33,6 +34,8 @@ PAGE = (DOCS / "reference" / "scenarios.md").read_text(encoding="utf-8")
 CODE = re.findall(r"```\w*\n(.+?)```|`([^`\n]+)`", PAGE, re.DOTALL)
 PAGES = (
     "tutorials/first-valve-train",
+    "how-to/build-a-valve-train",
+    "how-to/use-your-own-cam",
     "how-to/write-a-scenario",
     "how-to/film-friction-wear",
     "how-to/choose-an-oil",
@@ -58,6 +61,9 @@ def test_every_key_of_the_schema_and_every_choice_is_in_the_reference() -> None:
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_every_example_is_read(example: str, tmp_path: Path) -> None:
     file = tmp_path / "example.toml"
+    # The files that examples name.
+    shutil.copy(list_shipped()["my-cam"].with_suffix(".csv"), tmp_path)
+    (tmp_path / "pressure.csv").write_text("angle [deg], pressure [bar]\n0, 60\n360, 1\n720, 60\n")
     whole = re.search("^(extends|stop_time) = ", example, re.MULTILINE)
     file.write_text(example if whole else f'extends = "valve-train"\n{example}', encoding="utf-8")
     load(file)
