@@ -63,7 +63,8 @@ def test_every_example_is_read(example: str, tmp_path: Path) -> None:
     file = tmp_path / "example.toml"
     # The files that examples name.
     shutil.copy(list_shipped()["my-cam"].with_suffix(".csv"), tmp_path)
-    (tmp_path / "pressure.csv").write_text("angle [deg], pressure [bar]\n0, 60\n360, 1\n720, 60\n")
+    pressure = "angle [deg], pressure [bar]\n0, 60\n180, 2\n360, 1\n540, 1\n720, 60\n"
+    (tmp_path / "pressure.csv").write_text(pressure)
     whole = re.search("^(extends|stop_time) = ", example, re.MULTILINE)
     file.write_text(example if whole else f'extends = "valve-train"\n{example}', encoding="utf-8")
     load(file)
