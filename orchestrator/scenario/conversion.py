@@ -36,10 +36,11 @@ def find_transformations(instances: Mapping[str, Instance], lines: Sequence[Line
         if wanted.discrete and not given.discrete:
             kind = "true or false" if wanted.boolean else "whole numbers"
             raise ScenarioError(f"{line}: a real number does not fit an input that takes {kind}")
-        if wanted.discrete:
+        plain = line.factor is None and line.offset is None
+        if wanted.discrete and plain:
             ends = source.instance, target.instance
             check_equal_types(line, *(instances[name].component for name in ends))
-        if line.factor is not None or line.offset is not None:
+        if not plain:
             linear: Linear | None = Linear(1.0 if line.factor is None else line.factor, line.offset or 0.0)
         else:
             linear = _convert(

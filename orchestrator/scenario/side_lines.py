@@ -63,7 +63,10 @@ def check_equal_types(line: Line, given: Component, wanted: Component) -> None:
         return
     one, other = (SAME_TYPES.get(v.type, v.type) for v in (source, target))
     if one != other:
-        raise ScenarioError(f"{line}: {_describe(source)} does not fit an input of type {target.type}")
+        raise ScenarioError(
+            f"{line}: {_describe(source)} does not fit an input of type {target.type}; with a factor its "
+            f"number goes as it is: {line.source} * 1 -> {line.target}"
+        )
     if dict(source.items) != dict(target.items):
         raise ScenarioError(
             f"{line}: the enumerations differ: {_list_items(source)} -> {_list_items(target)}"

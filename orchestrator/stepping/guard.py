@@ -24,8 +24,9 @@ UNPROVOKED, LASTING = 1.9, 0.4 * WINDOW
 # Where the mean miss of the last steps, fewer than a window, is less than this share of the window's, a swing
 # dies out: it is a motion that steps resolve coarsely, as they may with signals of a high order.
 LATELY, DYING = 10, 0.5
-# A value that was at rest lands where it leaves its rest by more than this share of its nominal size.
-LANDING = 1e-2
+# A value that was at rest, up to this share of its nominal size, lands where it leaves its rest by more than
+# that share.
+REST, LANDING = 1e-12, 1e-2
 
 
 class RunawayGuard:
@@ -110,7 +111,7 @@ def _judge(memory: Any, known: int, time: float, bound: float, share: float) -> 
     weights[0], weights[1] = keep * weights[0] + 1.0, keep_lately * weights[1] + 1.0
     landed[0] += 1.0
     for i in range(new.shape[0]):
-        resting = known > 1 and values[0, i] == values[1, i]
+        resting = known > 1 and abs(values[0, i] - values[1, i]) <= REST * nominal[i]
         if resting and abs(new[i] - values[0, i]) > LANDING * nominal[i]:
             landed[0] = 0.0
     worst, most, unstable = -1, share, False

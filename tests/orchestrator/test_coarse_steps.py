@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from orchestrator.participants import in_process
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
+from orchestrator.stepping.guard import RunawayGuard
 
 from .recorder import Recorder
 
@@ -42,3 +45,19 @@ def test_fourth_order_holds_to_the_steps_that_are_advised(record) -> None:
 def test_a_swing_that_grows_is_still_an_instability(step: float) -> None:
     with pytest.raises(UnstableCouplingError, match="unstable coupling"):
         run(Jacobi("hermite"), step, 150 * step)
+
+
+@pytest.mark.parametrize("rest", [0.0, 1e-290])
+def test_a_value_that_has_all_but_died_out_may_jump(rest: float) -> None:
+    """From a swing of 1e-290 to 2e4 in one step, as the enthalpy of a pipe that is filled at once, and then a
+    ringing over twenty steps that does not grow: as from rest."""
+    wiring = SimpleNamespace(sources=["pipe.h"], connected=np.array([0]), nominal=np.array([1.0]))
+    history = SimpleNamespace(times=np.array([0.0, -0.1, -0.2]), values=np.zeros((3, 1)), count=3)
+    state = SimpleNamespace(values=np.zeros(1), history=history)
+    guard = RunawayGuard(SimpleNamespace(wiring=wiring, state=state, restorable=False), Jacobi("hold"))
+    course = [*rest * (-1.0) ** np.arange(60), *2e4 * (1.0 + 0.9 * (-0.9) ** np.arange(20))]
+    for k, value in enumerate(course):
+        state.values[0] = value
+        guard.judge(0.1 * (k + 1), 0.1)
+        history.values[1:], history.times[1:] = history.values[:-1].copy(), history.times[:-1].copy()
+        history.values[0], history.times[0] = value, 0.1 * (k + 1)

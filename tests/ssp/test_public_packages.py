@@ -50,6 +50,26 @@ def test_a_public_package_runs_or_names_the_library_that_lacks(tmp_path: Path) -
     assert not said or re.search(r"scenario: instantiate: .*GLIBC", said)
 
 
+def test_integers_and_enumerations_of_a_package_pass_as_numbers(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """With a notice: other tools connect them. In a scenario a factor says so."""
+    ports = {"Int32_output": "output", "Enumeration_input": "input", "Int32_input": "input"}
+    values = binding({"Int32_input": 'Integer value="2"'})
+    path = package(
+        tmp_path / "a.ssp",
+        component("one", "through", ports, values) + component("two", "through", ports),
+        connection("one.Int32_output", "two.Enumeration_input"),
+        files={"resources/through.fmu": public("reference-fmus-3/Feedthrough.fmu").read_bytes()},
+    )
+    with caplog.at_level("WARNING"):
+        one = load(str(path), ["stop_time=0.2", "macro_step=0.1"])
+    assert one.connections == ["one.Int32_output * 1.0 -> two.Enumeration_input"]
+    assert "the number goes as it is, from Int32 to Enumeration" in caplog.text
+    assert run(one, tmp_path / "out", never, Reporter(), figures=False).complete
+    assert recorded(tmp_path / "out")["two.Enumeration_output"][-1] == 2.0
+
+
 def test_texts_of_a_package_pass_and_have_values(tmp_path: Path) -> None:
     """Strings and binary values, given in a set and connected."""
     kinds = {f"{kind}_{end}put": f"{end}put {kind}" for kind in ("String", "Binary") for end in ("in", "out")}

@@ -99,6 +99,40 @@ def test_connections_pass_through_nested_systems(tmp_path: Path, files: dict[str
     np.testing.assert_allclose(found["in_side_thru.real out"][1:], 6.0 * x[:-1] - 1.0, rtol=1e-14)
 
 
+def test_connections_lead_where_the_kinds_of_connectors_say(tmp_path: Path, files: dict[str, bytes]) -> None:
+    """Start and end do not tell; an empty name is none, and is the system's. Through a nested system."""
+    nested = (
+        f'<ssd:System name="inner">{connectors({"in": "input", "out": "output"})}'
+        f"<ssd:Elements>{component('through', 'feedthrough', THROUGH)}</ssd:Elements>"
+        "<ssd:Connections>"
+        '<ssd:Connection startElement="through" startConnector="real in" endElement="" endConnector="in"/>'
+        '<ssd:Connection startConnector="out" endElement="through" endConnector="real out"/>'
+        "</ssd:Connections></ssd:System>"
+    )
+    parts = component("decay", "dahlquist", DECAY) + component("shaft", "shaft", SHAFT) + nested
+    joined = connection("inner.in", "decay.x") + connection("shaft.height", "inner.out")
+    found = lines(package(tmp_path / "a.ssp", parts, joined, files=files))
+    assert sorted(found) == [
+        "decay.x -> inner_through.real in", "inner_through.real out -> shaft.height",
+    ]  # fmt: skip
+
+
+def test_harmless_departures_are_told(
+    tmp_path: Path, files: dict[str, bytes], caplog: pytest.LogCaptureFixture
+) -> None:
+    """A unit in brackets, and the value of an input that is connected."""
+    values = binding({"real in": 'Real value="3" unit="[mm]"', "offset": 'Real value="2" unit="[mm]"'})
+    parts = component("decay", "dahlquist", DECAY) + component("through", "feedthrough", THROUGH, values)
+    path = package(tmp_path / "a.ssp", parts, connection("decay.x", "through.real in"), files=files)
+    with caplog.at_level("WARNING"):
+        table = load(str(path)).components["through"]
+    assert table.inputs == {}
+    assert [text for text in caplog.messages if "[mm]" in text] == [
+        "a.ssp: through: the unit [mm] is taken as mm"
+    ]
+    assert "through.real in is connected: its value is left out" in caplog.text
+
+
 @pytest.mark.parametrize("kind", ["definition", "package"])
 def test_a_system_may_be_in_a_file_of_its_own(kind: str, tmp_path: Path, files: dict[str, bytes]) -> None:
     """Its sources are relative to it; its own values are weaker than those around it."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import re
 import tempfile
 import zipfile
@@ -19,6 +20,7 @@ from models.core.system import suggestion
 from ...participants import ThirdPartyComponent, read_component
 from ...participants.description import (
     CO_SIMULATION,
+    INTEGERS,
     MODEL_EXCHANGE,
     Description,
     DescriptionError,
@@ -36,6 +38,7 @@ from .structure import Port, Structure, read_structure, trace_back
 from .values import StatedValue, read_values
 from .writer import START
 
+_log = logging.getLogger("tribocosim")
 # How deep packages may be inside of packages.
 DEEPEST = 3
 # Steps of a run if no step size is stated.
@@ -127,7 +130,12 @@ def _read(name: str, folder: Path) -> dict[str, Any]:
     names = _name_components(fmus)
     for path, stated in values.items():
         _set_values(tables[names[path]], parts[path], stated, f"{name}: {names[path]}")
-    content["connections"] = [str(line) for line in _build_lines(found, parts, names, name)]
+    lines = _build_lines(found, parts, names, name)
+    for line in lines:
+        target, _, variable = line.target.partition(".")
+        if tables[target].get("inputs", {}).pop(variable, None) is not None:
+            _log.warning("%s: %s is connected: its value is left out", name, line.target)
+    content["connections"] = [str(line) for line in lines]
     if stop := found.experiment.get("stopTime"):
         content["stop_time"] = stop
     return content
@@ -317,8 +325,22 @@ def _build_lines(
             )
         ends = f"{names[source.path]}.{source.connector}", f"{names[target.path]}.{target.connector}"
         plain = side or source.connector in sides
-        lines.append(Line(*ends) if plain else _build_line(found, parts, steps, ends, where))
+        if plain:
+            lines.append(Line(*ends))
+            continue
+        line = _build_line(found, parts, steps, ends, where)
+        if line.factor is None and (types := _find_types(parts, source, target)):
+            _log.warning("%s: %s: the number goes as it is, from %s to %s", where, line, *types)
+            line = Line(*ends, 1.0)
+        lines.append(line)
     return lines
+
+
+def _find_types(parts: Mapping[Place, Component], *ports: Port) -> list[str]:
+    """The types of whole numbers and enumerations at both ends of a connection, if they differ."""
+    ends = [(parts[port.path], port.connector) for port in ports]
+    types = [part.about.variables[name].type for part, name in ends if isinstance(part, ThirdPartyComponent)]
+    return types if len(set(types) & set(INTEGERS)) == len(ends) else []
 
 
 def _check_parameter(found: Structure, target: Port, where: str) -> None:

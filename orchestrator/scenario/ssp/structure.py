@@ -19,6 +19,9 @@ from .tables import find_table, to_line
 Path = tuple[str, ...]
 # The elements whose source is a file.
 SOURCED = {expand_tag(f"ssd:{name}") for name in ("Component", "ParameterBinding", "ParameterMapping")}
+# The kinds of connectors to which connections lead: of elements, and of the system that is around them.
+RECEIVING = ("input", "inout", "parameter", "structuralParameter")
+RECEIVING_OF_SYSTEM = ("output", "local", "calculatedParameter", "constant")
 # Gives the bytes of a file of the archive, by its path.
 Files = Callable[[str], bytes]
 
@@ -190,7 +193,7 @@ class _SystemReader:
     def _read_connection(self, connection: Any, path: Path, places: dict[str, Path]) -> None:
         def port(side: str) -> Port:
             element, connector = connection.get(f"{side}Element"), connection.get(f"{side}Connector")
-            if element is None:
+            if not element:  # some tools write an empty name
                 return Port(path, connector)
             if element not in places:
                 raise self._refuse(
@@ -200,12 +203,19 @@ class _SystemReader:
             return Port(places[element], connector)
 
         start, end = port("start"), port("end")
+        if self._receives(start, path) and not self._receives(end, path):
+            start, end = end, start  # the names do not tell the direction
         factor, offset = read_transformation(connection, f"{self._where}: {start} to {end}")
         edge = Edge(start, factor, offset, connection.get("suppressUnitConversion") in ("true", "1"))
         if self._found.edges.setdefault(end, edge) is not edge:
             raise self._refuse(
                 f"{end} has two sources, {self._found.edges[end].source} and {start}", "keep one"
             )
+
+    def _receives(self, port: Port, system: Path) -> bool:
+        """Whether a connection within the system leads to this connector, by its kind."""
+        kinds = RECEIVING_OF_SYSTEM if port.path == system else RECEIVING
+        return self._found.kinds.get(port) in kinds
 
 
 def read_transformation(element: Any, where: str) -> tuple[float | None, float | None]:

@@ -71,7 +71,7 @@ def _read_binding(
         root = binding.find(f"{expand_tag('ssd:ParameterValues')}/{expand_tag('ssv:ParameterSet')}")
     if root is None:
         return
-    stated = dict(_read_set(root, found))
+    stated = dict(_read_set(root, found, where))
     mapping = binding.find(expand_tag("ssd:ParameterMapping"))
     if mapping is None:
         yield from stated.items()
@@ -80,10 +80,13 @@ def _read_binding(
         entries = parse_xml(_read_file(mapping, mapping.get("source"), files, where), where)
     else:
         entries = mapping.find(expand_tag("ssm:ParameterMapping"))
-    for entry in () if entries is None else entries.findall(expand_tag("ssm:MappingEntry")):
-        name = entry.get("source")
+    listed = () if entries is None else entries.findall(expand_tag("ssm:MappingEntry"))
+    for name in dict.fromkeys(entry.get("source") for entry in listed):
         if name not in stated:
             _log.warning("%s: the mapping's source %r is no parameter of the set: left out", where, name)
+    for entry in listed:
+        name = entry.get("source")
+        if name not in stated:
             continue
         suppressed = entry.get("suppressUnitConversion") in ("true", "1")
         if table := find_table(entry):
@@ -101,15 +104,21 @@ def _read_file(element: Any, source: str, files: Files, where: str) -> bytes:
     return files(resolve_source(source, where))
 
 
-def _read_set(root: Any, found: Structure) -> Iterator[tuple[str, StatedValue]]:
+def _read_set(root: Any, found: Structure, where: str) -> Iterator[tuple[str, StatedValue]]:
     units = found.units | read_units(root)
+    bracketed = dict.fromkeys(
+        unit for one in root.iter() if _is_bracketed(unit := one.get("unit") or "", units)
+    )
+    for unit in bracketed:
+        _log.warning("%s: the unit %s is taken as %s", where, unit, unit[1:-1])
     enumerations = found.enumerations | read_enumerations(root)
     for parameter in root.iter(expand_tag("ssv:Parameter")):
         name = parameter.get("name")
         for child in parameter:
             kind, text = child.tag.rpartition("}")[2], child.get("value")
             if kind == "Real":
-                yield name, StatedValue(float(text), child.get("unit") or "", units)
+                unit = child.get("unit") or ""
+                yield name, StatedValue(float(text), unit[1:-1] if unit in bracketed else unit, units)
             elif kind == "Integer":
                 yield name, StatedValue(float(int(text)))
             elif kind == "Boolean":
@@ -118,6 +127,11 @@ def _read_set(root: Any, found: Structure) -> Iterator[tuple[str, StatedValue]]:
                 yield name, StatedValue(text, items=enumerations.get(child.get("name") or name))
             elif kind in (STRING, BINARY):
                 yield name, StatedValue(text, plain=True)
+
+
+def _is_bracketed(unit: str, units: dict[str, Unit]) -> bool:
+    """Whether it is a unit that a tool wrote in brackets, which the standard does not have."""
+    return unit[:1] == "[" and unit[-1:] == "]" and unit not in units
 
 
 def _find_targets(found: Structure, path: Path, name: str, where: str) -> Iterator[tuple[Path, str]]:
