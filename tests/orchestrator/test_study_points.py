@@ -103,7 +103,7 @@ MISTAKES = {
     "scenario = 'valve-tran'": "did you mean valve-train?",
     f"analysis = '{PLAIN}'\nfixed.y = 1": "fixed.y: is also a parameter of the points",
     f"analysis = '{PLAIN}'\nfixed.z = 1": "plain has no parameter 'z'",
-    f"analysis = '{PLAIN}'\nfixed.mode = 'plan'": "mode = 'plan' (kind of sum): must be one of plain, square",
+    f"analysis = '{PLAIN}'\nfixed.mode = 'plan'": "mode = 'plan' (kind of sum): did you mean plain?",
     f"analysis = '{PLAIN}'\nfixed.n = 1.5": "n = 1.5 (count): must be a whole number",
     f"analysis = '{PLAIN}'\nfixed.x = '3 kg'": "a unit like m is needed",
     f"analysis = '{PLAIN}'\nnames.a = ['x']": "names: are for settings of a scenario",
