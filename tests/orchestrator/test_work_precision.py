@@ -159,6 +159,9 @@ def test_a_peer_that_is_not_installed_says_so_and_nothing_else(quarter_car, file
     monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{ROOT}")
     rows = list(peers.measure_peer(quarter_car, files, "ecos"))
     assert list_failures(rows) == ["ecos: not installed: no ecos here"]
+    monkeypatch.setenv("OMSIMULATOR", str(tmp_path / "none.so"))
+    (said,) = list_failures(list(peers.measure_peer(quarter_car, files, "OMSimulator")))
+    assert said.startswith("OMSimulator: not installed: ")
 
 
 def test_durations_are_multiples_of_the_samples_spacing():

@@ -27,6 +27,7 @@ PEERS = {
     "fmpy script": "fmpy_script",
     "ecos": "ecos",
     "libcosim": "libcosim",
+    "OMSimulator": "omsimulator",
 }
 # Their distributions, whose versions a result names.
 PACKAGES = ("ecospy", "libcosimpy")
