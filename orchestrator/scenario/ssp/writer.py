@@ -205,7 +205,12 @@ def _write_structure(
         connections = add_element(whole, "ssd:Connections")
         for text in scenario.connections:
             _write_connection(connections, text)
-    _write_omsimulator(whole, scenario)
+    # OMSimulator refuses annotations of the whole file.
+    annotations = add_element(whole, "ssd:Annotations")
+    _write_omsimulator(annotations, scenario)
+    ours = add_element(annotations, "ssc:Annotation", type=OURS)
+    settings = add_element(ours, "tribocosim:Settings")
+    settings.text = json.dumps(_collect_settings(scenario, fmus), ensure_ascii=False)
     if enumerations:
         listed = add_element(root, "ssd:Enumerations")
         for name, items in enumerations.items():
@@ -215,9 +220,6 @@ def _write_structure(
     _write_units(root, fmus)
     experiment = add_element(root, "ssd:DefaultExperiment", startTime=0.0, stopTime=scenario.stop_time)
     _write_osp(experiment, scenario)
-    annotation = add_element(add_element(root, "ssd:Annotations"), "ssc:Annotation", type=OURS)
-    settings = add_element(annotation, "tribocosim:Settings")
-    settings.text = json.dumps(_collect_settings(scenario, fmus), ensure_ascii=False)
     return root
 
 
@@ -281,8 +283,8 @@ def _write_units(root: Any, fmus: Mapping[str, PackedFmu]) -> None:
         )
 
 
-def _write_omsimulator(system: Any, scenario: Scenario) -> None:
-    annotation = add_element(add_element(system, "ssd:Annotations"), "ssc:Annotation", type=OMSIMULATOR)
+def _write_omsimulator(annotations: Any, scenario: Scenario) -> None:
+    annotation = add_element(annotations, "ssc:Annotation", type=OMSIMULATOR)
     information = add_element(add_element(annotation, "oms:Annotations"), "oms:SimulationInformation")
     add_element(
         information,
