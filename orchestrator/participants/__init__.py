@@ -15,12 +15,13 @@ from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
 from .opened_fmu import FmuSettings
 from .opening import open_here
-from .protocol import GivesWarnings, Participant
+from .protocol import GivesDerivatives, GivesWarnings, Participant
 from .third_party import ThirdPartyComponent, read_component
 from .transformed import Transformed as transformed
 
 __all__ = [
     "FmuParticipant",
+    "GivesDerivatives",
     "GivesWarnings",
     "InOwnProcess",
     "Participant",

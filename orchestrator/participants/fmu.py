@@ -41,7 +41,7 @@ class FmuParticipant(OpenedFmu):
 
     Which derivatives of inputs it takes, and which rates it gives, is in `bound_variables`. Inputs that it
     holds over a step get the mean of their signal there, and after it the value at its end. Integers and
-    booleans are exchanged as the nearest number. After `connect`, `follows` marks the `inputs` that it takes.
+    booleans are exchanged as the nearest number.
     """
 
     instances: ClassVar[Mapping[str, Any]] = {"1.0": Fmi1, "2.0": Fmi2, "3.0": _open_fmi3}
@@ -63,7 +63,6 @@ class FmuParticipant(OpenedFmu):
         self._inputs = BoundInputs(self._fmu, bound.input_names, bound.inputs, self._settings.inputs)
         self._outputs = BoundOutputs(self._fmu, bound.output_names, bound.outputs, bound.rates)
         self.write, self.read = self._inputs.write, self._outputs.read
-        self.follows = self._inputs.follows
         driven = {bound.input_names[i] for i in self._inputs.picked[1][self._inputs.held]}
         depends = self._fmu.description.depends
         at_once = any(driven.intersection(depends.get(name, driven)) for name in bound.output_names)
@@ -119,24 +118,16 @@ class FmuParticipant(OpenedFmu):
         with self._errors.name_errors("reading the outputs"):
             values[:] = self._all.get_values()
 
-    def linearisable(self, names: Iterable[str]) -> bool:
-        """Whether directional derivatives by and of these variables and its states are its linearisation."""
-        known = self._fmu.description.variables
-        return self._fmu.description.states is not None and all(
-            name in known and self._fmu.is_real(name) for name in names
-        )
+    def get_followed(self) -> Any:
+        return self._inputs.follows
 
-    @property
-    def states(self) -> dict[str, str]:
-        """Its continuous states, and their derivatives by time, where its description names them."""
-        return dict(self._fmu.description.states or {})
-
-    def nominal(self, name: str) -> float:
-        """A variable's nominal size."""
-        return self._fmu.find(name).nominal
+    def find_states(self, names: Iterable[str]) -> list[tuple[str, str, float]] | None:
+        known, states = self._fmu.description.variables, self._fmu.description.states
+        if states is None or not all(name in known and self._fmu.is_real(name) for name in names):
+            return None
+        return [(state, rate, self._fmu.find(state).nominal) for state, rate in states.items()]
 
     def jacobian(self, unknown: Sequence[str], known: Sequence[str]) -> Vector:
-        """d unknown / d known (rows x columns), at the present point, by directional derivatives."""
         of, by = ([self._fmu.find(name) for name in names] for names in (unknown, known))
         with self._errors.name_errors("directional derivatives"):
             columns = [self._fmi.differentiate(of, one) for one in by] if of else []

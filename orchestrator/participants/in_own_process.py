@@ -112,6 +112,18 @@ class InOwnProcess(OwnProcess):
         self._deliver()
         values[:] = self._call("read_all", size=len(values))
 
+    def get_followed(self) -> Any:
+        return np.array(self._call("get_followed"), dtype=bool)
+
+    def find_states(self, names: Sequence[str]) -> list[tuple[str, str, float]] | None:
+        found = self._call("find_states", names=list(names))
+        return found and [tuple(one) for one in found]
+
+    def jacobian(self, unknown: Sequence[str], known: Sequence[str]) -> Vector:
+        self._deliver()
+        found = self._call("jacobian", unknown=list(unknown), known=list(known))
+        return np.array(found, dtype=float).reshape(len(unknown), len(known))
+
     def save(self) -> Saved:
         self._deliver()
         saved: Saved = self._call("save")

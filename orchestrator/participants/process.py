@@ -23,7 +23,7 @@ from ..errors import RunError
 from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
 from .opened_fmu import FmuSettings
 from .opening import open_here
-from .protocol import BoundVariables
+from .protocol import BoundVariables, GivesDerivatives
 from .side_channel import SideChannel, get_side_channel
 
 if TYPE_CHECKING:
@@ -92,6 +92,23 @@ class Server:
         values = np.zeros(size)
         self.unit.read_all(values)
         return values.tolist()
+
+    def get_followed(self) -> list[list[bool]]:
+        return np.asarray(self._derivatives.get_followed()).tolist()
+
+    def find_states(self, names: list[str]) -> list[Any] | None:
+        if not isinstance(self.unit, GivesDerivatives):
+            return None
+        found = self.unit.find_states(names)
+        return None if found is None else list(found)
+
+    def jacobian(self, unknown: list[str], known: list[str]) -> list[list[float]]:
+        return self._derivatives.jacobian(unknown, known).tolist()
+
+    @property
+    def _derivatives(self) -> GivesDerivatives:
+        assert isinstance(self.unit, GivesDerivatives)
+        return self.unit
 
     def save(self) -> int:
         return self._store_state(self.unit.save())

@@ -111,3 +111,21 @@ class Participant(Protocol):
     def close(self) -> None:
         """Free everything; calling it twice does no harm."""
         ...
+
+
+@runtime_checkable
+class GivesDerivatives(Protocol):
+    """An FMU in this process or another, which may give directional derivatives."""
+
+    def get_followed(self) -> Any:
+        """After `connect`: which of the bound `inputs` it takes, values and derivatives."""
+        ...
+
+    def find_states(self, names: Sequence[str]) -> Sequence[tuple[str, str, float]] | None:
+        """Its states, each with the name of its derivative by time and its nominal size; None unless
+        directional derivatives by and of these variables and the states are its linearisation."""
+        ...
+
+    def jacobian(self, unknown: Sequence[str], known: Sequence[str]) -> Vector:
+        """d unknown / d known (rows x columns), at the present point, by directional derivatives."""
+        ...

@@ -13,7 +13,7 @@ from orchestrator.analyses.stability.behaviour import Behaviour, find_stability_
 from orchestrator.analyses.stability.linearisation import Directional, Equations, linearise_at
 from orchestrator.analyses.stability.trajectory import list_connected_inputs, list_continuous_outputs
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import open_fmu, read_component
+from orchestrator.participants import open_fmu, open_in_own_process, read_component
 from tribocosim.command_line import app
 
 from ..third_party.c_fmus import fmu as c_fmu
@@ -34,9 +34,8 @@ def linearise_twice(system, name, where, row, path):
     """An FMU by its directional derivatives, and the component by its equations."""
     unit = open_fmu(name, path, system.instances[name])
     try:
-        assert unit.linearisable(
-            [*list_connected_inputs(name, system), *list_continuous_outputs(name, system)]
-        )
+        exchanged = [*list_connected_inputs(name, system), *list_continuous_outputs(name, system)]
+        assert unit.find_states(exchanged) is not None
         found = Directional(name, unit, system).about(where, row, list_outputs(system, name))
     finally:
         unit.close()
@@ -115,6 +114,18 @@ def test_a_third_party_fmu_has_the_matrices_of_its_law(version, tmp_path):
     np.testing.assert_array_equal(found.followed[:4, 0], [1.0, 0.0, 0.0, 0.0])
 
 
+def test_an_fmu_in_its_own_process_has_the_same_matrices(tmp_path):
+    system, path = masses_with_fmu(), c_fmu("sprung", 3, tmp_path)
+    where = solve_trajectory(system, 0.2, SPACING)
+    found = []
+    for open_unit in (open_fmu, open_in_own_process):
+        unit = open_unit("second", path, system.instances["second"])
+        found.append(Directional("second", unit, system).about(where, 40, list_outputs(system, "second")))
+        unit.close()
+    for here, there in zip(*((one.A, one.B, one.C, one.D, one.followed) for one in found), strict=True):
+        np.testing.assert_array_equal(here, there)
+
+
 def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_derivatives(tmp_path):
     """The FMU cannot be brought back to a saved state, which this way of linearisation does not need."""
     system, path, master = masses_with_fmu(), c_fmu("sprung", 2, tmp_path), GaussSeidel("linear")
@@ -148,5 +159,5 @@ def test_the_command_takes_derivatives_where_an_fmu_gives_them(tmp_path):
 def test_an_fmu_that_gives_no_derivatives_is_not_linearised_by_them(name, tmp_path):
     path = c_fmu(name, 2, tmp_path)
     unit = open_fmu(name, path, Instance(read_component(path)))
-    assert not unit.linearisable([])
+    assert unit.find_states([]) is None
     unit.close()

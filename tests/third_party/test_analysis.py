@@ -81,11 +81,11 @@ def test_a_fresh_instance_repeats_its_calls_to_the_bit(process: str, tmp_path: P
 def test_fresh_instances_give_the_analysis_that_saved_states_give(tmp_path: Path) -> None:
     """Limits and errors of every method."""
     with_states, without = (surveyed(masses(name, tmp_path)) for name in ("held_mass", "stateless_mass"))
-    explicit = {m.name: m for m in with_states.methods if not m.master.implicit}
-    compared = [m for m in without.methods if m.name in explicit]
+    explicit = {m.master: m for m in with_states.methods if not m.master.implicit}
+    compared = [m for m in without.methods if m.master in explicit]
     assert len(compared) >= 6
     for method in compared:
-        assert method.limit == pytest.approx(explicit[method.name].limit, rel=1e-6)
+        assert method.limit == pytest.approx(explicit[method.master].limit, rel=1e-6)
     assert without.best is not None
     assert not without.best.master.implicit
 

@@ -69,7 +69,7 @@ def test_the_orders_that_an_fmu_takes_are_found(name: str, highest: int, tmp_pat
         unit.initialise(0.0, 1.0)
         unit.finish_initialisation()
         unit.write()
-        assert unit.follows[:, 0].tolist() == [order <= highest for order in range(4)]
+        assert unit.get_followed()[:, 0].tolist() == [order <= highest for order in range(4)]
     finally:
         unit.close()
 

@@ -20,7 +20,7 @@ from models.monolithic.trajectory import Trajectory
 
 from ...errors import ParticipantError
 from ...participants import (
-    FmuParticipant,
+    GivesDerivatives,
     Participant,
     in_process,
     open_fmu,
@@ -140,30 +140,33 @@ class Equations:
 
 
 class Directional(ParticipantLinearisation):
-    """Implements `Linearisation` for a `linearisable` FMU, by its directional derivatives.
+    """Implements `Linearisation` for an FMU that gives directional derivatives, by these.
 
     At a kink they are those of the active branch. The model description says which derivatives of its inputs
     the FMU follows, or its answers to the calls that set them.
     """
 
-    def __init__(self, name: str, participant: FmuParticipant, system: System) -> None:
+    def __init__(self, name: str, participant: Participant, system: System) -> None:
         super().__init__(name, participant, system)
+        assert isinstance(participant, GivesDerivatives)
         self._fmu = participant
+        self._states = participant.find_states([*self.input_names, *self.output_names]) or ()
 
     def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
         self._advance_to(trajectory, row)
         self._inputs[:] = 0.0
         self._inputs[0] = self._values[row]
-        self._fmu.write()
-        states = self._fmu.states
-        unknown, known = [*states.values(), *self.output_names], [*states, *self.input_names]
+        self._participant.write()
+        states, rates = [state for state, _, _ in self._states], [rate for _, rate, _ in self._states]
+        unknown, known = [*rates, *self.output_names], [*states, *self.input_names]
         try:
             found = self._fmu.jacobian(unknown, known)
         except ParticipantError as error:
             raise ModelError(f"{error}; linearise it by its responses (--responses)") from None
         n, followed = len(states), np.ones((ROWS, len(self.input_names)))
-        followed[: len(self._fmu.follows)] = self._fmu.follows
-        scale = np.array([self._fmu.nominal(state) for state in states])
+        taken = self._fmu.get_followed()
+        followed[: len(taken)] = taken
+        scale = np.array([nominal for _, _, nominal in self._states])
         linear = Linear(found[:n, :n], found[:n, n:], found[n:, :n], found[n:, n:], scale)
         return self._expand(linear, followed, [], outputs)
 
@@ -296,6 +299,16 @@ def open_linearisations(
                 continue
             own = None if not every and table.participant in KINDS else build
             unit = _open_participant(scenario, system, name, own)
+            exchanged = [*list_connected_inputs(name, system), *list_continuous_outputs(name, system)]
+            if (
+                not every
+                and name not in transformations
+                and isinstance(unit, GivesDerivatives)
+                and unit.find_states(exchanged) is not None
+            ):
+                stack.callback(unit.close)
+                linearisations[name] = Directional(name, unit, system)
+                continue
             returns = SAVED
             if not unit.restorable:
                 unit.close()
@@ -305,10 +318,6 @@ def open_linearisations(
             if name in transformations:
                 unit = transformed(unit, transformations[name])
             stack.callback(unit.close)
-            exchanged = [*list_connected_inputs(name, system), *list_continuous_outputs(name, system)]
-            if not every and isinstance(unit, FmuParticipant) and unit.linearisable(exchanged):
-                linearisations[name] = Directional(name, unit, system)
-                continue
             linearisations[name] = Responses(name, unit, system, scenario.macro_step, returns)
         yield linearisations
 

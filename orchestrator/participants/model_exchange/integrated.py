@@ -134,7 +134,6 @@ class IntegratedFmu:
         self._bound = bound
         self._problem.connect(bound.input_names)
         self._index = [self._settings.outputs.index(name) for name in bound.output_names]
-        self.follows = np.ones(bound.inputs.shape, dtype=np.bool_)
         return [False] * len(bound.output_names)
 
     def compiled_calls(self) -> str:
