@@ -6,11 +6,13 @@ One call transfers all doubles, and one all variables of each other type. Arrays
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
 import numpy as np
 
 from models.core.quantities import Vector
 
+from .bound_calls import ArrayLayout
 from .description import REALS, Variable
 from .fmi_instance import FmiInstance
 
@@ -74,6 +76,7 @@ class VariableBinding:
 
     def bind_get(self, fail: Fail, memory: Vector | None = None) -> None:
         """Prepare to get them, as `bind_set`."""
+        self._getters = [self._bind_slow(kind, *slow, fail) for kind, slow in self.slow.items()]
         self._bind(self.fmi.bind_getter, fail, memory, self._get_slow)
 
     def _bind(
@@ -112,11 +115,19 @@ class VariableBinding:
                 own[place] = values[i] if whole[0].type in REALS else round(values[i])
             self.fmi.set(whole, own)
 
+    def _bind_slow(
+        self, kind: str, whole: list[Variable], rest: list[float], wanted: list[tuple[int, int]], fail: Fail
+    ) -> tuple[Callable[[], None], Any, list[int], list[int]]:
+        """How to get variables of that type: the call, its memory, where values go to, and where they are."""
+        layout = ArrayLayout(whole)
+        references = np.array(layout.references, dtype=np.uintc)
+        memory, get = self.fmi.bind_typed_getter(kind, references, layout.size, fail)
+        return get, memory, [i for i, _ in wanted], [layout.places[place] for _, place in wanted]
+
     def _get_slow(self, values: Vector) -> None:
-        for whole, _, wanted in self.slow.values():
-            found = self.fmi.get(whole)
-            for i, place in wanted:
-                values[i] = found[place]
+        for get, memory, targets, places in self._getters:
+            get()
+            values[targets] = memory[places]
 
 
 def _get_rest(variable: Variable, fixed: Mapping[str, float] | None) -> float:

@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from models.core.quantities import Vector
 
 from .description import Variable
@@ -87,6 +89,13 @@ class BoundCalls:
             return status
 
         return transfer
+
+    def _bind_typed_getter(
+        self, function: str, number: Any, references: Any, size: int, fail: Callable[[int], None],
+        after: tuple[Any, ...] = (),
+    ) -> tuple[Any, Callable[[], Any]]:  # fmt: skip
+        memory = np.zeros(size, number)
+        return memory, self._transfer(function, references, values=memory, after=after, fail=fail)
 
     def save(self, state: ctypes.c_void_p) -> int:
         return self._save(self._handle, ctypes.byref(state))

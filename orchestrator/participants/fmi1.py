@@ -10,6 +10,7 @@ import ctypes
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from fmpy.fmi1 import (
     FMU1Slave,
     defaultCallbacks,
@@ -92,13 +93,6 @@ class Fmi1(BoundCalls):
     def get_text(self, variable: Variable) -> str:
         return str(self.slave.getString([variable.reference])[0].decode("utf-8", "replace"))
 
-    def get(self, variables: Sequence[Variable]) -> list[float]:
-        (first, *_), reference = variables, [v.reference for v in variables]
-        if first.type == "Real":
-            return list(self.slave.getReal(reference))
-        get = self.slave.getBoolean if first.type in BOOLEANS else self.slave.getInteger
-        return [float(value) for value in get(reference)]
-
     def terminate(self) -> None:
         self._check("fmi1TerminateSlave")
 
@@ -114,6 +108,12 @@ class Fmi1(BoundCalls):
 
     def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         return self._transfer("fmi1GetReal", references, values=values, fail=fail)
+
+    def bind_typed_getter(
+        self, kind: str, references: Any, size: int, fail: Callable[[int], None]
+    ) -> tuple[Any, Callable[[], None]]:
+        name, number = ("Boolean", np.int8) if kind in BOOLEANS else ("Integer", np.intc)
+        return self._bind_typed_getter(f"fmi1Get{name}", number, references, size, fail)
 
     def bind_input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]

@@ -117,13 +117,6 @@ class Fmi2(BoundCalls):
     def get_text(self, variable: Variable) -> str:
         return str(self.slave.getString([variable.reference])[0].decode("utf-8", "replace"))
 
-    def get(self, variables: Sequence[Variable]) -> list[float]:
-        (first, *_), reference = variables, [v.reference for v in variables]
-        if first.type == "Real":
-            return list(self.slave.getReal(reference))
-        get = self.slave.getBoolean if first.type in BOOLEANS else self.slave.getInteger
-        return [float(value) for value in get(reference)]
-
     def serialise(self, state: ctypes.c_void_p) -> bytes:
         return bytes(self.slave.serializeFMUstate(state))
 
@@ -146,6 +139,12 @@ class Fmi2(BoundCalls):
 
     def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         return self._transfer("fmi2GetReal", references, values=values, fail=fail)
+
+    def bind_typed_getter(
+        self, kind: str, references: Any, size: int, fail: Callable[[int], None]
+    ) -> tuple[Any, Callable[[], None]]:
+        name, number = ("Boolean", np.intc) if kind in BOOLEANS else ("Integer", np.intc)
+        return self._bind_typed_getter(f"fmi2Get{name}", number, references, size, fail)
 
     def bind_input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]

@@ -70,8 +70,10 @@ class Fmi3(BoundCalls):
 
     def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
         make = float if variables[0].type in REALS else bool if variables[0].type in BOOLEANS else int
-        references, memory, call = self._memory("fmi3Set", variables)
-        memory[:] = [make(value) for value in values]
+        kind = STORED_AS.get(variables[0].type, variables[0].type)
+        found = list(dict.fromkeys(v.reference for v in variables))
+        memory = (getattr(fmi3, f"fmi3{kind}") * len(variables))(*(make(value) for value in values))
+        call, references = getattr(self.slave, f"fmi3Set{kind}"), (ctypes.c_uint * len(found))(*found)
         call(self.slave.component, references, len(references), memory, len(memory))
 
     def set_text(self, variable: Variable, text: str) -> None:
@@ -84,22 +86,6 @@ class Fmi3(BoundCalls):
         if variable.type == BINARY:
             return (self.slave.getBinary([variable.reference])[0] or b"").hex()
         return str(self.slave.getString([variable.reference])[0])
-
-    def get(self, variables: Sequence[Variable]) -> list[float]:
-        references, memory, call = self._memory("fmi3Get", variables)
-        call(self.slave.component, references, len(references), memory, len(memory))
-        return [float(value) for value in memory]
-
-    def _memory(self, prefix: str, variables: Sequence[Variable]) -> tuple[Any, Any, Callable[..., Any]]:
-        """Unique references, memory for all values, and the function that transfers them."""
-        kind = STORED_AS.get(variables[0].type, variables[0].type)
-        found = list(dict.fromkeys(v.reference for v in variables))
-        references = (ctypes.c_uint * len(found))(*found)
-        return (
-            references,
-            (getattr(fmi3, f"fmi3{kind}") * len(variables))(),
-            getattr(self.slave, prefix + kind),
-        )
 
     def serialise(self, state: ctypes.c_void_p) -> bytes:
         return bytes(self.slave.serializeFMUState(state))
@@ -127,6 +113,13 @@ class Fmi3(BoundCalls):
     def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         size = (ctypes.c_size_t(values.size),)
         return self._transfer("fmi3GetFloat64", references, values=values, after=size, fail=fail)
+
+    def bind_typed_getter(
+        self, kind: str, references: Any, size: int, fail: Callable[[int], None]
+    ) -> tuple[Any, Callable[[], None]]:
+        name = STORED_AS.get(kind, kind)
+        number, after = np.dtype(getattr(fmi3, f"fmi3{name}")), (ctypes.c_size_t(size),)
+        return self._bind_typed_getter(f"fmi3Get{name}", number, references, size, fail, after)
 
     def bind_input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]

@@ -170,17 +170,20 @@ class Fmi3WithEvents(Fmi3):
         return transfer
 
     def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        get = super().bind_getter(references, values, fail)
+        return self._leave_events_before(super().bind_getter(references, values, fail))
 
+    def bind_typed_getter(
+        self, kind: str, references: Any, size: int, fail: Callable[[int], None]
+    ) -> tuple[Any, Callable[[], None]]:
+        memory, get = super().bind_typed_getter(kind, references, size, fail)
+        return memory, self._leave_events_before(get)
+
+    def _leave_events_before(self, get: Callable[[], None]) -> Callable[[], None]:
         def transfer() -> None:
             self._leave_events()
             get()
 
         return transfer
-
-    def get(self, variables: Sequence[Variable]) -> list[float]:
-        self._leave_events()
-        return super().get(variables)
 
     # Events.
 

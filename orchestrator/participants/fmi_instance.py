@@ -58,16 +58,18 @@ class FmiInstance(Protocol):
         """As `set_text`."""
         ...
 
-    def get(self, variables: Sequence[Variable]) -> list[float]:
-        """As `set`."""
-        ...
-
     def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         """A function that sets the variables of these references (unsigned int) to what is in `values`."""
         ...
 
     def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         """As `setter`, the other way."""
+        ...
+
+    def bind_typed_getter(
+        self, kind: str, references: Any, size: int, fail: Callable[[int], None]
+    ) -> tuple[Any, Callable[[], None]]:
+        """Memory for `size` values of variables of that type, no doubles, and a function that gets them."""
         ...
 
     def bind_input_derivatives(
