@@ -224,8 +224,10 @@ def test_every_call_speaks_python(result: tribocosim.Result, tmp_path: Path) -> 
 def test_a_run_that_ended_is_not_resumed_but_opened(result: tribocosim.Result, tmp_path: Path) -> None:
     assert result.folder is not None
     assert tribocosim.resume(result.folder).summary == result.summary
+    empty = tmp_path / "empty"  # with no neighbour to suggest
+    empty.mkdir()
     with pytest.raises(tribocosim.MistakeError, match=r"holds no run .*; make one with tribocosim run$"):
-        tribocosim.resume(tmp_path)
+        tribocosim.resume(empty)
 
 
 def test_a_page_and_a_diagnosis_are_those_of_the_commands(result: tribocosim.Result, tmp_path: Path) -> None:
