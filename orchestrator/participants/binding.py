@@ -76,7 +76,9 @@ class VariableBinding:
 
     def bind_get(self, fail: Fail, memory: Vector | None = None) -> None:
         """Prepare to get them, as `bind_set`."""
-        self._getters = [self._bind_slow(kind, *slow, fail) for kind, slow in self.slow.items()]
+        self._getters = [
+            self._bind_slow(kind, whole, wanted, fail) for kind, (whole, _, wanted) in self.slow.items()
+        ]
         self._bind(self.fmi.bind_getter, fail, memory, self._get_slow)
 
     def _bind(
@@ -116,7 +118,7 @@ class VariableBinding:
             self.fmi.set(whole, own)
 
     def _bind_slow(
-        self, kind: str, whole: list[Variable], rest: list[float], wanted: list[tuple[int, int]], fail: Fail
+        self, kind: str, whole: list[Variable], wanted: list[tuple[int, int]], fail: Fail
     ) -> tuple[Callable[[], None], Any, list[int], list[int]]:
         """How to get variables of that type: the call, its memory, where values go to, and where they are."""
         layout = ArrayLayout(whole)

@@ -143,8 +143,8 @@ class Fmi2(BoundCalls):
     def bind_typed_getter(
         self, kind: str, references: Any, size: int, fail: Callable[[int], None]
     ) -> tuple[Any, Callable[[], None]]:
-        name, number = ("Boolean", np.intc) if kind in BOOLEANS else ("Integer", np.intc)
-        return self._bind_typed_getter(f"fmi2Get{name}", number, references, size, fail)
+        name = "Boolean" if kind in BOOLEANS else "Integer"
+        return self._bind_typed_getter(f"fmi2Get{name}", np.intc, references, size, fail)
 
     def bind_input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]

@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
 from models.contact.films import FILMS
 from models.core.quantities import Vector
@@ -52,8 +51,8 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> Separation 
         return Separation(None, None, f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed")
     is_lost = _find_losses(subject)
     try:
-        speed = _bisect(is_lost, speeds, lost, "lost")
-        nose = _bisect(is_lost, speeds, on_nose, "lost_on_nose") if on_nose.any() else None
+        speed = _bisect(is_lost, speeds, int(np.argmax(lost)), "lost")
+        nose = _bisect(is_lost, speeds, int(np.argmax(on_nose)), "lost_on_nose") if on_nose.any() else None
     except ModelError as error:
         return Separation(None, None, f"the speed of separation was not found: {error}")
     again = speeds[int(np.argmax(lost)) :][~lost[int(np.argmax(lost)) :]]
@@ -90,13 +89,10 @@ def _find_losses(subject: SpeedSubject) -> Callable[[float, str], bool]:
     return lambda speed, number: measure(speed)[number]
 
 
-def _bisect(
-    is_lost: Callable[[float, str], bool], speeds: Vector, lost: NDArray[np.bool_], number: str
-) -> float:
-    """The speed (r/min) between the last one with contact and the first one without."""
-    first = int(np.argmax(lost))
-    kept = float(speeds[max(first - 1, 0)])
-    return RPM * bisect_separation(lambda speed: is_lost(speed, number), kept, float(speeds[first]))
+def _bisect(is_lost: Callable[[float, str], bool], speeds: Vector, first: int, number: str) -> float:
+    """The speed (r/min) between the row before `first`, with contact, and that row, without."""
+    kept, lost = float(speeds[first - 1]), float(speeds[first])
+    return RPM * bisect_separation(lambda speed: is_lost(speed, number), kept, lost)
 
 
 def _describe_place(table: xarray.Dataset, speed: float, nose: float | None) -> str:
@@ -144,14 +140,11 @@ def find_second(subject: SpeedSubject, speeds: Vector, first: Separation, film: 
     is_lost = _find_losses(replace(subject, tables=tables, folder=None))
 
     def find(number: str, first_speed: float | None) -> float | None:
-        def separated(speed: float) -> bool:
-            return is_lost(speed, number)
-
         near = speeds.size - 1 if first_speed is None else int(np.searchsorted(RPM * speeds, first_speed))
-        i = find_first(lambda k: separated(float(speeds[k])), near, speeds.size)
+        i = find_first(lambda k: is_lost(float(speeds[k]), number), near, speeds.size)
         if not i:
             return i and RPM * float(speeds[0])
-        return round(RPM * bisect_separation(separated, float(speeds[i - 1]), float(speeds[i])), 2)
+        return round(_bisect(is_lost, speeds, i, number), 2)
 
     try:
         speed = find("lost", first.speed)
