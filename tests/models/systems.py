@@ -107,6 +107,23 @@ def rates_of(
     return component.state.named(dx)
 
 
+def state_matrix(
+    component: Component,
+    parameters: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float] | None = None,
+    state: Mapping[str, float] | None = None,
+    step: float = 1.0,
+) -> Vector:
+    """d(rates)/d(states), by steps of the states from `state`."""
+
+    def rates(state: Mapping[str, float]) -> Vector:
+        return np.array(list(rates_of(component, parameters, state, inputs).values()))
+
+    base, values = rates(state or {}), component.state.named(component.state.vector(state))
+    columns = [rates({**values, name: value + step}) - base for name, value in values.items()]
+    return np.array(columns).T / step
+
+
 def run(problem: Any, x0: Vector, times: Vector, t0: float = 0.0, tolerance: float = 1e-9) -> Vector:
     """Outputs (n, n_out) at `times` by the reference's first method alone."""
     z = problem.start(x0)

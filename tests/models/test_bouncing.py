@@ -136,9 +136,7 @@ def release_from_rest(machine: Machine, side: float, theta: float) -> tuple[floa
 
 
 @pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize(
-    ("damping", "gap"), [(0.01, 0.01), (0.1, 0.01), (0.267, 0.02), (0.35, 0.01), (0.0, 0.02)]
-)
+@pytest.mark.parametrize(("damping", "gap"), [(0.1, 0.01), (0.267, 0.02), (0.0, 0.02)])
 def test_slider_rests_where_the_constraint_force_presses(form: str, damping: float, gap: float) -> None:
     """In all four kinds of region (upper only, lower only, both, neither) it slides where the force of F
     2.6 says, and is released at that force's next zero."""

@@ -31,11 +31,9 @@ def next_event(angle, speed, acceleration=0.0, t=0.0, **parameters):
     return outputs_of(CAMSHAFT, parameters, inputs=drive, t=t)["next_event"]
 
 
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_events_are_told_by_outputs(name):
-    component = CATALOGUE[name]()
-    with pytest.raises(ValueError, match=f"{name}: event output 'absent' must be one of"):
-        replace(component, event_indicators=("absent",))
+def test_events_are_told_by_outputs():
+    with pytest.raises(ValueError, match="flywheel: event output 'absent' must be one of"):
+        replace(FLYWHEEL, event_indicators=("absent",))
 
 
 def jump_of_third_derivative(angle):

@@ -10,7 +10,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from models.slider_crank.flight.flow import MOST_CELLS, UnresolvedError, tabulate_flow
 from models.slider_crank.flight.linear import carry, state_at_cell_start
 from models.slider_crank.flight.samples import offset_acceleration
 from models.slider_crank.flight.series import (
@@ -137,8 +136,3 @@ def test_constant_coefficients_give_elementary_functions() -> None:
         state = ends[0] + state[0] * ends[1] + state[1] * ends[2]
         theta = 2.0 * math.pi * (k + 1) / flow.cells.shape[0]
         assert state == pytest.approx([1.0 - math.cos(theta), math.sin(theta)], abs=5e-15)
-
-
-def test_flow_too_fast_for_the_most_cells_is_refused() -> None:
-    with pytest.raises(UnresolvedError, match=str(MOST_CELLS)):
-        tabulate_flow(lambda cells: np.random.default_rng(cells).normal(size=(cells, 5)))

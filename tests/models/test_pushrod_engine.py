@@ -1,25 +1,141 @@
-"""Eight pushrod trains on one elastic shaft, against independent numbers of its steady cycle."""
+"""Pushrod trains, one alone and eight on an elastic shaft, against independent numbers."""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
+from models.core.evaluation import Evaluation
 from models.core.quantities import Layout
 from models.core.system import Instance, System
 from models.monolithic.cycle import find_cycle
+from models.monolithic.equilibrium import equilibrium
+from models.monolithic.problem import SystemProblem
 from models.valve_train.beam import find_torsion, list_parameters, rigid_bending
 from models.valve_train.cams.law import law_lift
 from models.valve_train.tappet import TappetParameters
 
-from .systems import turn
+from .systems import column, run, turn
 from .test_shaft import SHAFT
-from .test_train_parts import TRAIN, loads_at_rest, pushrod_train
 
 EVALUATION = "independent evaluation"
 SPEED, OMEGA = 1000.0, 1000.0 * math.pi / 30.0
+
+
+def pushrod_links(segments=4):
+    """Rocker and valve on a pushrod whose lower end is held; a stiff link without mass ties both together."""
+    rigid = {
+        "bonded": 1.0,
+        "damping_time": 0.0,
+        "length": 1e-3,
+        "area": 1e-2,
+        "density": 1e-3,
+        "youngs_modulus": 2e12,
+    }
+    return System(
+        {
+            "pushrod": Instance(CATALOGUE["rod"](segments=segments), {"bonded": 1.0, "damping_time": 0.0}),
+            "rocker": Instance(CATALOGUE["rocker"](), {"small_motion": 1.0}),
+            "link": Instance(CATALOGUE["rod"](segments=1), rigid),
+            "valve_spring": Instance(CATALOGUE["valve_spring"](), {"valve_mass": 0.1, "damping_ratio": 0.0}),
+        },
+        (
+            ("rocker.rod_position", "pushrod.upper_position"),
+            ("rocker.rod_velocity", "pushrod.upper_velocity"),
+            ("pushrod.upper_force", "rocker.rod_force"),
+            ("rocker.tip_position", "link.lower_position"),
+            ("rocker.tip_velocity", "link.lower_velocity"),
+            ("link.lower_force", "rocker.tip_load"),
+            ("valve_spring.position", "link.upper_position"),
+            ("valve_spring.velocity", "link.upper_velocity"),
+            ("link.upper_force", "valve_spring.load"),
+        ),
+    )
+
+
+@pytest.mark.long
+def test_natural_frequencies_of_a_pushrod_train(record):
+    """The cam's side is held; four segments."""
+    system = pushrod_links()
+    evaluation = Evaluation(system)
+    n = system.state.size
+    zero = evaluation.derivative(0.0, np.zeros(n)).copy()
+    a = np.column_stack(
+        [(evaluation.derivative(0.0, 1e-6 * unit).copy() - zero) / 1e-6 for unit in np.eye(n)]
+    )
+    found = np.sort(np.abs(np.linalg.eigvals(a).imag)) / (2.0 * math.pi)
+    found = found[found > 1.0][::2]
+    for i, expected in enumerate((504.12796, 1008.78230, 2334.309)):
+        quantity = f"pushrod train: natural frequency {i + 1} (Hz)"
+        record("Train", quantity, float(found[i]), expected, EVALUATION, tolerance=1e-6 * expected)
+
+
+# Loads at the cam and at the valve (N), least and largest over a turn, of contacts without elasticity. The
+# preload is 330 N in the loaded train.
+PUSHROD_LOADS = {
+    1000.0: (410.582, 851.34, 328.996, 680.544),
+    1600.0: (404.055, 857.199, 325.440, 683.573),
+}
+TRAIN = """
+    flywheel.angle tappet.cam_angle             flywheel.speed tappet.cam_speed
+    tappet.overlap cam_contact.approach         tappet.overlap_rate cam_contact.approach_rate
+    tappet.radius_of_curvature cam_contact.radius_of_curvature
+    tappet.position pushrod.lower_position      tappet.velocity pushrod.lower_velocity
+    rocker.rod_position pushrod.upper_position  rocker.rod_velocity pushrod.upper_velocity
+    pushrod.lower_force tappet.load             pushrod.upper_force rocker.rod_force
+    rocker.tip_position valve_contact.approach  rocker.tip_velocity valve_contact.approach_rate
+    rocker.tip_contact_radius valve_contact.radius_of_curvature
+    valve_spring.position valve_contact.retreat valve_spring.velocity valve_contact.retreat_rate
+    cam_contact.load tappet.cam_load            valve_contact.load rocker.tip_load
+    valve_contact.load valve_spring.load
+"""
+
+
+def pushrod_train(speed, preload=330.0):
+    """With dry contacts of thirty times the modulus of steel, a constant ratio and a bonded pushrod."""
+    omega, modulus = speed * math.pi / 30.0, 30.0 * 207e9
+    stiff = {"film_model": 7.0, "youngs_modulus_1": modulus, "youngs_modulus_2": modulus}
+    turning = {"initial_speed": omega, "final_speed": omega}
+    return System(
+        {
+            "flywheel": Instance(CATALOGUE["flywheel"](), turning, start={"speed": omega}),
+            "tappet": Instance(CATALOGUE["tappet"](), {}),
+            "pushrod": Instance(CATALOGUE["rod"](), {"bonded": 1.0}),
+            "rocker": Instance(CATALOGUE["rocker"](), {"small_motion": 1.0}),
+            "valve_spring": Instance(CATALOGUE["valve_spring"](), {"valve_mass": 0.1, "preload": preload}),
+            "cam_contact": Instance(CATALOGUE["ehl_contact"](), stiff),
+            "valve_contact": Instance(CATALOGUE["ehl_contact"](), stiff),
+        },
+        list(zip(TRAIN.split()[::2], TRAIN.split()[1::2], strict=True)),
+    )
+
+
+def loads_at_rest(system):
+    outputs = Evaluation(system).outputs(0.0, equilibrium(system))
+    return column(system, outputs[None, :], "valve_contact.load")[0]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("speed", [1000.0, 1600.0])
+def test_loads_of_a_pushrod_train(speed, record):
+    """Contacts so stiff leave 1e-4 of the loads; their resonances are those of 30 times the stiffness."""
+    preload = 660.0 - loads_at_rest(pushrod_train(speed))
+    system = pushrod_train(speed, preload)
+    times = np.r_[0.0, np.linspace(5.0, 6.0, 14401) * turn(speed)]
+    y = run(SystemProblem(system), equilibrium(system), times, tolerance=1e-8)[1:]
+    found = []
+    for name in ("cam_contact.load", "valve_contact.load"):
+        load = column(system, y, name)
+        found += [float(load.min()), float(load.max())]
+    names = ("least cam load", "largest cam load", "least valve load", "largest valve load")
+    for name, value, expected in zip(names, found, PUSHROD_LOADS[speed], strict=True):
+        quantity = f"pushrod train at {speed:g} r/min: {name} (N)"
+        record("Train", quantity, value, expected, EVALUATION, tolerance=3e-4 * expected)
+
+
 PHASES = [math.radians(degrees) for degrees in (305, 305, 35, 35, 215, 215, 125, 125)]
 # Damping of the shaft over its stiffness (s).
 DAMPING = 1.370291042e-5

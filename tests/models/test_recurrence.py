@@ -19,7 +19,7 @@ from models.slider_crank.motions.recurrence import (
 def states(psi, side=0.0):
     """States at crank angle zero with psi and a psi' that depends on it."""
     psi = np.asarray(psi, dtype=float)
-    return np.stack([psi, np.cos(psi), np.full_like(psi, side)], axis=1)
+    return np.stack([psi, np.cos(psi), np.broadcast_to(side, psi.shape)], axis=1)
 
 
 def orbit(period: int, seed: int):
@@ -58,33 +58,22 @@ def test_an_orbit_approached_exponentially_is_found_with_its_transient(
     assert abs(found.transient - np.log(1.0 / SETTLED) / rate) <= np.log(2.0) / rate + 1.0
 
 
-@pytest.mark.parametrize("split", [10.0 * TOLERANCE, 1e-3])
-def test_a_doubled_period_is_not_taken_for_the_single(split: float) -> None:
-    psi = 0.7 + split * (np.arange(200) % 2)
-    found = find_recurrence(states(psi))
-    assert found is not None
-    assert found.period == 2
-
-
-def test_the_same_place_on_and_off_the_wall_is_not_the_same_state() -> None:
-    sequence = states(np.full(100, 0.7))
-    sequence[::2, 2] = 1.0
+@pytest.mark.parametrize(
+    ("sequence", "period", "exact"),
+    [
+        pytest.param(states(0.7 + 10.0 * TOLERANCE * (np.arange(200) % 2)), 2, True, id="doubled"),
+        pytest.param(states(np.full(100, 0.7), np.arange(100) % 2), 2, True, id="on and off the wall"),
+        pytest.param(states(np.resize(orbit(97, 5), 200)), 97, True, id="long, to the last bit"),
+        pytest.param(
+            states(np.resize(orbit(4, 1), 60) * (1.0 + 1e-15 * (np.arange(60) // 4 % 3))),
+            4, True, id="rounding that repeats later",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_and_is_not_the_same_state(sequence, period: int, exact: bool) -> None:
     found = find_recurrence(sequence)
     assert found is not None
-    assert found.period == 2
-
-
-def test_a_return_to_the_last_bit_is_a_period_however_long() -> None:
-    found = find_recurrence(states(np.resize(orbit(97, 5), 200)))
-    assert found is not None
-    assert (found.period, found.repeats, found.exact) == (97, 2, True)
-
-
-def test_rounding_that_repeats_later_does_not_lengthen_an_exact_period() -> None:
-    psi = np.resize(orbit(4, 1), 60)
-    found = find_recurrence(states(psi * (1.0 + 1e-15 * (np.arange(60) // 4 % 3))))
-    assert found is not None
-    assert (found.period, found.exact) == (4, True)
+    assert (found.period, found.exact) == (period, exact)
 
 
 @given(st.floats(0.05, 0.95))

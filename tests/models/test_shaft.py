@@ -20,7 +20,7 @@ from models.valve_train.beam import (
     rigid_bending,
 )
 
-from .systems import outputs_of, rates_of
+from .systems import outputs_of, rates_of, state_matrix
 
 EVALUATION = "independent evaluation"
 PLACES = (0.03, 0.06, 0.12, 0.15, 0.21, 0.24, 0.30, 0.33)
@@ -62,22 +62,15 @@ def test_a_simply_supported_timoshenko_beam(length, frequencies, record):
         record("Train", quantity, float(found[i]), expected, EVALUATION, tolerance=5e-5 * expected)
 
 
-def matrix(component, parameters, inputs):
-    names = component.state.names
-    zero = rates_of(component, parameters, {}, inputs)
-    columns = []
-    for name in names:
-        moved = rates_of(component, parameters, {name: 1.0}, inputs)
-        columns.append([moved[n] - zero[n] for n in names])
-    return np.array(columns).T
+def bending_matrix(component, parameters, speed):
+    """d(rates)/d(states) of the bending states at this speed (rad/s)."""
+    bending = [i for i, name in enumerate(component.state.names) if name.startswith("bending")]
+    return state_matrix(component, parameters, {"drive_speed": speed})[np.ix_(bending, bending)]
 
 
 def test_whirl_of_the_turning_shaft(record):
     """At 3000 r/min: forward and backward."""
-    component, parameters = build(SHAFT)
-    a = matrix(component, parameters, {"drive_speed": 3000.0 * math.pi / 30.0})
-    bending = [i for i, name in enumerate(component.state.names) if name.startswith("bending")]
-    rates = np.linalg.eigvals(a[np.ix_(bending, bending)])
+    rates = np.linalg.eigvals(bending_matrix(*build(SHAFT), 3000.0 * math.pi / 30.0))
     found = np.sort(rates.imag[rates.imag > 0.0]) / (2.0 * math.pi)
     for value, expected in zip(found, (233.595297, 236.03231, 891.889132, 900.765712), strict=False):
         record("Train", "whirl at 3000 r/min (Hz)", float(value), expected, EVALUATION,
@@ -132,9 +125,7 @@ def test_damping_that_turns_drives_whirl_above_the_critical_speed(share, damping
     parameters = {"bending_damping[1]": damping}
     critical = 2.0 * math.pi * 540.0
     for speed, stable in ((share * critical, True), (critical / share, False)):
-        a = matrix(component, parameters, {"drive_speed": speed})
-        bending = [i for i, name in enumerate(component.state.names) if name.startswith("bending")]
-        growth = float(np.max(np.linalg.eigvals(a[np.ix_(bending, bending)]).real))
+        growth = np.max(np.linalg.eigvals(bending_matrix(component, parameters, speed)).real)
         assert (growth < 0.0) == stable
 
 

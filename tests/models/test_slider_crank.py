@@ -128,16 +128,6 @@ def test_cutting_time_changes_no_impact(form: float) -> None:
     assert impacts_of(p, np.array([0.0, horizon]))[0] == pytest.approx(first[-1], abs=1e-12)
 
 
-def test_periodic_motion_has_no_horizon() -> None:
-    """A periodic motion's impacts are the same for any cuts, a hundred turns after a transient too."""
-    p, end = thesis_parameters(0.25, 0.015), 100.0 * TURN
-    rng = np.random.default_rng(8)
-    whole = impacts_of(p, np.array([0.0, end]))[0]
-    pieces = impacts_of(p, np.concatenate([[0.0], np.sort(rng.uniform(0.0, end, 2000)), [end]]))[-1]
-    # Angles of 600 rad are known to 1e-13.
-    assert pieces == pytest.approx(whole, abs=1e-11)
-
-
 @pytest.mark.parametrize("form", [0.0, 2.0])
 def test_exact_flights_are_those_of_the_integrator(form: float) -> None:
     """A film of 1e-300 m sends the step to the hybrid integrator: the same impacts to its tolerance.

@@ -108,19 +108,15 @@ def build_lubricated_engine() -> System:
     return System({"wheel": wheel, "crank": crank, **walls}, connections)
 
 
-def test_equilibrium_puts_the_walls_on_their_films() -> None:
+def test_energy_closes_from_one_wall_to_the_other() -> None:
+    """From rest on the films, by sliding, release, flight and chatter to its end, on moving walls."""
     system = build_lubricated_engine()
-    start = dict(zip(system.state.names, equilibrium(system), strict=True))
+    x0, times = equilibrium(system), np.linspace(0.0, 0.013, 27)
+    start = dict(zip(system.state.names, x0, strict=True))
     for wall in ("upper", "lower"):
         assert start[f"crank.{wall}_wall_film"] == pytest.approx(start[f"{wall}.film_thickness"], rel=1e-9)
         assert start[f"crank.{wall}_wall_film_rate"] == pytest.approx(0.0, abs=1e-12)
-
-
-def test_energy_closes_from_one_wall_to_the_other() -> None:
-    """Sliding, release, flight, chatter to its end and sliding again, on films that move the walls."""
-    system = build_lubricated_engine()
-    times = np.linspace(0.0, 0.013, 27)
-    found = solve(system, times, x0=equilibrium(system), tolerance=1e-8)
+    found = solve(system, times, x0=x0, tolerance=1e-8)
     assert found["crank.sliding"][0] == 1.0
     assert found["crank.sliding"][-1] == -1.0
     assert found["crank.impact_count"][-1] > 5.0

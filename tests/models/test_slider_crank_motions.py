@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from models.core.quantities import Vector
-from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, classify
+from models.slider_crank.motions.classification import CHAOTIC, TRANSIENT_CHAOS, classify
 from models.slider_crank.motions.machine import FORMS, Machine, Motion
 from models.slider_crank.motions.transients import (
     Transients,
@@ -25,8 +25,6 @@ from models.slider_crank.motions.transients import (
 
 from .slider_cranks import CRANK, STATE, TURN, thesis_parameters, turn
 
-TRANSIENT = [(0.025, 0.01, 1), (0.025, 0.015, 3), (0.075, 0.01, 1)]
-CHAOS = [(0.025, 0.02), (0.05, 0.01), (0.05, 0.02), (0.075, 0.015), (0.075, 0.02), (0.2, 0.015)]
 COUNTS = [STATE.index(f"{wall}_impact_count") for wall in ("upper", "lower")]
 
 
@@ -54,14 +52,6 @@ def test_component_moves_as_the_machine(form: str, damping: float, count: int, t
     states = cycles(thesis_parameters(damping, gap, form=float(FORMS.index(form))), count)
     expected = Motion(Machine(damping, gap, form=form)).strobe(count)
     np.testing.assert_allclose(states[:, :3], expected, atol=tolerance)
-
-
-@pytest.mark.parametrize(("form", "threshold"), [("as_published", 0.2669), ("corrected", 0.1196)])
-def test_permanent_sliding_above_its_threshold(form: str, threshold: float) -> None:
-    """As rho -> 0 the upper wall holds the slider for good above 0.2669, or 0.1196 corrected."""
-    for factor, holds in ((0.98, False), (1.02, True)):
-        motion = Motion(Machine(factor * threshold, 1e-4, form=form)).skip(10)
-        assert (len(motion.events(2).theta) == 0) == holds
 
 
 EXPONENTS = [(0.05, 0.01, 0.414), (0.025, 0.02, 0.387), (0.05, 0.015, -0.147), (0.075, 0.02, 0.333)]
@@ -116,12 +106,11 @@ def find_transients(machine: Machine, cycles: int) -> Transients:
     return measure_transients(machine, draw_starts(machine, 24, seed=1), cycles)
 
 
-@pytest.mark.parametrize(("damping", "gap", "period"), TRANSIENT[1:])
-def test_chaos_that_ends(damping: float, gap: float, period: int) -> None:
-    # Mean escape 37 and 115 cycles: 5000 are passed by none.
-    found = find_transients(published(damping, gap), 5000)
+def test_chaos_that_ends() -> None:
+    # Mean escape 115 cycles: 5000 are passed by none.
+    found = find_transients(published(0.025, 0.015), 5000)
     assert found.settled.all()
-    assert period in found.periods
+    assert 3 in found.periods
     assert found.lengths.max() > 60
 
 
@@ -135,29 +124,6 @@ def test_chaos_that_ends_after_thousands_of_cycles() -> None:
     assert fit.mean > 1000.0
     # Kolmogorov and Smirnov at 24 escapes: 0.33 is passed with probability 1 %.
     assert fit.distance < 0.33
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("damping", "gap"), CHAOS)
-def test_chaos_lasts_for_a_hundred_thousand_cycles(damping: float, gap: float) -> None:
-    found = classify(published(damping, gap), 100_000)
-    assert found.kind == CHAOTIC
-    assert found.exponent > 100.0 * found.uncertainty
-
-
-def test_periodic_without_impacts_on_the_lower_wall() -> None:
-    for gap in (0.01, 0.015, 0.02):
-        machine = published(0.25, gap)
-        assert classify(machine, 2000).kind == PERIODIC
-        assert np.all(Motion(machine).skip(50).events(20).side > 0.0)
-
-
-@pytest.mark.parametrize("damping", [0.23, 0.24, 0.25])
-def test_motion_with_sliding_repeats_from_0_23_on(damping: float) -> None:
-    found = find_transients(published(damping, 0.015), 2000)
-    assert found.settled.all()
-    assert len(set(found.periods)) == 1
-    assert classify(published(damping, 0.015), 2000).exponent == -math.inf
 
 
 def test_one_period_from_0_23_on_needs_the_threshold_of_the_thesis() -> None:
@@ -179,13 +145,11 @@ def test_periodic_motion_of_the_thesis_has_transients_as_long_as_its_transient_c
     assert periodic.mean + 3.0 * periodic.error > chaos.mean
 
 
-@pytest.mark.parametrize(("damping", "gap"), [(0.05, 0.02), (0.025, 0.02), (0.075, 0.02)])
-def test_the_threshold_of_the_thesis_ends_chaos_that_goes_on(damping: float, gap: float) -> None:
+def test_the_threshold_of_the_thesis_ends_chaos_that_goes_on() -> None:
     # 24 starts, each of which slides, released from one of two states, within some 100 cycles.
-    found = find_transients(published(damping, gap, 0.005), 20_000)
-    assert found.settled.all()
-    assert classify(published(damping, gap, 0.005), 20_000).kind in (TRANSIENT_CHAOS, PERIODIC)
-    assert classify(published(damping, gap), 5000).kind == CHAOTIC
+    assert find_transients(published(0.05, 0.02, 0.005), 20_000).settled.all()
+    assert classify(published(0.05, 0.02, 0.005), 20_000).kind == TRANSIENT_CHAOS
+    assert classify(published(0.05, 0.02), 5000).kind == CHAOTIC
 
 
 def test_a_smaller_threshold_changes_nothing() -> None:

@@ -13,8 +13,6 @@ from scipy.integrate import solve_ivp
 from models.core.quantities import Vector
 from models.slider_crank import forms
 from models.slider_crank.equations import coupling, inertia, thesis_mechanism
-from models.slider_crank.motions.machine import Machine
-from models.slider_crank.motions.regions import thresholds
 
 from .slider_cranks import CRANK, FORMS, INPUTS, STATE, advance, energies, thesis_parameters, turn
 
@@ -93,19 +91,6 @@ def test_linear_form_is_the_limit_of_small_clearance(name: str, theta: float, re
     quantity = f"order of the difference between nonlinear and linear form in the clearance, {name}"
     record("Slider-crank", quantity, order(error), expected, "expansion in psi", tolerance=0.15)
     assert error(0.001) < 0.001**expected
-
-
-def test_threshold_of_permanent_sliding_parts_with_the_square_of_the_clearance() -> None:
-    """The friction from which the upper wall holds the slider through the whole revolution."""
-
-    def threshold(form: str, gap: float) -> float:
-        return thresholds(Machine(gap=gap, form=form)).upper
-
-    assert order(lambda gap: threshold("nonlinear", gap) - threshold("corrected", gap), 0.01) == (
-        pytest.approx(2.0, abs=0.1)
-    )
-    found = [threshold(form, 0.02) for form in ("as_published", "corrected", "nonlinear")]
-    assert found == pytest.approx([0.2660, 0.1069, 0.1071], abs=5e-5)
 
 
 def test_bouncing_motion_converges_to_the_linear_one() -> None:
