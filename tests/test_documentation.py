@@ -18,14 +18,12 @@ import pytest
 from fmus.build import build
 from models.core.quantities import Quantity
 from orchestrator.masters.acceleration import ACCELERATIONS
-from orchestrator.participants import in_process
 from orchestrator.plots.data import FigureData
-from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.schema import build_schema
 from orchestrator.stepping.estimators import ESTIMATORS
 
-from .orchestrator.recorder import Recorder
+from .orchestrator.coupled import run_coupled
 from .orchestrator.two_masses import exact, two_masses
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -115,9 +113,7 @@ def test_the_example_of_a_master_is_of_second_order_with_linear_signals() -> Non
     master = run_example("class Alternating", "orchestrator.masters")["Alternating"]("linear")
     errors = []
     for step in (2e-3, 1e-3):
-        system, recorder = two_masses(), Recorder()
-        units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-        simulate(system, units, master, step, 2.0, [recorder])
+        recorder = run_coupled(two_masses(), master, step, 2.0)
         errors.append(np.abs(recorder["first.position"] - exact(recorder.times)[:, 0]).max())
     assert math.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)  # as for the other masters
 

@@ -32,8 +32,7 @@ def occupied(folder: Path, name: str, as_folder: bool) -> Path:
     return place
 
 
-@pytest.mark.parametrize("as_folder", [False, True])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(("name", "as_folder"), [*((name, False) for name in NAMES), (NAMES[0], True)])
 def test_what_hides_a_package_is_named(name: str, as_folder: bool, tmp_path: Path) -> None:
     place = occupied(tmp_path, name, as_folder)
     done = python(tmp_path, "-m", "tribocosim", "scenarios")

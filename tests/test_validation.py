@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
-
 import numpy as np
 import pytest
 
 from .validation import (
     COLUMNS,
-    LIMITS,
     PAGE,
     SUBJECTS,
     compare,
@@ -31,10 +28,6 @@ def test_the_page_is_well_formed() -> None:
     assert page_text(blocks) == text
     for row in (row for rows in blocks.values() for row in rows):
         assert len(row.replace("\\|", "").strip("| ").split(" | ")) == len(COLUMNS), row
-
-
-def test_limits_are_of_known_subjects() -> None:
-    assert set(tomllib.loads(LIMITS.read_text("utf-8"))) <= set(SUBJECTS)
 
 
 @pytest.mark.parametrize("value", [1.02, np.nan, [1.0, 0.9]])

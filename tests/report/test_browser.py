@@ -220,7 +220,7 @@ def test_no_text_of_a_result_runs(browser: Any, tmp_path: Path) -> None:
         assert page.evaluate("report.marks.events.map((one) => one.time)") == [pytest.approx(0.75)]
 
 
-def test_a_click_on_a_map_chooses_speed_and_angle(browser: Any, tmp_path: Path) -> None:
+def test_a_click_on_a_map_and_its_keys_choose_the_speed(browser: Any, tmp_path: Path) -> None:
     write_sweep(tmp_path)
     with opened(browser, write_report(tmp_path)) as page:
         settle(page)
@@ -233,6 +233,9 @@ def test_a_click_on_a_map_chooses_speed_and_angle(browser: Any, tmp_path: Path) 
         load = page.evaluate("report.panels[0].values.at(report.row(0))")
         angle = page.evaluate("report.view.at(report.now)")
         assert load == pytest.approx(float(load_of(SPEEDS[2], np.radians(angle))), rel=1e-4)
+        page.locator("#maps canvas").first.press("ArrowDown")
+        wait(page, "report.records.chosen === 1")
+        assert page.locator("#speeds").input_value() == "1"
 
 
 def test_speeds_without_contact_are_pale(browser: Any, tmp_path: Path) -> None:
@@ -246,14 +249,6 @@ def test_speeds_without_contact_are_pale(browser: Any, tmp_path: Path) -> None:
             float(load_of(SPEEDS[1], np.array(0.0))), rel=1e-6
         )
         assert page.locator("#pale").is_visible()
-
-
-def test_keys_of_a_map_change_the_speed(browser: Any, tmp_path: Path) -> None:
-    write_sweep(tmp_path)
-    with opened(browser, write_report(tmp_path)) as page:
-        page.locator("#maps canvas").first.press("ArrowDown")
-        wait(page, "report.records.chosen === 0")
-        assert page.locator("#speeds").input_value() == "0"
 
 
 def test_everything_has_a_name_for_screen_readers(browser: Any, result: tribocosim.Result) -> None:
