@@ -5,8 +5,6 @@ from __future__ import annotations
 import html
 from typing import Any
 
-from markdown_it import MarkdownIt
-
 from .fmi.description import display_unit, full_unit
 from .fmi.units import display_factor
 from .variable_layout import Memory, Variable
@@ -38,6 +36,8 @@ _TITLES = {
 
 def render_page(readme: str, component: Any) -> str:
     """The HTML page of a README and its component. ValueError if the README lacks the marker."""
+    from markdown_it import MarkdownIt  # a run that finds its FMUs in the cache needs none
+
     before, marker, rest = readme.partition(f"\n{MARKER}")
     if not marker:
         raise ValueError(f"README of {component.name}: a line {MARKER}(...) must say where the variables go")

@@ -7,7 +7,6 @@ import os
 import threading
 from collections.abc import Iterator
 from typing import Any
-from unittest import mock
 
 import fmpy.fmi1
 
@@ -20,12 +19,16 @@ def stay_in_folder() -> Iterator[None]:
 
     Only Windows looks there for what the library needs. Elsewhere other threads would write files there.
     """
-    with _lock, contextlib.ExitStack() as stack:
+    with _lock:
         if os.name == "nt":
-            stack.enter_context(contextlib.chdir("."))
-        else:
-            stack.enter_context(mock.patch.object(fmpy.fmi1, "os", _StayingOs()))
-        yield
+            with contextlib.chdir("."):
+                yield
+            return
+        fmpy.fmi1.os = _StayingOs()
+        try:
+            yield
+        finally:
+            fmpy.fmi1.os = os
 
 
 class _StayingOs:
