@@ -81,7 +81,7 @@ def compare(first: str | Path, second: str | Path, figure: str | Path | None = N
     `second_separation` are those of each design. `figure` is a file for both over speed.
     """
     check_study_packages()
-    from orchestrator.speeds.compare import compare as compare_sweeps
+    from orchestrator.study.speeds.compare import compare as compare_sweeps
 
     file = None if figure is None else Path(figure)
     return compare_sweeps(Path(first), Path(second), file, SilentReporter())
@@ -109,8 +109,8 @@ def speeds(
     stopped goes on there.
     """
     check_study_packages()
-    from orchestrator.speeds.sweep import parse_range, sweep
     from orchestrator.study.run import Where
+    from orchestrator.study.speeds.sweep import parse_range, sweep
 
     if not isinstance(scenario, Scenario):
         scenario = load(scenario)

@@ -10,7 +10,7 @@ import pytest
 from models.monolithic.cycle import STEADY, find_cycle
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
-from orchestrator.speeds.separation import bisect_separation
+from orchestrator.study.speeds.separation import bisect_separation
 
 from .systems import DRY, column, run, turn, valve_train
 

@@ -18,10 +18,10 @@ from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
 from orchestrator.plots.speeds import draw_summary, find_orders
 from orchestrator.scenario.files import load, read_changed
-from orchestrator.speeds import separation
-from orchestrator.speeds.compare import find_worst
-from orchestrator.speeds.figures_of_merit import describe_numbers, measure
-from orchestrator.speeds.separation import (
+from orchestrator.study.speeds import separation
+from orchestrator.study.speeds.compare import find_worst
+from orchestrator.study.speeds.figures_of_merit import describe_numbers, measure
+from orchestrator.study.speeds.separation import (
     CLOSE,
     OTHER,
     RPM,
@@ -33,8 +33,8 @@ from orchestrator.speeds.separation import (
     find_second,
     find_separation,
 )
-from orchestrator.speeds.subject import SpeedSubject
-from orchestrator.speeds.sweep import describe_lift_loss, read_table
+from orchestrator.study.speeds.subject import SpeedSubject
+from orchestrator.study.speeds.sweep import describe_lift_loss, read_table
 
 from .commands import called, said
 

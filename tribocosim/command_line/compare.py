@@ -21,7 +21,7 @@ def compare_sweeps(
 ) -> None:
     """Compare two designs over speed: the worst of every number, separation, and a figure of both."""
     check_study_packages()
-    from orchestrator.speeds.compare import compare
+    from orchestrator.study.speeds.compare import compare
 
     found = compare(first, second, out, build_reporter(as_json))
     if as_json:

@@ -49,8 +49,8 @@ def run_speeds(  # noqa: PLR0913  # options of a command
     """
     check_study_packages()
     from orchestrator.scenario.files import load, read_changed
-    from orchestrator.speeds.sweep import parse_range, sweep
     from orchestrator.study.run import Where
+    from orchestrator.study.speeds.sweep import parse_range, sweep
 
     speeds = parse_range(low, high, count)
     folder = out or Path("results") / f"{load(scenario, set_ or []).name}-speeds"

@@ -12,11 +12,11 @@ import numpy as np
 import xarray
 from rich.table import Table
 
-from ..errors import MistakeError
-from ..plots.speeds import draw_summary
-from ..plots.style import save_figure
-from ..reporter import Reporter
-from ..store.output_folder import STORE, SUMMARY
+from ...errors import MistakeError
+from ...plots.speeds import draw_summary
+from ...plots.style import save_figure
+from ...reporter import Reporter
+from ...store.output_folder import STORE, SUMMARY
 from .sweep import read_table
 
 RPM = 30.0 / math.pi

@@ -21,20 +21,20 @@ from models.contact.records import CONTACTS
 from models.core.system import System
 from models.monolithic.cycle import STEADY
 
-from ..assessment.contacts.lines import FED
-from ..assessment.lost_contact import find_lost
-from ..errors import MistakeError
-from ..plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
-from ..plots.style import save_figure
-from ..reporter import Reporter
-from ..scenario import build_scenario
-from ..scenario.files import to_full_toml
-from ..scenario.system import build_system
-from ..store.output_folder import CYCLES, REPORT, STORE, SUMMARY
-from ..study.files import Plan, parse_study
-from ..study.points import expand_points
-from ..study.run import Where, run
-from ..study.store import DONE
+from ...assessment.contacts.lines import FED
+from ...assessment.lost_contact import find_lost
+from ...errors import MistakeError
+from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
+from ...plots.style import save_figure
+from ...reporter import Reporter
+from ...scenario import build_scenario
+from ...scenario.files import to_full_toml
+from ...scenario.system import build_system
+from ...store.output_folder import CYCLES, REPORT, STORE, SUMMARY
+from ..files import Plan, parse_study
+from ..points import expand_points
+from ..run import Where, run
+from ..store import DONE
 from .figures_of_merit import kinds_of, parameter_of
 from .separation import (
     Separation,
@@ -107,7 +107,7 @@ def sweep(
     (out / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", "utf-8")
     files = publish(subject, table, out)
     if (out / CYCLES) in files:
-        from ..report import write_report  # reads what is above
+        from ...report import write_report  # reads what is above
 
         files.append(write_report(out, out / REPORT))
     reporter.line(f"results in {out}: {', '.join(path.relative_to(out).as_posix() for path in files)}")

@@ -17,8 +17,8 @@ from models.core.quantities import Vector
 from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
 
-from ..analyses import Result
-from ..scenario import Scenario
+from ...analyses import Result
+from ...scenario import Scenario
 
 # Of the largest lift, above which a cam lifts.
 LIFTED = 0.1

@@ -16,10 +16,10 @@ from models.contact.films import FILMS
 from models.core.quantities import Vector
 from models.core.system import ModelError
 
-from ..assessment.lost_contact import find_lost, list_shares
-from ..errors import MistakeError, one_of
-from ..scenario.files import put
-from ..scenario.system import build_system
+from ...assessment.lost_contact import find_lost, list_shares
+from ...errors import MistakeError, one_of
+from ...scenario.files import put
+from ...scenario.system import build_system
 from .figures_of_merit import is_separated, parameter_of
 from .subject import SpeedSubject
 

@@ -17,14 +17,14 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import ModelError, System
 from models.monolithic.cycle import Cycle, find_cycle
 
-from ..analyses import Parameter, Result
-from ..errors import MistakeError
-from ..scenario import Scenario, build_scenario
-from ..scenario.files import put, to_full_toml
-from ..scenario.oil import list_oils
-from ..scenario.system import build_system, resolve_start
-from ..scenario.values import Value
-from ..scenario.warnings import list_warnings
+from ...analyses import Parameter, Result
+from ...errors import MistakeError
+from ...scenario import Scenario, build_scenario
+from ...scenario.files import put, to_full_toml
+from ...scenario.oil import list_oils
+from ...scenario.system import build_system, resolve_start
+from ...scenario.values import Value
+from ...scenario.warnings import list_warnings
 from .figures_of_merit import describe_numbers, kinds_of, measure, parameter_of
 
 SPEED = Parameter(
