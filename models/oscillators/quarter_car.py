@@ -71,16 +71,12 @@ class QuarterCarWheelInputs:
 
 
 @dataclass
-class QuarterCarChassisOutputs:
-    position: Annotated[float, Quantity("m", "height over its rest before the step", nominal=0.1)] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "upward velocity")] = 0.0
+class QuarterCarChassisOutputs(QuarterCarState):
     suspension_force: Force = 0.0
 
 
 @dataclass
-class QuarterCarWheelOutputs:
-    position: Annotated[float, Quantity("m", "height over its rest before the step", nominal=0.1)] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "upward velocity")] = 0.0
+class QuarterCarWheelOutputs(QuarterCarState):
     suspension_force: Force = 0.0
     tyre_force: Annotated[float, Quantity("N", "force of the tyre, upwards on the wheel", nominal=1e3)] = 0.0
 

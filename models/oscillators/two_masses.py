@@ -60,12 +60,6 @@ class CoupledMassInputs:
 
 
 @dataclass
-class SprungMassOutputs:
-    position: Position = 0.0
-    velocity: Velocity = 0.0
-
-
-@dataclass
 class CoupledMassOutputs:
     force: Annotated[float, Quantity("N", "force on the other mass", nominal=10.0)] = 0.0
     position: Position = 0.0
@@ -81,9 +75,7 @@ def sprung_derivative(
 
 
 @kernel
-def sprung_output(
-    t: float, x: MassState, u: SprungMassInputs, p: SprungMassParameters, y: SprungMassOutputs
-) -> None:
+def sprung_output(t: float, x: MassState, u: SprungMassInputs, p: SprungMassParameters, y: MassState) -> None:
     y.position = x.position
     y.velocity = x.velocity
 
@@ -137,7 +129,7 @@ def sprung_mass() -> Component:
         parameters=Layout(SprungMassParameters),
         state=Layout(MassState),
         inputs=Layout(SprungMassInputs),
-        outputs=Layout(SprungMassOutputs),
+        outputs=Layout(MassState),
         derivative=sprung_derivative,
         output=sprung_output,
         energy=sprung_energy,

@@ -9,6 +9,7 @@ from typing import Annotated
 from ..compile.kernel import kernel
 from ..core.quantities import Quantity
 from ..plausible import PART_LENGTH, PART_MASS, PLAY
+from .crank import CrankAcceleration, CrankImpulse, CrankSpeed
 from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Mechanism
 from .forms import AS_PUBLISHED, CORRECTED
 
@@ -119,22 +120,21 @@ class SliderCrankParameters:
     ] = 0.040
 
 
+WallMode = Annotated[
+    float,
+    Quantity(
+        "1", "+1 sliding on the upper wall, -1 on the lower, 0 free", minimum=-1.0, maximum=1.0, count=True
+    ),
+]
+
+
 @dataclass
 class SliderCrankState:
     psi: Annotated[
         float, Quantity("rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2)
     ] = 0.0
     psi_rate: Annotated[float, Quantity("rad/s", "rate of psi")] = 0.0
-    mode: Annotated[
-        float,
-        Quantity(
-            "1",
-            "+1 sliding on the upper wall, -1 on the lower, 0 free",
-            minimum=-1.0,
-            maximum=1.0,
-            count=True,
-        ),
-    ] = 0.0
+    mode: WallMode = 0.0
     upper_impact_count: Annotated[float, Quantity("1", "impacts on the upper wall", count=True)] = 0.0
     lower_impact_count: Annotated[float, Quantity("1", "impacts on the lower wall", count=True)] = 0.0
     upper_impact_impulse: Annotated[float, Quantity("N.s", "sum of the impulses given by the upper wall")] = (
@@ -149,9 +149,7 @@ class SliderCrankState:
     lower_force_integral: Annotated[
         float, Quantity("N.s", "time integral of the lower wall's sliding force")
     ] = 0.0
-    crank_impact_impulse: Annotated[
-        float, Quantity("N.m.s", "sum of the angular impulses taken from the crank by impacts", nominal=0.1)
-    ] = 0.0
+    crank_impact_impulse: CrankImpulse = 0.0
     last_impact_time: Annotated[float, Quantity("s", "time of the last impact")] = 0.0
     last_impact_velocity: Annotated[
         float, Quantity("m/s", "velocity towards the wall just before the last impact")
@@ -185,10 +183,8 @@ class SliderCrankInputs:
     crank_angle: Annotated[
         float, Quantity("rad", "crank angle theta, zero at top dead centre", display_unit="deg")
     ] = 0.0
-    crank_speed: Annotated[float, Quantity("rad/s", "crank speed", nominal=100.0, display_unit="rpm")] = 0.0
-    crank_acceleration: Annotated[
-        float, Quantity("rad/s2", "angular acceleration of the crank", nominal=100.0)
-    ] = 0.0
+    crank_speed: CrankSpeed = 0.0
+    crank_acceleration: CrankAcceleration = 0.0
     upper_film_thickness: Annotated[
         float, Quantity("m", "lubricant film on the upper wall", nominal=1e-6, display_unit="um")
     ] = 0.0
@@ -226,16 +222,7 @@ class SliderCrankOutputs:
     wall_radius: Annotated[
         float, Quantity("m", "reduced radius of roller and liner", nominal=0.1, display_unit="mm")
     ] = 0.0
-    sliding: Annotated[
-        float,
-        Quantity(
-            "1",
-            "+1 sliding on the upper wall, -1 on the lower, 0 free",
-            minimum=-1.0,
-            maximum=1.0,
-            count=True,
-        ),
-    ] = 0.0
+    sliding: WallMode = 0.0
     impact_count: Annotated[float, Quantity("1", "impacts on both walls", count=True)] = 0.0
     upper_impact_count: Annotated[float, Quantity("1", "impacts on the upper wall", count=True)] = 0.0
     lower_impact_count: Annotated[float, Quantity("1", "impacts on the lower wall", count=True)] = 0.0
@@ -251,9 +238,7 @@ class SliderCrankOutputs:
     lower_wall_impulse: Annotated[
         float, Quantity("N.s", "lower wall's impulses and integral of its force: differences give means")
     ] = 0.0
-    crank_impact_impulse: Annotated[
-        float, Quantity("N.m.s", "sum of the angular impulses taken from the crank by impacts", nominal=0.1)
-    ] = 0.0
+    crank_impact_impulse: CrankImpulse = 0.0
     last_impact_time: Annotated[float, Quantity("s", "time of the last impact")] = 0.0
     last_impact_velocity: Annotated[
         float, Quantity("m/s", "velocity towards the wall just before the last impact")

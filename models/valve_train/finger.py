@@ -16,7 +16,7 @@ from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
-from ..plausible import ANGLE, CURVATURE, LEVER_ANGLE, PART_LENGTH, PART_MASS, SEAT_STIFFNESS
+from ..plausible import LEVER_ANGLE, PART_LENGTH, PART_MASS, SEAT_STIFFNESS
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
 from .cams.profile import CamProfile, time_to_break
@@ -29,38 +29,34 @@ from .followers.overlap import (
     CamInputs,
     CamOutputs,
     Centre,
+    FollowerRadius,
     Overlap,
+    Phase,
     find_overlap,
     require_contact,
     show_cam,
 )
-from .followers.tip import TIP_BONDS, Tip, TipInputs, TipOutputs, TipParameters, place_tip, show_tip
+from .followers.tip import (
+    TIP_BONDS,
+    LeverMotion,
+    Tip,
+    TipInputs,
+    TipOutputs,
+    TipParameters,
+    place_tip,
+    show_tip,
+)
 
 
 @dataclass
 class LeverParameters(TipParameters):
     """Defaults: a finger of 28 and 40 mm with a pad. The lift of the profile is the valve's."""
 
-    phase: Annotated[
-        float,
-        Quantity(
-            "rad", "cam angle at shaft angle zero; the nose is at pi", display_unit="deg", plausible=ANGLE
-        ),
-    ] = 0.0
+    phase: Phase = 0.0
     rolls: Annotated[
         float, Quantity("1", "a roller on the cam; false: a pad, which slides", boolean=True)
     ] = 0.0
-    follower_radius: Annotated[
-        float,
-        Quantity(
-            "m",
-            "radius of roller or pad",
-            nominal=1e-2,
-            positive=True,
-            display_unit="mm",
-            plausible=CURVATURE,
-        ),
-    ] = 20e-3
+    follower_radius: FollowerRadius = 20e-3
     cam_arm: Annotated[
         float,
         Quantity(
@@ -133,11 +129,7 @@ class TableFingerParameters(LeverParameters, TableParameters):
 
 
 @dataclass
-class FingerState:
-    rotation: Annotated[
-        float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
-    ] = 0.0
-    rotation_rate: Annotated[float, Quantity("rad/s", "rate of the rotation", nominal=10.0)] = 0.0
+class FingerState(LeverMotion):
     pivot_position: Annotated[
         float, Quantity("m", "position of the pivot away from the cam", nominal=1e-5, display_unit="um")
     ] = 0.0
@@ -158,15 +150,7 @@ class FingerInputs(CamInputs, TipInputs):
 
 
 @dataclass
-class FingerOutputs(CamOutputs, TipOutputs):
-    rotation: Annotated[
-        float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
-    ] = 0.0
-    rotation_rate: Annotated[float, Quantity("rad/s", "rate of the rotation", nominal=10.0)] = 0.0
-    pivot_position: Annotated[
-        float, Quantity("m", "position of the pivot away from the cam", nominal=1e-5, display_unit="um")
-    ] = 0.0
-    pivot_velocity: Annotated[float, Quantity("m/s", "velocity of the pivot", nominal=1e-2)] = 0.0
+class FingerOutputs(FingerState, CamOutputs, TipOutputs):
     ratio: Annotated[float, Quantity("1", "load on the cam over that on the valve, slowly turned")] = 1.0
     support_force: Annotated[float, Quantity("N", "force of the pivot on its support", nominal=500.0)] = 0.0
 

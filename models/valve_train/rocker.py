@@ -12,7 +12,16 @@ from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import LEVER_ANGLE, PART_LENGTH
-from .followers.tip import TIP_BONDS, Tip, TipInputs, TipOutputs, TipParameters, place_tip, show_tip
+from .followers.tip import (
+    TIP_BONDS,
+    LeverMotion,
+    Tip,
+    TipInputs,
+    TipOutputs,
+    TipParameters,
+    place_tip,
+    show_tip,
+)
 
 
 @dataclass
@@ -62,14 +71,6 @@ class RockerParameters(TipParameters):
 
 
 @dataclass
-class RockerState:
-    rotation: Annotated[
-        float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
-    ] = 0.0
-    rotation_rate: Annotated[float, Quantity("rad/s", "rate of the rotation", nominal=10.0)] = 0.0
-
-
-@dataclass
 class RockerInputs(TipInputs):
     rod_force: Annotated[float, Quantity("N", "force of the pushrod", nominal=500.0)] = 0.0
     pivot_torque: Annotated[
@@ -78,11 +79,7 @@ class RockerInputs(TipInputs):
 
 
 @dataclass
-class RockerOutputs(TipOutputs):
-    rotation: Annotated[
-        float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
-    ] = 0.0
-    rotation_rate: Annotated[float, Quantity("rad/s", "rate of the rotation", nominal=10.0)] = 0.0
+class RockerOutputs(LeverMotion, TipOutputs):
     rod_position: Annotated[
         float, Quantity("m", "position of the pushrod's end", nominal=1e-3, display_unit="mm")
     ] = 0.0
@@ -100,7 +97,7 @@ class Ends(NamedTuple):
 
 
 @kernel
-def place_ends(x: RockerState, p: RockerParameters) -> Ends:
+def place_ends(x: LeverMotion, p: RockerParameters) -> Ends:
     """a (sin(rotation - alpha) + sin alpha); with small motion the directions stay."""
     turned = 0.0 if p.small_motion != 0.0 else x.rotation
     tip = place_tip(turned, p.valve_arm, p.valve_angle, p.tip_radius)
@@ -114,7 +111,7 @@ def place_ends(x: RockerState, p: RockerParameters) -> Ends:
 
 
 @kernel
-def derivative(t: float, x: RockerState, u: RockerInputs, p: RockerParameters, dx: RockerState) -> None:
+def derivative(t: float, x: LeverMotion, u: RockerInputs, p: RockerParameters, dx: LeverMotion) -> None:
     """J phi'' = the moments of rod, valve, friction on the valve, and of the pivot."""
     ends = place_ends(x, p)
     moment = u.rod_force * ends.rod_by_rotation - u.tip_load * ends.tip.by_rotation
@@ -125,7 +122,7 @@ def derivative(t: float, x: RockerState, u: RockerInputs, p: RockerParameters, d
 
 
 @kernel
-def output(t: float, x: RockerState, u: RockerInputs, p: RockerParameters, y: RockerOutputs) -> None:
+def output(t: float, x: LeverMotion, u: RockerInputs, p: RockerParameters, y: RockerOutputs) -> None:
     ends = place_ends(x, p)
     show_tip(ends.tip, x.rotation_rate, 0.0, 0.0, p, y)
     y.rotation = x.rotation
@@ -137,7 +134,7 @@ def output(t: float, x: RockerState, u: RockerInputs, p: RockerParameters, y: Ro
 
 
 @kernel
-def energy(t: float, x: RockerState, u: RockerInputs, p: RockerParameters, e: Vector) -> None:
+def energy(t: float, x: LeverMotion, u: RockerInputs, p: RockerParameters, e: Vector) -> None:
     e[0] = 0.5 * p.inertia * x.rotation_rate**2
     e[1] = p.pivot_damping * x.rotation_rate**2
     e[2] = 0.0
@@ -151,7 +148,7 @@ def rocker() -> Component:
         name="rocker",
         description="Lever on a fixed pivot between pushrod and valve",
         parameters=Layout(RockerParameters),
-        state=Layout(RockerState),
+        state=Layout(LeverMotion),
         inputs=Layout(RockerInputs),
         outputs=Layout(RockerOutputs),
         derivative=derivative,

@@ -15,7 +15,7 @@ from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
-from ..plausible import ANGLE, CURVATURE, OFFSET, PART_MASS
+from ..plausible import OFFSET, PART_MASS
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
 from .cams.profile import CamProfile, time_to_break
@@ -29,7 +29,9 @@ from .followers.overlap import (
     CamInputs,
     CamOutputs,
     Centre,
+    FollowerRadius,
     Overlap,
+    Phase,
     find_overlap,
     require_contact,
     show_cam,
@@ -40,24 +42,9 @@ FLAT, ROLLER, PAD = 0.0, 1.0, 2.0
 
 @dataclass
 class FollowerParameters:
-    phase: Annotated[
-        float,
-        Quantity(
-            "rad", "cam angle at shaft angle zero; the nose is at pi", display_unit="deg", plausible=ANGLE
-        ),
-    ] = 0.0
+    phase: Phase = 0.0
     follower: Annotated[float, Quantity("1", "surface on the cam", choices=("flat", "roller", "pad"))] = FLAT
-    follower_radius: Annotated[
-        float,
-        Quantity(
-            "m",
-            "radius of roller or pad",
-            nominal=1e-2,
-            positive=True,
-            display_unit="mm",
-            plausible=CURVATURE,
-        ),
-    ] = 10e-3
+    follower_radius: FollowerRadius = 10e-3
     offset: Annotated[
         float,
         Quantity(
@@ -107,11 +94,7 @@ class TappetInputs(CamInputs):
 
 
 @dataclass
-class TappetOutputs(CamOutputs):
-    position: Annotated[
-        float, Quantity("m", "position y, zero on the base circle", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "velocity of the follower")] = 0.0
+class TappetOutputs(TappetState, CamOutputs):
     acceleration: Annotated[float, Quantity("m/s2", "acceleration of the follower", nominal=1e3)] = 0.0
     side_force: Annotated[
         float, Quantity("N", "force of the follower on its guide along axis_x", nominal=100.0)

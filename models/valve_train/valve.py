@@ -65,11 +65,7 @@ class ValveInputs:
 
 
 @dataclass
-class ValveOutputs:
-    position: Annotated[
-        float, Quantity("m", "position towards the open valve", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "velocity of the valve")] = 0.0
+class ValveOutputs(ValveState):
     acceleration: Annotated[float, Quantity("m/s2", "acceleration of the valve", nominal=1e3)] = 0.0
     valve_lift: Annotated[
         float, Quantity("m", "lift: position less lash", nominal=1e-3, display_unit="mm")

@@ -23,6 +23,10 @@ from ..plausible import CAM_LIFT, LASH, SEAT_STIFFNESS, SPRING_RATE, SURGE_FREQU
 # A dip that is far from any event.
 NO_SEAT = -1.0
 
+CoilPosition = Annotated[
+    Vector, Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
+]
+
 
 @dataclass
 class ValveSpringParameters:
@@ -98,14 +102,16 @@ class ValveSpringParameters:
 
 
 @dataclass
-class ValveSpringState:
+class FollowerMotion:
     position: Annotated[
         float, Quantity("m", "follower position y3, zero on the base circle", nominal=1e-3, display_unit="mm")
     ] = 0.0
     velocity: Annotated[float, Quantity("m/s", "follower velocity")] = 0.0
-    coil_position: Annotated[
-        Vector, Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
-    ] = per_element()
+
+
+@dataclass
+class ValveSpringState(FollowerMotion):
+    coil_position: CoilPosition = per_element()
     coil_velocity: Annotated[Vector, Quantity("m/s", "coil velocity", size="coil_masses")] = per_element()
 
 
@@ -118,11 +124,7 @@ class ValveSpringInputs:
 
 
 @dataclass
-class ValveSpringOutputs:
-    position: Annotated[
-        float, Quantity("m", "follower position y3, zero on the base circle", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "follower velocity")] = 0.0
+class ValveSpringOutputs(FollowerMotion):
     acceleration: Annotated[float, Quantity("m/s2", "follower acceleration", nominal=1e3)] = 0.0
     valve_lift: Annotated[
         float, Quantity("m", "valve lift: follower position less lash", nominal=1e-3, display_unit="mm")
@@ -139,9 +141,7 @@ class ValveSpringOutputs:
         float,
         Quantity("m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm"),
     ] = 0.0
-    coil_position: Annotated[
-        Vector, Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
-    ] = per_element()
+    coil_position: CoilPosition = per_element()
 
 
 @kernel

@@ -24,8 +24,8 @@ from ...core.component import Component, check_sizes
 from ...core.points import find_segment
 from ...core.quantities import Layout, Quantity, Vector, per_element
 from ...core.requirements import Requirement
-from ...plausible import ANGLE, AREA, GAS_PRESSURE, PART_LENGTH
-from ..crank import crank_turns
+from ...plausible import ANGLE, AREA, GAS_PRESSURE
+from ..crank import CrankAngle, CrankRadius, CrankSpeed, GasPressure, RodLength, crank_turns
 
 TURN = 2.0 * math.pi
 # Wiebe's constants, Heywood (9.27).
@@ -39,21 +39,8 @@ LEAST_POINTS, MOST_POINTS = 4, 2000
 class CylinderParameters:
     """What the pressure acts on."""
 
-    crank_radius: Annotated[
-        float,
-        Quantity("m", "crank radius", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH),
-    ] = 0.043
-    rod_length: Annotated[
-        float,
-        Quantity(
-            "m",
-            "length of the connecting rod",
-            nominal=0.1,
-            positive=True,
-            display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 0.143
+    crank_radius: CrankRadius = 0.043
+    rod_length: RodLength = 0.143
     bore_area: Annotated[float, Quantity("m2", "area of the bore", nominal=1e-2, positive=True)] = (
         0.25 * math.pi * 0.086**2
     )
@@ -175,17 +162,13 @@ class CylinderGasState:
 
 @dataclass
 class CylinderGasInputs:
-    crank_angle: Annotated[
-        float, Quantity("rad", "crank angle, zero at top dead centre", display_unit="deg")
-    ] = 0.0
-    crank_speed: Annotated[float, Quantity("rad/s", "crank speed", nominal=100.0, display_unit="rpm")] = 0.0
+    crank_angle: CrankAngle = 0.0
+    crank_speed: CrankSpeed = 0.0
 
 
 @dataclass
 class CylinderGasOutputs:
-    gas_pressure: Annotated[
-        float, Quantity("Pa", "gas pressure above that of the crankcase", nominal=1e5, display_unit="MPa")
-    ] = 0.0
+    gas_pressure: GasPressure = 0.0
     indicated_work: Annotated[
         float, Quantity("J", "work given to a piston without clearance and pin offset", nominal=100.0)
     ] = 0.0

@@ -9,6 +9,15 @@ from typing import Annotated
 
 from ...core.quantities import Quantity, Vector, per_element
 from ...plausible import OFFSET, PART_LENGTH, PART_MASS, PLAY
+from ..crank import (
+    CrankAcceleration,
+    CrankAngle,
+    CrankImpulse,
+    CrankRadius,
+    CrankSpeed,
+    GasPressure,
+    RodLength,
+)
 
 # Flores, Leine and Glocker (2010), table 1; the gravity acts across the cylinder.
 FLORES: Mapping[str, float] = {
@@ -45,21 +54,8 @@ class PistonParameters:
     radii long (Heywood 1988, 2.2: 3 to 4), the rest as is usual for that size. The crank's own mass is
     left to the flywheel that drives it."""
 
-    crank_radius: Annotated[
-        float,
-        Quantity("m", "crank radius", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH),
-    ] = 0.5 * _BORE
-    rod_length: Annotated[
-        float,
-        Quantity(
-            "m",
-            "length of the connecting rod",
-            nominal=0.1,
-            positive=True,
-            display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 0.143
+    crank_radius: CrankRadius = 0.5 * _BORE
+    rod_length: RodLength = 0.143
     crank_mass: Annotated[float, Quantity("kg", "mass of the crank", minimum=0.0)] = 0.0
     crank_centre: Annotated[
         float,
@@ -255,40 +251,28 @@ class PistonState:
 
 @dataclass
 class PistonCrankState(PistonState):
-    crank_impact_impulse: Annotated[
-        float, Quantity("N.m.s", "sum of the angular impulses taken from the crank by impacts", nominal=0.1)
-    ] = 0.0
+    crank_impact_impulse: CrankImpulse = 0.0
     impact_work: Annotated[float, Quantity("J", "energy given in impacts by the crank")] = 0.0
 
 
 @dataclass
 class FreePistonCrankState(PistonState):
-    crank_angle: Annotated[
-        float, Quantity("rad", "crank angle, zero at top dead centre", display_unit="deg")
-    ] = 0.0
-    crank_speed: Annotated[float, Quantity("rad/s", "crank speed", nominal=100.0, display_unit="rpm")] = 0.0
+    crank_angle: CrankAngle = 0.0
+    crank_speed: CrankSpeed = 0.0
 
 
 @dataclass
 class PistonCrankInputs:
-    crank_angle: Annotated[
-        float, Quantity("rad", "crank angle, zero at top dead centre", display_unit="deg")
-    ] = 0.0
-    crank_speed: Annotated[float, Quantity("rad/s", "crank speed", nominal=100.0, display_unit="rpm")] = 0.0
-    crank_acceleration: Annotated[
-        float, Quantity("rad/s2", "angular acceleration of the crank", nominal=100.0)
-    ] = 0.0
-    gas_pressure: Annotated[
-        float, Quantity("Pa", "gas pressure above that of the crankcase", nominal=1e5, display_unit="MPa")
-    ] = 0.0
+    crank_angle: CrankAngle = 0.0
+    crank_speed: CrankSpeed = 0.0
+    crank_acceleration: CrankAcceleration = 0.0
+    gas_pressure: GasPressure = 0.0
 
 
 @dataclass
 class FreePistonCrankInputs:
     crank_drive: Annotated[float, Quantity("N.m", "torque that drives the crank", nominal=10.0)] = 0.0
-    gas_pressure: Annotated[
-        float, Quantity("Pa", "gas pressure above that of the crankcase", nominal=1e5, display_unit="MPa")
-    ] = 0.0
+    gas_pressure: GasPressure = 0.0
 
 
 @dataclass
@@ -377,14 +361,10 @@ class PistonCrankOutputs(PistonOutputs):
     crank_torque: Annotated[
         float, Quantity("N.m", "torque taken from the crank, between impacts", nominal=10.0)
     ] = 0.0
-    crank_impact_impulse: Annotated[
-        float, Quantity("N.m.s", "sum of the angular impulses taken from the crank by impacts", nominal=0.1)
-    ] = 0.0
+    crank_impact_impulse: CrankImpulse = 0.0
 
 
 @dataclass
 class FreePistonCrankOutputs(PistonOutputs):
-    crank_angle: Annotated[
-        float, Quantity("rad", "crank angle, zero at top dead centre", display_unit="deg")
-    ] = 0.0
-    crank_speed: Annotated[float, Quantity("rad/s", "crank speed", nominal=100.0, display_unit="rpm")] = 0.0
+    crank_angle: CrankAngle = 0.0
+    crank_speed: CrankSpeed = 0.0

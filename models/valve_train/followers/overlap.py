@@ -11,12 +11,34 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
+from ... import plausible
 from ...compile.kernel import kernel
 from ...core.component import NO_EVENT, PowerBond
 from ...core.quantities import Quantity, Vector
 from ...core.requirements import Requirement
 from ..cams.profile import CamProfile
 from .arc import CamContact
+
+Phase = Annotated[
+    float,
+    Quantity(
+        "rad",
+        "cam angle at shaft angle zero; the nose is at pi",
+        display_unit="deg",
+        plausible=plausible.ANGLE,
+    ),
+]
+FollowerRadius = Annotated[
+    float,
+    Quantity(
+        "m",
+        "radius of roller or pad",
+        nominal=1e-2,
+        positive=True,
+        display_unit="mm",
+        plausible=plausible.CURVATURE,
+    ),
+]
 
 
 @dataclass

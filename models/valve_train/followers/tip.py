@@ -53,6 +53,14 @@ class TipOutputs:
     ] = 10e-3
 
 
+@dataclass
+class LeverMotion:
+    rotation: Annotated[
+        float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
+    ] = 0.0
+    rotation_rate: Annotated[float, Quantity("rad/s", "rate of the rotation", nominal=10.0)] = 0.0
+
+
 TIP_BONDS = (
     PowerBond("tip_load", "tip_velocity", -1),
     PowerBond("tip_friction", "tip_sliding_velocity", -1),
