@@ -38,11 +38,11 @@ def test_one_attractor_whether_periodic_or_chaotic_is_one_from_every_start(
     assert found.attractors[0].exponent * sign > 3.0 * found.attractors[0].uncertainty
 
 
-def test_a_start_outside_the_walls_is_refused() -> None:
-    with pytest.raises(ValueError, match="between the walls"):
-        find_basins(Machine(gap=0.01), np.array([0.0, 0.02]), np.array([0.0]), cycles=100)
-
-
-def test_too_few_cycles_for_the_errors_of_means_are_refused() -> None:
-    with pytest.raises(ValueError, match="cycles = 39"):
-        find_basins(Machine(), np.array([0.0]), np.array([0.0]), cycles=39)
+@pytest.mark.parametrize(
+    ("farthest", "cycles", "said"), [(0.02, 100, "between the walls"), (0.0, 39, "cycles = 39")]
+)
+def test_starts_outside_the_walls_and_too_few_cycles_are_refused(
+    farthest: float, cycles: int, said: str
+) -> None:
+    with pytest.raises(ValueError, match=said):
+        find_basins(Machine(gap=0.01), np.array([0.0, farthest]), np.array([0.0]), cycles=cycles)

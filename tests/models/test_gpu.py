@@ -42,8 +42,11 @@ def _device() -> None:
         pytest.skip(str(reason))
 
 
+FORMS = pytest.mark.parametrize("form", ["as_published", pytest.param("nonlinear", marks=pytest.mark.long)])
+
+
 @pytest.mark.usefixtures("_device")
-@pytest.mark.parametrize("form", ["as_published", pytest.param("nonlinear", marks=pytest.mark.long)])
+@FORMS
 def test_device_agrees_with_the_processor(form: str) -> None:
     compare(form)
 
@@ -68,7 +71,7 @@ def test_missing_device_is_named(unusable: str, monkeypatch: pytest.MonkeyPatch)
         gpu.grow_tangents([Machine()], 1, blocks=1)
 
 
-@pytest.mark.parametrize("form", ["as_published", "nonlinear"])
+@FORMS
 def test_simulated_device_agrees_with_the_processor(form: str) -> None:
     """numba's simulator runs the device code without a device, in a process of its own."""
     code = f"from tests.models.test_gpu import compare; compare({form!r})"

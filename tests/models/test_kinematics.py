@@ -37,8 +37,10 @@ def decimal_sine(x: Decimal) -> Decimal:
     return total
 
 
-@pytest.mark.parametrize("degrees", [90.5, 100, 120, 144, 168, 178, 182, 192, 216, 240, 269])
-def test_lift_and_its_derivatives_agree_with_forty_digits(degrees, record):
+@pytest.mark.parametrize("turns", [0, 3])
+@pytest.mark.parametrize("degrees", [90.5, 120, 168, 178, 182, 216, 269])
+def test_lift_and_its_derivatives_agree_with_forty_digits(degrees, turns, record):
+    """Of the rise, and of the fall, which mirrors it; turns repeat."""
     getcontext().prec = 50
     pi = Decimal("3.14159265358979323846264338327950288419716939937510")
     rise, half = Decimal(B), Decimal(DWELL)
@@ -48,20 +50,10 @@ def test_lift_and_its_derivatives_agree_with_forty_digits(degrees, record):
     lift = Decimal(S) * (a / rise - decimal_sine(turned) / (2 * pi))
     slope = side * Decimal(S) / rise * (1 - decimal_sine(turned + pi / 2))
     bend = Decimal(S) / rise * (2 * pi / rise) * decimal_sine(turned)
-    found = cam(degrees)
+    found = cam(degrees + 360.0 * turns)
     # 1e-10 of the profile's size; rounding of the angle alone is 4e-16.
     for name, value, exact in (("lift s", found.s, lift), ("s'", found.ds, slope), ("s''", found.dds, bend)):
         record("Cam", f"{name} / S", value / S, float(exact) / S, "closed form in 40 digits", tolerance=1e-10)
-
-
-@pytest.mark.parametrize("degrees", [95, 113, 150, 176, 184, 209, 247, 265])
-def test_derivatives_are_those_of_the_lift(degrees):
-    step = 0.05
-    radians = math.radians(step)
-    before, here, after = cam(degrees - step), cam(degrees), cam(degrees + step)
-    # Central differences: error step^2/6 times the next derivatives, at most 17 and 70 S.
-    assert (after.s - before.s) / (2 * radians) == pytest.approx(here.ds, abs=17 * S * radians**2)
-    assert (after.ds - before.ds) / (2 * radians) == pytest.approx(here.dds, abs=70 * S * radians**2)
 
 
 @pytest.mark.parametrize("from_nose", [-36, -12, 12, 36])
@@ -73,13 +65,6 @@ def test_entraining_velocity_vanishes_where_the_source_says(from_nose, record):
 @pytest.mark.parametrize(("degrees", "lift"), [(0, 0), (45, 0), (89.99, 0), (178.7, S), (180, S), (270.1, 0)])
 def test_base_circle_and_nose_dwell(degrees, lift):
     assert tuple(cam(degrees)) == (lift, 0.0, 0.0)
-
-
-@pytest.mark.parametrize("degrees", [100, 130, 175])
-def test_the_fall_mirrors_the_rise_and_turns_repeat(degrees):
-    rise, fall, later = cam(degrees), cam(360 - degrees), cam(degrees + 3 * 360)
-    assert (fall.s, fall.ds, fall.dds) == pytest.approx((rise.s, -rise.ds, rise.dds), rel=1e-11)
-    assert tuple(later) == pytest.approx(tuple(rise), rel=1e-11)
 
 
 def test_numbers_at_120_degrees_and_1000_rpm(record):
@@ -103,28 +88,23 @@ def test_smallest_radius_is_7_125_mm(record):
 
 
 def test_camshaft_outputs_are_the_kinematics():
+    """At 120 degrees, driven at twice the cam's speed: the drive gives half of the cam's torque."""
     y = outputs_of(
         CATALOGUE["camshaft"](),
-        inputs={"drive_angle": math.radians(120), "drive_speed": SPEED, "contact_load": 500.0},
-    )
-    at = cam(120)
-    assert y["surface_position"] == y["cam_lift"] == at.s
-    assert y["surface_velocity"] == pytest.approx(at.ds * SPEED, rel=1e-15)
-    assert y["sliding_velocity"] == pytest.approx(SPEED * (R0 + at.s), rel=1e-15)
-    assert y["drive_torque"] == pytest.approx(500.0 * at.ds, rel=1e-15)
-
-
-def test_drive_ratio_and_phase():
-    parameters = {"drive_ratio": 0.5, "phase": math.radians(30)}
-    y = outputs_of(
-        CATALOGUE["camshaft"](),
-        parameters,
+        {"drive_ratio": 0.5, "phase": math.radians(30)},
         inputs={"drive_angle": math.radians(180), "drive_speed": 2 * SPEED, "contact_load": 500.0},
     )
-    assert y["cam_angle"] == pytest.approx(math.radians(120), rel=1e-15)
-    assert y["cam_speed"] == pytest.approx(SPEED, rel=1e-15)
-    # Half the cam's torque at twice its speed.
-    assert y["drive_torque"] == pytest.approx(0.5 * 500.0 * cam(120).ds, rel=1e-14)
+    at = cam(120)
+    expected = {
+        "cam_angle": math.radians(120),
+        "cam_speed": SPEED,
+        "cam_lift": at.s,
+        "surface_position": at.s,
+        "surface_velocity": at.ds * SPEED,
+        "sliding_velocity": SPEED * (R0 + at.s),
+        "drive_torque": 0.5 * 500.0 * at.ds,
+    }
+    assert {name: y[name] for name in expected} == pytest.approx(expected, rel=1e-13)
 
 
 def test_undercut_is_refused():

@@ -24,22 +24,12 @@ MID_STROKE = {"crank_angle": 0.5 * math.pi}
     ("component", "values", "name", "rule"),
     [
         (CRANK, {"restitution": 1.1}, "restitution", "<= 1"),
-        (CRANK, {"restitution": -0.1}, "restitution", ">= 0"),
-        (CRANK, {"piston_mass": 0.0}, "piston_mass", "> 0"),
         (CRANK, {"form": 3.0}, "form", "as_published"),
-        (CRANK, {"joint_friction": -1.0}, "joint_friction", ">= 0"),
-        (CRANK, {"clearance": -1e-4}, "clearance", ">= 0"),
-        (CRANK, {"form": 2.0, "crank_radius": 0.2}, "crank_radius", "rod_length"),
         (CRANK, {"form": 2.0, "clearance": 0.1}, "clearance", "rod_length - crank_radius = 0.0966"),
         (CRANK, {"crank_radius": 0.2}, "crank_radius", "rod_length"),
         (CRANK, {"clearance": 0.02}, "clearance", "0.1 rad"),
-        (CRANK, {"rod_length": math.nan}, "rod_length", "> 0"),
-        (DRIVEN, {"restitution": 1.1}, "restitution", "<= 1"),
-        (DRIVEN, {"piston_inertia": 0.0}, "piston_inertia", "> 0"),
-        (DRIVEN, {"clearance": 0.0}, "clearance", ">= 1e-07"),
         (DRIVEN, {"crank_radius": 0.15}, "crank_radius", "rod_length"),
         (DRIVEN, {"half_length": 1e-3}, "half_length", "0 makes it a roller"),
-        (DRIVEN, {"creep_velocity": 0.0}, "creep_velocity", "> 0"),
     ],
 )
 def test_parameters_out_of_range_are_named(

@@ -28,7 +28,7 @@ def test_impact_at_the_end_of_a_cell_is_followed_by_the_rest_of_the_revolution()
     np.testing.assert_array_equal(found.side, [1.0, -1.0, 1.0])
 
 
-@pytest.mark.parametrize("rate", [5.0, 50.0, 1e3, 1e5])
+@pytest.mark.parametrize("rate", [5.0, 1e5])
 def test_fast_rod_reaches_the_wall_when_its_free_flight_does(rate: float) -> None:
     """Nonlinear form, wide gap: the rod swings by a third of a radian within a small part of a cell."""
     machine = Machine(form="nonlinear", gap=0.3, restitution=1.0)

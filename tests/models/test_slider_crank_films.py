@@ -108,6 +108,7 @@ def build_lubricated_engine() -> System:
     return System({"wheel": wheel, "crank": crank, **walls}, connections)
 
 
+@pytest.mark.long
 def test_energy_closes_from_one_wall_to_the_other() -> None:
     """From rest on the films, by sliding, release, flight and chatter to its end, on moving walls."""
     system = build_lubricated_engine()

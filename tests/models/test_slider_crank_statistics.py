@@ -16,7 +16,6 @@ from models.slider_crank.motions.machine import FORMS, Events, Machine, Motion
 from models.slider_crank.motions.portrait import rates_after
 from models.slider_crank.motions.statistics import (
     Distribution,
-    approach_velocities,
     effective_bins,
     energies,
     energy_profile,
@@ -153,17 +152,3 @@ def test_sampling_bias_is_what_is_missing() -> None:
         found.append(uniformity(weights) + sampling_bias(weights, np.ones(400)))
     error = np.std(found) / math.sqrt(len(found))
     assert np.mean(found) == pytest.approx(1.0, abs=4.0 * error + (50 / 400) ** 2 / 12.0)
-
-
-@pytest.mark.parametrize("threshold", [5e-3, 1e-4])
-def test_approach_velocities_have_a_limit_where_chatter_ends(threshold: float) -> None:
-    """(0.25, 0.015), one slide a cycle: what a threshold of sliding leaves out of their sum is less than the
-    geometric rest threshold / (1 - e), and of the energies less than the last rebound's."""
-    machines = [Machine(0.25, 0.015, form="as_published", sliding_threshold=v) for v in (0.0, threshold)]
-    found = [Motion(machine).skip(50).events(20).impacts for machine in machines]
-    limit, coarse = (approach_velocities(impacts).sum() / 20.0 for impacts in found)
-    assert 0.0 < limit - coarse < threshold / (1.0 - 0.9)
-    fine, rough = (
-        energies(machine, impacts).sum() / 20.0 for machine, impacts in zip(machines, found, strict=True)
-    )
-    assert abs(fine - rough) < 0.5 * 2.0 * threshold**2

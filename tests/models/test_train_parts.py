@@ -169,7 +169,7 @@ def test_a_cam_that_its_follower_cannot_follow_is_refused(part, values, said):
 
 
 def test_the_static_rate_of_a_rod_is_exact_for_every_number_of_segments():
-    for n in (1, 2, 5):
+    for n in (1, 4):
         c, pushed = CATALOGUE["rod"](segments=n), {"lower_position": 1e-5}
         rod = Instance(c, {"bonded": 1.0, "damping_time": 0.0}, inputs=pushed)
         x = c.state.named(equilibrium(System({"rod": rod}, ())))

@@ -36,14 +36,11 @@ def test_the_mean_escape_time_is_found_within_its_error_though_some_never_escape
     assert found.distance < 2.0 / np.sqrt(4000)
 
 
-def test_a_distribution_that_is_not_exponential_is_far_from_its_fit() -> None:
+def test_lengths_that_are_not_exponential_are_far_from_their_fit_and_none_has_no_fit() -> None:
     found = fit_escape_time(Transients(np.zeros((500, 2)), np.full(500, 130.0), np.ones(500), 1000))
     assert found is not None
     assert found.mean == 100.0
     assert found.distance > 0.3
-
-
-def test_no_escape_gives_no_mean() -> None:
     assert fit_escape_time(Transients(np.zeros((3, 2)), np.full(3, 100.0), np.zeros(3), 100)) is None
 
 
