@@ -132,24 +132,21 @@ def test_what_has_no_cam_is_named(source, component, message):
 
 
 def test_the_cam_of_a_scenario_is_that_of_its_run(tmp_path):
-    """Ramps join the table where the scenario says."""
+    """Ramps join the table where the scenario says; options replace what it says."""
     own = tmp_path / "own.toml"
     ramps = 'ramp_height = "0.3 mm"\nevent_begin = "100 deg"\nevent_end = "265 deg"'
     own.write_text(f'extends = "my-cam"\n[components.camshaft.parameters]\n{ramps}\n')
     camshaft = load_scenario(own).components["camshaft"]
     component = camshaft.resolve()
     record = component.parameters.view(component.parameters.vector(camshaft.parameters))
-    table = draw(tmp_path / "out", str(own))
+    out = tmp_path / "out"
+    table = draw(out, str(own), "--base-radius", "30 mm", "--speed", "3000 rpm")
+    assert table.attrs["base_radius"] == pytest.approx(30e-3)
+    assert table.attrs["speed"] == pytest.approx(100.0 * math.pi)
     lifts = [table_lift(angle, record).s for angle in table["angle"].values]
     np.testing.assert_allclose(table["lift"], lifts, atol=1e-15)
     assert math.degrees(float(table["event"])) == pytest.approx(265.0 - 100.0 + 50.0, abs=1e-9)
-
-
-def test_options_replace_what_the_scenario_says(tmp_path):
-    table = draw(tmp_path, "my-cam", "--base-radius", "30 mm", "--speed", "3000 rpm")
-    assert table.attrs["base_radius"] == pytest.approx(30e-3)
-    assert table.attrs["speed"] == pytest.approx(100.0 * math.pi)
     # Drawings and results of a cam are not replaced unasked.
-    again = CliRunner().invoke(app, ["cam", "my-cam", "--out", str(tmp_path)])
+    again = CliRunner().invoke(app, ["cam", str(own), "--out", str(out)])
     assert again.exit_code != 0
     assert "--overwrite" in again.output

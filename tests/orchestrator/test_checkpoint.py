@@ -12,16 +12,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
+from orchestrator.engine.energy import add_counting, add_estimates
+from orchestrator.engine.energy.correction import Compensated
+from orchestrator.engine.energy.estimate import Estimating, without_estimates
 from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import CannotSerializeError, CheckpointError, MistakeError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
-from orchestrator.participants import in_process
-from orchestrator.participants.protocol import BoundVariables
+from orchestrator.participants import Participant, in_process
 from orchestrator.run.checkpoint import Checkpoints, Identity, read, write
 from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
 from orchestrator.store.json_codec import from_text, to_text
 
+from .alone import Alone
+from .coupled import build_participants
 from .recorder import Recorder
 from .two_masses import two_masses
 
@@ -59,20 +63,16 @@ WAYS = {
 }
 
 
-def _participants(system, kind=in_process):
-    return {name: kind(name, instance) for name, instance in system.instances.items()}
-
-
 @pytest.mark.parametrize("way", WAYS)
 def test_a_run_goes_on_from_any_macro_step_to_the_last_bit(way: str) -> None:
     system = two_masses()
     master, steps = WAYS[way]
     kept = Kept()
-    whole = simulate(system, _participants(system), master, steps(), STOP, [kept])
+    whole = simulate(system, build_participants(system), master, steps(), STOP, [kept])
     for at in range(0, len(kept.states), max(1, len(kept.states) // 7)):
         rest = Recorder()
         state = from_text(kept.states[at])
-        done = simulate(system, _participants(system), master, steps(), STOP, [rest], resumed=state)
+        done = simulate(system, build_participants(system), master, steps(), STOP, [rest], resumed=state)
         assert rest.times.tolist() == kept.times[at + 1 :].tolist()
         assert rest._rows == [] or np.array_equal(np.array(rest._rows), np.array(kept._rows)[at + 1 :])
         assert rest.steps == kept.steps[at + 1 :]
@@ -83,60 +83,48 @@ def test_taking_a_state_changes_nothing() -> None:
     system, (master, steps) = two_masses(), WAYS["iterated-controlled"]
     runs = [Recorder(), Kept()]
     for recorder in runs:
-        simulate(system, _participants(system), master, steps(), STOP, [recorder])
+        simulate(system, build_participants(system), master, steps(), STOP, [recorder])
     assert np.array_equal(np.array(runs[0]._rows), np.array(runs[1]._rows))
 
 
-def _driven(participant, steps: range) -> np.ndarray:
-    """Outputs after steps with an input that varies."""
-    found = np.zeros((len(steps), participant.outputs.size))
-    for row, n in zip(found, steps, strict=True):
-        participant.inputs[0] = math.sin(n)
-        participant.write()
-        participant.advance(1e-3 * n, 1e-3)
-        participant.read()
-        row[:] = participant.outputs
-    return found
+def _second() -> Participant:
+    return in_process("second", two_masses().instances["second"])
 
 
-def _begun(make, system, name):
-    participant = make(name, system.instances[name])
-    component = system.instances[name].component
-    participant.inputs, participant.outputs = (
-        np.zeros((2, component.inputs.size)),
-        np.zeros(component.outputs.size),
-    )
-    bound = BoundVariables(
-        component.inputs.names, participant.inputs, component.outputs.names, participant.outputs, np.zeros(0)
-    )
-    participant.connect(bound)
-    participant.initialise(0.0, 1.0)
-    participant.finish_initialisation()
-    return participant
+def _estimating() -> Participant:
+    second = add_estimates(add_counting(two_masses(), ["first"])).instances["second"]
+    return Estimating(in_process("second", without_estimates(second)), second.component)
 
 
-def _substepped(name, instance):
-    return Substepped(in_process(name, instance), 3)
+UNITS = {
+    "in-process": _second,
+    "substepped": lambda: Substepped(_second(), 3),
+    "compensated": lambda: Compensated(_second(), ["force"]),
+    "estimating": _estimating,
+}
 
 
-@pytest.mark.parametrize("kind", ["in-process", "substepped"])
-def test_a_participants_bytes_make_another_one_go_on_to_the_last_bit(kind: str) -> None:
-    system = two_masses()
-    make = {"in-process": in_process, "substepped": _substepped}[kind]
-    for name in system.instances:
-        first, second = _begun(make, system, name), _begun(make, system, name)
-        _driven(first, range(5))
-        saved = first.save()
-        data = first.to_bytes(saved)
-        first.release(saved)
-        _driven(second, range(3))
-        taken = second.from_bytes(data)
-        second.restore(taken)
-        assert second.to_bytes(second.save()) == data
-        assert np.array_equal(_driven(first, range(5, 9)), _driven(second, range(5, 9)))
+@pytest.mark.parametrize("kind", UNITS)
+def test_a_participant_goes_back_and_through_bytes_to_the_same_bits(kind: str) -> None:
+    first, second = (Alone(UNITS[kind](), "force", ["position", "velocity"], 0.0) for _ in range(2))
+
+    def advance(alone: Alone, *steps: int) -> list[list[float]]:
+        return [alone.advance(1e-3 * n, 1e-3, math.sin(n), math.cos(n)) for n in steps]
+
+    advance(first, *range(5))
+    kept, data = first.unit.save(), first.saved()
+    advance(second, *range(3))
+    second.unit.restore(second.unit.from_bytes(data))
+    assert second.saved() == data
+    wanted = advance(first, *range(5, 9))
+    after = first.saved()
+    assert advance(second, *range(5, 9)) == wanted
+    assert second.saved() == after
+    first.unit.restore(kept)
+    assert advance(first, *range(5, 9)) == wanted
+    assert first.saved() == after
 
 
-NUMBERS = arrays.from_dtype(np.dtype("<f8"))
 PLAIN = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text() | st.binary(),
     lambda inner: st.lists(inner) | st.dictionaries(st.text().filter(lambda k: not k.startswith("$")), inner),
@@ -221,11 +209,11 @@ def test_another_run_version_or_fmu_is_refused_with_the_remedy(tmp_path: Path) -
 def test_a_state_that_does_not_fit_is_refused() -> None:
     system, (master, steps) = two_masses(), WAYS["gauss_seidel"]
     kept = Kept()
-    simulate(system, _participants(system), master, steps(), 0.01, [kept])
+    simulate(system, build_participants(system), master, steps(), 0.01, [kept])
     for key, spoilt in (("exchange", {}), ("participants", {}), ("steps", {"missed": np.zeros(99)})):
         state = from_text(kept.states[1]) | {key: spoilt}
         with pytest.raises(CheckpointError, match="does not fit this run"):
-            simulate(system, _participants(system), master, steps(), 0.01, [], resumed=state)
+            simulate(system, build_participants(system), master, steps(), 0.01, [], resumed=state)
 
 
 class Dumb:
@@ -245,7 +233,7 @@ def test_without_serialisable_participants_the_run_says_so_and_goes_on(tmp_path:
     system, (master, steps) = two_masses(), WAYS["gauss_seidel"]
     said: list[str] = []
     keeper = Checkpoints(tmp_path / "checkpoint", IDENTITY, 0.0, STOP, lambda: False, said.append)
-    participants = {name: Dumb(participant) for name, participant in _participants(system).items()}
+    participants = {name: Dumb(participant) for name, participant in build_participants(system).items()}
     simulate(system, participants, master, steps(), STOP, [keeper])
     assert said == ["no checkpoints: first: the FMU cannot serialise its state"]
     assert not list(tmp_path.iterdir())

@@ -10,21 +10,16 @@ import pytest
 from models.oscillators.exact import quarter_car
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Jacobi
-from orchestrator.participants import in_process
-from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
-from orchestrator.scenario.system import build_system
+from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.stepping.guard import RunawayGuard
 
+from .coupled import run_coupled
 from .recorder import Recorder
 
 
 def run(master, step: float, stop: float = 2.4) -> Recorder:
-    system = build_system(load("quarter-car"))
-    recorder = Recorder()
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    simulate(system, units, master, step, stop, [recorder])
-    return recorder
+    return run_coupled(build_system(load("quarter-car")), master, step, stop)
 
 
 def error(step: float) -> float:
@@ -39,6 +34,19 @@ def test_fourth_order_holds_to_the_steps_that_are_advised(record) -> None:
     for step in (0.016, 0.02, 0.024):
         case = f"quarter car, GaussSeidel, hermite inputs: error at {1000 * step:g} ms over (h / 10 ms)^4"
         record("Coupling", case, error(step) / fine / (step / 0.01) ** 4, 1.0, "order 4", tolerance=0.15)
+
+
+@pytest.mark.parametrize("step", [5e-6, 1e-6])
+@pytest.mark.parametrize("rpm", [3000, 4000, 7000])
+def test_a_follower_that_leaves_its_cam_does_not_end_the_run(rpm, step):
+    """One lift with steps of fixed length: below 3500 r/min the follower stays on its cam."""
+    ends = ("initial", "final")
+    speed = [f"components.flywheel.parameters.{end}_speed='{rpm} rpm'" for end in ends]
+    scenario = load("valve-train", speed)
+    system = resolve_start(scenario, build_system(scenario))
+    recorder = run_coupled(system, scenario.build_master(), step, 60.0 / rpm)
+    assert recorder.times[-1] == 60.0 / rpm
+    assert (recorder["contact.load"].min() == 0.0) == (rpm > 3500)
 
 
 @pytest.mark.parametrize("step", [0.05, 0.1])

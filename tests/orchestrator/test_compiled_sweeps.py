@@ -171,7 +171,7 @@ def test_an_fmu_that_holds_its_inputs_and_gives_no_rates(signal, tmp_path, compi
     np.testing.assert_array_equal(found[0], run(GaussSeidel(signal), third_party, Wrapped)[0])
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.long), 3])
 def test_passes_over_native_fmus_are_compiled_too(fmi, compiled):
     """Of both versions of FMI; their kernels are those of the FMUs in Python, to the bit."""
     here = [this_platform()]
@@ -193,8 +193,9 @@ def test_the_order_of_calls_may_be_another_one():
     assert not np.array_equal(found[0], run(GaussSeidel("linear"), None, Wrapped)[0])
 
 
-@pytest.mark.parametrize("kind", [Jacobi, GaussSeidel])
-@pytest.mark.parametrize("vice", ["refusing", "raising", "infinite"])
+@pytest.mark.parametrize(
+    ("kind", "vice"), [(Jacobi, "refusing"), (GaussSeidel, "raising"), (GaussSeidel, "infinite")]
+)
 def test_the_same_error_after_the_same_steps(kind, vice, tmp_path, compiled):
     file = small_fmu(vice, tmp_path)
     found = run(kind("linear"), file, lambda unit: unit, stop=1.0)

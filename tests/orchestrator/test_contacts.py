@@ -168,19 +168,12 @@ def test_a_landing_within_a_few_macro_steps_is_warned_of():
     assert not any("not resolved" in line for line in told({"contact": contact}, fixed_steps=False))
 
 
-def test_a_run_that_ends_while_the_contact_is_open_counts_that_separation():
+def test_a_separation_at_the_end_counts_and_a_load_of_rounding_is_none():
     contact = history([0.0, 1.0, 2.0, 4.0], [10.0, 10.0, 0.0, 0.0])["contact"]
     assert (contact.separation.longest, contact.separation.longest_time) == (2.0, 2.0)
-
-
-def test_a_load_of_rounding_is_none():
     contact = history([0.0, 1.0, 2.0], [-2.22e-16, 5.0, 5.0])["contact"]
-    assert contact.least_load == 0.0
-    assert contact.separation.count == 1
-
-
-def test_a_contact_without_load_is_not_told():
-    assert history([0.0, 1.0], [0.0, 0.0]) == {}
+    assert (contact.least_load, contact.separation.count) == (0.0, 1)
+    assert history([0.0, 1.0], [0.0, 0.0]) == {}  # a contact without load
 
 
 def test_a_pressure_beyond_the_elastic_limit_is_warned_of():

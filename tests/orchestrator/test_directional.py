@@ -64,15 +64,10 @@ def build_native(component, fmi):
     return build(component.name, structure=component.structure, platforms=[this_platform()], fmi=fmi)
 
 
-@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.long), 3])
-@pytest.mark.parametrize(
-    "system",
-    [
-        pytest.param(quarter_car(), id="quarter car", marks=pytest.mark.long),
-        pytest.param(two_masses(damping=2.0), id="two masses"),
-    ],
-)
 @pytest.mark.long
+@pytest.mark.parametrize(
+    ("system", "fmi"), [(quarter_car(), 2), (two_masses(damping=2.0), 3)], ids=["quarter car", "two masses"]
+)
 def test_native_fmus_have_the_matrices_of_their_equations(system, fmi):
     """Equations are differenced, to 1e-9 of what is linear."""
     where = solve_trajectory(system, 0.2, SPACING)
@@ -83,14 +78,9 @@ def test_native_fmus_have_the_matrices_of_their_equations(system, fmi):
         np.testing.assert_array_equal(found.followed[:, fed_to], 1.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
-    ("name", "fmi", "tolerance"),
-    [
-        pytest.param("camshaft", 2, 1e-8, marks=pytest.mark.long),
-        pytest.param("valve_spring", 2, 1e-8, marks=pytest.mark.long),
-        ("valve_spring", 3, 1e-8),
-        pytest.param("contact", 2, 1e-6, marks=pytest.mark.long),
-    ],
+    ("name", "fmi", "tolerance"), [("camshaft", 2, 1e-8), ("valve_spring", 3, 1e-8), ("contact", 2, 1e-6)]
 )
 def test_native_fmus_of_a_loaded_valve_train_do(name, fmi, tolerance):
     """To differences of the equations: over 1e-8 m of approach, a thousandth of the contact's deflection, of
@@ -126,6 +116,7 @@ def test_an_fmu_in_its_own_process_has_the_same_matrices(tmp_path):
         np.testing.assert_array_equal(here, there)
 
 
+@pytest.mark.long
 def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_derivatives(tmp_path):
     """The FMU cannot be brought back to a saved state, which this way of linearisation does not need."""
     system, path, master = masses_with_fmu(), c_fmu("sprung", 2, tmp_path), GaussSeidel("linear")

@@ -14,13 +14,11 @@ from models.monolithic import solve
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import open_fmu
 from orchestrator.participants.protocol import BoundVariables
-from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.store.json_codec import from_text
 
 from .coupled import build_participants, run_coupled
-from .recorder import Recorder
 from .test_checkpoint import Kept
 
 STEP, STOP = 1e-5, 2e-4
@@ -53,12 +51,10 @@ def test_a_coupled_run_comes_to_the_monolithic_one() -> None:
 @pytest.mark.long
 def test_a_run_with_the_field_goes_on_from_a_checkpoint_to_the_last_bit(valve_train: System) -> None:
     """Under a master that rolls it back several times in each step."""
-    kept, rest = Kept(), Recorder()
-    simulate(valve_train, build_participants(valve_train), ITERATED, STEP, STOP, [kept])
+    kept = run_coupled(valve_train, ITERATED, STEP, STOP, recorder=Kept())
     middle = len(kept.states) // 2
-    state = from_text(kept.states[middle])
-    simulate(valve_train, build_participants(valve_train), ITERATED, STEP, STOP, [rest], resumed=state)
-    assert np.array_equal(np.array(rest._rows), np.array(kept._rows)[middle + 1 :])
+    rest = run_coupled(valve_train, ITERATED, STEP, STOP, resumed=from_text(kept.states[middle]))
+    np.testing.assert_array_equal(rest.rows, kept.rows[middle + 1 :])
     assert sum(kept.iterations) > 2 * len(kept.steps)
 
 
@@ -98,10 +94,7 @@ def test_what_a_step_of_the_field_leaves_does_not_depend_on_how_often_it_was_tri
 def test_the_fmu_of_the_field_runs_as_the_component_to_the_last_bit(
     master, valve_train: System, tmp_path: Path
 ) -> None:
-    instance, found = valve_train.instances["contact"], Recorder()
+    instance = valve_train.instances["contact"]
     file = build("ehl_line_contact", tmp_path, instance.component.structure)
-    units = build_participants(valve_train) | {"contact": open_fmu("contact", file, instance)}
-    simulate(valve_train, units, master, STEP, STOP, [found])
-    units["contact"].close()
-    own = run_coupled(valve_train, master, STEP, STOP)
-    assert np.array_equal(np.array(found._rows), np.array(own._rows))
+    found = run_coupled(valve_train, master, STEP, STOP, contact=open_fmu("contact", file, instance))
+    np.testing.assert_array_equal(found.rows, run_coupled(valve_train, master, STEP, STOP).rows)

@@ -11,10 +11,12 @@ import pytest
 
 from fmus.build import build
 from models.contact.ehl_line_contact import ehl_line_contact
-from models.core.system import ModelError, System
+from models.core.system import Instance, ModelError, System
 from orchestrator.analyses.stability.linearisation import open_linearisations
+from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel
+from orchestrator.participants import in_process
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
@@ -24,7 +26,7 @@ from .alone import Alone, two_alike
 from .coupled import build_participants, run_coupled
 from .recorder import Recorder
 
-NODES, STEP = 101, 1e-5
+NODES, STEP, RADIUS = 101, 1e-5, 0.01
 # The radius of curvature falls through zero after 0.1 ms.
 FALLING = f"""
 description = "A contact whose radius falls through zero"
@@ -92,6 +94,39 @@ def test_a_radius_that_is_not_positive_is_named_and_the_step_leaves_no_trace(
     assert asked.saved() == spared.saved()
 
 
+def contact(halvings: int) -> Alone:
+    """Of a radius that is given."""
+    instance = Instance(ehl_line_contact(nodes=NODES), inputs={"approach": 2e-6, "entraining_velocity": 1.0})
+    unit = in_process("contact", instance)
+    if halvings:
+        unit = Substepped(unit, halvings=halvings)
+    outputs = ["load", "minimum_film_thickness"]
+    return Alone(unit, "radius_of_curvature", outputs, RADIUS)
+
+
+@pytest.mark.long
+def test_a_step_that_no_cut_can_save_is_made_as_far_as_it_goes_and_leaves_no_trace() -> None:
+    """The radius falls through zero at a third of the step: its first quarter is made, and told. When the
+    master took it back, what follows has the bits of a contact that was never asked, with retries or not."""
+    asked, spared, plain = contact(2), contact(2), contact(0)
+    for one in (asked, spared, plain):
+        for k in range(3):
+            one.advance(k * STEP, STEP, RADIUS)
+    before = asked.unit.save()
+    with pytest.raises(DiscardedStepError, match=r"radius_of_curvature = -.* must be > 0") as caught:
+        asked.advance(3.0 * STEP, STEP, RADIUS, -3.0 * RADIUS / STEP)
+    assert caught.value.reached == pytest.approx(3.25 * STEP, rel=1e-12)
+    asked.unit.restore(before)
+    asked.unit.release(before)
+    for k in range(3, 6):
+        found = asked.advance(k * STEP, STEP, RADIUS)
+        assert found == spared.advance(k * STEP, STEP, RADIUS)
+        assert found == plain.advance(k * STEP, STEP, RADIUS)
+    assert asked.saved() == spared.saved()
+    for one in (asked, spared, plain):
+        one.unit.close()
+
+
 @pytest.mark.long
 def test_a_run_ends_where_the_radius_vanishes_and_keeps_what_was_before(falling: System) -> None:
     found = Recorder()
@@ -123,10 +158,7 @@ def test_the_coupling_of_a_field_is_not_analysed() -> None:
     ("setting", "fault"),
     [
         ("parameters.roughness=0.2", r"roughness.*0\.2 m \(composite rms roughness.*<= 2\.2e-05"),
-        ("parameters.viscosity=36", r"viscosity.*36 Pa\.s \(viscosity eta0.*<= 13"),
-        ("parameters.length=12", r"length.*12 m \(contact length.*<= 1"),
         ("parameters.field_tolerance=1e-12", r"field_tolerance.*1e-12 \(error of.*>= 1e-09 and <= 0\.1"),
-        ("structure.nodes=10001", r"nodes = 10001: must be <= 4801 .*0\.8 GB.*take 301"),
         ("structure.nodes=100001", r"nodes = 100001: must be <= 4801 .*80 GB.*take 301"),
     ],
 )
@@ -148,7 +180,7 @@ def test_extremes_that_exist_are_allowed(setting: str) -> None:
     assert name in system.instances["contact"].parameters
 
 
-@pytest.mark.parametrize("roughness", [0.2e-6, 2e-6, 20e-6])
+@pytest.mark.parametrize("roughness", [0.2e-6, 20e-6])
 def test_the_film_ratio_before_the_first_step_is_that_of_the_film_shown(roughness: float) -> None:
     component = ehl_line_contact(nodes=51)
     p = component.parameters.vector({"roughness": roughness})

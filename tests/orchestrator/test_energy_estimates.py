@@ -15,7 +15,6 @@ from orchestrator.engine.energy import Ledger, Trimmed, add_counting, add_estima
 from orchestrator.engine.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.participants.protocol import BoundVariables
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario.files import load
@@ -106,34 +105,7 @@ def test_nobody_sees_the_estimates():
     np.testing.assert_array_equal(beside.rows, plain.rows)
 
 
-def test_estimates_go_back_and_through_bytes_to_the_same_bits():
-    system = add_estimates(add_counting(two_masses(), ["first"]))
-    second = system.instances["second"]
-    unit = Estimating(in_process("second", without_estimates(second)), second.component)
-    inputs, outputs = np.zeros((2, 1)), np.zeros(2)
-    unit.connect(BoundVariables(["force"], inputs, ["position", "velocity"], outputs, np.zeros(0)))
-    unit.initialise(0.0, 1.0)
-    unit.finish_initialisation()
-    everything = np.zeros(second.component.outputs.size)
-
-    def step(n):
-        inputs[:, 0] = np.sin(0.3 * n), np.cos(0.3 * n)
-        unit.write()
-        unit.advance(n * 0.01, 0.01)
-        unit.read()
-        unit.read_all(everything)
-        return everything.copy()
-
-    for n in range(5):
-        step(n)
-    saved = unit.save()
-    kept = unit.from_bytes(unit.to_bytes(saved))
-    wanted = step(5)
-    for state in (saved, kept):
-        unit.restore(state)
-        np.testing.assert_array_equal(step(5), wanted)
-
-
+@pytest.mark.long
 def test_a_third_party_fmu_has_its_bond_booked(tmp_path):
     """It holds its force, so that what it took is the sum of force times way; the estimate knows velocities
     at the ends of steps and is off by the trapezoidal rule's remainder, F v'' H^3 / 12 for each."""
