@@ -60,6 +60,80 @@ class LatestOutputs:
         return self._values
 
 
+class _Run:
+    """A run under way: what it has come to, and what it took."""
+
+    def __init__(
+        self,
+        coupling: Coupling,
+        participants: Mapping[str, Participant],
+        steps: Stepper,
+        observers: Sequence[Observer],
+        start_time: float,
+    ) -> None:
+        self._coupling, self._participants, self._steps = coupling, participants, steps
+        self._observers, self._outputs = observers, LatestOutputs(coupling)
+        self.time, self._began = start_time, clock.perf_counter()
+        self._made = self._rejected = self._iterations = 0
+
+    def start(self, resumed: Plain | None) -> None:
+        """Show the start, or go on from a state."""
+        self._began = clock.perf_counter()
+        if resumed is None:
+            self._show(Step(self.time, 0.0, 0))
+            return
+        self.time, self._made, self._rejected = resumed["time"], resumed["made"], resumed["rejected"]
+        self._iterations = resumed["iterations"]
+        self._began -= resumed["elapsed"]
+        with fitting():
+            self._coupling.resume(resumed["exchange"])
+            self._steps.resume(resumed["steps"])
+            restore_participants(self._participants, resumed["participants"])
+
+    def step(self) -> None:
+        """Make a macro step; EndedError where a participant ends the run."""
+        try:
+            step = self._steps.step(self.time)
+        except EndedError as error:
+            # Of one alone all is known; others may have gone on without it.
+            if len(self._participants) == 1 and error.inside(self.time):
+                self._made += 1
+                self._show(Step(error.reached, error.reached - self.time, 1, reason=STOP))
+            raise
+        self.time = step.end
+        self._made += 1
+        self._rejected += step.rejected
+        self._iterations += step.iterations
+        self._show(step)
+
+    def _show(self, step: Step) -> None:
+        self._outputs.outdate()
+        for observer in self._observers:
+            observer.observe(step.end, self._outputs, step)
+
+    def state(self) -> dict[str, Plain]:
+        """All that `start` needs to go on from here."""
+        return {
+            "time": self.time,
+            "made": self._made,
+            "rejected": self._rejected,
+            "iterations": self._iterations,
+            "elapsed": clock.perf_counter() - self._began,
+            "exchange": self._coupling.snapshot(),
+            "steps": self._steps.state(),
+            "participants": serialise_participants(self._participants),
+            "observers": [each.state() for each in self._observers if isinstance(each, Continuing)],
+        }
+
+    def statistics(self) -> Statistics:
+        """What the run took so far."""
+        elapsed, coupling = clock.perf_counter() - self._began, self._coupling
+        return Statistics(
+            self._made, self._rejected, self._iterations, int(coupling.calls.sum()), elapsed,
+            coupling.explain_python(), coupling.unrated,
+        )  # fmt: skip
+
+
 def simulate(
     system: System,
     participants: Mapping[str, Participant],
@@ -86,55 +160,19 @@ def simulate(
         raise RunError(f"stop_time = {stop_time:g} s: must be after the start at {start_time:g} s")
     watched = list_event_outputs(system) if steps.locates else None
     coupling = Coupling(system, participants, master.degree, watched, lines)
-    outputs = LatestOutputs(coupling)
-    made = rejected = iterations = 0
-    time, began = start_time, clock.perf_counter()
-
-    def state() -> dict[str, Plain]:
-        return {
-            "time": time,
-            "made": made,
-            "rejected": rejected,
-            "iterations": iterations,
-            "elapsed": clock.perf_counter() - began,
-            "exchange": coupling.snapshot(),
-            "steps": steps.state(),
-            "participants": serialise_participants(participants),
-            "observers": [observer.state() for observer in observers if isinstance(observer, Continuing)],
-        }
-
+    run = _Run(coupling, participants, steps, observers, start_time)
     message, complete = "", False
     for observer in observers:
         if isinstance(observer, Watching):
             observer.watch(coupling)
-    _begin(observers, system.outputs.names, state, resumed)
+    _begin(observers, system.outputs.names, run.state, resumed)
     try:
         coupling.initialise(start_time, stop_time)
         steps.begin(coupling, master, start_time, stop_time)
-        began = clock.perf_counter()
-        if resumed is None:
-            _show(observers, outputs, Step(start_time, 0.0, 0))
-        else:
-            time, made, rejected = resumed["time"], resumed["made"], resumed["rejected"]
-            iterations = resumed["iterations"]
-            began -= resumed["elapsed"]
-            with fitting():
-                coupling.resume(resumed["exchange"])
-                steps.resume(resumed["steps"])
-                restore_participants(participants, resumed["participants"])
-        while time < stop_time:
-            try:
-                step = steps.step(time)
-            except EndedError as error:
-                # Of one alone all is known; others may have gone on without it.
-                if len(participants) == 1 and error.inside(time):
-                    made += 1
-                    _show(observers, outputs, Step(error.reached, error.reached - time, 1, reason=STOP))
-                raise
-            time = step.end
-            made, rejected, iterations = made + 1, rejected + step.rejected, iterations + step.iterations
-            _show(observers, outputs, step)
-        complete = True
+        run.start(resumed)
+        while run.time < stop_time:
+            run.step()
+        statistics, complete = run.statistics(), True
     except KeyboardInterrupt:
         message = "interrupted"
         raise
@@ -142,14 +180,10 @@ def simulate(
         message = str(error)
         raise
     finally:
-        elapsed = clock.perf_counter() - began
         with ExitStack() as ends:  # all of them, whatever one raises
             for observer in reversed(observers):
                 ends.callback(observer.end, complete, message)
-    return Statistics(
-        made, rejected, iterations, int(coupling.calls.sum()), elapsed, coupling.explain_python(),
-        coupling.unrated,
-    )  # fmt: skip
+    return statistics
 
 
 def _begin(
@@ -175,9 +209,3 @@ def _begin(
         for observer in begun:
             observer.end(False, str(error))
         raise
-
-
-def _show(observers: Sequence[Observer], outputs: LatestOutputs, step: Step) -> None:
-    outputs.outdate()
-    for observer in observers:
-        observer.observe(step.end, outputs, step)
