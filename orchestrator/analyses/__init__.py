@@ -14,7 +14,12 @@ from .protocol import Analysis, Parameter, Result
 __all__ = ["Analysis", "Parameter", "Result", "list_analyses", "load"]
 
 # Analyses of one table: module and object.
-SHARED = {"phase": ("_motion", "PHASE"), "trace": ("_motion", "TRACE")}
+SHARED = {
+    "phase": ("_motion", "PHASE"),
+    "trace": ("_motion", "TRACE"),
+    "profile": ("_distribution", "PROFILE"),
+    "spectrum": ("_distribution", "SPECTRUM"),
+}
 
 
 def list_analyses() -> list[str]:

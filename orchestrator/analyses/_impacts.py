@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray
 
-from models.core.quantities import Vector
 from models.slider_crank.motions import histories as h
 from models.slider_crank.motions.machine import Events
-from models.slider_crank.motions.statistics import Distribution, approach_velocities
+from models.slider_crank.motions.statistics import Distribution
 
 from ._machine import MACHINE, START, declare_duration, simulate_motion
 from ._table import column
@@ -19,21 +18,10 @@ from .protocol import Parameter, Result
 
 # Cycles after which impacts are counted again.
 BATCH = 100
-PSI_RATE, APPROACH = "psi_rate", "approach"
-IMPACT, CYCLE = "impact", "cycle"
-VELOCITY = Parameter(
-    PSI_RATE, "1", "psi' (F), or the slider's velocity relative to the wall", choices=(PSI_RATE, APPROACH)
-)
-PER = Parameter(IMPACT, "1", "sums over the number of all impacts (F), or of cycles", choices=(IMPACT, CYCLE))
 COUNTS = {
     "impacts_per_cycle": Result("1", "impacts per crank cycle"),
     "lower_per_cycle": Result("1", "of them on the lower wall"),
     "onsets_per_cycle": Result("1", "of them those with which sliding begins"),
-}
-SUMS = {
-    **COUNTS,
-    "upper_sum": Result("1", "sum over the upper wall"),
-    "lower_sum": Result("1", "sum over the lower wall (negative)"),
 }
 
 
@@ -70,29 +58,6 @@ def count_impacts(impacts: Events, cycles: int) -> dict[str, float]:
         "lower_per_cycle": np.count_nonzero(impacts.side < 0.0) / cycles,
         "onsets_per_cycle": np.count_nonzero(impacts.kind == h.ONSET) / cycles,
     }
-
-
-def sum_velocities(
-    values: Mapping[str, Any],
-    distribute: Callable[[Events, Vector, float], Distribution],
-    unit: str,
-    place: str,
-) -> xarray.Dataset:
-    """Impact velocities summed in bins by `distribute`, over a total, with the values of `SUMS`.
-
-    `unit` and `place`: of the bins' edges.
-    """
-    impacts = simulate_impacts(values)
-    velocities = impacts.rate if values["velocity"] == PSI_RATE else approach_velocities(impacts)
-    total = float(max(impacts.theta.size, 1) if values["per"] == IMPACT else values["cycles"])
-    found = distribute(impacts, velocities, total)
-    return tabulate_bins(found, unit, place, f"sum of impact velocities per {values['per']}").assign(
-        {
-            **count_impacts(impacts, values["cycles"]),
-            "upper_sum": found.upper.sum(),
-            "lower_sum": found.lower.sum(),
-        }
-    )
 
 
 def tabulate_bins(found: Distribution, unit: str, place: str, meaning: str) -> xarray.Dataset:

@@ -54,6 +54,7 @@ PARAMETERS = {
 }
 
 
+ALIGNMENTS = ("aligned", "misaligned")
 # Warning about an instant without a film.
 DRY = "entrainment all but ends: no film, taken as dry; the pressure of a sharp end there is the grid's"
 

@@ -19,6 +19,7 @@ from models.core.system import ModelError
 from ..errors import MistakeError
 from ._table import column, draw_by
 from ._tappet import (
+    ALIGNMENTS,
     COMPLIANCE,
     CONTACT,
     DRY,
@@ -31,7 +32,6 @@ from ._tappet import (
 )
 from .protocol import Analysis, Parameter, Result
 
-ALIGNMENTS = ("aligned", "misaligned")
 # What is shown: lines along the length, which is a hundred half widths, and nodes across.
 LINES, NODES = 401, 201
 

@@ -21,6 +21,7 @@ from ..errors import MistakeError
 from ._progress import show_progress
 from ._table import column, draw_by
 from ._tappet import (
+    ALIGNMENTS,
     DRY,
     PARAMETERS,
     build_finite_line,
@@ -30,7 +31,6 @@ from ._tappet import (
 )
 from .protocol import Analysis, Parameter, Result
 
-ALIGNMENTS = ("aligned", "misaligned")
 # Results of a passage in the table, with unit and meaning.
 SHOWN = {
     "largest_pressure": ("Pa", "largest pressure"),

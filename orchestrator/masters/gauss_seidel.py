@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 from ..engine.coupling import Coupling
-from ..engine.signals import extrapolate, find_degree
+from ..engine.signals import extrapolate
 from ..engine.sweeps import gauss_seidel_sweep
-from .protocol import MasterStep
+from .protocol import MasterStep, SignalOptions
 from .restart import repeat_first_step
 
 
 @dataclass(frozen=True)
-class GaussSeidel:
+class GaussSeidel(SignalOptions):
     """Inputs from participants that already advanced are interpolated over the step, others extrapolated.
 
     `order` names all participants; empty: the order in which the scenario lists them.
@@ -22,16 +21,7 @@ class GaussSeidel:
 
     implicit: ClassVar[bool] = False
 
-    extrapolation: str = "linear"
     order: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        find_degree(self.extrapolation)
-
-    @cached_property
-    def degree(self) -> int:
-        """Degree of the input signals."""
-        return find_degree(self.extrapolation)
 
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
         order, history, degree = (

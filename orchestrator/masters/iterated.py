@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import ClassVar
 
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
-from ..engine.signals import find_degree
 from ..engine.sweeps import gauss_seidel_sweep, jacobi_sweep
 from ..errors import one_of
 from .acceleration import ACCELERATIONS
-from .iteration import Limits, converge
+from .iteration import Implicit, converge
 from .parts import step_in_parts
 from .protocol import MasterStep
 
 
 @dataclass(frozen=True)
-class Iterated:
+class Iterated(Implicit):
     """Fixed-point iteration with rollback: a Jacobi sweep as predictor, then Gauss-Seidel sweeps.
 
     Inputs are interpolated over the step between known values and the end values of the last sweep:
@@ -29,32 +26,16 @@ class Iterated:
     connected is iterated; `iterate` names a smaller part, whose other connections are then explicit.
     """
 
-    implicit: ClassVar[bool] = True
-
-    extrapolation: str = "linear"
-    tolerance: float = 1e-9
-    maximum_iterations: int = 30
     acceleration: str = "anderson"
     order: tuple[str, ...] = ()
     iterate: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        find_degree(self.extrapolation)
+        super().__post_init__()
         if self.acceleration not in ACCELERATIONS:
             raise ValueError(
                 f"acceleration = {self.acceleration!r}: {one_of(ACCELERATIONS, self.acceleration)}"
             )
-        Limits(self.tolerance, self.maximum_iterations)
-
-    @cached_property
-    def limits(self) -> Limits:
-        """When the iteration ends."""
-        return Limits(self.tolerance, self.maximum_iterations)
-
-    @cached_property
-    def degree(self) -> int:
-        """Degree of the input signals."""
-        return find_degree(self.extrapolation)
 
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
         def iterate(part: tuple[int, ...], predicted: Vector) -> int:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, ClassVar
 
 import numba
 import numpy as np
@@ -17,6 +18,7 @@ from ..engine.sweeps import SweepKind
 from ..errors import NonConvergenceError
 from .acceleration import Acceleration
 from .interface import Interface, bind_interface
+from .protocol import SignalOptions
 
 # Contraction below which a single observation is not trusted.
 CAUTION = 0.01
@@ -38,6 +40,25 @@ class Limits:
             raise ValueError(f"tolerance = {self.tolerance:g}: must be > 0")
         if self.maximum_iterations < 1:
             raise ValueError(f"maximum_iterations = {self.maximum_iterations}: must be at least 1")
+
+
+@dataclass(frozen=True)
+class Implicit(SignalOptions):
+    """Options of a master that iterates the end values of a step."""
+
+    implicit: ClassVar[bool] = True
+
+    tolerance: float = 1e-9
+    maximum_iterations: int = 30
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        Limits(self.tolerance, self.maximum_iterations)
+
+    @cached_property
+    def limits(self) -> Limits:
+        """When the iteration ends."""
+        return Limits(self.tolerance, self.maximum_iterations)
 
 
 @numba.njit(cache=True)

@@ -3,31 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 from ..engine.coupling import Coupling
-from ..engine.signals import extrapolate, find_degree
+from ..engine.signals import extrapolate
 from ..engine.sweeps import jacobi_sweep
-from .protocol import MasterStep
+from .protocol import MasterStep, SignalOptions
 from .restart import repeat_first_step
 
 
 @dataclass(frozen=True)
-class Jacobi:
+class Jacobi(SignalOptions):
     """`extrapolation` of every input over the step: hold, linear, quadratic or hermite."""
 
     implicit: ClassVar[bool] = False
-
-    extrapolation: str = "linear"
-
-    def __post_init__(self) -> None:
-        find_degree(self.extrapolation)
-
-    @cached_property
-    def degree(self) -> int:
-        """Degree of the input signals."""
-        return find_degree(self.extrapolation)
 
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
         every, history, degree = coupling.wiring.all, coupling.state.history, coupling.wiring.degree

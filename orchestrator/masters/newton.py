@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
-from ..engine.signals import find_degree
 from ..engine.sweeps import jacobi_sweep
 from .acceleration import WarmStart
 from .interface import bind_interface
-from .iteration import Limits, converge
+from .iteration import Implicit, converge
 from .parts import step_in_parts
 from .protocol import MasterStep
 
@@ -29,33 +26,14 @@ SLOW = 6
 
 
 @dataclass(frozen=True)
-class Newton:
+class Newton(Implicit):
     """As `iterated`, with the interface's Jacobian: for couplings where fixed points diverge or creep.
 
     The Jacobian is measured once (each participant advances once for every value, and rate, that it is
     given) and serves for many macro steps. Jacobi sweeps; other options as those of `iterated`.
     """
 
-    implicit: ClassVar[bool] = True
-
-    extrapolation: str = "linear"
-    tolerance: float = 1e-9
-    maximum_iterations: int = 30
     iterate: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        find_degree(self.extrapolation)
-        Limits(self.tolerance, self.maximum_iterations)
-
-    @cached_property
-    def limits(self) -> Limits:
-        """When the iteration ends."""
-        return Limits(self.tolerance, self.maximum_iterations)
-
-    @cached_property
-    def degree(self) -> int:
-        """Degree of the input signals."""
-        return find_degree(self.extrapolation)
 
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
         def iterate(part: tuple[int, ...], predicted: Vector) -> int:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar, NamedTuple, Protocol
 
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
+from ..engine.signals import find_degree
 
 
 class MasterStep(NamedTuple):
@@ -18,6 +21,21 @@ class MasterStep(NamedTuple):
 
     iterations: int = 1
     predicted: Vector | None = None
+
+
+@dataclass(frozen=True)
+class SignalOptions:
+    """The option that all masters have: `extrapolation` names the input signals over a step."""
+
+    extrapolation: str = "linear"
+
+    def __post_init__(self) -> None:
+        find_degree(self.extrapolation)
+
+    @cached_property
+    def degree(self) -> int:
+        """Degree of the input signals."""
+        return find_degree(self.extrapolation)
 
 
 class Master(Protocol):

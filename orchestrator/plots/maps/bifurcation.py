@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import xarray
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
@@ -25,8 +24,10 @@ RECORDED = {
 DIRECTIONS = ((-1, REFERENCE, "downwards"), (1, COUPLED, "upwards"), (0, COUPLED, None))
 
 
-def draw_bifurcation(axes: Axes, data: xarray.Dataset, x: str, record: str) -> None:
+def plot_bifurcation(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     """`data` has value, recorded and direction of every point."""
+    figure, axes = create_figure("Bifurcation diagram", drop_varied(values, "x"), width=6.8, height=4.2)
+    record = values["record"]
     value, direction = data["value"].values, data["direction"].values
     recorded = data["recorded"].values * (1e3 if record == "strobe_psi" else 1.0)
     # The places' distance in points of the page, and a little less; where points coincide they add up.
@@ -39,16 +40,11 @@ def draw_bifurcation(axes: Axes, data: xarray.Dataset, x: str, record: str) -> N
             )
             axes.plot([], [], ls="", marker="o", ms=4, color=colour, label=name)
     axes.margins(x=0.01)
-    axes.set_xlabel(LABELS[x])
+    axes.set_xlabel(LABELS[values["x"]])
     axes.set_ylabel(RECORDED[record])
     if record == "impact_angle":
         axes.set_ylim(0.0, 2.0 * np.pi)
         axes.yaxis.set_major_locator(MultipleLocator(np.pi / 2.0))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda angle, _: format_angle(angle)))
-
-
-def plot_bifurcation(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = create_figure("Bifurcation diagram", drop_varied(values, "x"), width=6.8, height=4.2)
-    draw_bifurcation(axes, data, values["x"], values["record"])
     add_legend(figure, axes)
     return figure

@@ -13,9 +13,11 @@ from ..motion.titles import create_figure
 from ..style import ACCENT, COUPLED, MUTED, REFERENCE
 
 
-def draw_classification(axes: Any, data: xarray.Dataset) -> None:
+def plot_classification(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     """Two axes over the same cycles; `data` has psi (cycle), finite_time_exponent (window), the results."""
-    states, exponents = axes
+    title = f"Classification: {data['kind'].item()}"
+    figure, axes = create_figure(title, values, width=6.8, height=4.4, mosaic="A;B", sharex=True)
+    states, exponents = axes["A"], axes["B"]
     cycle = data["cycle"].values
     size = min(4.0, max(0.5, 4e3 / len(cycle)))
     states.scatter(cycle, 1e3 * data["psi"].values, s=size, color=COUPLED, lw=0, rasterized=True)
@@ -32,17 +34,11 @@ def draw_classification(axes: Any, data: xarray.Dataset) -> None:
             transform=exponents.get_xaxis_transform(), label="slides",
         )  # fmt: skip
     if data["period"].item() and cycle[0] < data["transient"].item() < cycle[-1]:
-        for panel in axes:
+        for panel in (states, exponents):
             panel.axvline(data["transient"].item(), color=REFERENCE, lw=1.0, ls=(0, (5, 3)))
         exponents.plot([], [], color=REFERENCE, lw=1.0, ls=(0, (5, 3)), label="settled")
     if exponents.get_legend_handles_labels()[0]:
         exponents.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
     exponents.set_ylabel("finite-time\nexponent (1/rad)")
     exponents.set_xlabel("cycle")
-
-
-def plot_classification(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    title = f"Classification: {data['kind'].item()}"
-    figure, axes = create_figure(title, values, width=6.8, height=4.4, mosaic="A;B", sharex=True)
-    draw_classification([axes["A"], axes["B"]], data)
     return figure

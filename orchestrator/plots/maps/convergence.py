@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 import xarray
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..motion.titles import create_figure
 from ..style import ACCENT, COUPLED, REFERENCE
 
 
-def draw_convergence(axes: Axes, data: xarray.Dataset) -> None:
+def plot_exponents(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     """`data` has largest_in_window, second_in_window and window_end (window), largest and uncertainty."""
+    figure, axes = create_figure("Lyapunov exponents", values, width=6.8, height=3.4)
     end = data["window_end"].values
     slides = np.isneginf(data["largest_in_window"].values)
     axes.axhline(0.0, color="0.4", lw=0.7)
@@ -48,9 +48,4 @@ def draw_convergence(axes: Axes, data: xarray.Dataset) -> None:
     axes.set_xlabel("cycles")
     axes.set_ylabel("Lyapunov exponent (1/rad)")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
-
-
-def plot_exponents(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = create_figure("Lyapunov exponents", values, width=6.8, height=3.4)
-    draw_convergence(axes, data)
     return figure

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import xarray
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.slider_crank.motions.transients import ORDINARY_TRANSIENT
@@ -16,8 +15,9 @@ from ..motion.titles import add_legend, create_figure
 from ..style import COUPLED, REFERENCE
 
 
-def draw_escape(axes: Axes, data: xarray.Dataset) -> None:
+def plot_transient(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     """`data` has length and period (0: not settled) of every start, mean_escape and its error."""
+    figure, axes = create_figure("Length of transients", values, width=6.0, height=3.8)
     after, lengths = ORDINARY_TRANSIENT, data["length"].values
     settled = np.sort(lengths[data["period"].values > 0])
     left = 1.0 - np.arange(len(settled) + 1) / len(lengths)
@@ -39,10 +39,5 @@ def draw_escape(axes: Axes, data: xarray.Dataset) -> None:
     axes.set_xlim(left=0.0)
     axes.set_xlabel("cycles")
     axes.set_ylabel("part not yet on its orbit")
-
-
-def plot_transient(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = create_figure("Length of transients", values, width=6.0, height=3.8)
-    draw_escape(axes, data)
     add_legend(figure, axes)
     return figure

@@ -1,8 +1,15 @@
-"""The machine's parameters on axes, and cells around their values."""
+"""The machine's parameters on axes, and coloured cells around their values."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
@@ -24,3 +31,27 @@ def compute_edges(values: Vector) -> Vector:
         return np.array([values[0] - half, values[0] + half])
     half = 0.5 * (values[1] - values[0])
     return np.append(values - half, values[-1] + half)
+
+
+def draw_cells(figure: Figure, axes: Axes, x: Vector, y: Vector, values: Vector, **style: Any) -> Colorbar:
+    """A cell of colour for each of the values (y, x), and the colour bar."""
+    axes.grid(False)
+    mesh = axes.pcolormesh(compute_edges(x), compute_edges(y), values, rasterized=True, **style)
+    return figure.colorbar(mesh, ax=axes, pad=0.02)
+
+
+def draw_kinds(
+    figure: Figure,
+    axes: Axes,
+    x: Vector,
+    y: Vector,
+    kinds: Any,
+    colours: Sequence[str],
+    names: Sequence[str],
+) -> Colorbar:
+    """Cells of kinds 0, 1, ..., each of which has its colour and its name."""
+    norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
+    bar = draw_cells(figure, axes, x, y, kinds, cmap=ListedColormap(colours), norm=norm)
+    bar.set_ticks(range(len(names)), labels=names)
+    bar.ax.tick_params(length=0)
+    return bar
