@@ -1,7 +1,7 @@
 """FMU of the valve train as rigid bodies with joints."""
 
 from ..fmi.description import Experiment
-from ..fmi.terminals import Terminal
+from ..terminal_kinds import rotation
 
 # Two turns of the cam at 1000 rpm.
 EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
@@ -10,15 +10,4 @@ PYTHON_ONLY = (
     "valve_spring"
 )
 
-TERMINALS = {
-    "drive": Terminal(
-        "rotation",
-        "turned by a shaft",
-        {
-            "angle": "drive_angle",
-            "speed": "drive_speed",
-            "acceleration": "drive_acceleration",
-            "torque": "drive_torque",
-        },
-    ),
-}
+TERMINALS = {"drive": rotation("drive")}

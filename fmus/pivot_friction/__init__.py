@@ -1,14 +1,10 @@
 """FMU of the pivot friction."""
 
 from ..fmi.description import Experiment
-from ..fmi.terminals import Terminal
+from ..terminal_kinds import pivot_friction
 
 EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
 
 TERMINALS = {
-    "lever": Terminal(
-        "pivot_friction",
-        "the lever on the pivot",
-        {"speed": "rotation_rate", "load": "load", "torque": "friction_torque"},
-    ),
+    "lever": pivot_friction("the lever on the pivot", "rotation_rate", "load", "friction_torque"),
 }

@@ -2,6 +2,7 @@
 
 from ..fmi.description import Experiment
 from ..fmi.terminals import Terminal
+from ..terminal_kinds import CRANK
 
 # Ten turns at 1000 rpm.
 EXPERIMENT = Experiment(stop_time=0.6, step_size=1e-5)
@@ -11,19 +12,7 @@ _WALL = {
     "sliding_velocity": "wall_sliding_velocity",
     "radius_of_curvature": "wall_radius",
 }
-TERMINALS = {
-    "crank": Terminal(
-        "rotation",
-        "turned by a shaft",
-        {
-            "angle": "crank_angle",
-            "speed": "crank_speed",
-            "acceleration": "crank_acceleration",
-            "torque": "crank_torque",
-            "impulse": "crank_impact_impulse",
-        },
-    ),
-} | {
+TERMINALS = {"crank": CRANK} | {
     f"{side}_wall": Terminal(
         "film_on_wall",
         f"film on the {side} wall",

@@ -1,20 +1,12 @@
 """FMU of the valve on its seat."""
 
 from ..fmi.description import Experiment
-from ..fmi.terminals import Terminal
+from ..terminal_kinds import GAS_ON_HEAD, translation
 
 EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
 
 TERMINALS = {
-    "load": Terminal(
-        "translation",
-        "what opens the valve",
-        {"position": "position", "velocity": "velocity", "force": "load"},
-    ),
-    "spring[*]": Terminal(
-        "translation",
-        "a spring that closes the valve",
-        {"position": "position", "velocity": "velocity", "force": "spring_force[*]"},
-    ),
-    "gas": Terminal("gas_force", "gas on the head", {"force": "gas_force"}),
+    "load": translation("what opens the valve", force="load"),
+    "spring[*]": translation("a spring that closes the valve", force="spring_force[*]"),
+    "gas": GAS_ON_HEAD,
 }
