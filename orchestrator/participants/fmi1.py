@@ -7,7 +7,7 @@ state can be neither saved nor restored.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,22 +20,18 @@ from fmpy.fmi1 import (
 
 from models.core.quantities import Vector
 
-from .bound_calls import BoundCalls
 from .description import BOOLEANS, Description, Variable
-from .fmi2 import add_formatting, forget_listener, listen, pass_message
+from .fmi2 import ScalarCalls, add_formatting, forget_listener, listen, pass_message
 from .fmi_instance import DISCARD, WARNING
 from .library import open_library
 
-# fmiStatusKind
-LAST_SUCCESSFUL_TIME = 2
 _LOGGER = fmi1CallbackLoggerTYPE(pass_message)
 
 
-class Fmi1(BoundCalls):
+class Fmi1(ScalarCalls):
     """Implements `FmiInstance`."""
 
-    real_types = ("Real",)
-    warned = 0
+    version = "fmi1"
     interface: Any = FMU1Slave
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
@@ -65,9 +61,6 @@ class Fmi1(BoundCalls):
     def _function(self, name: str) -> Any:
         return super()._function(self._prefix + name.replace("fmi1", "fmi"))
 
-    def configure(self, sizes: Mapping[Variable, int]) -> None:
-        raise NotImplementedError("structural parameters begin with FMI 3.0")
-
     def set_up(self, start_time: float, stop_time: float) -> None:
         pass
 
@@ -77,21 +70,6 @@ class Fmi1(BoundCalls):
 
     def exit_initialization(self) -> None:
         pass
-
-    def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
-        (first, *_), reference = variables, [v.reference for v in variables]
-        if first.type == "Real":
-            self.slave.setReal(reference, [float(value) for value in values])
-        elif first.type in BOOLEANS:
-            self.slave.setBoolean(reference, [bool(value) for value in values])
-        else:
-            self.slave.setInteger(reference, [int(value) for value in values])
-
-    def set_text(self, variable: Variable, text: str) -> None:
-        self.slave.setString([variable.reference], [text])
-
-    def get_text(self, variable: Variable) -> str:
-        return str(self.slave.getString([variable.reference])[0].decode("utf-8", "replace"))
 
     def terminate(self) -> None:
         self._check("fmi1TerminateSlave")
@@ -103,22 +81,11 @@ class Fmi1(BoundCalls):
     def get_addresses(self) -> dict[str, int]:
         return {}
 
-    def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        return self._transfer("fmi1SetReal", references, values=values, fail=fail)
-
-    def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        return self._transfer("fmi1GetReal", references, values=values, fail=fail)
-
     def bind_typed_getter(
         self, kind: str, references: Any, size: int, fail: Callable[[int], None]
     ) -> tuple[Any, Callable[[], None]]:
         name, number = ("Boolean", np.int8) if kind in BOOLEANS else ("Integer", np.intc)
         return self._bind_typed_getter(f"fmi1Get{name}", number, references, size, fail)
-
-    def bind_input_derivatives(
-        self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], int]:
-        return self._transfer("fmi1SetRealInputDerivatives", references, orders, values=values, fail=fail)
 
     def bind_output_derivatives(
         self, references: Any, values: Vector, fail: Callable[[int], None]
@@ -140,11 +107,6 @@ class Fmi1(BoundCalls):
                     self.warned += 1
 
         return advance
-
-    def get_reached_time(self) -> float | None:
-        value = ctypes.c_double()
-        status = self._function("fmi1GetRealStatus")(self._handle, LAST_SUCCESSFUL_TIME, ctypes.byref(value))
-        return value.value if status <= WARNING else None
 
     def is_ended(self) -> bool:
         return False

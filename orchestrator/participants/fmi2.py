@@ -58,11 +58,56 @@ def forget_listener(keys: Sequence[object]) -> None:
 _LOGGER = fmi2CallbackLoggerTYPE(pass_message)
 
 
-class Fmi2(BoundCalls):
-    """Implements `FmiInstance`."""
+class ScalarCalls(BoundCalls):
+    """What FMI 1.0 and 2.0 share, whose functions' names begin with `version`."""
 
     real_types = ("Real",)
     warned = 0
+    version: str
+
+    def configure(self, sizes: Mapping[Variable, int]) -> None:
+        raise NotImplementedError("structural parameters begin with FMI 3.0")
+
+    def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
+        (first, *_), reference = variables, [v.reference for v in variables]
+        if first.type == "Real":
+            self.slave.setReal(reference, [float(value) for value in values])
+        elif first.type in BOOLEANS:
+            self.slave.setBoolean(reference, [bool(value) for value in values])
+        else:
+            self.slave.setInteger(reference, [int(value) for value in values])
+
+    def set_text(self, variable: Variable, text: str) -> None:
+        self.slave.setString([variable.reference], [text])
+
+    def get_text(self, variable: Variable) -> str:
+        return str(self.slave.getString([variable.reference])[0].decode("utf-8", "replace"))
+
+    def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+        return self._transfer(f"{self.version}SetReal", references, values=values, fail=fail)
+
+    def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+        return self._transfer(f"{self.version}GetReal", references, values=values, fail=fail)
+
+    def bind_input_derivatives(
+        self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], int]:
+        return self._transfer(
+            f"{self.version}SetRealInputDerivatives", references, orders, values=values, fail=fail
+        )
+
+    def get_reached_time(self) -> float | None:
+        value = ctypes.c_double()
+        status = self._function(f"{self.version}GetRealStatus")(
+            self._handle, LAST_SUCCESSFUL_TIME, ctypes.byref(value)
+        )
+        return value.value if status <= WARNING else None
+
+
+class Fmi2(ScalarCalls):
+    """Implements `FmiInstance`."""
+
+    version = "fmi2"
     interface: Any = FMU2Slave
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
@@ -90,9 +135,6 @@ class Fmi2(BoundCalls):
             raise
         self._bind("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate")
 
-    def configure(self, sizes: Mapping[Variable, int]) -> None:
-        raise NotImplementedError("structural parameters begin with FMI 3.0")
-
     def set_up(self, start_time: float, stop_time: float) -> None:
         self.slave.setupExperiment(startTime=start_time, stopTime=stop_time)
 
@@ -101,21 +143,6 @@ class Fmi2(BoundCalls):
 
     def exit_initialization(self) -> None:
         self.slave.exitInitializationMode()
-
-    def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
-        (first, *_), reference = variables, [v.reference for v in variables]
-        if first.type == "Real":
-            self.slave.setReal(reference, [float(value) for value in values])
-        elif first.type in BOOLEANS:
-            self.slave.setBoolean(reference, [bool(value) for value in values])
-        else:
-            self.slave.setInteger(reference, [int(value) for value in values])
-
-    def set_text(self, variable: Variable, text: str) -> None:
-        self.slave.setString([variable.reference], [text])
-
-    def get_text(self, variable: Variable) -> str:
-        return str(self.slave.getString([variable.reference])[0].decode("utf-8", "replace"))
 
     def serialise(self, state: ctypes.c_void_p) -> bytes:
         return bytes(self.slave.serializeFMUstate(state))
@@ -134,22 +161,11 @@ class Fmi2(BoundCalls):
     def get_addresses(self) -> dict[str, int]:
         return self._addresses("fmi2SetReal", "fmi2DoStep", "fmi2GetReal") | {"fmi3": 0, "told": 0}
 
-    def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        return self._transfer("fmi2SetReal", references, values=values, fail=fail)
-
-    def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        return self._transfer("fmi2GetReal", references, values=values, fail=fail)
-
     def bind_typed_getter(
         self, kind: str, references: Any, size: int, fail: Callable[[int], None]
     ) -> tuple[Any, Callable[[], None]]:
         name = "Boolean" if kind in BOOLEANS else "Integer"
         return self._bind_typed_getter(f"fmi2Get{name}", np.intc, references, size, fail)
-
-    def bind_input_derivatives(
-        self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], int]:
-        return self._transfer("fmi2SetRealInputDerivatives", references, orders, values=values, fail=fail)
 
     def bind_output_derivatives(
         self, references: Any, values: Vector, fail: Callable[[int], None]
@@ -177,11 +193,6 @@ class Fmi2(BoundCalls):
                     self.warned += 1
 
         return advance
-
-    def get_reached_time(self) -> float | None:
-        value = ctypes.c_double()
-        status = self._function("fmi2GetRealStatus")(self._handle, LAST_SUCCESSFUL_TIME, ctypes.byref(value))
-        return value.value if status <= WARNING else None
 
     def is_ended(self) -> bool:
         # pythonfmu's C layer says so after every discarded step.
