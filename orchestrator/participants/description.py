@@ -19,8 +19,7 @@ from fmpy import read_model_description
 from fmus.fmi.origin import is_built_here
 
 from . import description1, description3
-from .description3 import EventMode
-from .sizes import STRUCTURAL, resize
+from .description3 import STRUCTURAL, EventMode, resize
 
 VERSIONS = ("1.0", "2.0", "3.0")
 # The interfaces by which an FMU can take part.

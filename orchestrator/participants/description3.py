@@ -1,7 +1,9 @@
-"""What fmpy does not read of descriptions of FMI 3.0: event mode, clocks, ranges of unsigned integers."""
+"""What fmpy does not read of descriptions of FMI 3.0: event mode, clocks, ranges of unsigned integers; and
+the arrays whose sizes follow from structural parameters."""
 
 from __future__ import annotations
 
+import math
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,6 +14,7 @@ from xml.etree import ElementTree
 # intervalVariability: what ticks at intervals of the FMU's, and what does not tick by time. All others tick
 # periodically.
 CHANGING, COUNTDOWN, TRIGGERED = "changing", "countdown", "triggered"
+STRUCTURAL = "structuralParameter"
 # Periods that the importer may set, where the description states one.
 SETTABLE = ("fixed", "tunable")
 
@@ -81,3 +84,22 @@ def _read_clock(element: ElementTree.Element) -> Clock:
         read("interval"),
         read("shift") or 0.0,
     )
+
+
+def resize(found: Any, sizes: Mapping[str, int]) -> None:
+    """Give fmpy's description these values of structural parameters, and arrays the shapes that follow."""
+    if not sizes:
+        return
+    for variable in found.modelVariables:
+        if variable.causality == STRUCTURAL and variable.name in sizes:
+            variable.start = str(sizes[variable.name])
+    for variable in found.modelVariables:
+        variable.shape = tuple(
+            int(d.variable.start if d.start is None else d.start) for d in variable.dimensions
+        )
+    found.numberOfContinuousStates = _count(found.derivatives)
+    found.numberOfEventIndicators = _count(found.eventIndicators)
+
+
+def _count(unknowns: Any) -> int:
+    return sum(math.prod(unknown.variable.shape) for unknown in unknowns)

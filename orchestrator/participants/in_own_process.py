@@ -57,11 +57,11 @@ class InOwnProcess(OwnProcess):
         return rated
 
     def initialise(self, start_time: float, stop_time: float) -> None:
-        self._call("initialise", times=[start_time, stop_time])
+        super().initialise(start_time, stop_time)
         self._fresh = False
 
     def finish_initialisation(self) -> None:
-        self._call("finish_initialisation")
+        super().finish_initialisation()
         self._fresh = False
 
     def set_inputs(self, values: Mapping[str, float]) -> None:

@@ -63,6 +63,12 @@ class OwnProcess:
         """A fresh instance, in the place of the one before; it has to be connected and initialised."""
         self._call("instantiate", **self._wanted)
 
+    def initialise(self, start_time: float, stop_time: float) -> None:
+        self._call("initialise", start_time=start_time, stop_time=stop_time)
+
+    def finish_initialisation(self) -> None:
+        self._call("finish_initialisation")
+
     def _ask(self, kind: bytes, *parts: Any) -> bytes:
         """Send a message and return the answer; raise the error that it contains."""
         try:

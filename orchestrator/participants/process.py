@@ -24,7 +24,7 @@ from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
 from .opened_fmu import FmuSettings
 from .opening import open_here
 from .protocol import BoundVariables, GivesDerivatives
-from .side_channel import SideChannel, get_side_channel
+from .side_channel import get_side_channel
 
 if TYPE_CHECKING:
     from .fmu import FmuParticipant
@@ -34,7 +34,10 @@ _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
 
 
 class Server:
-    """Carries out messages; the first one, instantiate, opens the FMU."""
+    """Carries out messages; the first one, instantiate, opens the FMU.
+
+    Calls that it does not have itself are those of the participant, or of its side channel.
+    """
 
     unit: FmuParticipant | IntegratedFmu
     inputs: Vector
@@ -55,8 +58,8 @@ class Server:
             self._set_inputs(content)
             return self._get_outputs()
         assert kind == CALL
-        asked = json.loads(content)
-        return json.dumps(getattr(self, asked.pop("method"))(**asked)).encode()
+        unit = getattr(self, "unit", None)
+        return answer_call(content, self, unit, get_side_channel(unit))
 
     def _set_inputs(self, values: bytes) -> None:
         if values:
@@ -79,36 +82,13 @@ class Server:
         bound = BoundVariables(inputs, self.inputs, outputs, self.outputs, self.rates)
         return [bool(one) for one in self.unit.connect(bound)]
 
-    def initialise(self, times: list[float]) -> None:
-        self.unit.initialise(*times)
-
-    def set_inputs(self, values: dict[str, float]) -> None:
-        self.unit.set_inputs(values)
-
-    def finish_initialisation(self) -> None:
-        self.unit.finish_initialisation()
-
-    def read_all(self, size: int) -> list[float]:
+    def read_all(self, size: int) -> Vector:
         values = np.zeros(size)
         self.unit.read_all(values)
-        return values.tolist()
+        return values
 
-    def get_followed(self) -> list[list[bool]]:
-        return np.asarray(self._derivatives.get_followed()).tolist()
-
-    def find_states(self, names: list[str]) -> list[Any] | None:
-        if not isinstance(self.unit, GivesDerivatives):
-            return None
-        found = self.unit.find_states(names)
-        return None if found is None else list(found)
-
-    def jacobian(self, unknown: list[str], known: list[str]) -> list[list[float]]:
-        return self._derivatives.jacobian(unknown, known).tolist()
-
-    @property
-    def _derivatives(self) -> GivesDerivatives:
-        assert isinstance(self.unit, GivesDerivatives)
-        return self.unit
+    def find_states(self, names: list[str]) -> Any:
+        return self.unit.find_states(names) if isinstance(self.unit, GivesDerivatives) else None
 
     def save(self) -> int:
         return self._store_state(self.unit.save())
@@ -130,29 +110,14 @@ class Server:
     def from_bytes(self, data: str) -> int:
         return self._store_state(self.unit.from_bytes(bytes.fromhex(data)))
 
-    def next_event(self) -> float:
-        return self._side.next_event()
 
-    def handle(self, time: float, clocks: list[str]) -> list[str] | None:
-        return self._side.handle(time, clocks)
-
-    def get_texts(self, names: list[str]) -> list[str]:
-        return self._side.get_texts(names)
-
-    def set_texts(self, values: dict[str, str]) -> None:
-        self._side.set_texts(values)
-
-    @property
-    def _side(self) -> SideChannel:
-        side = get_side_channel(self.unit)
-        assert side
-        return side
-
-    def warnings(self) -> list[Any]:
-        return list(self.unit.warnings())
-
-    def close(self) -> None:
-        self.unit.close()
+def answer_call(content: bytes, *owners: Any) -> bytes:
+    """The answer to a call, by the first of the owners that has its method."""
+    asked = json.loads(content)
+    method = asked.pop("method")
+    owner = next(one for one in owners if hasattr(one, method))
+    found = getattr(owner, method)(**asked)
+    return json.dumps(found.tolist() if isinstance(found, np.ndarray) else found).encode()
 
 
 def main() -> None:

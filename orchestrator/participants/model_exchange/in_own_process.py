@@ -23,12 +23,6 @@ class EquationsInOwnProcess(OwnProcess):
         super().__init__(name, path, settings, inputs=list(inputs))
         self.states, self.indicators = self._call("get_sizes")
 
-    def initialise(self, start_time: float, stop_time: float) -> None:
-        self._call("initialise", times=[start_time, stop_time])
-
-    def finish_initialisation(self) -> None:
-        self._call("finish_initialisation")
-
     def outputs(self, t: float, x: Vector, u: Vector) -> Vector:
         self._doing = f"equations at t = {t:.9g} s"
         self._stepped = True

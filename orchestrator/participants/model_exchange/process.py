@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from ..messages import ADVANCE, CALL, READ
 from ..opened_fmu import FmuSettings
-from ..process import serve
+from ..process import answer_call, serve
 from .equations import ExchangeFmu
 
 
@@ -27,18 +26,12 @@ class Server:
         if kind == READ:
             return self.equations.rate().tobytes()
         assert kind == CALL
-        asked = json.loads(content)
-        method = asked.pop("method")
-        found = getattr(self if hasattr(self, method) else self.equations, method)(**asked)
-        return json.dumps(found.tolist() if isinstance(found, np.ndarray) else found).encode()
+        return answer_call(content, self, getattr(self, "equations", None))
 
     def instantiate(
         self, name: str, path: str, given: dict[str, Any], folder: str, inputs: list[str]
     ) -> None:
         self.equations = ExchangeFmu(name, Path(path), FmuSettings(**given), inputs, Path(folder))
-
-    def initialise(self, times: list[float]) -> None:
-        self.equations.initialise(*times)
 
     def get_sizes(self) -> list[int]:
         return [self.equations.states, self.equations.indicators]
