@@ -27,6 +27,7 @@ from .cams.profile import (
     time_to_break,
 )
 from .cams.table import TABLE, TableParameters, check_table
+from .shaft import DriveInputs
 from .shaft_element import (
     Load,
     Shaft,
@@ -141,14 +142,7 @@ class CamshaftState:
 
 
 @dataclass
-class CamshaftInputs:
-    drive_angle: Annotated[float, Quantity("rad", "angle of the drive", display_unit="deg")] = 0.0
-    drive_speed: Annotated[
-        float, Quantity("rad/s", "speed of the drive", nominal=100.0, display_unit="rpm")
-    ] = 0.0
-    drive_acceleration: Annotated[
-        float, Quantity("rad/s2", "angular acceleration of the drive", nominal=100.0)
-    ] = 0.0
+class CamshaftInputs(DriveInputs):
     contact_load: Annotated[float, Quantity("N", "load W of the follower on the cam", nominal=500.0)] = 0.0
     friction_force: Annotated[
         float, Quantity("N", "friction on the cam against its sliding", nominal=10.0)

@@ -40,6 +40,14 @@ OVERLAP = 10.0
 SHORT, FINITE = 0.0, 1.0
 
 
+Eccentricity = Annotated[
+    float, Quantity("m", "eccentricity of the journal in the bush", nominal=1e-5, display_unit="um")
+]
+Displacement = Annotated[
+    float, Quantity("m", "displacement of the journal's axis", nominal=1e-5, display_unit="um")
+]
+
+
 @dataclass
 class JournalBearingParameters:
     """Defaults: a bearing of a camshaft, 25 mm, with hot engine oil."""
@@ -102,12 +110,8 @@ class JournalBearingParameters:
 
 @dataclass
 class JournalBearingState:
-    eccentricity_x: Annotated[
-        float, Quantity("m", "eccentricity of the journal in the bush", nominal=1e-5, display_unit="um")
-    ] = 0.0
-    eccentricity_y: Annotated[
-        float, Quantity("m", "eccentricity of the journal in the bush", nominal=1e-5, display_unit="um")
-    ] = 0.0
+    eccentricity_x: Eccentricity = 0.0
+    eccentricity_y: Eccentricity = 0.0
 
 
 @dataclass
@@ -116,12 +120,8 @@ class JournalBearingInputs:
         float,
         Quantity("rad/s", "speed of the journal, anticlockwise", nominal=100.0, display_unit="rpm"),
     ] = 0.0
-    axis_x: Annotated[
-        float, Quantity("m", "displacement of the journal's axis", nominal=1e-5, display_unit="um")
-    ] = 0.0
-    axis_y: Annotated[
-        float, Quantity("m", "displacement of the journal's axis", nominal=1e-5, display_unit="um")
-    ] = 0.0
+    axis_x: Displacement = 0.0
+    axis_y: Displacement = 0.0
     axis_velocity_x: Annotated[float, Quantity("m/s", "rate of axis_x", nominal=1e-2)] = 0.0
     axis_velocity_y: Annotated[float, Quantity("m/s", "rate of axis_y", nominal=1e-2)] = 0.0
 
@@ -134,12 +134,8 @@ class JournalBearingOutputs:
         float, Quantity("N.m", "torque that film and asperities take from the shaft", nominal=0.1)
     ] = 0.0
     load: Annotated[float, Quantity("N", "force on the bush", nominal=500.0)] = 0.0
-    eccentricity_x: Annotated[
-        float, Quantity("m", "eccentricity of the journal in the bush", nominal=1e-5, display_unit="um")
-    ] = 0.0
-    eccentricity_y: Annotated[
-        float, Quantity("m", "eccentricity of the journal in the bush", nominal=1e-5, display_unit="um")
-    ] = 0.0
+    eccentricity_x: Eccentricity = 0.0
+    eccentricity_y: Eccentricity = 0.0
     eccentricity_ratio: Annotated[float, Quantity("1", "eccentricity over the radial clearance")] = 0.0
     minimum_film_thickness: Annotated[
         float, Quantity("m", "least thickness of the film", nominal=1e-6, display_unit="um")

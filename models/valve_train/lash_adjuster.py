@@ -17,6 +17,7 @@ from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import CAM_RADIUS, GAS_PRESSURE, PART_LENGTH, PLAY, VISCOSITY, VOLUME
+from .rod import EndMotions
 
 # Newton's steps for the pressure of oil with air end at this part of a volume; they converge from below.
 STEPS, CLOSE = 60, 1e-15
@@ -100,18 +101,6 @@ class LashAdjusterState:
 
 
 @dataclass
-class LashAdjusterInputs:
-    lower_position: Annotated[
-        float, Quantity("m", "position of the body below", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    lower_velocity: Annotated[float, Quantity("m/s", "velocity of the body below")] = 0.0
-    upper_position: Annotated[
-        float, Quantity("m", "position of the body above", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    upper_velocity: Annotated[float, Quantity("m/s", "velocity of the body above")] = 0.0
-
-
-@dataclass
 class LashAdjusterOutputs:
     force: Annotated[float, Quantity("N", "force that parts both bodies", nominal=500.0)] = 0.0
     pressure: Annotated[
@@ -171,7 +160,7 @@ def leak_conductance(p: LashAdjusterParameters) -> float:
 
 
 @kernel
-def chamber_pressure(x: LashAdjusterState, u: LashAdjusterInputs, p: LashAdjusterParameters) -> float:
+def chamber_pressure(x: LashAdjusterState, u: EndMotions, p: LashAdjusterParameters) -> float:
     """Over the supply's."""
     w = plunger_area(p) * (u.lower_position - u.upper_position) - x.leaked_volume
     return absolute_pressure(w, p) - p.supply_pressure
@@ -186,7 +175,7 @@ def valve_flow(pressure: float, p: LashAdjusterParameters) -> float:
 def derivative(
     t: float,
     x: LashAdjusterState,
-    u: LashAdjusterInputs,
+    u: EndMotions,
     p: LashAdjusterParameters,
     dx: LashAdjusterState,
 ) -> None:
@@ -198,7 +187,7 @@ def derivative(
 def output(
     t: float,
     x: LashAdjusterState,
-    u: LashAdjusterInputs,
+    u: EndMotions,
     p: LashAdjusterParameters,
     y: LashAdjusterOutputs,
 ) -> None:
@@ -216,7 +205,7 @@ def output(
 def energy(
     t: float,
     x: LashAdjusterState,
-    u: LashAdjusterInputs,
+    u: EndMotions,
     p: LashAdjusterParameters,
     e: Vector,
 ) -> None:
@@ -247,7 +236,7 @@ def lash_adjuster() -> Component:
         description="Hydraulic lash adjuster: oil chamber with leak, check valve and air",
         parameters=Layout(LashAdjusterParameters),
         state=Layout(LashAdjusterState),
-        inputs=Layout(LashAdjusterInputs),
+        inputs=Layout(EndMotions),
         outputs=Layout(LashAdjusterOutputs),
         derivative=derivative,
         output=output,

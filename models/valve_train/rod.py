@@ -62,7 +62,9 @@ class RodState:
 
 
 @dataclass
-class RodInputs:
+class EndMotions:
+    """The bodies that a rod or a lash adjuster is between."""
+
     lower_position: Annotated[
         float, Quantity("m", "position of the body below", nominal=1e-3, display_unit="mm")
     ] = 0.0
@@ -109,25 +111,25 @@ def rod(segments: int = 4) -> Component:
         return p.youngs_modulus * p.area * n / p.length
 
     @kernel
-    def lower_compression(x: RodState, u: RodInputs) -> float:
+    def lower_compression(x: RodState, u: EndMotions) -> float:
         return u.lower_position - x.displacement[0]
 
     @kernel
-    def upper_compression(x: RodState, u: RodInputs, p: RodParameters) -> float:
+    def upper_compression(x: RodState, u: EndMotions, p: RodParameters) -> float:
         return x.displacement[n - 1] - u.upper_position - p.clearance
 
     @kernel
-    def lower_force(x: RodState, u: RodInputs, p: RodParameters) -> float:
+    def lower_force(x: RodState, u: EndMotions, p: RodParameters) -> float:
         rate = u.lower_velocity - x.velocity[0]
         return end_force(2.0 * inner_stiffness(p), lower_compression(x, u), rate, p)
 
     @kernel
-    def upper_force(x: RodState, u: RodInputs, p: RodParameters) -> float:
+    def upper_force(x: RodState, u: EndMotions, p: RodParameters) -> float:
         rate = x.velocity[n - 1] - u.upper_velocity
         return end_force(2.0 * inner_stiffness(p), upper_compression(x, u, p), rate, p)
 
     @kernel
-    def derivative(t: float, x: RodState, u: RodInputs, p: RodParameters, dx: RodState) -> None:
+    def derivative(t: float, x: RodState, u: EndMotions, p: RodParameters, dx: RodState) -> None:
         mass, stiffness = p.density * p.area * p.length / n, inner_stiffness(p)
         below = lower_force(x, u, p)
         for i in range(n):
@@ -141,14 +143,14 @@ def rod(segments: int = 4) -> Component:
             below = above
 
     @kernel
-    def output(t: float, x: RodState, u: RodInputs, p: RodParameters, y: RodOutputs) -> None:
+    def output(t: float, x: RodState, u: EndMotions, p: RodParameters, y: RodOutputs) -> None:
         y.lower_force = lower_force(x, u, p)
         y.upper_force = upper_force(x, u, p)
         y.lower_compression = lower_compression(x, u)
         y.upper_compression = upper_compression(x, u, p)
 
     @kernel
-    def energy(t: float, x: RodState, u: RodInputs, p: RodParameters, e: Vector) -> None:
+    def energy(t: float, x: RodState, u: EndMotions, p: RodParameters, e: Vector) -> None:
         """What an end that is not bonded does not give back of k e^2/2 is lost."""
         mass, stiffness = p.density * p.area * p.length / n, inner_stiffness(p)
         stored, lost = 0.0, 0.0
@@ -173,7 +175,7 @@ def rod(segments: int = 4) -> Component:
         description="Slender rod of finite segments: pushrod or valve stem",
         parameters=Layout(RodParameters),
         state=Layout(RodState, sizes),
-        inputs=Layout(RodInputs),
+        inputs=Layout(EndMotions),
         outputs=Layout(RodOutputs),
         derivative=derivative,
         output=output,

@@ -124,7 +124,7 @@ class ShaftState:
 
 
 @dataclass
-class ShaftInputs:
+class DriveInputs:
     drive_angle: Annotated[float, Quantity("rad", "angle of the drive", display_unit="deg")] = 0.0
     drive_speed: Annotated[
         float, Quantity("rad/s", "speed of the drive", nominal=100.0, display_unit="rpm")
@@ -132,6 +132,10 @@ class ShaftInputs:
     drive_acceleration: Annotated[
         float, Quantity("rad/s2", "angular acceleration of the drive", nominal=100.0)
     ] = 0.0
+
+
+@dataclass
+class ShaftInputs(DriveInputs):
     cam_torque: Annotated[
         Vector, Quantity("N.m", "torque taken by a follower", nominal=10.0, size="cams")
     ] = per_element()

@@ -16,6 +16,7 @@ from models.slider_crank.motions.machine import FORMS, Events, Machine, Motion
 from models.slider_crank.motions.portrait import rates_after
 from models.slider_crank.motions.statistics import (
     Distribution,
+    approach_velocities,
     effective_bins,
     energies,
     energy_profile,
@@ -89,6 +90,8 @@ def test_energy_taken_is_the_kinetic_energy_lost(form: str) -> None:
     index, m = machine.form_code, machine.mechanism
     taken = energies(machine, impacts)
     after = rates_after(machine, impacts)
+    # Upwards, and towards the wall.
+    np.testing.assert_array_equal(np.sign(approach_velocities(impacts)), impacts.side)
     for i in range(0, 40):
         theta = impacts.theta[i]
         psi = wall_angle(index, theta, impacts.side[i] * machine.gap, m)
