@@ -68,8 +68,7 @@ class SpringStopInputs:
 class SpringStopOutputs:
     force: Annotated[float, Quantity("N", "upward force on the mass", nominal=100.0)] = 0.0
     compression: Annotated[
-        float,
-        Quantity("m", "compression c of the stop; negative: the gap", nominal=1e-2, display_unit="mm"),
+        float, Quantity("m", "compression c of the stop; negative: the gap", nominal=1e-2, display_unit="mm")
     ] = 0.0
     contact_margin: Annotated[
         float,

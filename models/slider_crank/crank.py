@@ -9,8 +9,7 @@ from ..core.quantities import Quantity, Vector
 from ..plausible import PART_LENGTH
 
 CrankRadius = Annotated[
-    float,
-    Quantity("m", "crank radius", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH),
+    float, Quantity("m", "crank radius", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH)
 ]
 RodLength = Annotated[
     float,

@@ -16,14 +16,7 @@ from ..core.quantities import Layout, Vector
 from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .equations import inertia, joint_rate, rebound
 from .flight.bouncing import FREE, LOWER, UPPER
-from .forms import (
-    crank_impulse,
-    crank_torque,
-    flight_acceleration,
-    kinetic_energy,
-    offset,
-    offset_slope,
-)
+from .forms import crank_impulse, crank_torque, flight_acceleration, kinetic_energy, offset, offset_slope
 from .nonlinear import rod_angle, rod_rate
 from .records import (
     WALL_FILMS,

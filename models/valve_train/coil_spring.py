@@ -16,7 +16,8 @@ from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector, per_element
-from ..plausible import SEAT_STIFFNESS, SPRING_RATE, SURGE_FREQUENCY
+from ..plausible import SEAT_STIFFNESS, SPRING_RATE
+from .valve_spring import SurgeDamping, SurgeFrequency
 
 
 @dataclass
@@ -26,29 +27,11 @@ class CoilSpringParameters:
     spring_rate: Annotated[
         float,
         Quantity(
-            "N/m",
-            "static rate k0 while no coil is closed",
-            nominal=3e4,
-            positive=True,
-            plausible=SPRING_RATE,
+            "N/m", "static rate k0 while no coil is closed", nominal=3e4, positive=True, plausible=SPRING_RATE
         ),
     ] = 35e3
-    surge_frequency: Annotated[
-        float,
-        Quantity(
-            "Hz",
-            "first natural frequency f0 of the clamped spring",
-            nominal=500.0,
-            positive=True,
-            plausible=SURGE_FREQUENCY,
-        ),
-    ] = 504.5
-    damping_ratio: Annotated[
-        float,
-        Quantity(
-            "1", "damping ratio of the spring at f0 (stiffness-proportional)", nominal=0.01, minimum=0.0
-        ),
-    ] = 0.02
+    surge_frequency: SurgeFrequency = 504.5
+    damping_ratio: SurgeDamping = 0.02
     preload: Annotated[float, Quantity("N", "force f_p at position zero", nominal=300.0, minimum=0.0)] = 330.0
     gap: Annotated[
         Vector,

@@ -272,8 +272,7 @@ INERTIA_IS_OF_ITS_MASS = Requirement(
     "inertia = {0:g} kg.m2: must be > mass mass_arm^2 = {1:g} kg.m2, which the centre of mass alone has",
 )
 ARMS_HAVE_ONE_SIDE = Requirement(
-    arms_have_one_side,
-    "cam_arm = {0:g} mm, valve_arm = {1:g} mm: must not be zero and must have one sign",
+    arms_have_one_side, "cam_arm = {0:g} mm, valve_arm = {1:g} mm: must not be zero and must have one sign"
 )
 
 

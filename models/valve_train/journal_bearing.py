@@ -117,8 +117,7 @@ class JournalBearingState:
 @dataclass
 class JournalBearingInputs:
     shaft_speed: Annotated[
-        float,
-        Quantity("rad/s", "speed of the journal, anticlockwise", nominal=100.0, display_unit="rpm"),
+        float, Quantity("rad/s", "speed of the journal, anticlockwise", nominal=100.0, display_unit="rpm")
     ] = 0.0
     axis_x: Displacement = 0.0
     axis_y: Displacement = 0.0

@@ -79,8 +79,7 @@ class LashAdjusterParameters:
         ),
     ] = 5e-3  # fmt: skip
     viscosity: Annotated[
-        float,
-        Quantity("Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY),
+        float, Quantity("Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY)
     ] = 0.01
     valve_opening_pressure: Annotated[
         float, Quantity("Pa", "pressure below the supply's at which the check valve opens", minimum=0.0)
@@ -173,11 +172,7 @@ def valve_flow(pressure: float, p: LashAdjusterParameters) -> float:
 
 @kernel
 def derivative(
-    t: float,
-    x: LashAdjusterState,
-    u: EndMotions,
-    p: LashAdjusterParameters,
-    dx: LashAdjusterState,
+    t: float, x: LashAdjusterState, u: EndMotions, p: LashAdjusterParameters, dx: LashAdjusterState
 ) -> None:
     pressure = chamber_pressure(x, u, p)
     dx.leaked_volume = leak_conductance(p) * pressure - valve_flow(pressure, p)
@@ -185,11 +180,7 @@ def derivative(
 
 @kernel
 def output(
-    t: float,
-    x: LashAdjusterState,
-    u: EndMotions,
-    p: LashAdjusterParameters,
-    y: LashAdjusterOutputs,
+    t: float, x: LashAdjusterState, u: EndMotions, p: LashAdjusterParameters, y: LashAdjusterOutputs
 ) -> None:
     pressure = chamber_pressure(x, u, p)
     y.pressure = pressure
@@ -202,13 +193,7 @@ def output(
 
 
 @kernel
-def energy(
-    t: float,
-    x: LashAdjusterState,
-    u: EndMotions,
-    p: LashAdjusterParameters,
-    e: Vector,
-) -> None:
+def energy(t: float, x: LashAdjusterState, u: EndMotions, p: LashAdjusterParameters, e: Vector) -> None:
     """Stored: the integral of p dw and the plunger's spring. Lost: in leak and check valve."""
     pressure = chamber_pressure(x, u, p)
     absolute, supply, a, n = pressure + p.supply_pressure, p.supply_pressure, p.air_content, p.air_exponent
@@ -244,9 +229,6 @@ def lash_adjuster() -> Component:
         feedthrough=dict.fromkeys(
             ("force", "pressure", "extension", "leak_flow", "valve_flow", "valve_excess", "cavitates"), places
         ),
-        bonds=(
-            PowerBond("force", "lower_velocity", +1),
-            PowerBond("force", "upper_velocity", -1),
-        ),
+        bonds=(PowerBond("force", "lower_velocity", +1), PowerBond("force", "upper_velocity", -1)),
         event_indicators=("valve_excess",),
     )

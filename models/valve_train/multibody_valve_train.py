@@ -112,11 +112,7 @@ MultibodyInputs = make_dataclass(
 
 _OWN_OUTPUTS = [
     ("load", Annotated[float, Quantity("N", "contact load W", nominal=500.0)], 0.0),
-    (
-        "elastic_load",
-        Annotated[float, Quantity("N", "contact load without its damping", nominal=500.0)],
-        0.0,
-    ),
+    ("elastic_load", Annotated[float, Quantity("N", "contact load without its damping", nominal=500.0)], 0.0),
     (
         "deflection",
         Annotated[float, Quantity("m", "elastic approach of the bodies", nominal=1e-6, display_unit="um")],
@@ -131,8 +127,7 @@ _OWN_OUTPUTS = [
     (
         "axis_x",
         Annotated[
-            float,
-            Quantity("m", "displacement of the cam across the valve", nominal=1e-5, display_unit="um"),
+            float, Quantity("m", "displacement of the cam across the valve", nominal=1e-5, display_unit="um")
         ],
         0.0,
     ),

@@ -14,7 +14,7 @@ from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from .slider import Slip, find_slip, lost_power
+from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, lost_power
 
 
 @dataclass
@@ -27,17 +27,13 @@ class PadFrictionParameters:
     viscous_coefficient: Annotated[
         float, Quantity("N.s/m", "viscous friction c over velocity", nominal=1.0, minimum=0.0)
     ] = 0.0
-    sticking_stiffness: Annotated[
-        float, Quantity("N/m", "stiffness k of the sticking surfaces", nominal=1e7, positive=True)
-    ] = 1e7
-    relaxation_time: Annotated[
-        float, Quantity("s", "damping of their shift over the stiffness, tau", nominal=1e-5, positive=True)
-    ] = 3e-5
+    sticking_stiffness: StickingStiffness = 1e7
+    relaxation_time: RelaxationTime = 3e-5
 
 
 @dataclass
 class PadFrictionState:
-    creep: Annotated[float, Quantity("m", "elastic shift z of the sticking surfaces", nominal=1e-6)] = 0.0
+    creep: Creep = 0.0
 
 
 @dataclass

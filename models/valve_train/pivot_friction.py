@@ -66,8 +66,7 @@ class PivotFrictionOutputs:
         float, Quantity("N.m", "limit T_c of the dry friction under this load", nominal=0.1)
     ] = 0.0
     sticking_margin: Annotated[
-        float,
-        Quantity("N.m", "limit less what sticking would take; negative: it slides", nominal=0.1),
+        float, Quantity("N.m", "limit less what sticking would take; negative: it slides", nominal=0.1)
     ] = 0.0
     sliding_rate: Annotated[
         float, Quantity("rad/s", "part of the speed by which the surfaces slide", nominal=10.0)

@@ -20,7 +20,7 @@ from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import CURVATURE
-from .slider import Slip, find_slip, lost_power
+from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, lost_power
 
 
 @dataclass
@@ -43,12 +43,8 @@ class RollerParameters:
     pin_damping: Annotated[
         float, Quantity("N.m.s", "viscous friction c of the pin over speed", nominal=1e-5, minimum=0.0)
     ] = 1e-5
-    sticking_stiffness: Annotated[
-        float, Quantity("N/m", "stiffness k of the sticking surfaces", nominal=1e7, positive=True)
-    ] = 1e7
-    relaxation_time: Annotated[
-        float, Quantity("s", "damping of their shift over the stiffness, tau", nominal=1e-5, positive=True)
-    ] = 3e-5
+    sticking_stiffness: StickingStiffness = 1e7
+    relaxation_time: RelaxationTime = 3e-5
 
 
 @dataclass
@@ -56,7 +52,7 @@ class RollerState:
     absolute_spin: Annotated[
         float, Quantity("rad/s", "spin in space, omega - beta'", nominal=100.0, display_unit="rpm")
     ] = 0.0
-    creep: Annotated[float, Quantity("m", "elastic shift z of the sticking surfaces", nominal=1e-6)] = 0.0
+    creep: Creep = 0.0
 
 
 @dataclass

@@ -157,12 +157,10 @@ class ShaftOutputs:
         Quantity("rad/s", "speed of the shaft at a cam", nominal=100.0, display_unit="rpm", size="cams"),
     ] = per_element()
     twist: Annotated[
-        Vector,
-        Quantity("rad", "twist of the shaft at a cam", nominal=1e-3, display_unit="deg", size="cams"),
+        Vector, Quantity("rad", "twist of the shaft at a cam", nominal=1e-3, display_unit="deg", size="cams")
     ] = per_element()
     axis_x: Annotated[
-        Vector,
-        Quantity("m", "displacement of a cam across its follower's path", nominal=1e-5, size="cams"),
+        Vector, Quantity("m", "displacement of a cam across its follower's path", nominal=1e-5, size="cams")
     ] = per_element()
     axis_y: Annotated[
         Vector, Quantity("m", "displacement of a cam towards its follower", nominal=1e-5, size="cams")

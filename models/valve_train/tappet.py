@@ -192,11 +192,7 @@ def tappet(table_points: int = 0) -> Component:
         derivative=derivative,
         output=output,
         energy=energy,
-        feedthrough={
-            **CAM_FEEDTHROUGH,
-            "acceleration": (*FORCES, "load"),
-            "side_force": FORCES,
-        },
+        feedthrough={**CAM_FEEDTHROUGH, "acceleration": (*FORCES, "load"), "side_force": FORCES},
         bonds=(*CAM_BONDS, PowerBond("load", "velocity", -1)),
         requirements=(PATH_IS_NEAR, *profile.requirements, require_contact(profile, touch)),
         structure=sizes,

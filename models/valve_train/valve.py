@@ -34,8 +34,7 @@ class ValveParameters:
         ),
     ] = 0.0
     seat_stiffness: Annotated[
-        float,
-        Quantity("N/m", "stiffness of the seat", nominal=1e7, positive=True, plausible=SEAT_STIFFNESS),
+        float, Quantity("N/m", "stiffness of the seat", nominal=1e7, positive=True, plausible=SEAT_STIFFNESS)
     ] = 2e7
     seat_damping: Annotated[
         float, Quantity("N.s/m", "damping of the seat while touching", nominal=1e2, minimum=0.0)

@@ -23,6 +23,17 @@ from ..plausible import CAM_LIFT, LASH, SEAT_STIFFNESS, SPRING_RATE, SURGE_FREQU
 # A dip that is far from any event.
 NO_SEAT = -1.0
 
+SurgeFrequency = Annotated[
+    float,
+    Quantity(
+        "Hz", "first natural frequency f0 of the clamped spring", nominal=500.0, positive=True,
+        plausible=SURGE_FREQUENCY,
+    ),
+]  # fmt: skip
+SurgeDamping = Annotated[
+    float,
+    Quantity("1", "damping ratio of the spring at f0 (stiffness-proportional)", nominal=0.01, minimum=0.0),
+]
 CoilPosition = Annotated[
     Vector, Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
 ]
@@ -40,22 +51,8 @@ class ValveSpringParameters:
         float,
         Quantity("N/m", "static rate k0 of the spring", nominal=3e4, positive=True, plausible=SPRING_RATE),
     ] = 35e3
-    surge_frequency: Annotated[
-        float,
-        Quantity(
-            "Hz",
-            "first natural frequency f0 of the clamped spring",
-            nominal=500.0,
-            positive=True,
-            plausible=SURGE_FREQUENCY,
-        ),
-    ] = 504.5
-    damping_ratio: Annotated[
-        float,
-        Quantity(
-            "1", "damping ratio of the spring at f0 (stiffness-proportional)", nominal=0.01, minimum=0.0
-        ),
-    ] = 0.02
+    surge_frequency: SurgeFrequency = 504.5
+    damping_ratio: SurgeDamping = 0.02
     preload: Annotated[float, Quantity("N", "spring force f_p at zero lift", nominal=300.0, minimum=0.0)] = (
         330.0
     )
@@ -138,8 +135,7 @@ class ValveSpringOutputs(FollowerMotion):
         Quantity("m", "dip of the valve into its seat; -1 m without a seat", nominal=1e-5, display_unit="um"),
     ] = NO_SEAT
     least_gap: Annotated[
-        float,
-        Quantity("m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm"),
+        float, Quantity("m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm")
     ] = 0.0
     coil_position: CoilPosition = per_element()
 

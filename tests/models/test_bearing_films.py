@@ -14,13 +14,7 @@ from scipy.optimize import brentq
 from models.contact.asperities import Asperities, asperity_pressure
 from models.contact.asperity_arc import Arc, press_arc
 from models.contact.finite_bearing import find_finite_squeeze
-from models.contact.short_bearing import (
-    Squeeze,
-    find_force,
-    find_impedance,
-    find_squeeze,
-    highest_pressure,
-)
+from models.contact.short_bearing import Squeeze, find_force, find_impedance, find_squeeze, highest_pressure
 
 from .reynolds_bearing import solve_film
 

@@ -87,11 +87,7 @@ SHARES = ("onset_share", "flank_share", "reversal_share", "nose_share")
 
 @settings(max_examples=30, deadline=None)
 @given(
-    st.floats(0.02, 0.25),
-    st.floats(0.0, 0.25),
-    st.floats(0.02, 0.25),
-    st.floats(0.0, 0.25),
-    st.booleans(),
+    st.floats(0.02, 0.25), st.floats(0.0, 0.25), st.floats(0.02, 0.25), st.floats(0.0, 0.25), st.booleans()
 )
 def test_segments_of_acceleration_close_and_are_smooth(onset, flank, reversal, nose, fades):
     """Quadrature of s'' gives s' and s: velocity 0 and lift S at the nose; s'' is continuous at the borders,

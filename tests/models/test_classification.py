@@ -2,13 +2,7 @@
 
 from __future__ import annotations
 
-from models.slider_crank.motions.classification import (
-    CHAOTIC,
-    PERIODIC,
-    TRANSIENT_CHAOS,
-    UNDECIDED,
-    classify,
-)
+from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, UNDECIDED, classify
 from models.slider_crank.motions.machine import Machine
 
 THESIS = "as_published"

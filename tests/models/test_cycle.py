@@ -17,12 +17,7 @@ from .systems import DRY, column, run, turn, valve_train
 
 TURNING = ["flywheel.angle"]
 # A dry contact of thirty times the modulus of steel, damped: nearly one without elasticity.
-STIFF = {
-    **DRY,
-    "youngs_modulus_1": 30.0 * 207e9,
-    "youngs_modulus_2": 30.0 * 207e9,
-    "contact_damping": 20e3,
-}
+STIFF = {**DRY, "youngs_modulus_1": 30.0 * 207e9, "youngs_modulus_2": 30.0 * 207e9, "contact_damping": 20e3}
 # Least and largest contact load (N) of the train with two coil masses and a rigid contact, by speed (r/min).
 LOADS = {
     500.0: (329.983, 610.015),

@@ -189,6 +189,11 @@ def test_cutting_time_changes_no_impact() -> None:
     assert y["impact_count"] == once["impact_count"] > 10.0
     assert y["last_impact_time"] == pytest.approx(once["last_impact_time"], rel=1e-9)
     assert x == pytest.approx(whole, rel=1e-6, abs=1e-9)
+    # A state that is restored goes on to the last bit.
+    again = x.copy()
+    y = turn(DRIVEN, x, p, span, 2.0, ENGINE_SPEED)
+    assert turn(DRIVEN, again, p, span, 2.0, ENGINE_SPEED) == y
+    assert np.array_equal(again, x)
 
 
 def test_chatter_taken_to_its_limit_early_changes_the_motion_by_its_square() -> None:

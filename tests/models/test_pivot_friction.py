@@ -88,11 +88,7 @@ def test_a_steady_moment_below_the_limit_holds_the_lever(share):
     assert abs(rate[-1]) < 1e-6
     later = swing(lambda t: moment, 2.0, (rotation[-1], 0.0, twist[-1]))[1]
     assert later[-1] == pytest.approx(rotation[-1], abs=1e-3 * YIELD)
-
-
-def test_a_moment_above_the_limit_moves_the_lever():
-    moment = 1.2 * LIMIT
-    _, _, rate, _ = swing(lambda t: moment, 0.05)
+    _, _, rate, _ = swing(lambda t: 1.2 * LIMIT, 0.05)
     assert rate[-1] == pytest.approx(0.2 * LIMIT / INERTIA * 0.05, rel=0.02)
 
 
@@ -167,12 +163,6 @@ def test_no_power_is_made(z, rate, load, viscous, relaxation):
     size = abs(given_power) + abs(stored) + y["power_loss"] + 1e-12
     assert y["power_loss"] >= -1e-12 * size
     assert given_power == pytest.approx(stored + y["power_loss"], abs=1e-10 * size)
-
-
-def test_a_free_pivot_has_no_friction():
-    y = outputs_of(PIVOT, {"friction_coefficient": 0.0}, {}, {"rotation_rate": 20.0, "load": LOAD})
-    assert y["friction_torque"] == 0.0
-    assert y["power_loss"] == 0.0
 
 
 @pytest.mark.parametrize("name", ["rocker", "finger"])

@@ -75,10 +75,7 @@ def test_natural_frequencies_of_a_pushrod_train(record):
 
 # Loads at the cam and at the valve (N), least and largest over a turn, of contacts without elasticity. The
 # preload is 330 N in the loaded train.
-PUSHROD_LOADS = {
-    1000.0: (410.582, 851.34, 328.996, 680.544),
-    1600.0: (404.055, 857.199, 325.440, 683.573),
-}
+PUSHROD_LOADS = {1000.0: (410.582, 851.34, 328.996, 680.544), 1600.0: (404.055, 857.199, 325.440, 683.573)}
 TRAIN = """
     flywheel.angle tappet.cam_angle             flywheel.speed tappet.cam_speed
     tappet.overlap cam_contact.approach         tappet.overlap_rate cam_contact.approach_rate

@@ -1,10 +1,4 @@
-"""The motions that Farahanchi (F 4.3, 4.4) lists, their Lyapunov exponents, and the component along them.
-
-As published, all kinds of F's list come out, with two remarks. At (0.05, 0.015), periodic "without a chaotic
-transient" in F, transients are as long as at (0.025, 0.015), which F calls transient chaos: that depends on
-the start. And F's own rule, sliding below a rebound of 0.005, ends chaos in orbits that the exact motion does
-not have.
-"""
+"""Motions that Farahanchi (F 4.3, 4.4) lists, their Lyapunov exponents, and the component along them."""
 
 from __future__ import annotations
 
@@ -126,26 +120,8 @@ def test_chaos_that_ends_after_thousands_of_cycles() -> None:
     assert fit.distance < 0.33
 
 
-def test_one_period_from_0_23_on_needs_the_threshold_of_the_thesis() -> None:
-    """F's 0.23 needs F's sliding threshold 0.005; converged, motion of period one begins at 0.234."""
-
-    def period(damping: float, threshold: float) -> int:
-        return classify(published(damping, 0.015, threshold), 2000).period
-
-    assert period(0.23, 0.005) == 1
-    for threshold in (1e-4, 1e-6, 1e-8, 0.0):
-        assert period(0.23, threshold) != 1
-        assert period(0.234, threshold) == 1
-
-
-def test_periodic_motion_of_the_thesis_has_transients_as_long_as_its_transient_chaos() -> None:
-    periodic, chaos = (fit_escape_time(find_transients(published(d, 0.015), 5000)) for d in (0.05, 0.025))
-    assert periodic is not None
-    assert chaos is not None
-    assert periodic.mean + 3.0 * periodic.error > chaos.mean
-
-
 def test_the_threshold_of_the_thesis_ends_chaos_that_goes_on() -> None:
+    """F's rule, sliding below a rebound of 0.005, leads to orbits that the exact motion does not have."""
     # 24 starts, each of which slides, released from one of two states, within some 100 cycles.
     assert find_transients(published(0.05, 0.02, 0.005), 20_000).settled.all()
     assert classify(published(0.05, 0.02, 0.005), 20_000).kind == TRANSIENT_CHAOS

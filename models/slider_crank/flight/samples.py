@@ -6,14 +6,7 @@ import math
 
 from ...compile.kernel import kernel
 from ...core.quantities import Vector
-from ..equations import (
-    Mechanism,
-    flight_acceleration,
-    inertia,
-    narrowing,
-    narrowing_slope,
-    rod_cosine,
-)
+from ..equations import Mechanism, flight_acceleration, inertia, narrowing, narrowing_slope, rod_cosine
 from ..forms import NONLINEAR, constraint_force, offset_slope, wall_angle
 from .flow import DAMPING, FORCING, PRESSING_LOWER, PRESSING_UPPER, STIFFNESS
 

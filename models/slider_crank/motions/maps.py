@@ -53,11 +53,7 @@ def exponent_map(
 
 
 def exponent_map_on_device(
-    machine: Machine,
-    x: tuple[str, Vector],
-    y: tuple[str, Vector],
-    cycles: int = 1000,
-    transient: int = 200,
+    machine: Machine, x: tuple[str, Vector], y: tuple[str, Vector], cycles: int = 1000, transient: int = 200
 ) -> ExponentMap:
     """`exponent_map` on a CUDA device; its errors and those of `gpu.grow_tangents`.
 

@@ -111,8 +111,7 @@ class CylinderGasParameters(CylinderParameters):
         float, Quantity("1", "rise R by heat release at constant volume; 1: motored", minimum=1.0)
     ] = 4.0
     burn_start: Annotated[
-        float,
-        Quantity("rad", "begin of heat release before dead centre", minimum=0.0, display_unit="deg"),
+        float, Quantity("rad", "begin of heat release before dead centre", minimum=0.0, display_unit="deg")
     ] = 25.0 * _DEGREE
     burn_duration: Annotated[
         float, Quantity("rad", "duration of the heat release", positive=True, display_unit="deg")

@@ -30,12 +30,7 @@ from .motion import (
     observe,
     rates,
 )
-from .records import (
-    FreePistonCrankInputs,
-    FreePistonCrankOutputs,
-    FreePistonCrankState,
-    FreePistonParameters,
-)
+from .records import FreePistonCrankInputs, FreePistonCrankOutputs, FreePistonCrankState, FreePistonParameters
 
 
 @kernel

@@ -116,9 +116,7 @@ def position_across(along: float, across: float, q: Coordinates, m: Machine) -> 
 def along_row(along: float, across: float, q: Coordinates, m: Machine) -> Coordinates:
     """Derivatives of `position_along` by the coordinates."""
     return Coordinates(
-        -m.crank_radius * math.sin(q.theta),
-        -m.rod_length * math.sin(q.eta),
-        -arm_across(along, across, q, m),
+        -m.crank_radius * math.sin(q.theta), -m.rod_length * math.sin(q.eta), -arm_across(along, across, q, m)
     )
 
 
@@ -126,9 +124,7 @@ def along_row(along: float, across: float, q: Coordinates, m: Machine) -> Coordi
 def across_row(along: float, across: float, q: Coordinates, m: Machine) -> Coordinates:
     """Derivatives of `position_across` by the coordinates."""
     return Coordinates(
-        m.crank_radius * math.cos(q.theta),
-        -m.rod_length * math.cos(q.eta),
-        arm_along(along, across, q, m),
+        m.crank_radius * math.cos(q.theta), -m.rod_length * math.cos(q.eta), arm_along(along, across, q, m)
     )
 
 

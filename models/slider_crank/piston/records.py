@@ -80,8 +80,7 @@ class PistonParameters:
         ),
     ] = 0.042
     rod_inertia: Annotated[
-        float,
-        Quantity("kg.m2", "inertia of the rod about its centre of mass", nominal=1e-3, minimum=0.0),
+        float, Quantity("kg.m2", "inertia of the rod about its centre of mass", nominal=1e-3, minimum=0.0)
     ] = 2.0e-3
     piston_mass: Annotated[
         float, Quantity("kg", "mass of the piston with its pin", positive=True, plausible=PART_MASS)
@@ -190,10 +189,7 @@ class PistonParameters:
     chatter_time: Annotated[
         float,
         Quantity(
-            "s",
-            "bounces that would end within this time end at once, in contact",
-            nominal=1e-7,
-            minimum=0.0,
+            "s", "bounces that would end within this time end at once, in contact", nominal=1e-7, minimum=0.0
         ),
     ] = 1e-7
     gravity_along: Annotated[

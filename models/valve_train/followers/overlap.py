@@ -71,8 +71,7 @@ class CamOutputs:
     """What the contact and the shaft feel of a follower."""
 
     overlap: Annotated[
-        float,
-        Quantity("m", "cam into follower along the normal", nominal=1e-6, display_unit="um"),
+        float, Quantity("m", "cam into follower along the normal", nominal=1e-6, display_unit="um")
     ] = 0.0
     overlap_rate: Annotated[float, Quantity("m/s", "rate of the overlap", nominal=1e-2)] = 0.0
     entraining_velocity: Annotated[

@@ -61,10 +61,7 @@ class LeverMotion:
     rotation_rate: Annotated[float, Quantity("rad/s", "rate of the rotation", nominal=10.0)] = 0.0
 
 
-TIP_BONDS = (
-    PowerBond("tip_load", "tip_velocity", -1),
-    PowerBond("tip_friction", "tip_sliding_velocity", -1),
-)
+TIP_BONDS = (PowerBond("tip_load", "tip_velocity", -1), PowerBond("tip_friction", "tip_sliding_velocity", -1))
 
 
 class Tip(NamedTuple):
