@@ -82,28 +82,29 @@ def test_viscous_friction_adds_to_the_dry_one(record):
 def test_a_steady_moment_below_the_limit_holds_the_lever(share):
     """It twists by M/k and then rests for ever; above the limit it goes."""
     moment = share * LIMIT
-    _, rotation, rate, twist = swing(lambda t: moment * min(1.0, t / 0.02), 1.0)
+    _, rotation, rate, twist = swing(lambda t: moment * min(1.0, t / 0.02), 0.3)
     assert twist[-1] == pytest.approx(moment / 5e3, rel=1e-6)
     assert rotation[-1] == pytest.approx(twist[-1], rel=0.2)
     assert abs(rate[-1]) < 1e-6
-    later = swing(lambda t: moment, 2.0, (rotation[-1], 0.0, twist[-1]))[1]
+    later = swing(lambda t: moment, 0.5, (rotation[-1], 0.0, twist[-1]))[1]
     assert later[-1] == pytest.approx(rotation[-1], abs=1e-3 * YIELD)
     _, _, rate, _ = swing(lambda t: 1.2 * LIMIT, 0.05)
     assert rate[-1] == pytest.approx(0.2 * LIMIT / INERTIA * 0.05, rel=0.02)
 
 
 def test_a_vibrating_moment_does_not_creep():
-    """400 cycles between 0.02 and 0.98 of the limit: the mean rotation stays."""
+    """60 cycles between 0.02 and 0.98 of the limit: the mean rotation stays."""
     moment = 0.5 * LIMIT
     times, rotation, _, _ = swing(
-        lambda t: moment * min(1.0, t / 0.01) * (1.0 + 0.96 * math.sin(2.0 * math.pi * 200.0 * t)), 2.0
+        lambda t: moment * min(1.0, t / 0.01) * (1.0 + 0.96 * math.sin(2.0 * math.pi * 200.0 * t)), 0.7
     )
 
     def mean(a, b):
         within = (times >= a) & (times < b)
         return np.trapezoid(rotation[within], times[within]) / (b - a)
 
-    assert mean(1.5, 2.0) == pytest.approx(mean(0.5, 1.0), abs=2e-3 * YIELD)
+    # The start dies out by 1e-4; what creeps is to stay below 4e-6 in a cycle.
+    assert mean(0.5, 0.7) == pytest.approx(mean(0.2, 0.4), abs=2.4e-4 * YIELD)
 
 
 def test_a_stuck_pivot_that_loses_its_load_lets_go():
