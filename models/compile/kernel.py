@@ -56,10 +56,16 @@ def kernel(function: F) -> F:
 
 
 def _call_exactly(find: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
-    """Kernels call what is compiled for their types: numba would take a record that begins alike."""
+    """Kernels call what is compiled for their types: numba would take a record that begins alike.
+
+    A number that the caller writes out has the type of any number: numba would compile the callee once more.
+    """
 
     def get_call_template(args: Any, kws: Any) -> Any:
-        template, pysig, args, kws = find(args, kws)
+        plain = [numba.types.unliteral(arg) for arg in args]
+        template, pysig, args, kws = find(
+            plain, {name: numba.types.unliteral(arg) for name, arg in kws.items()}
+        )
         template.cases = [case for case in template.cases if case.args == tuple(args)] or template.cases
         return template, pysig, args, kws
 
