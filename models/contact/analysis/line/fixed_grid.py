@@ -10,16 +10,18 @@ from __future__ import annotations
 import math
 import threading
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ....compile.kernel import kernel
+from ....core.integrator import copy
 from ....core.quantities import Vector
 from ...fluid import Lubricant
 from ...hertz import deflection
 from ...line.grid import REACH, fill_kernel_matrix, place_nodes
 from ...line.mixed import Bodies, fill_total
-from ...line.newton import FilmProblem, fill_film, forget_factors, newton
+from ...line.newton import FilmProblem, FilmSolution, fill_film, forget_factors, newton
 from ...line.reynolds import Flow, properties
 from ...line.transient import masses, place_film
 from ...line.workspace import Workspace, workspace_in, workspace_size
@@ -103,6 +105,33 @@ def interpolate_film(start: Fields, mesh: Mesh) -> Fields:
     return Fields(mesh, X, start.scale, p, h, start.approach, 0)
 
 
+@kernel
+def take_step(
+    p: Any, h: Any, approach: float, problem: FilmProblem, bodies: Bodies, fluid: Lubricant, squeeze: float,
+    before: Any, w: Workspace,
+) -> FilmSolution:  # fmt: skip
+    """An implicit step: p and h at its start become those at its end, `before` gets the total pressure there.
+
+    `approach` is a guess (m); nan: the one that leaves no film thinner than the start's, though its pressure
+    be not smooth. One kernel, as Newton's is compiled for callers in any case, and would be for Python too.
+    """
+    mass = w.base
+    properties(p, h, fluid, w.nodes)
+    masses(problem.scale, w, mass)
+    for i in range(1, p.shape[0] - 1):
+        opened = squeeze * problem.time_step * 0.5 * problem.scale
+        mass[i] -= opened * w.nodes.rho[i] * (w.X[i + 1] - w.X[i - 1])
+    fill_total(p, h, bodies, before)
+    copy(w.mixed.total, before)
+    if math.isnan(approach):
+        fill_film(before, 0.0, problem.drive.radius, problem.scale, bodies, w, w.film_change)
+        approach = math.inf
+        for i in range(p.shape[0]):
+            approach = min(approach, w.film_change[i] - h[i])
+    forget_factors(w)
+    return newton(p, h, approach, problem, bodies, fluid, mass, w)
+
+
 def steady_on_grid(
     start: Fields, flow: Flow, load: float, bodies: Bodies, fluid: Lubricant, squeeze: float, at_once: bool
 ) -> Fields | None:
@@ -115,26 +144,15 @@ def steady_on_grid(
     scale, line_load = start.scale, load / bodies.length
     transit = scale / abs(flow.velocity)
     p, h = start.p.copy(), start.h.copy()
-    mass = np.zeros(n)
+    before, after = np.empty(n), np.empty(n)
     last = LAST_STEP * transit
     step = last if at_once else FIRST_STEP * transit
     failures, iterations = 0, 0
     approach = math.nan
     while True:
-        properties(p, h, fluid, w.nodes)
-        masses(scale, w, mass)
-        mass[1:-1] -= squeeze * step * 0.5 * scale * w.nodes.rho[1:-1] * (w.X[2:] - w.X[:-2])
         trial_p, trial_h = p.copy(), h.copy()
-        before = w.mixed.total
-        fill_total(np.maximum(p, 0.0), h, bodies, before)
-        # The approach that leaves no film thinner than the start's, though its pressure be not smooth.
-        fill_film(before, 0.0, flow.radius, scale, bodies, w, trial_h)
-        guess = float(np.min(trial_h - h)) if math.isnan(approach) else approach
-        before = before.copy()
-        forget_factors(w)
-        found = newton(
-            trial_p, trial_h, guess, FilmProblem(scale, 0.0, flow, line_load, step), bodies, fluid, mass, w
-        )
+        problem = FilmProblem(scale, 0.0, flow, line_load, step)
+        found = take_step(trial_p, trial_h, approach, problem, bodies, fluid, squeeze, before, w)
         iterations += found.iterations
         if found.error != 0.0:
             failures += 1
@@ -142,7 +160,6 @@ def steady_on_grid(
                 return None
             step = SHRINK * step if step < last else FIRST_STEP * transit
             continue
-        after = np.empty(n)
         fill_total(trial_p, trial_h, bodies, after)
         changed = float(np.max(np.abs(after - before))) / float(np.max(after))
         p, h, approach = trial_p, trial_h, found.approach
