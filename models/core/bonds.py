@@ -163,7 +163,7 @@ class CountingComponent(Component):
     @cached_property
     def sampled(self) -> Component:
         """The component, which samples its powers."""
-        extra = self.work_size - _own_work(self.plain)
+        extra = self.work_size - (self.plain.work_size - self.plain.extra_work)
         return replace(self.plain, sample=self._sample(), extra_work=extra)
 
     def with_integrals(self, advance: Any) -> Any:
@@ -219,11 +219,6 @@ class CountingComponent(Component):
         plain = self.plain
         own = 2 * (_INNER + len(plain.bonds)) + plain.inputs.size + _ENERGIES + plain.outputs.size
         return plain.work_size + own
-
-
-def _own_work(plain: Component) -> int:
-    """Scratch of a component besides `extra_work`."""
-    return plain.work_size - plain.extra_work
 
 
 def _on_first(function: Any, n: int) -> Any:

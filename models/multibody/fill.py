@@ -40,13 +40,11 @@ def fill_tables(
         inertia=np.array([body.inertia for body in bodies], float).reshape(-1, 3),
         gravity=np.array(gravity, float),
         rows=_list_rows(joints, find, 0),
-        springs=_list_springs(_select(forces, SpringDamper), find),
-        fields=_list_fields(_select(forces, ElasticField), find),
+        springs=_list_elements(_select(forces, SpringDamper), SPRING, find),
+        fields=_list_elements(_select(forces, ElasticField), FIELD, find),
         touches=_list_rows(touching, find, held),
         lubricants=_stack([f.lubricant for f in lubricated], Layout(ContactParameters).defaults()),
-        presses=_make_records(
-            [{"stiffness": f.stiffness, "damping": f.damping, "bonded": f.bonded} for f in pressed], PRESS
-        ),
+        presses=_make_records([{name: getattr(f, name) for name in PRESS.names} for f in pressed], PRESS),
         cams=_stack([_select_profile(cam, unused_cam.dtype.names) for cam in cams], unused_cam),
     )
 
@@ -65,33 +63,12 @@ def _list_rows(joints: Sequence[Joint], find: Find, cam: int) -> Any:
     return _make_records(found, ROW)
 
 
-def _list_springs(springs: Sequence[SpringDamper], find: Find) -> Any:
-    return _make_records(
-        [
-            {
-                **_find_ends(s, find), "length": s.length, "stiffness": s.stiffness, "damping": s.damping,
-            }
-            for s in springs
-        ],
-        SPRING,
-    )  # fmt: skip
-
-
-def _list_fields(fields: Sequence[ElasticField], find: Find) -> Any:
-    return _make_records(
-        [
-            {
-                **_find_ends(s, find), "e_i": s.axes_i, "e_j": s.axes_j, "rest": s.rest,
-                "stiffness": s.stiffness, "damping": s.damping,
-            }
-            for s in fields
-        ],
-        FIELD,
-    )  # fmt: skip
-
-
-def _find_ends(s: SpringDamper | ElasticField, find: Find) -> dict[str, Any]:
-    return {"i": find(s.i), "j": find(s.j), "p_i": s.at_i, "p_j": s.at_j}
+def _list_elements(elements: Sequence[SpringDamper | ElasticField], dtype: Any, find: Find) -> Any:
+    """Springs or fields in a table of that type, which has short names for their points and axes."""
+    attributes = {"p_i": "at_i", "p_j": "at_j", "e_i": "axes_i", "e_j": "axes_j"}
+    found = [{name: getattr(s, attributes.get(name, name)) for name in dtype.names} for s in elements]
+    ends = [{"i": find(s.i), "j": find(s.j)} for s in elements]
+    return _make_records([{**own, **pair} for own, pair in zip(found, ends, strict=True)], dtype)
 
 
 def _make_records(found: Sequence[dict[str, Any]], dtype: Any) -> Any:

@@ -19,6 +19,8 @@ from .bodies import ORIGIN, Point, Y, Z, find_direction, make_axes
 from .ranges import check_values
 from .tables import AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD, PERPENDICULAR, ROUND_CAM
 
+AXES = ("first axis", "second axis", "third axis")
+
 
 @dataclass(frozen=True)
 class Constraint:
@@ -61,9 +63,14 @@ def hold_axes(pairs: Sequence[tuple[Point, Point]], names: Sequence[str]) -> lis
     ]
 
 
-def _align(i: Vector, j: Vector) -> list[Constraint]:
-    """The third axes are parallel."""
-    return hold_axes([(i[0], j[2]), (i[1], j[2])], ("second axis", "first axis"))
+def _turn_about(
+    name: str, i: str, j: str, at: tuple[Point, Point], axes: tuple[Point, Point], held: int
+) -> Joint:
+    """The third axes are parallel, and P_j is held along so many of i's axes."""
+    a, b = map(make_axes, axes)
+    points = hold_points(a[:held], AXES[:held], *at)
+    parallel = hold_axes([(a[0], b[2]), (a[1], b[2])], ("second axis", "first axis"))
+    return Joint(name, i, j, [*points, *parallel], *at, alike=[(a[2], b[2])])
 
 
 def cylindrical(
@@ -76,9 +83,7 @@ def cylindrical(
     axis_j: Point = Z,
 ) -> Joint:
     """j turns about and slides along an axis: 4 constraints, K (12)."""
-    a, b = make_axes(axis_i), make_axes(axis_j)
-    held = hold_points(a[:2], ("first axis", "second axis"), at_i, at_j)
-    return Joint(name, i, j, [*held, *_align(a, b)], at_i, at_j, alike=[(a[2], b[2])])
+    return _turn_about(name, i, j, (at_i, at_j), (axis_i, axis_j), held=2)
 
 
 def revolute(
@@ -91,15 +96,12 @@ def revolute(
     axis_j: Point = Z,
 ) -> Joint:
     """j turns about an axis: 5 constraints."""
-    a, b = make_axes(axis_i), make_axes(axis_j)
-    held = hold_points(a, ("first axis", "second axis", "third axis"), at_i, at_j)
-    return Joint(name, i, j, [*held, *_align(a, b)], at_i, at_j, alike=[(a[2], b[2])])
+    return _turn_about(name, i, j, (at_i, at_j), (axis_i, axis_j), held=3)
 
 
 def support(name: str, i: str, j: str, at_i: Point = ORIGIN, at_j: Point = ORIGIN, axis: Point = Z) -> Joint:
     """A point of j stays on an axis of i, about which and across which it may turn: 2 constraints."""
-    held = hold_points(make_axes(axis)[:2], ("first axis", "second axis"), at_i, at_j)
-    return Joint(name, i, j, held, at_i, at_j)
+    return Joint(name, i, j, hold_points(make_axes(axis)[:2], AXES[:2], at_i, at_j), at_i, at_j)
 
 
 def spherical(name: str, i: str, j: str, at_i: Point = ORIGIN, at_j: Point = ORIGIN) -> Joint:
@@ -109,8 +111,7 @@ def spherical(name: str, i: str, j: str, at_i: Point = ORIGIN, at_j: Point = ORI
 
 def _hold_turn(a: Vector, b: Vector) -> list[Constraint]:
     """All axes are parallel."""
-    pairs = [(a[1], b[2]), (a[2], b[0]), (a[0], b[1])]
-    return hold_axes(pairs, ("first axis", "second axis", "third axis"))
+    return hold_axes([(a[1], b[2]), (a[2], b[0]), (a[0], b[1])], AXES)
 
 
 def translational(
@@ -124,7 +125,7 @@ def translational(
 ) -> Joint:
     """j slides along an axis: 5 constraints, K (13). Both bodies' axes have the same zero of turning."""
     a, b = make_axes(axis_i), make_axes(axis_j)
-    held = hold_points(a[:2], ("first axis", "second axis"), at_i, at_j)
+    held = hold_points(a[:2], AXES[:2], at_i, at_j)
     return Joint(name, i, j, [*held, *_hold_turn(a, b)], at_i, at_j, alike=list(zip(a, b, strict=True)))
 
 

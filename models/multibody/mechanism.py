@@ -176,10 +176,6 @@ class Mechanism:
         angles = [f"{find_drive_angle(row, t):.6g} rad" for row in self.tables.rows if row["kind"] == DRIVEN]
         return f"t = {t:.6g} s" + (f", drive angle {', '.join(angles)}" if angles else "")
 
-    def find_redundant(self, jacobian: Vector) -> tuple[str, ...]:
-        """The constraints whose rows depend on those before them."""
-        return tuple(self.constraint_names[k] for k in find_dependent(jacobian))
-
     def _refuse_redundant(self, t: float, q: Vector, e: Evaluation) -> None:
         dependent = find_dependent(e.held.jacobian)
         if not dependent:

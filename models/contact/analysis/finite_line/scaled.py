@@ -73,9 +73,7 @@ class Scaled:
         weights = self.grid.areas / self.load
         return Closing(weights, 0.0, float((weights * p).sum()) - 1.0)
 
-    def solution(
-        self, p: Vector, h: Vector, h0: float, iterations: int, warnings: tuple[str, ...] = ()
-    ) -> Solution:
+    def solution(self, p: Vector, h: Vector, h0: float, iterations: int) -> Solution:
         """In SI units; a film that moves towards -x is one that moves towards +x seen from behind."""
         b, order = self.half_width, 1
         x = self.grid.x
@@ -84,5 +82,5 @@ class Scaled:
         return Solution(
             self.contact, self.running, Grid(b * x, b * self.grid.faces),
             self.pressure_unit * p[::order], self.film_unit * h[::order], b,
-            -self.film_unit * h0, iterations, warnings,
+            -self.film_unit * h0, iterations,
         )  # fmt: skip

@@ -152,12 +152,9 @@ def steady_at(
     state = _newton(problem, p, h0, target)
     if state is None:
         raise _build_error(problem)
-    problem = replace(problem, running=replace(running, load=_sum_load(problem, state)))
+    load = float((problem.grid.areas * state.p).sum()) * problem.pressure_unit * problem.half_width**2
+    problem = replace(problem, running=replace(running, load=load))
     return _finish(problem, state)
-
-
-def _sum_load(problem: Scaled, state: _State) -> float:
-    return float((problem.grid.areas * state.p).sum()) * problem.pressure_unit * problem.half_width**2
 
 
 def formula_film(contact: FiniteLine, running: Running, load: float, length: float | None = None) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -17,6 +17,20 @@ from .faults import real
 # through alpha, and without a viscosity law that knows pressures in Pa not even on that.
 _MODULUS, _RADIUS, _LENGTH, _VISCOSITY, _SPEED_GROUP = 2.27e11, 0.02, 0.012, 0.036, 1e-11
 ALPHA = 2.2e-8
+_POSITIVE, _NOT_NEGATIVE, _NOT_ZERO, _FINITE = (
+    "finite and > 0",
+    "finite and >= 0",
+    "finite and not 0",
+    "finite",
+)
+_HOLDS: dict[str, Callable[[float], bool]] = {
+    _POSITIVE: lambda value: value > 0.0,
+    _NOT_NEGATIVE: lambda value: value >= 0.0,
+    _NOT_ZERO: lambda value: value != 0.0,
+    _FINITE: math.isfinite,
+}
+_AT_REST = "without entrainment no film is steady, see the transient line contact"
+_NO_EFFECT = "0 leaves its effect out"
 
 
 @dataclass(frozen=True)
@@ -47,43 +61,24 @@ class LineContact:
         for part in (self, self.lubricant, self.asperities):
             for name, value in _numbers_of(part):
                 real(name, value)
-        for name, unit, value, remedy in (
-            ("load", "N", self.load, "a contact without load has no steady film of its own"),
-            ("radius", "m", self.radius, "give the reduced radius, 1/(1/R1 + 1/R2)"),
-            ("length", "m", self.length, "give the length over which the bodies touch"),
-            ("compliance", "1/Pa", self.compliance, "give (1 - nu1^2)/E1 + (1 - nu2^2)/E2"),
-            ("viscosity", "Pa.s", self.lubricant.viscosity, "give eta0 at the contact's temperature"),
+        oil, rough = self.lubricant, self.asperities._asdict() if self.asperities else {}
+        for name, unit, value, allowed, remedy in (
+            ("load", " N", self.load, _POSITIVE, "a contact without load has no steady film of its own"),
+            ("radius", " m", self.radius, _POSITIVE, "give the reduced radius, 1/(1/R1 + 1/R2)"),
+            ("length", " m", self.length, _POSITIVE, "give the length over which the bodies touch"),
+            ("compliance", " 1/Pa", self.compliance, _POSITIVE, "give (1 - nu1^2)/E1 + (1 - nu2^2)/E2"),
+            ("viscosity", " Pa.s", oil.viscosity, _POSITIVE, "give eta0 at the contact's temperature"),
+            ("velocity", " m/s", self.velocity, _NOT_ZERO, _AT_REST),
+            ("pressure_viscosity", " 1/Pa", oil.pressure_viscosity, _NOT_NEGATIVE, _NO_EFFECT),
+            ("eyring_stress", " Pa", oil.eyring_stress, _NOT_NEGATIVE, _NO_EFFECT),
+            ("roelands_exponent", "", oil.roelands_exponent, _POSITIVE, "or choose Barus' law"),
+            ("roelands_pressure", " Pa", oil.roelands_pressure, _POSITIVE, "or choose Barus' law"),
+            *((key, "", number, _POSITIVE, "asperities = None is smooth") for key, number in rough.items()),
+            ("sliding", " m/s", self.sliding, _FINITE, "0 is pure rolling"),
+            ("squeeze", " m/s", self.squeeze, _FINITE, "0 is a steady film"),
         ):
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} = {value:g} {unit}: must be finite and > 0; {remedy}")
-        if not (math.isfinite(self.velocity) and self.velocity != 0.0):
-            raise ValueError(
-                f"velocity = {self.velocity:g} m/s: must be finite and not 0; without entrainment no film is "
-                "steady, see the transient line contact"
-            )
-        for name, unit, value in (
-            ("pressure_viscosity", "1/Pa", self.lubricant.pressure_viscosity),
-            ("eyring_stress", "Pa", self.lubricant.eyring_stress),
-        ):
-            if not (math.isfinite(value) and value >= 0.0):
-                raise ValueError(
-                    f"{name} = {value:g} {unit}: must be finite and >= 0; 0 leaves its effect out"
-                )
-        for name, unit, value in (
-            ("roelands_exponent", "", self.lubricant.roelands_exponent),
-            ("roelands_pressure", " Pa", self.lubricant.roelands_pressure),
-        ):
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} = {value:g}{unit}: must be finite and > 0; or choose Barus' law")
-        for name, value in self.asperities._asdict().items() if self.asperities else ():
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} = {value:g}: must be finite and > 0; asperities = None is smooth")
-        for name, value, words in (
-            ("sliding", self.sliding, "0 is pure rolling"),
-            ("squeeze", self.squeeze, "0 is a steady film"),
-        ):
-            if not math.isfinite(value):
-                raise ValueError(f"{name} = {value:g} m/s: must be finite; {words}")
+            if not (math.isfinite(value) and _HOLDS[allowed](value)):
+                raise ValueError(f"{name} = {value:g}{unit}: must be {allowed}; {remedy}")
         for name, law, laws in (
             ("viscosity_law", self.lubricant.viscosity_law, VISCOSITY_LAWS),
             ("density_law", self.lubricant.density_law, DENSITY_LAWS),

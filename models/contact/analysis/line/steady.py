@@ -239,15 +239,10 @@ def _expected(contact: LineContact) -> float:
     return contact.film_scale * moes_film(contact.M, contact.L)
 
 
-def _inlet(contact: LineContact) -> float:
-    """Width of the zone in which the film forms, in half widths."""
-    b = contact.half_width
-    return inlet_width(b, _expected(contact), contact.radius) / b
-
-
 def _sharpness(contact: LineContact) -> float:
     """Sharpness of the grid, a power of two, so that contacts share grids."""
-    width = _inlet(contact)
+    b = contact.half_width
+    width = inlet_width(b, _expected(contact), contact.radius) / b  # of the zone in which the film forms
     return 2.0 ** round(math.log2(2.0 / width)) if width < NARROW_INLET else 0.0
 
 
@@ -284,10 +279,6 @@ def _mesh_error(found: Sequence[Fields]) -> float:
     return worst
 
 
-def _nodes_on_half_width(contact: LineContact, fields: Fields) -> float:
-    return float(np.count_nonzero(np.abs(fields.X * fields.scale) < contact.half_width)) / 2.0
-
-
 def _film(contact: LineContact, found: Sequence[Fields], error: float, starvation: float) -> SteadyFilm:
     last = found[-1]
     total = np.empty(last.p.size)
@@ -307,7 +298,7 @@ def _film(contact: LineContact, found: Sequence[Fields], error: float, starvatio
         load_error=abs(carried / contact.load - 1.0),
         mesh_error=error,
         starvation=starvation,
-        nodes_on_half_width=_nodes_on_half_width(contact, last),
+        nodes_on_half_width=float(np.count_nonzero(np.abs(last.X * last.scale) < contact.half_width)) / 2.0,
         iterations=sum(fields.iterations for fields in found),
         series=tuple((f.mesh.nodes, float(central(f.h)), float(least(f.h))) for f in found),
     )
