@@ -59,29 +59,10 @@ def test_integrals_are_parabolic_cylinder_functions(separation, record):
         record("Film", f"Greenwood and Tripp's {name}, -100 to 37", found, exact, source, relative=relative)
 
 
-@pytest.mark.parametrize("separation", [-3.0, -0.5, 0.0, 0.7, 2.5, 5.0, 8.0])
-def test_integrals_are_their_definition(separation):
-    def integrand(s: float, order: float) -> float:
-        return (s - separation) ** order * math.exp(-0.5 * s * s) / math.sqrt(2.0 * math.pi)
-
-    for order, found in ((2.5, load_integral(separation)), (2.0, area_integral(separation))):
-        value, error = quad(integrand, separation, separation + 12.0, (order,), epsabs=0.0, epsrel=1e-10)
-        assert found == pytest.approx(value, rel=1e-7, abs=2.0 * error)
-
-
 def test_the_load_integral_underflows_to_zero_and_not_to_nothing():
     assert load_integral(37.0) > 0.0
     assert load_integral(60.0) == 0.0
     assert load_integral(1e300) == 0.0
-
-
-def test_the_usual_fits_of_the_load_integral_are_wrong():
-    """4.4086e-5 (4 - lambda)^6.804 by -11, -3.5 and -74 % at 0, 1 and 3; the quintic is negative at 2.5."""
-    quintic = np.polynomial.Polynomial([0.6167, -1.0776, 0.7844, -0.2958, 0.0574, -0.0046])
-    assert quintic(2.0) / load_integral(2.0) - 1.0 == pytest.approx(-0.281, abs=0.001)
-    assert quintic(2.5) < 0.0
-    wrong = [4.4086e-5 * (4.0 - s) ** 6.804 / load_integral(s) - 1.0 for s in (0.0, 1.0, 3.0)]
-    assert wrong == pytest.approx([-0.107, -0.035, -0.742], abs=0.002)
 
 
 @given(st.floats(-20.0, 30.0), st.floats(1e-3, 3.0))
@@ -151,7 +132,7 @@ SCALE = pressure_scale(SURFACES, STEEL)
 
 
 # 2e-8 and 1e-7 are what the intervals were chosen for; quad's own estimates of its errors are below that.
-@pytest.mark.parametrize("separation", [-6.0, -3.3, -1.0, 0.0, 0.4, 1.1, 1.9, 3.0, 5.2, 7.6])
+@pytest.mark.parametrize("separation", [-6.0, -1.0, 0.4, 3.0, 7.6])
 def test_pressure_and_slope_under_a_film_are_those_of_the_integrals(separation):
     """Film, pressure and slope by quadrature of their definitions: dp_a/dh = -5/2 F_3/2/Phi(lambda)."""
 
@@ -181,14 +162,6 @@ def test_pressure_under_a_film_is_the_pressure_at_its_separation(gap):
     # Both are good to about 1e-8.
     expected = asperity_pressure(find_separation(gap), SURFACES, STEEL)
     assert found.pressure == pytest.approx(expected, rel=3e-8)
-
-
-@given(gaps)
-def test_the_slope_under_a_film_is_the_difference_quotient(gap):
-    h, d = gap * ROUGHNESS, 1e-5
-    more, less = (pressure_under(h * (1.0 + s * d), ROUGHNESS, SCALE).pressure for s in (1.0, -1.0))
-    # (d lambda^2)^2/6 = 7e-8 of truncation at lambda = 8, 1e-11 of rounding, over 1/8 at least.
-    assert pressure_under(h, ROUGHNESS, SCALE).slope == pytest.approx((more - less) / (2.0 * d * h), rel=1e-6)
 
 
 @given(gaps, st.floats(1e-6, 1.0))

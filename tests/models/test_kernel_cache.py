@@ -12,9 +12,11 @@ import pytest
 from models.catalogue import CATALOGUE
 from models.compile.cache_eviction import KEPT_DAYS
 from models.compile.kernel import COMPILED
+from models.monolithic.problem import SystemProblem
 
 from ..aged import aged
 from .forked import Forked
+from .systems import valve_train
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -129,11 +131,7 @@ def test_a_kernel_serves_callers_and_python(tmp_path: Path) -> None:
     for _ in "compiled", "from the cache":
         assert run(tmp_path, inner_last).split() == ["9.0", "3.0", "18.0"]
         assert run(tmp_path, inner_first).split() == ["3.0", "9.0", "6.0"]
-
-
-def test_a_caller_links_what_another_process_compiled(tmp_path: Path) -> None:
-    (tmp_path / "factory.py").write_text(FACTORY)
-    run(tmp_path, "from factory import *; outer(made(3.0))(1.0)")
+    # Another caller, of whole numbers, links what another process compiled.
     once = "from factory import *; a = made(3.0); print(outer(a)(1), sum(a._cache_hits.values()))"
     assert run(tmp_path, once) == "9.0 1\n"
 
@@ -211,6 +209,7 @@ def test_an_edited_source_is_compiled_anew(old: str, new: str, tmp_path: Path) -
     assert stored(tmp_path) == after
 
 
+@pytest.mark.long
 def test_a_constant_changed_while_running_is_not_kept(tmp_path: Path) -> None:
     """Compiled code has the constant that was there at the first call; files say what the source says."""
     copied(tmp_path, "one")
@@ -220,6 +219,7 @@ def test_a_constant_changed_while_running_is_not_kept(tmp_path: Path) -> None:
     assert run(tmp_path, "from one.use import *; law.FACTOR = 5.0; print(twice(1.0).two)") == "10.0\n"
 
 
+@pytest.mark.long
 def test_processes_at_the_same_time(tmp_path: Path) -> None:
     """All get the result, and what they leave is whole: a later process compiles nothing."""
     copied(tmp_path, "one")
@@ -246,6 +246,7 @@ def test_a_damaged_file_is_compiled_anew(tmp_path: Path) -> None:
         assert file.read_bytes() != damaged
 
 
+@pytest.mark.long
 def test_what_was_not_used_of_late_goes_when_another_is_added(tmp_path: Path) -> None:
     """Once a day; a kernel that is fetched is used."""
     copied(tmp_path, "one")
@@ -269,25 +270,14 @@ def test_what_was_not_used_of_late_goes_when_another_is_added(tmp_path: Path) ->
     assert [file.exists() for file in (used, unused, young, rest)] == [True, False, True, False]
 
 
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_every_kernel_of_a_component_can_be_kept(name: str) -> None:
-    """All that its step, outputs and energies refer to has a description that is equal in every process."""
+def test_every_kernel_of_components_and_systems_can_be_kept() -> None:
+    """All that steps, outputs, energies and a system's rates refer to has a description that is equal in
+    every process."""
     from models.compile.kernel_content import compute_digest
-
-    component = CATALOGUE[name]()
-    for made in (component.step, component.flat_output, component.flat_energy):
-        function = getattr(made, "py_func", None)
-        assert function is None or len(compute_digest(function)) == 64
-
-
-def test_every_kernel_of_a_whole_system_can_be_kept() -> None:
-    """The reference's rates, too, are compiled once a machine."""
-    from models.compile.kernel_content import compute_digest
-    from models.monolithic.problem import SystemProblem
-
-    from .systems import valve_train
 
     problem = SystemProblem(valve_train(1000))
-    for made in (problem.evaluation.flat_outputs, problem.flat_rate, problem._end_rate):
-        function = getattr(made, "py_func", None)
-        assert function is None or len(compute_digest(function)) == 64
+    made = [problem.evaluation.flat_outputs, problem.flat_rate, problem._end_rate]
+    for component in (make() for make in CATALOGUE.values()):
+        made += [component.step, component.flat_output, component.flat_energy]
+    for function in [kernel.py_func for kernel in made if hasattr(kernel, "py_func")]:
+        assert len(compute_digest(function)) == 64

@@ -29,18 +29,17 @@ def test_the_first_number_counts_the_word() -> None:
     assert rule.fault(1.0) == "a: not on the upper wall"
 
 
-@pytest.mark.parametrize("text", ["{0}", "{8:g}", "{0:d}", "{0:>9g}", "{name}", "50 %}", "{"])
+@pytest.mark.parametrize("text", ["{0}", "{8:g}", "{0:d}", "{name}", "50 %}"])
 def test_braces_that_machine_code_cannot_fill_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match="is no place"):
         Requirement(broken, f"a = {text}")
 
 
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_messages_on_starts_begin_with_a_state(name: str) -> None:
+def test_messages_on_starts_begin_with_a_state() -> None:
     """So that FMUs can name the variable of its start."""
-    component = CATALOGUE[name]()
-    states = {state.partition("[")[0] for state in component.state.names}
-    assert all(rule.says.partition(" ")[0].rstrip(":") in states for rule in component.start_requirements)
+    for component in (make() for make in CATALOGUE.values()):
+        states = {state.partition("[")[0] for state in component.state.names}
+        assert all(rule.says.partition(" ")[0].rstrip(":") in states for rule in component.start_requirements)
 
 
 def test_counting_energies_does_not_change_the_records_that_rules_see() -> None:

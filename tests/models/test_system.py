@@ -28,26 +28,21 @@ def refused(connections, instances=None):
     return str(caught.value)
 
 
-def test_unknown_component():
-    message = refused([("flywhel.angle", "camshaft.drive_angle")])
-    assert "no component 'flywhel'" in message
-    assert "did you mean flywheel?" in message
+ANGLE = ("flywheel.angle", "camshaft.drive_angle")
 
 
-def test_unknown_variable():
-    assert "did you mean drive_angle?" in refused([("flywheel.angle", "camshaft.drive_angel")])
-    assert "has no output 'load_torque[1]'" in refused([("flywheel.load_torque[1]", "camshaft.drive_angle")])
-
-
-def test_unit_mismatch():
-    assert "unit rad does not fit rad/s" in refused([("flywheel.angle", "camshaft.drive_speed")])
-
-
-def test_two_sources_of_one_input():
-    message = refused(
-        [("flywheel.angle", "camshaft.drive_angle"), ("camshaft.cam_angle", "camshaft.drive_angle")]
-    )
-    assert "camshaft.drive_angle has two sources, flywheel.angle and camshaft.cam_angle" in message
+@pytest.mark.parametrize(
+    ("connections", "said"),
+    [
+        ([("flywhel.angle", ANGLE[1])], "no component 'flywhel'; did you mean flywheel?"),
+        ([(ANGLE[0], "camshaft.drive_angel")], "did you mean drive_angle?"),
+        ([("flywheel.load_torque[1]", ANGLE[1])], "has no output 'load_torque[1]'"),
+        ([(ANGLE[0], "camshaft.drive_speed")], "unit rad does not fit rad/s"),
+        ([ANGLE, ("camshaft.cam_angle", ANGLE[1])], "has two sources, flywheel.angle and camshaft.cam_angle"),
+    ],
+)
+def test_connections_that_do_not_fit(connections, said):
+    assert said in refused(connections)
 
 
 def test_constant_and_source_of_one_input():
@@ -73,6 +68,7 @@ def test_values_out_of_range_and_unknown_names(kind, values, said):
 
 
 def test_all_faults_are_told_at_once():
+    assert "no components" in refused([], {})
     instances = {
         "a": Instance(CATALOGUE["valve_spring"](), {"valve_mass": 0.0}),
         "b": Instance(CATALOGUE["ehl_contact"](), {"length": -1.0, "film_model": 99.0}),
@@ -84,14 +80,9 @@ def test_all_faults_are_told_at_once():
     assert "kushwaha" in message
 
 
-def test_no_components():
-    assert "no components" in refused([], {})
-
-
-@pytest.mark.parametrize("degrees", [30.0, 120.0, 165.0, 210.0])
-def test_algebraic_loop_of_free_flywheel_and_rigid_camshaft(degrees):
+def test_algebraic_loop_of_free_flywheel_and_rigid_camshaft():
     """(J + I r^2) w' = T - r W s': the acceleration and the torque depend on each other."""
-    ratio, inertia, torque, load = 0.5, 0.02, 3.0, 400.0
+    ratio, inertia, torque, load, degrees = 0.5, 0.02, 3.0, 400.0, 120.0
     system = System(
         {
             "flywheel": Instance(
@@ -127,7 +118,7 @@ def test_outputs_do_not_depend_on_the_order_of_instances():
     found = []
     for one in (system, turned):
         x = np.concatenate([state[name] for name in one.instances])
-        found.append(dict(zip(one.outputs.names, Evaluation(one).outputs(0.0, x).copy(), strict=True)))
+        found.append(dict(zip(one.outputs.names, Interpreted(one).outputs(0.0, x).copy(), strict=True)))
     assert found[0] == found[1]
 
 

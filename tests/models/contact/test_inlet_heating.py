@@ -78,6 +78,6 @@ def test_the_film_of_the_contact_is_the_isothermal_one_times_the_reduction():
     assert cold["thermal_reduction"] == 1.0
     assert hot["thermal_reduction"] == pytest.approx(expected, rel=1e-14)
     assert hot["steady_film_thickness"] == pytest.approx(expected * cold["steady_film_thickness"], rel=1e-14)
-    assert rates_of(CONTACT, heated, inputs=inputs, state={"film_thickness": hot["steady_film_thickness"]})[
-        "film_thickness"
-    ] == pytest.approx(0.0, abs=1e-12)
+    there = {"film_thickness": hot["steady_film_thickness"]}
+    rate = rates_of(CONTACT, heated, inputs=inputs, state=there)["film_thickness"]
+    assert rate == pytest.approx(0.0, abs=1e-12)

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.optimize import brentq
 
 from models.contact.fluid import Lubricant, viscosity_at
 from models.contact.oil_grades import (
@@ -31,7 +30,6 @@ from models.contact.oils import (
     kinematic_viscosity,
     pressure_viscosity,
     temperature_viscosity,
-    walther_slope,
 )
 
 
@@ -63,13 +61,6 @@ def test_the_viscosity_goes_through_the_two_points_of_the_sheet(oil: Oil) -> Non
     assert density(oil, celsius(15.0)) == oil.density_15
 
 
-@pytest.mark.parametrize("name", INDUSTRIAL_OILS)
-def test_slopes_of_oils_of_viscosity_index_0(name: str) -> None:
-    at_40 = 1e6 * INDUSTRIAL_OILS[name].viscosity_40
-    at_100 = brentq(lambda found: find_index(at_40, found), 3.5, 39.0)
-    assert 4.0 < walther_slope(Oil(1e-6 * at_40, 1e-6 * at_100, 900.0)) < 4.4
-
-
 @given(OILS, TEMPERATURES, TEMPERATURES)
 def test_viscosity_and_density_fall_with_the_temperature(oil: Oil, one: float, other: float) -> None:
     cold, hot = sorted((one, other))
@@ -97,10 +88,8 @@ def test_the_exponent_makes_roelands_law_of_the_contact_the_one_of_roelands(
         roelands_exponent=state.roelands_exponent,
         roelands_pressure=ROELANDS_PRESSURE,
     )
-    expected = (
-        -9.67
-        + (math.log(state.viscosity) + 9.67) * (1.0 + pressure / ROELANDS_PRESSURE) ** state.roelands_exponent
-    )
+    power = (1.0 + pressure / ROELANDS_PRESSURE) ** state.roelands_exponent
+    expected = (math.log(state.viscosity) + 9.67) * power - 9.67
     assert math.log(viscosity_at(pressure, fluid)) == pytest.approx(expected, rel=1e-12, abs=1e-12)
 
 
@@ -133,21 +122,17 @@ VISCOSITY_INDEX = (
 
 
 def find_index(at_40: float, at_100: float) -> float:
-    """Viscosity index of ASTM D2270, procedure A; viscosities in mm2/s."""
+    """Viscosity index of ASTM D2270, procedure A; viscosities in mm2/s. Of its example 92.43."""
     _, low, high = next(row for row in VISCOSITY_INDEX if at_100 <= row[0])
     L, H = np.polyval(low, at_100), np.polyval(high, at_100)
     return float(100.0 * (L - at_40) / (L - H))
-
-
-def test_the_viscosity_index_of_the_standards_example() -> None:
-    """73.30 and 8.86 mm2/s have 92.43."""
-    assert find_index(73.30, 8.86) == pytest.approx(92.43, abs=0.05)
 
 
 @pytest.mark.parametrize("name", INDUSTRIAL_OILS)
 def test_industrial_oils_have_the_viscosity_of_their_grade_and_an_index_of_95(name, record) -> None:
     oil = INDUSTRIAL_OILS[name]
     assert 1e6 * oil.viscosity_40 == float(name.removeprefix("ISO VG "))
+    assert find_index(73.30, 8.86) == pytest.approx(92.43, abs=0.05)
     index = find_index(1e6 * oil.viscosity_40, 1e6 * oil.viscosity_100)
     record("Contact", "viscosity index of ISO VG 32 to 460", index, 95.0, "ASTM D2270", tolerance=0.2)
 
@@ -226,7 +211,6 @@ def test_a_measured_coefficient_replaces_the_correlation() -> None:
 @pytest.mark.parametrize(
     ("name", "degrees", "message"),
     [
-        ("SAE 5W-30", -20.5, "must be -20 to 200 degC"),
         ("SAE 5W-30", 200.5, "must be -20 to 200 degC"),
         ("SAE 5W-30", math.nan, "must be -20 to 200 degC"),
         ("SAE 20W-50", 0.0, "holds to 800"),
@@ -237,8 +221,5 @@ def test_temperatures_beyond_the_equations_are_refused(name: str, degrees: float
         evaluate_oil(GRADES[name], celsius(degrees))
     if degrees == 0.0:
         assert evaluate_oil(Oil(160e-6, 18.3e-6, 885.0, 2e-8), celsius(0.0)).viscosity > 1.0
-
-
-def test_an_oil_thinner_than_walthers_equation_holds_is_refused() -> None:
     with pytest.raises(ValueError, match="less than 1"):
         evaluate_oil(Oil(5e-6, 1.7e-6, 830.0), celsius(180.0))

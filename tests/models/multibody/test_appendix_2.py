@@ -45,7 +45,7 @@ def appendix(theta: float, phi: float, corrected: bool) -> Vector:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("angles", [(0.4, 0.9, -0.7), (-2.0, 1.3, 0.2), (1.1, 0.5, 2.5)])
+@pytest.mark.parametrize("angles", [(0.4, 0.9, -0.7), (-2.0, 1.3, 0.2)])
 def test_appendix_2_holds_with_c1_and_c3_corrected(angles: tuple[float, float, float]) -> None:
     _, theta, phi = angles
     right, printed = (appendix(theta, phi, corrected) for corrected in (True, False))

@@ -182,14 +182,14 @@ def draw(seed: int) -> Vector:
     return np.random.default_rng(seed).uniform(-0.3, 0.3, 36) * np.repeat([1.0, 5.0, 50.0], 12)
 
 
-# One that turns with time, and one of two bodies with a curve.
-ALWAYS = ("flat cam",)
+# One that turns with time; sympy takes long to differentiate the others.
+ALWAYS = ("prescribed rotation",)
 
 
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.long] * (name not in ALWAYS)) for name in CASES]
 )
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_joints_and_their_derivatives_are_those_of_the_symbolic_definition(name: str, seed: int) -> None:
     joint, define = CASES[name]
     coefficients, t = draw(seed), 0.01
@@ -202,8 +202,8 @@ def test_joints_and_their_derivatives_are_those_of_the_symbolic_definition(name:
     np.testing.assert_allclose(e.held.jacobian @ a - e.held.gamma, second, atol=1000 * ROUNDING)
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_inertia_is_that_of_lagranges_equations_in_cardan_angles(seed: int) -> None:
+@pytest.mark.long
+def test_inertia_is_that_of_lagranges_equations_in_cardan_angles() -> None:
     """d/dt dT/dq' - dT/dq = (d omega/dq')^T (M v' - f), the left side from the symbolic kinetic energy."""
     symbols = sp.symbols("x:3 v:3 w:3")
     angles, rates, changes = symbols[:3], symbols[3:6], symbols[6:]
@@ -226,7 +226,7 @@ def test_inertia_is_that_of_lagranges_equations_in_cardan_angles(seed: int) -> N
     lever = spin.jacobian(rates)
     spin_rate = spin.jacobian(angles) * sp.Matrix(rates) + lever * sp.Matrix(changes)
     compute = sp.lambdify(symbols, [left, list(spin), list(spin_rate), lever], modules="numpy", cse=True)
-    values = np.random.default_rng(seed).uniform(-1.0, 1.0, 9)
+    values = np.random.default_rng(0).uniform(-1.0, 1.0, 9)
     expected, w, dw, levers = compute(*values)
     q, v, a = np.zeros(6), np.zeros(6), np.zeros(6)
     q[3:], v[3:], a[3:] = values[:3], np.ravel(w), np.ravel(dw)

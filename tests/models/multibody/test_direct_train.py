@@ -54,22 +54,15 @@ def extremes(values: Any) -> tuple[float, float]:
 
 def test_parts_joints_and_freedoms_are_those_of_ks_tables_1_and_2() -> None:
     mechanism = train(1000.0)
-    removed = {joint.name: len(joint.constraints) for joint in mechanism.joints}
-    assert list(removed.values()) == [4, 1, 1, 5, 5, 5]
-    assert 6 * len(mechanism.bodies) == 30
-    assert len(mechanism.constraint_names) == 21
+    assert [len(joint.constraints) for joint in mechanism.joints] == [4, 1, 1, 5, 5, 5]
     # The shaft slides in its bearing, the cam has six but the contact, follower and coils share three.
-    assert mechanism.freedoms == 9
-    assert (
-        mechanism.find_redundant(mechanism.evaluate(0.0, mechanism.start().q, np.zeros(30)).held.jacobian)
-        == ()
-    )
+    assert (len(mechanism.bodies), mechanism.freedoms) == (5, 9)
 
 
 @pytest.mark.parametrize(
     ("speed_rpm", "load", "torque", "moment"),
     [
-        pytest.param(600.0, (326.842, 606.423), (-4.927, 4.940), 4.935, marks=pytest.mark.long),
+        (600.0, (326.842, 606.423), (-4.927, 4.940), 4.935),
         (1000.0, (323.401, 607.399), (-4.880, 4.856), 4.866),
     ],
 )
@@ -90,10 +83,8 @@ def test_ks_train_on_a_flexible_shaft(
     record("Multibody", f"{at}: guide moment (N m)", guide, moment, SOURCE, tolerance=6e-4)
 
 
-@pytest.mark.parametrize(
-    "speed_rpm",
-    [pytest.param(600.0, marks=pytest.mark.long), 1000.0, pytest.param(3000.0, marks=pytest.mark.long)],
-)
+@pytest.mark.long
+@pytest.mark.parametrize("speed_rpm", [600.0, 1000.0, 3000.0])
 def test_multibody_and_minimal_model_agree_on_a_rigid_shaft(
     speed_rpm: float, record: Callable[..., None]
 ) -> None:
@@ -121,10 +112,8 @@ def test_multibody_and_minimal_model_agree_on_a_rigid_shaft(
         record("Multibody", quantity, error, 0.0, "minimal model, adherence", tolerance=1e-6)
 
 
-@pytest.mark.parametrize(
-    "speed_rpm",
-    [pytest.param(600.0, marks=pytest.mark.long), pytest.param(1000.0, marks=pytest.mark.long), 3000.0],
-)
+@pytest.mark.long
+@pytest.mark.parametrize("speed_rpm", [600.0, 1000.0, 3000.0])
 def test_multibody_and_minimal_model_agree_on_a_flexible_shaft(
     speed_rpm: float, record: Callable[..., None]
 ) -> None:
@@ -159,6 +148,7 @@ def test_multibody_and_minimal_model_agree_on_a_flexible_shaft(
         record("Multibody", quantity, error, 0.0, "minimal model, adherence", tolerance=1e-5)
 
 
+@pytest.mark.long
 def test_both_methods_agree_at_3000_r_min(record: Callable[..., None]) -> None:
     """Backward differences of the stabilised form and projected Runge-Kutta of index 1."""
     times, mechanism = np.linspace(0.0, 0.02, 361), train(3000.0)
@@ -173,6 +163,7 @@ def test_both_methods_agree_at_3000_r_min(record: Callable[..., None]) -> None:
         record("Multibody", quantity, max(motion.drift), 0.0, "constraints", tolerance=tolerance)
 
 
+@pytest.mark.long
 def test_the_film_carries_the_train_as_in_the_components(record: Callable[..., None]) -> None:
     """Load and film thickness over a revolution, both from the same start, on a rigid shaft."""
     system = valve_train(1000.0)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pytest
 
 from models.multibody.ida import solve_ida
 from models.multibody.linear import find_rest
@@ -92,6 +93,7 @@ def lift_of_cam(system: Any, t: float, item: int, parameters: Any) -> list[float
     return [0.0, cam(OMEGA * t)[0], 0.0, 0.0, 0.0, 0.0]
 
 
+@pytest.mark.long
 def test_exudyn_finds_the_same_loads_and_motion(record: Callable[..., None]) -> None:
     """A turn from rest at 1600 r/min, the lever ratio changing with the lift.
 

@@ -59,6 +59,7 @@ def test_torsion_of_the_shaft_converges_with_the_square_of_its_segments(record: 
         record("Multibody", quantity, value, wanted, EVALUATION, tolerance=4e-4 * wanted)
 
 
+@pytest.mark.long
 def test_bending_of_the_shaft_converges_with_the_square_of_its_segments(record: Callable[..., None]) -> None:
     """Pinned at both ends, with eight cams as discs; its modes come in pairs, one for each plane."""
     expected = np.array([234.810913, 896.319914, 1882.38922])
@@ -77,6 +78,7 @@ def test_bending_of_the_shaft_converges_with_the_square_of_its_segments(record: 
         record("Multibody", quantity, value, wanted, EVALUATION, tolerance=4e-4 * wanted)
 
 
+@pytest.mark.long
 def test_frequencies_of_eight_trains_on_the_shaft(record: Callable[..., None]) -> None:
     """At the shaft angle 0, without the stiffness W s''. The segments leave 6e-5 of the shaft's torsion."""
     mechanism = engine(0.0)

@@ -89,7 +89,8 @@ def loaded_train(speed_rpm: float) -> Mechanism:
     return pushrod_train(pushrod_parts(preload=660.0 - resting), turning(speed_rpm))
 
 
-@pytest.mark.parametrize("speed_rpm", [pytest.param(1000.0, marks=pytest.mark.long), 1600.0])
+@pytest.mark.long
+@pytest.mark.parametrize("speed_rpm", [1000.0, 1600.0])
 def test_loads_of_the_train_on_an_elastic_pushrod(speed_rpm: float, record: Callable[..., None]) -> None:
     mechanism, turn = loaded_train(speed_rpm), 60.0 / speed_rpm
     times = np.append(0.0, np.linspace(REVOLUTIONS - 1, REVOLUTIONS, POINTS) * turn)

@@ -41,7 +41,7 @@ def summed(grid, p, i, j):
     return total
 
 
-@pytest.mark.parametrize(("i", "j"), [(0, 0), (5, 1), (9, 6), (11, 11), (4, 5)])
+@pytest.mark.parametrize(("i", "j"), [(0, 0), (5, 1), (11, 11)])
 def test_near_and_far_parts_are_the_integral(i, j):
     """Even nodes and nodes that crowd at an edge: cubics on the mesh err by 4e-4 of a far line's share."""
     for x in (GRID.x, np.sort(np.append(GRID.x[1:-1], [-0.83, -0.81]))):

@@ -22,7 +22,7 @@ def graded(nodes):
     return Grid(np.cumsum(np.random.default_rng(1).uniform(0.1, 0.2, nodes)), FACES)
 
 
-@pytest.mark.parametrize("difference", [1e-4, 9e-4, 1.1e-3, 1.0, 5.0])
+@pytest.mark.parametrize("difference", [9e-4, 1.1e-3, 5.0])
 def test_the_logarithmic_mean_and_its_slopes(difference):
     """Against the integral that it is: of e^t between both, by its mean value; slopes by differences."""
     a, b = -0.7, -0.7 + difference

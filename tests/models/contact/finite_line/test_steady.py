@@ -48,9 +48,12 @@ def test_the_film_carries_the_load_and_cavitates_or_is_full():
     assert np.min(g[~full & inner]) > -1e-9
 
 
-def test_it_is_symmetric_about_the_middle():
+def test_pressure_is_a_dog_bone_and_the_film_is_least_at_the_ends():
     found = film_of(STRAIGHT, AT, COARSE)
-    # The linear solver's residual.
+    assert found.end_pressure > 1.5 * found.middle_pressure
+    assert found.end_film < 0.6 * found.middle_film
+    assert found.end_film == found.smallest_film
+    # Symmetric to the linear solver's residual.
     np.testing.assert_allclose(found.film, found.film[:, ::-1], rtol=1e-5)
     assert abs(found.moment) < 1e-6 * AT.load * LENGTH
 
@@ -72,6 +75,7 @@ def test_misalignment_mirrors_and_its_moment_turns_with_it():
     assert one.end_pressure > film_of(STRAIGHT, AT, COARSE).end_pressure
 
 
+@pytest.mark.long
 def test_the_middle_is_the_line_contact(record):
     """At that load per length; 12 and 24 nodes, extrapolated by their second order."""
     coarse, fine = (film_of(STRAIGHT, AT, Resolution(nodes, 0.4, 0.5, 16)) for nodes in (12.0, 24.0))
@@ -109,6 +113,7 @@ def test_the_grids_error_is_of_second_order_in_x():
     assert order == pytest.approx(2.0, abs=0.5)
 
 
+@pytest.mark.long
 def test_the_ends_of_a_logarithmic_profile_converge(record):
     """Cells of 0.2, 0.1 and 0.05 half widths: the change of the end film shrinks at least by their square."""
     logarithmic = FiniteLine(LENGTH, STEEL, OIL, johns_gohar(AT.load, AT.radius, LENGTH, STEEL))
@@ -127,13 +132,7 @@ def test_the_film_bounds_the_peak_of_a_sharp_end():
     assert changes[0] > changes[1] > 2.0 * changes[2] > 0.0
 
 
-def test_pressure_is_a_dog_bone_and_the_film_is_least_at_the_ends():
-    found = film_of(STRAIGHT, AT, COARSE)
-    assert found.end_pressure > 1.5 * found.middle_pressure
-    assert found.end_film < 0.6 * found.middle_film
-    assert found.end_film == found.smallest_film
-
-
+@pytest.mark.long
 def test_profiles_relieve_the_ends():
     """In the order of their sharpness; a crown unloads the ends wholly and pays in the middle."""
     profiles = {
@@ -158,6 +157,7 @@ def test_without_speed_it_becomes_the_dry_contact():
     assert slow.central_film < 0.1 * film_of(STRAIGHT, AT, COARSE).central_film
 
 
+@pytest.mark.long
 def test_a_sharp_tilted_end_near_a_reversal_has_a_film():
     """0.1 degrees from the cam's second reversal, M = 29 on average; Newton's method alone fails there."""
     at = Running(load=572.5, velocity=0.0115, radius=14.5e-3, misalignment=2.8e-4)
@@ -190,17 +190,14 @@ def test_it_says_what_is_not_to_be_trusted():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: FiniteLine(0.0, STEEL, OIL), "length = 0 m: must be positive"),
         (lambda: FiniteLine(LENGTH, STEEL, Lubricant(0.0, 1e-8)), "viscosity = 0 Pa s: must be positive"),
         (lambda: Running(-1.0, 1.0, 0.02), "load = -1 N: must be positive"),
-        (lambda: Running(1.0, 1.0, -0.02), "radius = -0.02 m: must be positive"),
         (lambda: Running(1.0, 1.0, 0.02, 3.0), "misalignment = 3 rad: must be between"),
         (lambda: steady(STRAIGHT, Running(500.0, 0.0, 0.02)), "entraining velocity = 0 m/s: must be other"),
         (lambda: Crowned(0.0), "crown radius = 0 m"),
         (lambda: Logarithmic(1e-6, straight_share=1.0), "straight share = 1 1: must be < 1"),
         (lambda: steady(STRAIGHT, Running(500.0, 4e-16, 0.02)), "velocity = 4e-16 m/s: must be large enough"),
         (lambda: steady(STRAIGHT, AT, Resolution(1e7)), "cells in a row: must be at most 4000"),
-        (lambda: steady(STRAIGHT, AT, Resolution(12.0, 1e-8)), "cells in a row: must be at most 4000"),
         (lambda: steady(STRAIGHT, AT, Resolution(1000.0)), r"cells = .*e\+\d+ bytes: must be at most 4e\+09"),
         (lambda: Resolution(0.0), "nodes_per_half_width = 0 1: must be positive"),
     ],

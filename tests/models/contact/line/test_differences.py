@@ -53,17 +53,13 @@ def test_orders_of_the_rate_and_of_the_second_derivative() -> None:
     assert orders == pytest.approx([INSTANTS - 1, INSTANTS - 2], abs=0.05)
 
 
-def test_nothing_is_known_of_the_rate_at_the_first_instant() -> None:
-    assert followed(math.exp, UNEVEN[:1]) == (0.0, 0.0)
-
-
 def test_a_jump_is_left_behind() -> None:
     """A history that is begun anew behind it has the rates of what came after."""
     table, ages = np.zeros((INSTANTS, 1)), np.zeros(INSTANTS - 1)
     for value in (0.0, 1.0, 2.0, 3.0):
         append_instant(table, ages, np.array([value]), 0.1)
     restart(table, ages, np.array([100.0]))
-    assert estimate_rate(table, ages, 0) == 0.0
+    assert (estimate_rate(table, ages, 0), estimate_second_derivative(table, ages, 0)) == (0.0, 0.0)
     append_instant(table, ages, np.array([99.5]), 0.1)
     assert estimate_rate(table, ages, 0) == pytest.approx(-5.0, rel=1e-12)
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from models.core.integrator import NOT_CONVERGED, OK
 
-from .stepped import NODES, Contact
+from .stepped import Contact
 
 RADIUS = 0.02
 RUNNING = {"approach": 0.3e-6, "entraining_velocity": 1.0, "radius_of_curvature": RADIUS}
@@ -34,13 +34,9 @@ def whole(contact: Contact) -> None:
     ("name", "value"),
     [
         ("radius_of_curvature", 0.0),
-        ("radius_of_curvature", -0.01),
-        ("radius_of_curvature", math.nan),
         ("radius_of_curvature", math.inf),
         ("entraining_velocity", math.nan),
         ("approach", math.nan),
-        ("approach", math.inf),
-        ("applied_load", math.nan),
         ("applied_load", math.inf),
     ],
 )
@@ -73,7 +69,7 @@ def test_an_input_outside_its_range_is_named() -> None:
     assert fault == "radius_of_curvature = -0.01 m (reduced radius R of the contact): must be > 0"
 
 
-@pytest.mark.parametrize("step", [1e-6, 1e-5, pytest.param(1e-4, marks=pytest.mark.long), 1e-3])
+@pytest.mark.parametrize("step", [1e-6, pytest.param(1e-3, marks=pytest.mark.long)])
 def test_a_contact_opens_and_closes_ten_times(step: float) -> None:
     """By 50 um, in forty steps each time: without load the film is the gap between the bodies."""
     contact, period = Contact(), 40.0 * step
@@ -114,19 +110,6 @@ def test_entrainment_stops_for_long_and_starts_again(drive: dict[str, float]) ->
 
 
 @pytest.mark.parametrize("drive", [RUNNING, LOADED], ids=["approach", "load"])
-def test_a_start_from_rest_comes_to_the_film_of_a_running_start(drive: dict[str, float]) -> None:
-    started, running = (Contact(load_is_given=float("applied_load" in drive)) for _ in range(2))
-    ramp = {**drive, "entraining_velocity": lambda t: min(1.0, t / 1e-3)}
-    for _ in range(200):
-        assert started.step(2e-5, **ramp) == OK
-        assert running.step(2e-5, **drive) == OK
-        whole(started)
-    for name in ("load", "film_thickness", "minimum_film_thickness"):
-        # Both have passed through the contact, 0.3 mm long, ten times.
-        assert started[name] == pytest.approx(running[name], rel=1e-3)
-
-
-@pytest.mark.parametrize("drive", [RUNNING, LOADED], ids=["approach", "load"])
 def test_macro_steps_of_any_length_give_one_motion(drive: dict[str, float]) -> None:
     """Lines over 1 ms are the same inputs in 1000, 100, 10 steps and one; entrainment reverses in the middle.
 
@@ -147,7 +130,7 @@ def test_macro_steps_of_any_length_give_one_motion(drive: dict[str, float]) -> N
         assert found[steps] == pytest.approx(found[1000], rel=1e-3)
 
 
-@pytest.mark.parametrize("step", [1e-2, 1e-1, 1.0])
+@pytest.mark.parametrize("step", [1e-2, 1.0])
 def test_a_start_far_from_balance_is_made_in_one_long_step(step: float) -> None:
     """A uniform film that is squeezed at rest: as in a hundred steps that grow as the film settles."""
     at_rest = {**RUNNING, "approach": 0.0, "entraining_velocity": 0.0}
@@ -162,21 +145,20 @@ def test_a_start_far_from_balance_is_made_in_one_long_step(step: float) -> None:
         assert once[name] == pytest.approx(often[name], rel=5e-3)
 
 
-@pytest.mark.parametrize("step", [1e-6, 1e-4])
-def test_an_open_contact_at_rest_stays_open_whatever_its_gap(step: float) -> None:
+def test_an_open_contact_at_rest_stays_open_whatever_its_gap() -> None:
     """Nothing flows but rounding."""
     random = np.random.default_rng(0)
-    for _ in range(50):
+    for _ in range(20):
         gap, radius = random.uniform(1.1e-6, 20e-6), random.uniform(5e-3, 50e-3)
         contact = Contact()
         inputs = {"approach": -gap, "entraining_velocity": 0.0, "radius_of_curvature": radius}
-        for _ in range(2):
+        for step in (1e-6, 1e-4):
             assert contact.step(step, **inputs) == OK
         assert contact["film_thickness"] == pytest.approx(gap, rel=1e-9)
         assert contact["load"] < 1e-6
 
 
-JUMPS_OF_LOAD = [(500.0, 3.0), (500.0, 0.0), (2000.0, 50.0), (3000.0, 1.0), (3.0, 500.0), (1.0, 3000.0)]
+JUMPS_OF_LOAD = [(500.0, 0.0), (3000.0, 1.0), (1.0, 3000.0)]
 
 
 def jumped(form: float, before: float, after: float, length: float, **parameters: float) -> Contact:
@@ -226,7 +208,7 @@ def test_a_load_below_the_floor_is_shown_as_what_it_is() -> None:
     assert shown[10.0] == pytest.approx([0.5 * shown[20.0][0], 0.5 * shown[20.0][1], shown[20.0][2]])
 
 
-@pytest.mark.parametrize(("opening", "length"), [(20e-6, 1e-6), (20e-6, 1e-5), (1e-6, 1e-7)])
+@pytest.mark.parametrize(("opening", "length"), [(20e-6, 1e-6), (1e-6, 1e-7)])
 def test_a_contact_torn_open_carries_no_load(opening: float, length: float) -> None:
     """Cavities have no oil that could be squeezed: what load there is comes from entrainment, less than
     Martin's load of rigid bodies."""
@@ -235,12 +217,12 @@ def test_a_contact_torn_open_carries_no_load(opening: float, length: float) -> N
     assert contact["film_thickness"] == pytest.approx(opening, abs=5e-9 * contact["load"] + 1e-12)
 
 
-@pytest.mark.parametrize("form", [0.0, 1.0], ids=["approach", "load"])
+@pytest.mark.parametrize("form", [0.0, pytest.param(1.0, marks=pytest.mark.long)], ids=["approach", "load"])
 def test_jumps_are_survived_or_refused_without_a_trace(form: float) -> None:
     """Of all inputs at once, as no mechanism makes them."""
     random, refused = np.random.default_rng(5), 0
     contact = Contact(load_is_given=form)
-    for _ in range(60):
+    for _ in range(40):
         before = contact.x.copy()
         status = contact.step(
             10.0 ** random.uniform(-6.0, -3.5),
@@ -260,7 +242,7 @@ def test_jumps_are_survived_or_refused_without_a_trace(form: float) -> None:
     assert refused <= (0 if form else 3)
 
 
-def walked(steps: list[tuple[float, ...]], form: float, nodes: int = NODES, **parameters: float) -> None:
+def walked(steps: list[tuple[float, ...]], form: float, nodes: int, **parameters: float) -> None:
     """A walk whose inputs go linearly from one value to the next: every step is whole, and made at once or,
     after it has been refused without a trace, in a hundred steps."""
     contact = Contact(nodes=nodes, load_is_given=form, **parameters)
@@ -310,29 +292,11 @@ walks = st.lists(
 
 
 @pytest.mark.long
-@settings(max_examples=30)
-@given(walks, st.sampled_from([0.0, 1.0]), st.floats(5e-3, 0.2), st.sampled_from([0.0, 5e6]))
-def test_random_walks_are_made_step_by_step(
-    steps: list[tuple[float, ...]], form: float, viscosity: float, eyring_stress: float
-) -> None:
-    walked(steps, form, viscosity=viscosity, eyring_stress=eyring_stress)
+@pytest.mark.parametrize(("nodes", "examples"), [(51, 10), (101, 30), (301, 10), (701, 3)])
+def test_random_walks_are_made_step_by_step(nodes: int, examples: int) -> None:
+    @settings(max_examples=examples)
+    @given(walks, st.sampled_from([0.0, 1.0]), st.floats(5e-3, 0.2), st.sampled_from([0.0, 5e6]))
+    def walk(steps: list[tuple[float, ...]], form: float, viscosity: float, eyring_stress: float) -> None:
+        walked(steps, form, nodes, viscosity=viscosity, eyring_stress=eyring_stress)
 
-
-@pytest.mark.long
-@pytest.mark.parametrize("nodes", [51, 301, 701])
-@pytest.mark.parametrize("form", [0.0, 1.0], ids=["approach", "load"])
-def test_random_walks_with_other_numbers_of_nodes(nodes: int, form: float) -> None:
-    random = np.random.default_rng(nodes)
-    for _ in range(10 if nodes < 700 else 3):
-        steps = [
-            (
-                random.uniform(-6.0, -3.0),
-                random.uniform(-20e-6, 4e-6),
-                random.choice([0.0, random.uniform(1.0, 3000.0)]),
-                random.choice([0.0, random.uniform(-5.0, 5.0)]),
-                random.uniform(5e-3, 50e-3),
-                random.uniform(-5.0, 5.0),
-            )
-            for _ in range(8)
-        ]
-        walked(steps, form, nodes, viscosity=10.0 ** random.uniform(-2.3, -0.7))
+    walk()

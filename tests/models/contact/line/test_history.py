@@ -36,15 +36,6 @@ def test_a_thousandfold_period_gives_the_steady_film() -> None:
     assert abs(lag[1000.0]) < NODES_ERROR
 
 
-def test_the_mirrored_drive_gives_mirrored_films_through_a_reversal() -> None:
-    degrees = np.linspace(138.0, 150.0, 49)
-    m = motion(degrees, 1000.0)
-    assert m.velocity[0] * m.velocity[-1] < 0.0
-    there, back = (film_history(m.times, m.load, sign * m.velocity, m.radius, NODES) for sign in (1.0, -1.0))
-    np.testing.assert_allclose(back.film[:, ::-1], there.film, rtol=1e-5)
-    np.testing.assert_allclose(back.pressure[:, ::-1], there.pressure, rtol=1e-4, atol=1e3)
-
-
 @pytest.mark.parametrize("formula", ["kushwaha", "kushwaha_negative"])
 def test_a_relaxed_film_is_kept_at_rest_and_settles_under_entrainment(formula: str) -> None:
     times = np.linspace(0.0, 0.2, 11)

@@ -27,8 +27,9 @@ LUBRICANTS = {
 }
 
 
-@pytest.mark.parametrize(("reach", "sharpness"), [(10.0, 0.0), (160.0, 0.0), (10.0, 256.0)])
-@pytest.mark.parametrize("nodes", [51, 301, 1201])
+@pytest.mark.parametrize(
+    ("nodes", "reach", "sharpness"), [(51, 10.0, 0.0), (301, 160.0, 0.0), (1201, 10.0, 256.0)]
+)
 def test_nodes_ascend_and_are_symmetric(nodes, reach, sharpness):
     X = np.empty(nodes)
     place_nodes(X, reach, sharpness)
@@ -119,8 +120,7 @@ def balanced(w, scale, p, h, drive, fluid, old, step):
     return residual, A, B
 
 
-@pytest.mark.parametrize("name", LUBRICANTS)
-@pytest.mark.parametrize("velocity", [1.5, -1.5])
+@pytest.mark.parametrize(("name", "velocity"), [*zip(LUBRICANTS, (1.5, -1.5, 1.5), strict=True)])
 def test_derivatives_of_the_balance_are_its_differences(name, velocity):
     """A by pressure and B by film, element by element, against central differences."""
     fluid = LUBRICANTS[name]
@@ -205,32 +205,21 @@ def errors_of_corrections(J, fixed, w):
     return errors
 
 
-GRIDS = pytest.mark.parametrize(("nodes", "sharpness"), [(51, 0.0), (151, 0.0), (601, 0.0), (601, 128.0)])
-VELOCITIES = pytest.mark.parametrize("velocity", [1.5, -1.5])
-
-
 def shrink(errors):
     """The Jacobian's condition makes a few per cent of COMPRESSION at worst; each correction of what is left
     shrinks the error as much again, down to rounding."""
     return all(after < 0.1 * before + 1e-9 for before, after in itertools.pairwise([1.0, *errors]))
 
 
-@GRIDS
-@VELOCITIES
+@pytest.mark.parametrize(
+    ("nodes", "sharpness", "velocity"), [(51, 0.0, 1.5), (151, 0.0, -1.5), (601, 128.0, 1.5)]
+)
 def test_hierarchical_factors_solve_as_dense_ones(nodes, sharpness, velocity):
-    """Against numpy on the assembled Jacobian."""
+    """Against numpy on the assembled Jacobian; also after nodes have changed sides: one comes to cavitate
+    within the film, two beside it at its end no longer do, and one goes there and back."""
     J, fixed, w = loaded(nodes, sharpness, velocity)
     factorise_anew(J, fixed, w.hierarchy, w.exchange)
     assert shrink(errors_of_corrections(J, fixed, w))
-
-
-@GRIDS
-@VELOCITIES
-def test_factors_serve_after_nodes_changed_sides(nodes, sharpness, velocity):
-    """One node comes to cavitate within the film, two beside it at its end no longer do, and one goes there
-    and back: as dense factors of the new Jacobian."""
-    J, fixed, w = loaded(nodes, sharpness, velocity)
-    factorise_anew(J, fixed, w.hierarchy, w.exchange)
     last = np.flatnonzero(fixed == 0.0)[-1]
     fixed[last - 1] = 1.0
     assert correct_factors(fixed, w.hierarchy, w.exchange)

@@ -15,7 +15,7 @@ from models.contact.analysis.line.line_contact import LineContact, moes_contact
 from models.contact.analysis.line.steady import LineContactError, LineContactWarning, solve_steady
 from models.contact.films.moes_venner import moes_film
 from models.contact.fluid import Lubricant, density_ratio, viscosity_at
-from models.contact.hertz import ELASTIC_LIMIT, elastic_compliance
+from models.contact.hertz import elastic_compliance
 
 STEEL = elastic_compliance(207e9, 0.3, 207e9, 0.3)
 CAM = LineContact(
@@ -65,7 +65,8 @@ def test_mesh_error_is_of_second_order(M, L, record):
     record("Field", quantity, order, 2.0, "second-order discretisation", tolerance=0.25)
 
 
-@pytest.mark.parametrize(("M", "L"), [(1, 10), (10, 0), (50, 10), (1000, 5)])
+@pytest.mark.long
+@pytest.mark.parametrize(("M", "L"), [(1, 10), (10, 0), (1000, 5)])
 def test_the_error_is_bounded_by_its_estimate(M, L):
     """Against the finest grid there is, whose error is a sixteenth of the one judged."""
     film, reference = film_of(M, L), on_nodes(M, L, 2401)
@@ -76,14 +77,13 @@ def test_the_error_is_bounded_by_its_estimate(M, L):
 
 
 CORNERS = [*itertools.product((1.0, 30.0, 1000.0), (0.0, 20.0))]
-GRID = [
-    *itertools.product(
-        (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0), (0.0, 0.3, 1.0, 3.0, 5.0, 10.0, 15.0, 20.0)
-    )
-]
+LOADS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
+VISCOSITIES = (0.0, 0.3, 1.0, 3.0, 5.0, 10.0, 15.0, 20.0)
 
 
-def near_moes(M, L, record):
+@pytest.mark.long
+@pytest.mark.parametrize(("M", "L"), [*itertools.product(LOADS, VISCOSITIES)])
+def test_films_are_near_moes_fit(M, L, record):
     """The fit was made for the minimum film (Moes 1992, Venner 1991) and is some per cent off: 7 % at most
     here, at M = 1000, L = 20."""
     film = film_of(M, L)
@@ -91,17 +91,6 @@ def near_moes(M, L, record):
     record("Field", quantity, film.H_minimum, moes_film(M, L), source, relative=0.07)
     assert film.H_minimum <= film.H_central
     assert film.warnings == ()
-
-
-@pytest.mark.parametrize(("M", "L"), CORNERS)
-def test_every_load_and_viscosity_has_a_film(M, L, record):
-    near_moes(M, L, record)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("M", "L"), GRID)
-def test_films_are_near_moes_fit(M, L, record):
-    near_moes(M, L, record)
 
 
 def test_rigid_bodies_have_martins_film(record):
@@ -173,17 +162,17 @@ def uneven_flux(film):
     return np.max(np.abs(q[wet] / q[np.argmax(p)] - 1.0))
 
 
-@pytest.mark.parametrize(("M", "L"), [(10, 0), (10, 1)])
-def test_oil_flows_through_evenly(M, L):
+def test_oil_flows_through_evenly():
     """The same mass everywhere, but for differences between discretisations, of second order."""
-    coarse, fine = (uneven_flux(on_nodes(M, L, nodes)) for nodes in (301, 1201))
+    coarse, fine = (uneven_flux(on_nodes(10, 1, nodes)) for nodes in (301, 1201))
     assert fine < 2e-3
     assert fine < coarse / 8.0
 
 
 @pytest.mark.parametrize(("M", "L"), CORNERS)
-def test_pressure_and_cavity_complement_each_other(M, L):
-    """p >= 0 everywhere; where p = 0 behind the film, the gap opens, and would take more oil than comes."""
+def test_pressure_carries_the_load(M, L, record):
+    """Trapezoids, which are exact for pressure linear between nodes; Newton's last correction left 1e-7.
+    p >= 0 everywhere; where p = 0 behind the film, the gap opens, and would take more oil than comes."""
     film = film_of(M, L)
     p, h = film.pressure, film.film
     assert np.all(p >= 0.0)
@@ -191,22 +180,11 @@ def test_pressure_and_cavity_complement_each_other(M, L):
     outlet = np.flatnonzero(p > 0.0)[-1]
     assert np.all(np.diff(h[outlet:]) > 0.0)
     assert np.all(p[1 : outlet + 1] > 0.0)
-
-
-@pytest.mark.parametrize(("M", "L"), CORNERS)
-def test_pressure_carries_the_load(M, L, record):
-    """Trapezoids, which are exact for pressure linear between nodes; Newton's last correction left 1e-7."""
-    film = film_of(M, L)
-    found = np.trapezoid(film.pressure, film.x) * film.contact.length
-    record(
-        "Field",
-        "load that the steady pressure carries (N)",
-        found,
-        film.contact.load,
-        "load given",
-        relative=1e-7,
-    )
+    found = np.trapezoid(p, film.x) * film.contact.length
+    quantity = "load that the steady pressure carries (N)"
+    record("Field", quantity, found, film.contact.load, "load given", relative=1e-7)
     assert film.load_error < 1e-7
+    assert film.warnings == ()
 
 
 def test_the_film_is_the_gap_of_the_deflected_bodies():
@@ -252,14 +230,20 @@ def test_a_grid_that_is_too_coarse_is_reported():
     assert film.mesh_error > 2e-3
 
 
-def test_an_accuracy_that_no_grid_gives_is_refused():
-    with pytest.raises(LineContactError, match="allow a larger tolerance"):
-        solve_steady(moes_contact(1000.0, 20.0), tolerance=1e-6, elastic_limit=math.inf)
-
-
-def test_a_contact_that_all_but_rests_is_refused():
-    with pytest.raises(LineContactError, match="transient"):
-        solve_steady(dataclasses.replace(CAM, velocity=1e-15))
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: solve_steady(moes_contact(1000.0, 20.0), tolerance=1e-6), "allow a larger tolerance"),
+        (lambda: solve_steady(dataclasses.replace(CAM, velocity=1e-15)), "use the transient line contact"),
+        (
+            lambda: solve_steady(dataclasses.replace(CAM, squeeze=10.0), nodes=75),
+            "squeeze = 10 m/s: must be well below",
+        ),
+    ],
+)
+def test_films_that_are_not_found_are_refused(call, words):
+    with pytest.raises(LineContactError, match=words):
+        call()
 
 
 def test_a_short_inlet_is_seen():
@@ -288,14 +272,10 @@ def test_pressure_beyond_the_elastic_limit_is_reported():
 @pytest.mark.parametrize(
     ("change", "words"),
     [({"load": 0.0}, "load = 0 N: must be finite and > 0"), ({"load": math.nan}, "load = nan N"),
-     ({"radius": -0.03}, "radius = -0.03 m"), ({"length": 0.0}, "length = 0 m"),
-     ({"compliance": -1.0}, "compliance = -1 1/Pa"), ({"velocity": 0.0}, "velocity = 0 m/s.*transient"),
-     ({"velocity": math.inf}, "velocity = inf"), ({"sliding": math.nan}, "sliding = nan"),
-     ({"radius": "30 mm"}, "radius = '30 mm': must be one real number"),
+     ({"velocity": 0.0}, "velocity = 0 m/s.*transient"), ({"sliding": math.nan}, "sliding = nan"),
      ({"load": np.ones(2)}, "load = array.*: must be one real number"),
      ({"lubricant": Lubricant("thick", 1e-8)}, "viscosity = 'thick': must be one real number"),
      ({"lubricant": Lubricant(0.0, 1e-8)}, "viscosity = 0 Pa.s"),
-     ({"lubricant": Lubricant(0.03, -1e-8)}, "pressure_viscosity = -1e-08 1/Pa"),
      ({"lubricant": Lubricant(0.03, 1e-8, 7.0)}, "viscosity_law = 7: must be 0 to 2"),
      ({"lubricant": Lubricant(0.03, 1e-8, eyring_stress=-1.0)}, "eyring_stress = -1 Pa"),
      ({"lubricant": Lubricant(0.03, 1e-8, roelands_exponent=0.0)}, "roelands_exponent = 0")],
@@ -307,12 +287,11 @@ def test_what_is_no_contact_is_refused(change, words):
 
 @pytest.mark.parametrize(
     ("call", "words"),
-    [(lambda: moes_contact(0.0, 1.0), "M = 0"), (lambda: moes_contact(1.0, -1.0), "L = -1"),
+    [(lambda: moes_contact(1.0, -1.0), "L = -1"),
      (lambda: moes_contact(1.0, 1.0, "water"), "viscosity_law = 'water': must be one of roelands"),
      (lambda: moes_contact(1.0, 1.0, pressure_viscosity=0.0), "pressure_viscosity = 0"),
      (lambda: solve_steady(CAM, tolerance=0.0), "tolerance = 0"),
-     (lambda: solve_steady(CAM, nodes=300), "nodes = 300: must be odd"),
-     (lambda: solve_steady(CAM, nodes=2), "nodes = 2: must be odd, a whole number and from 51 to 4801"),
+     (lambda: solve_steady(CAM, nodes=300), "nodes = 300: must be odd, a whole number and from 51 to 4801"),
      (lambda: solve_steady(CAM, nodes=301.0), "nodes = 301.0: must be odd, a whole number"),
      (lambda: moes_contact("1", 1.0), "M = '1': must be one real number"),
      (lambda: solve_steady(CAM, elastic_limit=-1.0), "elastic_limit = -1 Pa")],
@@ -320,18 +299,6 @@ def test_what_is_no_contact_is_refused(change, words):
 def test_what_cannot_be_solved_is_refused(call, words):
     with pytest.raises(ValueError, match=words):
         call()
-
-
-def test_a_gap_that_opens_faster_than_oil_follows_names_the_squeeze():
-    with pytest.raises(LineContactError, match="squeeze = 10 m/s: must be well below"):
-        solve_steady(dataclasses.replace(CAM, squeeze=10.0), nodes=75)
-
-
-def test_made_up_bodies_do_not_yield():
-    """Hertz pressure beyond the elastic limit of steel; warnings are errors."""
-    contact = moes_contact(300.0, 10.0)
-    assert contact.hertz_pressure > ELASTIC_LIMIT
-    assert solve_steady(contact, tolerance=0.02).warnings == ()
 
 
 def test_closing_bodies_squeeze_oil_out():

@@ -10,7 +10,7 @@ import pytest
 from models.contact.analysis.line.history import film_history
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.contact.line.grid import REACH
-from models.core.integrator import NOT_CONVERGED, OK
+from models.core.integrator import OK
 
 from .cam_cycle import cycle, least_films, motion
 from .stepped import NODES, Contact
@@ -21,13 +21,6 @@ REFERENCE_ERROR = 0.03
 
 
 RUNNING = {"approach": 0.3e-6, "entraining_velocity": 2.0, "radius_of_curvature": 0.02}
-
-
-def settled() -> Contact:
-    contact = Contact()
-    for _ in range(100):
-        assert contact.step(1e-5, **RUNNING) == OK
-    return contact
 
 
 def test_minimum_films_at_the_reversals_of_the_cam_cycle(record) -> None:
@@ -105,14 +98,8 @@ def test_squeezed_isoviscous_film_between_rigid_bodies(record) -> None:
         assert contact.step(1e-6, **squeezed) == OK
     expected = 3.0 * math.pi * 0.036 * speed * radius * math.sqrt(2.0 * radius) * 12e-3 * gap**-1.5
     source = "3π η V R √(2R) L h^(-3/2)"
-    record(
-        "Field",
-        "load of a squeezed film, rigid bodies (N)",
-        contact["load"],
-        expected,
-        source,
-        relative=0.015,
-    )
+    quantity = "load of a squeezed film, rigid bodies (N)"
+    record("Field", quantity, contact["load"], expected, source, relative=0.015)
 
 
 def test_the_film_mirrors_where_entrainment_reverses() -> None:
@@ -124,83 +111,26 @@ def test_the_film_mirrors_where_entrainment_reverses() -> None:
     np.testing.assert_allclose(back.field("film")[::-1], there.field("film"), rtol=1e-5)
 
 
-def test_a_restored_state_goes_on_to_the_same_bits() -> None:
-    contact = settled()
-    saved, at = contact.x.copy(), contact.t
-    moving = {**RUNNING, "approach": lambda t: 0.3e-6 + 1e-3 * (t - at)}
-    for _ in range(5):
-        assert contact.step(7e-6, **moving) == OK
-    first = contact.x.copy()
-    # Something else in between, in the same scratch memory.
-    assert contact.step(1e-4, **{**RUNNING, "entraining_velocity": -1.0}) == OK
-    contact.x[:], contact.t = saved, at
-    for _ in range(5):
-        assert contact.step(7e-6, **moving) == OK
-    np.testing.assert_array_equal(contact.x, first)
-
-
-@pytest.mark.parametrize("roughness", [0.0, 0.2e-6, 0.8e-6])
-@pytest.mark.parametrize("form", [0.0, 1.0])
-def test_a_state_in_other_scratch_memory_goes_on_to_the_same_bits(form: float, roughness: float) -> None:
+@pytest.mark.parametrize(("form", "roughness"), [(0.0, 0.0), (1.0, 0.2e-6), (0.0, 0.8e-6)])
+def test_a_state_goes_on_to_the_same_bits_in_any_scratch_memory(form: float, roughness: float) -> None:
     """Nothing that steps before have left in it is read."""
     forms = {"load_is_given": form, "roughness": roughness}
-    contact = Contact(**forms)
+    contact, fresh = Contact(**forms), Contact(**forms)
     running = {**RUNNING, "applied_load": 300.0}
     for _ in range(60):
         assert contact.step(2e-5, **running) == OK
     saved, at = contact.x.copy(), contact.t
     braked = {**running, "entraining_velocity": lambda t: 2.0 - 8e3 * (t - at)}
-    other = Contact(**forms)
-    other.x[:], other.t = saved, at
-    for _ in range(20):
-        assert contact.step(2e-5, **braked) == other.step(2e-5, **braked) == OK
-    np.testing.assert_array_equal(contact.x, other.x)
+    ends = []
+    for one in (contact, contact, fresh):
+        one.x[:], one.t = saved, at
+        for _ in range(20):
+            assert one.step(2e-5, **braked) == OK
+        ends.append(one.x.copy())
+    np.testing.assert_array_equal(ends[1:], ends[:1] * 2)
 
 
-def test_how_a_step_is_cut_matters_little() -> None:
-    """Within the tolerance of micro-steps, a ten-thousandth each."""
-    whole, parts = settled(), settled()
-    moving = {**RUNNING, "approach": lambda t: 0.3e-6 + 2e-4 * (t - 1e-3)}
-    assert whole.step(2e-4, **moving) == OK
-    for _ in range(7):
-        assert parts.step(2e-4 / 7.0, **moving) == OK
-    assert parts["load"] == pytest.approx(whole["load"], rel=2e-3)
-    assert parts["minimum_film_thickness"] == pytest.approx(whole["minimum_film_thickness"], rel=2e-3)
-
-
-def test_a_contact_opens_and_closes() -> None:
-    contact = settled()
-    loads = []
-    for _ in range(400):
-        opening = {
-            **RUNNING,
-            "approach": lambda t: 0.3e-6 - 20e-6 * math.sin(math.pi * (t - 1e-3) / 2e-3) ** 2,
-        }
-        assert contact.step(5e-6, **opening) == OK
-        loads.append(contact["load"])
-        assert contact["minimum_film_thickness"] > 0.0
-    assert min(loads) < 20.0
-    assert contact["film_thickness"] > 0.2e-6
-
-
-def test_a_step_that_cannot_be_made_leaves_the_state_as_it_was() -> None:
-    contact = settled()
-    before = contact.x.copy()
-    assert contact.step(1e-5, **{**RUNNING, "approach": math.nan}) == NOT_CONVERGED
-    np.testing.assert_array_equal(contact.x, before)
-    assert contact.step(1e-5, **RUNNING) == OK
-
-
-@pytest.mark.parametrize("nodes", [1, 50, 100])
+@pytest.mark.parametrize("nodes", [1, 100])
 def test_numbers_of_nodes_that_cannot_be_are_refused(nodes: int) -> None:
     with pytest.raises(ValueError, match=f"nodes = {nodes}: must be odd and >= 51"):
         ehl_line_contact(nodes=nodes)
-
-
-@pytest.mark.parametrize("jump", [2e-6, -2e-6, 20e-6, -1e-3])
-def test_jumps_of_the_approach_are_survived(jump: float) -> None:
-    contact = settled()
-    for _ in range(3):
-        assert contact.step(1e-5, **{**RUNNING, "approach": 0.3e-6 + jump}) == OK
-    assert contact["minimum_film_thickness"] > 0.0
-    assert (contact["load"] > 437.0) == (jump > 0.0)
