@@ -44,7 +44,9 @@ def fill_tables(
         fields=_list_elements(_select(forces, ElasticField), FIELD, find),
         touches=_list_rows(touching, find, held),
         lubricants=_stack([f.lubricant for f in lubricated], Layout(ContactParameters).defaults()),
-        presses=_make_records([{name: getattr(f, name) for name in PRESS.names} for f in pressed], PRESS),
+        presses=_make_records(
+            [{name: getattr(f, name) for name in ("stiffness", "damping", "bonded")} for f in pressed], PRESS
+        ),
         cams=_stack([_select_profile(cam, unused_cam.dtype.names) for cam in cams], unused_cam),
     )
 
