@@ -20,6 +20,8 @@ def test_the_published_page_is_current() -> None:
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_every_variable_of_a_component_has_a_row_with_its_unit(name: str) -> None:
+    readme = (ROOT / "fmus" / name / "README.md").read_text("utf-8")
+    assert f"(../../docs/reference/components.md#{name})" in readme
     component = CATALOGUE[name]()
     rows = {line.split("`")[1]: line for line in write_page([name]).splitlines() if line.startswith("| `")}
     for layout in (component.parameters, component.state, component.inputs, component.outputs):
@@ -28,20 +30,6 @@ def test_every_variable_of_a_component_has_a_row_with_its_unit(name: str) -> Non
                 key = next(row for row in rows if row.split("[")[0] == field.name.split("[")[0])
                 unit = rows[key].split(" | ")[1].strip()
                 assert unit == ("" if field.quantity.unit == "1" else field.quantity.unit)
-
-
-def test_defaults_are_given_as_a_scenario_takes_them() -> None:
-    text = write_page(["camshaft", "ehl_contact"])
-    assert "| `lift` | m | 0.008 (8 mm) | > 0 | lift S of the law, without ramps |" in text
-    assert "| `flexible` |  | false | true or false |" in text
-    assert "| `film_model` |  | kushwaha | one of kushwaha, " in text
-
-
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_the_readme_of_an_fmu_leads_to_its_variables(name: str) -> None:
-    readme = (ROOT / "fmus" / name / "README.md").read_text("utf-8")
-    assert f"(../../docs/reference/components.md#{name})" in readme
-    assert write_page([name]).startswith(f"## {name}\n")
 
 
 def test_an_unknown_component_is_named_with_the_one_that_was_meant() -> None:

@@ -67,7 +67,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("relative", [1e-6, 1e-8])
+@pytest.mark.parametrize("relative", [1e-6, pytest.param(1e-8, marks=pytest.mark.long)])
 def test_touch_and_release_are_those_of_the_exact_motion(relative, case):
     recorder, truth, instants = bouncing(controlled(relative), hermite(relative), **CASES[case])
     found = located(recorder, "stop.contact_margin")
@@ -139,6 +139,7 @@ def slider_crank_on_a_free_flywheel():
     )
 
 
+@pytest.mark.long
 def test_impacts_reach_the_flywheel_when_they_happen_and_chatter_does_not_stall():
     """Sixteen impacts in 4.2 ms end in sliding: of those closer than 100 tolerances one is located."""
     system, stop, tolerance = slider_crank_on_a_free_flywheel(), 0.013, 1e-9

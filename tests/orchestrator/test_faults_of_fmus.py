@@ -110,7 +110,8 @@ camshaft.do_step = do_step
 """
 
 
-@pytest.mark.parametrize("retries", [pytest.param(1, marks=pytest.mark.long), 2])
+@pytest.mark.long
+@pytest.mark.parametrize("retries", [1, 2])
 def test_a_camshaft_that_needs_a_quarter_of_the_step_gets_it_with_two_retries(retries, tmp_path):
     file = write_tampered(build("camshaft", tmp_path), tmp_path / "limited.fmu", LIMITED.format(step=5e-6))
     others = [text for text in SHORT if "camshaft" not in text]

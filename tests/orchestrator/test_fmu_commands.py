@@ -75,52 +75,24 @@ def write_tampered(fmu: Path, target: Path, code: str) -> Path:
     return target
 
 
-# Code that spoils the slave, and what the message says.
-BROKEN = {
-    "discards": (
-        """
-def do_step(self, t, h, _real=camshaft.do_step):
-    return t < 1e-3 and _real(self, t, h)
-camshaft.do_step = do_step
-""",
-        "discard",
-    ),
-    "raises": (
-        """
+RAISES = """
 def do_step(self, t, h, _real=camshaft.do_step):
     if t > 1e-3:
         raise RuntimeError("broken gear")
     return _real(self, t, h)
 camshaft.do_step = do_step
-""",
-        "broken gear",
-    ),
-    "nan": (
-        """
-def do_step(self, t, h, _real=camshaft.do_step):
-    self.late = t > 1e-3
-    return _real(self, t, h)
-def get_real(self, vrs, _real=camshaft.get_real):
-    values = _real(self, vrs)
-    return [float("nan") for _ in values] if getattr(self, "late", False) else values
-camshaft.do_step, camshaft.get_real = do_step, get_real
-""",
-        "not a finite number",
-    ),
-}
+"""
 
 
-@pytest.mark.parametrize("kind", BROKEN)
-def test_an_fmu_that_fails_in_mid_run_is_named(kind: str, fmu: Path, tmp_path: Path) -> None:
-    code, words = BROKEN[kind]
-    file, out = write_tampered(fmu, tmp_path / f"{kind}.fmu", code), tmp_path / "out"
+def test_an_fmu_that_fails_in_mid_run_is_named(fmu: Path, tmp_path: Path) -> None:
+    file, out = write_tampered(fmu, tmp_path / "raises.fmu", RAISES), tmp_path / "out"
     others = [text for text in SHORT if "camshaft" not in text]
     arguments = [*others, f"--set=components.camshaft.participant={file}", "--no-figures"]
     done = called("run", "valve-train", "--out", str(out), *arguments)
     assert done.returncode == 3
     message = done.stderr.strip().splitlines()[-1]
     assert message.startswith("tribocosim: incomplete: camshaft")
-    assert words in message.lower()
+    assert "broken gear" in message
     tree = open_result(out)
     assert tree.attrs["complete"] == 0
     assert 0.99e-3 < float(tree["coupled"]["time"][-1]) < 1.1e-3

@@ -216,12 +216,6 @@ def test_a_folder_without_a_result_is_named(tmp_path):
     assert said_by(tmp_path).startswith(f"tribocosim: {tmp_path}")
 
 
-def test_every_contact_under_a_cam_is_found():
-    assert find_cams(load("valve-train")) == {"contact": "camshaft"}
-    assert len(find_cams(load("valve-train-16v"))) == 16
-    assert find_cams(load("slider-crank")) == {}
-
-
 def test_each_of_several_contacts_has_a_file_of_its_own():
     assert name_file(Path("a/f.csv"), "second", True) == Path("a/f-second.csv")
     assert name_file(Path("a/f.csv"), "second", False) == Path("a/f.csv")
@@ -230,7 +224,7 @@ def test_each_of_several_contacts_has_a_file_of_its_own():
 @pytest.mark.parametrize(
     ("scenario", "cams"),
     [
-        ("valve-train", {"contact": "camshaft"}),
+        ("slider-crank", {}),
         ("pushrod-train", {"cam_contact": "tappet"}),
         ("finger-follower-hla", {"cam_contact": "finger"}),
         ("pushrod-engine", {f"cam_contact_{k}": f"tappet_{k}" for k in range(1, 9)}),

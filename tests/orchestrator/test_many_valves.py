@@ -26,6 +26,11 @@ def system():
     return build_system(load("valve-train-16v"))
 
 
+@pytest.fixture(scope="module")
+def together(system):
+    return run_short(system)
+
+
 def test_sixteen_valves_on_two_shafts(system):
     assert len(system.instances) == 1 + 2 + 3 * 16
     loads = [str(c) for c in system.connections if c.target.instance == "flywheel"]
@@ -43,24 +48,22 @@ def test_noses_come_in_firing_order_half_a_crank_turn_apart(kind):
 
 
 @pytest.mark.parametrize("kind", [pytest.param("intake", marks=pytest.mark.long), "exhaust"])
-def test_a_camshaft_moves_as_it_does_alone(system, kind):
+def test_a_camshaft_moves_as_it_does_alone(system, together, kind):
     """The crankshaft's speed is prescribed: the same numbers to the last bit."""
     names = {"flywheel", *(name for name in system.instances if kind in name)}
     own = {name: i for name, i in system.instances.items() if name in names}
     kept = [c for c in system.connections if {c.source.instance, c.target.instance} <= names]
     alone = run_short(System(own, [(str(c.source), str(c.target)) for c in kept]))
-    together = run_short(system)
     for output in (f"contact_{kind}_3a.load", f"tappet_{kind}_3a.position", f"{kind}_shaft.axis_y[6]"):
         np.testing.assert_array_equal(together[output], alone[output])
         assert np.ptp(alone[output]) > 0.0
 
 
-def test_a_bent_shaft_gives_way_to_its_followers(system):
+def test_a_bent_shaft_gives_way_to_its_followers(together):
     """The axis moves away from them."""
-    run = run_short(system)
     for kind in ("intake", "exhaust"):
-        loads = np.array([run[f"tappet_{kind}_{c}{s}.cam_force_y"] for c in (1, 2, 3, 4) for s in "ab"])
-        moved = np.array([run[f"{kind}_shaft.axis_y[{i}]"] for i in range(1, 9)])
+        loads = np.array([together[f"tappet_{kind}_{c}{s}.cam_force_y"] for c in (1, 2, 3, 4) for s in "ab"])
+        moved = np.array([together[f"{kind}_shaft.axis_y[{i}]"] for i in range(1, 9)])
         assert (loads[:, 1:] < 0.0).all()
         assert (moved.min(axis=1) < 0.0).all()
 

@@ -57,31 +57,21 @@ def test_order_of_convergence_on_the_finest_pair(master, order, ceiling, record)
     record("Coupling", f"{case}: error at 1 ms (m)", fine, 0.0, "matrix exponential", tolerance=ceiling)
 
 
-def test_all_masters_agree_in_the_limit():
-    """Same problem, independent methods: at H = 0.5 ms linear signals agree to their error ceilings."""
-    results = [
-        run_coupled(two_masses(), master, 5e-4, STOP) for master in (Jacobi(), GaussSeidel(), Iterated())
-    ]
-    for other in results[1:]:
-        np.testing.assert_allclose(other["second.position"], results[0]["second.position"], atol=1e-4)
-
-
 STIFF = {"coupling_stiffness": 4e4, "coupling_damping": 1.0}
 
 
-@pytest.mark.parametrize("step", [4e-3, 6e-3, 8e-3, 2e-2])
+@pytest.mark.parametrize("step", [4e-3, 2e-2])
 def test_explicit_coupling_of_a_stiff_split_is_named_unstable(step):
     """The difference mode has 283 rad/s and hardly any damping: an explicit exchange is unstable."""
     with pytest.raises(UnstableCouplingError, match="macro_step"):
         run_coupled(two_masses(**STIFF), GaussSeidel("linear"), step, 20.0)
 
 
-@pytest.mark.parametrize("step", [4e-3, 8e-3])
 @pytest.mark.parametrize("acceleration", ["aitken", "anderson"])
-def test_the_iterated_master_converges_where_the_explicit_one_is_unstable(acceleration, step):
-    recorder = run_coupled(two_masses(**STIFF), Iterated("linear", acceleration=acceleration), step, STOP)
+def test_the_iterated_master_converges_where_the_explicit_one_is_unstable(acceleration):
+    recorder = run_coupled(two_masses(**STIFF), Iterated("linear", acceleration=acceleration), 8e-3, STOP)
     assert recorder.statistics.iterations > recorder.statistics.macro_steps
-    # At 2.8 to 5.5 steps per swing the difference mode is hardly resolved; it must stay bounded by the start.
+    # At 2.8 steps per swing the difference mode is hardly resolved; it must stay bounded by the start.
     assert np.abs(recorder["second.position"]).max() <= 1.0
 
 

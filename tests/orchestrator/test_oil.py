@@ -33,8 +33,9 @@ def write(folder: Path, text: str, base: str = "valve-train") -> Path:
     return file
 
 
-@pytest.mark.parametrize("base", ["valve-train", "valve-train-ehl"])
-@pytest.mark.parametrize("text", [OIL, SHEET], ids=["grade", "sheet"])
+@pytest.mark.parametrize(
+    ("base", "text"), [("valve-train", OIL), ("valve-train-ehl", SHEET)], ids=["grade", "sheet"]
+)
 def test_a_scenario_with_an_oil_is_the_one_with_its_numbers(tmp_path, base, text):
     """To the last bit, in what a run writes too, which needs no oil any more."""
     scenario = load(write(tmp_path, text, base))
@@ -92,60 +93,42 @@ def test_contacts_with_the_same_oil_share_a_line():
     assert line.endswith("allows +-10 % of 68 mm2/s at 40 degC")
 
 
-@pytest.mark.parametrize(
-    ("line", "message"),
-    [
-        ('oil = "SAE 5W-3"', r"oil = 'SAE 5W-3': no such grade; did you mean SAE 5W-30"),
-        ("oil = 46", r"oil = 46: must be the name of a grade, or a table"),
-        ("temperature = 90", r"temperature = -183.15 degC: must be -20 to 200 degC, .* in kelvin"),
-        ('temperature = "90 mm"', r"temperature: '90 mm': the unit mm does not fit"),
-        ('temperature = "-15 degC"', r"temperature = -15 degC: the oil has 1637 mm2/s, .* holds to 800"),
-        ("parameters = { viscosity = 0.02 }", r"parameters.viscosity = 0.02: the oil gives it too"),
-        ('parameters = { pressure_viscosity = "15 1/GPa" }', r"parameters.pressure_viscosity = '15 1/GPa'"),
-    ],
-)
-def test_what_is_no_oil_is_refused_with_its_remedy(tmp_path, line, message):
+def by_grade(line: str) -> str:
+    """The oil by its grade, with this line in place of the one with the same key."""
     key = line.partition(" ")[0]
     rest = "".join(f"{other}\n" for other in OIL.splitlines() if not other.startswith(key))
-    with pytest.raises(ScenarioError, match=message):
-        load(write(tmp_path, f"{rest}{line}\n"))
+    return f"{rest}{line}\n"
 
 
-@pytest.mark.parametrize(
-    ("sheet", "message"),
-    [
-        ('viscosity_40 = "63 mm2/s", density_15 = 855', r"oil.viscosity_100: missing"),
-        ("viscosity_40 = 63, viscosity_100 = 11, density_15 = 855", r"oil.viscosity_40 = 6.3e\+07 mm2/s"),
-        (
-            'viscosity_40 = "11 mm2/s", viscosity_100 = "63 mm2/s", density_15 = 855',
-            r"oil.viscosity_100: gives the slope -2.99 of ASTM D341",
-        ),
-        (
-            'viscosity_40 = "63 mm2/s", viscosity_100 = "11 cSt", density_15 = 0.855',
-            r"oil.density_15 = 0.855 kg/m3: must be 600 to 1300",
-        ),
-        (
-            'viscosity_40 = "63 mm2/s", viscosity_100 = "11 cSt", density_15 = 855, colour = 3',
-            r"oil.colour: unknown key",
-        ),
-    ],
-)
-def test_wrong_data_of_a_sheet_are_named(tmp_path, sheet, message):
-    text = f'[components.contact]\ntemperature = "90 degC"\noil = {{ {sheet} }}\n'
-    with pytest.raises(ScenarioError, match=message):
-        load(write(tmp_path, text))
+def by_sheet(data: str) -> str:
+    return f'[components.contact]\ntemperature = "90 degC"\noil = {{ {data} }}\n'
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ('[components.contact]\noil = "SAE 30"\n', r"temperature: missing beside oil"),
-        ('[components.contact]\ntemperature = "90 degC"\n', r"oil: missing beside temperature"),
-        ('[components.camshaft]\noil = "SAE 30"\n', r"camshaft has none; leave it out, or take ehl_contact"),
-    ],
-)
-def test_an_oil_needs_a_temperature_and_a_contact(tmp_path, text, message):
-    with pytest.raises(ScenarioError, match=message):
+VISCOSITIES = 'viscosity_40 = "63 mm2/s", viscosity_100 = "11 cSt"'
+REFUSED = {
+    by_grade('oil = "SAE 5W-3"'): r"oil = 'SAE 5W-3': no such grade; did you mean SAE 5W-30",
+    by_grade("oil = 46"): r"oil = 46: must be the name of a grade, or a table",
+    by_grade("temperature = 90"): r"temperature = -183.15 degC: must be -20 to 200 degC, .* in kelvin",
+    by_grade('temperature = "90 mm"'): r"temperature: '90 mm': the unit mm does not fit",
+    by_grade('temperature = "-15 degC"'): r"= -15 degC: the oil has 1637 mm2/s, .* holds to 800",
+    by_grade("parameters = { viscosity = 0.02 }"): r"viscosity = 0.02: the oil gives it too",
+    by_grade('parameters = { pressure_viscosity = "15 1/GPa" }'): r"pressure_viscosity = '15 1/GPa'",
+    by_sheet('viscosity_40 = "63 mm2/s", density_15 = 855'): r"oil.viscosity_100: missing",
+    by_sheet("viscosity_40 = 63, viscosity_100 = 11, density_15 = 855"): r"oil.viscosity_40 = 6.3e\+07 mm2/s",
+    by_sheet('viscosity_40 = "11 mm2/s", viscosity_100 = "63 mm2/s", density_15 = 855'): (
+        r"oil.viscosity_100: gives the slope -2.99 of ASTM D341"
+    ),
+    by_sheet(f"{VISCOSITIES}, density_15 = 0.855"): r"oil.density_15 = 0.855 kg/m3: must be 600 to 1300",
+    by_sheet(f"{VISCOSITIES}, density_15 = 855, colour = 3"): r"oil.colour: unknown key",
+    '[components.contact]\noil = "SAE 30"\n': r"temperature: missing beside oil",
+    '[components.contact]\ntemperature = "90 degC"\n': r"oil: missing beside temperature",
+    '[components.camshaft]\noil = "SAE 30"\n': r"camshaft has none; leave it out, or take ehl_contact",
+}
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_what_is_no_oil_is_refused_with_its_remedy(tmp_path, text):
+    with pytest.raises(ScenarioError, match=REFUSED[text]):
         load(write(tmp_path, text))
 
 
@@ -153,9 +136,7 @@ def test_an_oil_needs_a_temperature_and_a_contact(tmp_path, text, message):
     ("base", "part"), [("shaft-in-bearings", "bearing_1"), ("direct-acting-hla", "adjuster")]
 )
 def test_parts_with_a_viscosity_alone_take_that_of_the_oil(tmp_path, base, part):
-    file = tmp_path / "mine.toml"
-    text = f'[components.{part}]\noil = "SAE 5W-30"\ntemperature = "90 degC"\n'
-    file.write_text(f'extends = "{base}"\n{text}')
-    given = load(file).components[part].parameters
+    text = OIL.replace("contact", part)
+    given = load(write(tmp_path, text, base)).components[part].parameters
     assert given["viscosity"] == evaluate_oil(GRADES["SAE 5W-30"], 363.15).viscosity
     assert "pressure_viscosity" not in given

@@ -48,14 +48,8 @@ def test_a_coupled_run_comes_to_the_monolithic_one_with_the_order_of_the_compone
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
 
 
-@pytest.mark.parametrize(
-    "master",
-    [
-        GaussSeidel("linear"),
-        *(pytest.param(one, marks=pytest.mark.long) for one in (ITERATED, Newton("linear"))),
-    ],
-    ids=repr,
-)
+@pytest.mark.long
+@pytest.mark.parametrize("master", [GaussSeidel("linear"), ITERATED, Newton("linear")], ids=repr)
 def test_an_fmu_of_a_thousand_states_runs_as_the_component_to_the_last_bit(master, layer_file: Path) -> None:
     """Also where it is rolled back many times in every macro step."""
     system = dragged(SHEETS)
@@ -64,7 +58,7 @@ def test_an_fmu_of_a_thousand_states_runs_as_the_component_to_the_last_bit(maste
     np.testing.assert_array_equal(packed.rows, own.rows)
 
 
-@pytest.mark.parametrize("kind", ["in-process", "fmu"])
+@pytest.mark.parametrize("kind", [pytest.param("in-process", marks=pytest.mark.long), "fmu"])
 def test_a_run_of_a_thousand_states_goes_on_from_a_checkpoint_to_the_last_bit(
     kind: str, layer_file: Path
 ) -> None:
@@ -77,6 +71,7 @@ def test_a_run_of_a_thousand_states_goes_on_from_a_checkpoint_to_the_last_bit(
     np.testing.assert_array_equal(rest.rows, kept.rows[middle + 1 :])
 
 
+@pytest.mark.long
 def test_energies_that_a_component_counts_in_its_own_steps_close_to_rounding() -> None:
     """The midpoint rule has the balance of a quadratic energy exactly, with powers taken at the middle."""
     system = add_counting(dragged(SHEETS), ["layer", "plate"])
@@ -88,6 +83,7 @@ def test_energies_that_a_component_counts_in_its_own_steps_close_to_rounding() -
     assert abs(layer.unaccounted) < 40 * 1e-11 * layer.dissipated
 
 
+@pytest.mark.long
 def test_a_component_of_unknown_equations_does_not_count_and_is_estimated() -> None:
     """Of what its plate and it exchange, to the order of the exchange."""
     plain = dragged(changes={"opaque": True})

@@ -35,9 +35,9 @@ TIGHT = 1e-12
 @pytest.mark.parametrize(
     ("master", "order", "ceiling"),
     [
-        (Jacobi("hold"), 1.0, 6.85e-3),
-        (GaussSeidel("linear"), 2.0, 4.75e-4),
-        (Jacobi("linear"), 2.0, 5.65e-4),
+        pytest.param(Jacobi("hold"), 1.0, 6.85e-3, marks=pytest.mark.long),
+        pytest.param(GaussSeidel("linear"), 2.0, 4.75e-4, marks=pytest.mark.long),
+        pytest.param(Jacobi("linear"), 2.0, 5.65e-4, marks=pytest.mark.long),
         (Jacobi("quadratic"), 3.0, 4.75e-4),
         (Jacobi("hermite"), 4.0, 1e-6),
         pytest.param(Iterated("hold", TIGHT), 1.0, 6.75e-3, marks=pytest.mark.long),
@@ -72,12 +72,12 @@ def test_step_controlled_hermite_coupling_takes_at_most_a_hundred_steps_for_the_
 @pytest.mark.parametrize(
     ("master", "estimator", "order"),
     [
-        (Jacobi("linear"), "schierz", 2),
-        (Jacobi("quadratic"), "schierz", 3),
+        pytest.param(Jacobi("linear"), "schierz", 2, marks=pytest.mark.long),
+        pytest.param(Jacobi("quadratic"), "schierz", 3, marks=pytest.mark.long),
         (Jacobi("hermite"), "schierz", 4),
         (GaussSeidel("hermite"), "step_doubling", 4),
         (Iterated("hermite", 1e-10), "predictor_corrector", 4),
-        (Iterated("hermite", 1e-10), "step_doubling", 4),
+        pytest.param(Iterated("hermite", 1e-10), "step_doubling", 4, marks=pytest.mark.long),
     ],
     ids=str,
 )

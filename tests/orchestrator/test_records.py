@@ -42,6 +42,7 @@ def test_the_end_of_a_run_is_recorded_wherever_it_falls(tmp_path: Path) -> None:
     assert summary.energy.until == 5e-4
 
 
+@pytest.mark.long
 def test_rare_records_do_not_hide_an_error_from_the_comparison(tmp_path: Path) -> None:
     """With inputs held the load chatters, by more than its own size. Compared at t = 0, 14 ms, 28 ms it was
     0.7 % off. The error found is the one of all macro steps, up to three standard errors of an RMS estimated

@@ -16,19 +16,15 @@ BAD = {
     "step_control=1": ("step_control = 1: must be a table",),
     "components.camshaft.substeps=2.5": ("components.camshaft.substeps = 2.5: must be an integer",),
     "macro_stp=1": ("macro_stp", "did you mean macro_step?"),
-    "macro_step=-1": ("macro_step", "-1", "> 0"),
     "macro_step=0": ("macro_step", "> 0"),
-    "macro_step=nan": ("macro_step", "> 0"),
     "macro_step=3 kg": ("macro_step", "kg", "like s"),
     "macro_step=3 microsecnd": ("macro_step", "did you mean microsecond?"),
-    "components.camshaft.parameters.lift=3 milimetre": ("lift", "did you mean millimetre?"),
     "components.camshaft.parameters.lift=3 qwx": ("lift", "write m or mm"),
     "macro_step=1 s": ("macro_step", "stop_time"),
     "macro_step=1e-30": (
         "--set macro_step = 1e-30 s: must be at least 1.4e-14 s with stop_time = 0.12 s",
         "'5 us'",
     ),
-    "macro_step=1e-18": ("--set macro_step = 1e-18 s: must be at least 1.4e-14 s with stop_time = 0.12 s",),
     "output_step=1": ("--set output_step = 1 s: must not be longer than stop_time = 0.12 s", "leave it out"),
     "stop_time=[1]": ("stop_time", "number of seconds"),
     "start=rest": ("start", "rest", "equilibrium"),
@@ -38,7 +34,6 @@ BAD = {
     "tolerance.contact.load=-1": ("tolerance.contact.load", "-1", "> 0"),
     "connections=['a b']": ("connections", "a b", "instance.output -> instance.input"),
     "reference.toleranc=2": ("reference.toleranc", "did you mean tolerance?"),
-    "master.name=jacob": ("master.name", "did you mean jacobi?"),
     "master.name=gauss": (
         "--set master.name: 'gauss': did you mean gauss_seidel? It must be one of jacobi, gauss_seidel, "
         "iterated, newton",
@@ -55,7 +50,6 @@ BAD = {
     "components.camshaft.participant=matlab": ("matlab", "in-process"),
     "components.camshaft.parameters.flexibl=true": ("flexibl", "did you mean flexible?"),
     "components.camshaft.parameters.flexible=2": ("flexible", "true or false"),
-    "components.camshaft.parameters.lift=true": ("lift", "number"),
     "components.camshaft.parameters.lift=3 kg": ("lift", "kg", "like m"),
     "components.camshaft.parameters.lift=[1]": ("lift", "must be a number"),
     "components.camshaft.start.twst=1": ("start.twst", "did you mean twist?"),
@@ -73,14 +67,12 @@ BAD = {
     "macro_step": ("macro_step", "path=value"),
     "master.order=[1]": ("--set master.order[0] = 1: must be a string",),
     "tolerance.contact.load=nan": ("--set tolerance.contact.load = nan: must be a finite number > 0",),
-    "tolerance.contact.load=inf": ("--set tolerance.contact.load = inf: must be a finite number > 0",),
     "step_control.relative=nan": ("--set step_control.relative = nan: must be a finite number > 0",),
     "step_control.relative=1": ("--set step_control.relative = 1: must be < 1",),
     "step_control={minimum_step='1 us', maximum_step='1 ns'}": (
         "--set step_control.minimum_step = 1e-06 s: must not be longer than maximum_step = 1e-09 s",
     ),
     "components.camshaft.retries=-1": ("--set components.camshaft.retries = -1: must be >= 0",),
-    "components.camshaft.retries=21": ("--set components.camshaft.retries = 21: must be <= 20",),
     "event_tolerance=1 s": ("--set event_tolerance = 1 s: must be shorter than macro_step = 5e-06 s",),
     "event_tolerance=true": ("--set event_tolerance = true: must be a time", "'2 us'"),
     "step_control.relative=1 %": ("--set step_control.relative = '1 %': must be a number, without a unit",),
@@ -126,12 +118,9 @@ def test_an_unknown_key_of_any_table_is_one_message(table: str) -> None:
 
 
 @pytest.mark.parametrize("master", ["iterated", "newton"])
-def test_what_is_iterated_are_components(master: str) -> None:
+def test_what_is_iterated_and_ordered_are_components(master: str) -> None:
     with pytest.raises(ScenarioError, match=r"master\.iterate: .*'contct'; did you mean contact\?"):
         build_system(load("valve-train", [f"master.name={master}", "master.iterate=['camshaft', 'contct']"]))
-
-
-def test_what_is_ordered_are_components() -> None:
     with pytest.raises(ScenarioError, match=r"master\.order = contct: .*; contct: did you mean contact\?"):
         build_system(load("valve-train", ["master.order=['contct']"]))
 
@@ -286,23 +275,15 @@ def test_without_a_constant_speed_revolutions_are_refused(setting: str) -> None:
         load("valve-train", ["stop_time=2 revolutions", f"components.flywheel.parameters.{setting}"])
     assert "stop_time = '2 revolutions'" in str(error.value)
     assert "constant speed" in str(error.value)
-
-
-def test_without_a_drive_revolutions_are_refused() -> None:
-    with pytest.raises(ScenarioError, match="stop_time"):
+    with pytest.raises(ScenarioError, match="stop_time"):  # there is no drive
         load("two-masses", ["stop_time=2 revolutions"])
 
 
-@pytest.mark.parametrize("wrong", ["parameters=3", "parameters.initial_speed=[1]"])
+@pytest.mark.parametrize(
+    "wrong", ["parameters=3", "parameters.initial_speed=[1]", "parameters.initial_speed=3 kg"]
+)
 def test_a_wrong_type_is_the_fault_and_not_the_duration(wrong: str) -> None:
     with pytest.raises(ScenarioError) as error:
         load("valve-train", ["stop_time=2 revolutions", f"components.flywheel.{wrong}"])
     assert f"components.flywheel.{wrong.partition('=')[0]}" in str(error.value)
-    assert "stop_time" not in str(error.value)
-
-
-def test_a_wrong_speed_is_the_fault_and_not_the_duration() -> None:
-    with pytest.raises(ScenarioError) as error:
-        load("valve-train", ["stop_time=2 revolutions", "components.flywheel.parameters.initial_speed=3 kg"])
-    assert "components.flywheel.parameters.initial_speed" in str(error.value)
     assert "stop_time" not in str(error.value)

@@ -70,7 +70,7 @@ class Killed(BaseException):
 
 
 @given(st.permutations(range(12)), st.lists(st.integers(0, 30), max_size=3))
-@settings(derandomize=True, deadline=None, max_examples=25)
+@settings(derandomize=True, deadline=None, max_examples=10)
 def test_order_and_kills_leave_no_trace(order: list[int], kills: list[int]) -> None:
     """A kill comes after any number of files that a start has written."""
     with TemporaryDirectory() as name:

@@ -70,12 +70,11 @@ def test_a_participant_that_follows_polynomials_gets_the_same_however_they_are_c
 
 def test_substeps_make_held_inputs_converge(tmp_path):
     """An FMU that gets means of its inputs converges with the second order of its own step."""
-    small_fmu("sound", tmp_path)
-    one, two, four, many = (
-        run(Substepped(open_small("sound", tmp_path), n))["second.position"] for n in (1, 2, 4, 32)
+    one, two, many = (
+        run(Substepped(open_small("sound", tmp_path), n))["second.position"] for n in (1, 2, 20)
     )
-    errors = np.array([np.abs(each - many).max() for each in (one, two, four)])
-    assert np.log2(errors[:-1] / errors[1:]) == pytest.approx(2.0, abs=0.1)
+    errors = [np.abs(each - many).max() for each in (one, two)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
 
 
 def test_substeps_are_equal_and_end_with_the_macro_step():

@@ -34,11 +34,6 @@ def test_conversion(text: str, unit: str, value: float) -> None:
     assert to_unit(text, unit) == pytest.approx(value, rel=1e-15)
 
 
-def test_decimal_prefixes_give_the_nearest_double() -> None:
-    assert to_unit("5 us", "s") == 5e-6
-    assert to_unit("0.3 mm", "m") == 0.3e-3
-
-
 @pytest.mark.parametrize(
     ("text", "unit", "named"),
     [

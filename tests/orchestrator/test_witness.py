@@ -82,9 +82,8 @@ SEAT = [f"components.valve_spring.parameters.{x}" for x in ("seat_stiffness=2e7"
 CHANGES = {"pushrod-train": [], "valve-train": SEAT, "valve-train-flexible": []}
 
 
-@pytest.mark.parametrize(
-    "scenario", [pytest.param(name, marks=[pytest.mark.long] * (name != "valve-train")) for name in TRAINS]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("scenario", TRAINS)
 def test_the_witness_agrees_with_the_reference(scenario: str, record: Callable[..., None]) -> None:
     """Trains with a pushrod, with a seat on which the closed valve rests, and on a shaft that bends."""
     loaded = load(scenario, [WITNESS, *CHANGES[scenario]])
