@@ -1,1 +1,1 @@
-"""tribocosim: FMU packaging."""
+"""FMUs of the components: build, check, reference results."""

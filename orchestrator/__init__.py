@@ -1,4 +1,4 @@
-"""tribocosim: scenarios, co-simulation masters, results and the command line."""
+"""Scenarios, co-simulation masters, results and analyses."""
 
 from tribocosim.packages import find_shadowed
 

@@ -1,4 +1,4 @@
-"""FMU of a mass with the spring that couples it to another."""
+"""FMU of a mass with the spring that couples it to another mass."""
 
 from ..fmi.description import Experiment
 from ..terminal_kinds import translation

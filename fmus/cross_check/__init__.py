@@ -1,7 +1,6 @@
 """Reference results of the FMUs, in the layout of the FMI Cross-Check project.
 
-`stimulus` is what a component is put through, `reference` what the monolithic solver finds for it, `files`
-reads and writes inputs, results and options, `layout` puts them where the project wants them, `inside`
-into an FMU.
-`compare` runs an FMU against them, in model exchange by `exchange`.
+`stimulus` defines a component's inputs, `reference` computes the results by the monolithic solver, `files`
+reads and writes inputs, results and options, `layout` writes the project's folders, and `inside` adds them to
+an FMU. `compare` runs an FMU against them, `exchange` does so in model exchange.
 """

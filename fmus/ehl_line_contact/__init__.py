@@ -1,4 +1,4 @@
-"""FMU of the lubricated line contact with its pressure field."""
+"""FMU of the lubricated line contact with a solved pressure field."""
 
 from ..ehl_contact import TERMINALS
 from ..fmi.description import Experiment

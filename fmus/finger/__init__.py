@@ -1,4 +1,4 @@
-"""FMU of the finger."""
+"""FMU of the finger follower."""
 
 from ..fmi.description import Experiment
 from ..terminal_kinds import CAM, CAM_DRIVE, TIP, pivot_friction, translation

@@ -1,1 +1,1 @@
-"""Reads and writes the FMI file format."""
+"""Reading and writing of the FMI file format."""

@@ -1,5 +1,6 @@
-"""FMUs that need nothing but themselves: the kernels as machine code with a thin runtime in C.
+"""Native FMUs: the kernels as machine code, with a thin runtime in C.
 
-`entries` are the kernels as C calls them, `translate` makes of them LLVM's intermediate language, `compile`
-machine code of it for every platform, `tables` the component's metadata as C, and `runtime/` is the FMI.
+`entries` gives the kernels C signatures, `translate` compiles them to LLVM's intermediate language,
+`machine_code` to object code for each platform, `tables` writes the component's metadata in C, and `runtime/`
+implements FMI.
 """

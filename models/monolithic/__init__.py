@@ -1,4 +1,4 @@
-"""The monolithic reference: a whole System as one problem, without splitting, by two methods."""
+"""The monolithic reference: two methods solve all equations of a System together."""
 
 from .energy import EnergyBalance
 from .equilibrium import equilibrium

@@ -1,1 +1,1 @@
-"""Constrained multibody systems: bodies, joints and force elements; multipliers are the joints' loads."""
+"""Constrained multibody systems: bodies, joints and force elements. The multipliers are the joint loads."""

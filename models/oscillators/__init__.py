@@ -1,1 +1,1 @@
-"""Small oscillators with exact solutions, for measuring what a coupling does."""
+"""Small oscillators with exact solutions, to measure coupling errors."""

@@ -1,4 +1,4 @@
-"""Analyses by name: each file of this folder whose name has no underscore holds an `ANALYSIS`."""
+"""Analyses by name: each file of this folder without a leading underscore defines an `ANALYSIS`."""
 
 from __future__ import annotations
 

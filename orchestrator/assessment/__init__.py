@@ -1,1 +1,1 @@
-"""What a finished run amounts to: errors against the reference, contacts, diagnosis, friction."""
+"""Assessment of a finished run: errors against the reference, contacts, diagnosis, friction."""

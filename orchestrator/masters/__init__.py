@@ -1,4 +1,4 @@
-"""Co-simulation masters. To add one: a file with a frozen dataclass, listed here.
+"""Co-simulation masters. To add one, write a file with a frozen dataclass and list it here.
 
 A master's `step` advances all participants by one macro step and leaves their outputs in the coupling's
 values. Its fields are the options of a scenario's [master] table.

@@ -1,5 +1,4 @@
-"""Participants of a co-simulation: FMUs, in this process or one of their own, and components, behind one
-protocol."""
+"""Participants of a co-simulation behind one protocol: components, and FMUs in this process or their own."""
 
 from __future__ import annotations
 

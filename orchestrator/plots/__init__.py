@@ -1,4 +1,4 @@
-"""Figures of a run. To add one: a file with `applies(data)` and `draw(data)`, listed here.
+"""Figures of a run. To add one, write a file with `applies(data)` and `draw(data)` and list it here.
 
 Each file draws one kind of figure from `FigureData` and saves nothing.
 """

@@ -1,4 +1,4 @@
-"""report.html: a run as one page that needs no network, with its mechanism in motion and all its plots."""
+"""report.html: one page that needs no network, with the animated mechanism and all plots of a run."""
 
 from .page import write_report
 

@@ -1,4 +1,4 @@
-"""Ways to choose macro steps: fixed, or controlled by an error estimate, with or without a way back."""
+"""Macro step sizes: fixed, or controlled by an error estimate, with or without rollback."""
 
 from ..engine.step import REASONS, STOP, Step
 from ..masters import Master, find_name

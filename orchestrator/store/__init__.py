@@ -1,1 +1,1 @@
-"""Files of a run: journals while it goes on, and results."""
+"""Files of a run: journals during the run, and results."""

@@ -1,1 +1,1 @@
-"""Parameter studies: any scenario or analysis at many points, on many processes, into one store."""
+"""Parameter studies: a scenario or an analysis at many points, in many processes, with one store."""

@@ -55,7 +55,7 @@ packages.command("export")(ssp_export)
 packages.command("import")(ssp_import)
 app.add_typer(packages, name="ssp")
 
-benchmarks = typer.Typer(help="Measure masters, ours and other tools'.", no_args_is_help=True)
+benchmarks = typer.Typer(help="Compare the masters with other tools.", no_args_is_help=True)
 benchmarks.command("coupling")(benchmark_coupling)
 app.add_typer(benchmarks, name="benchmark")
 

@@ -16,7 +16,7 @@ def run_analysis(
     name: Annotated[
         str | None,
         typer.Argument(
-            help="An analysis, your own as module:object, or a scenario: how each master will do. ",
+            help="An analysis, your own as module:object, or a scenario to predict each master's error.",
             show_default="list the analyses",
         ),
     ] = None,
@@ -25,22 +25,20 @@ def run_analysis(
         typer.Option(
             "--set",
             metavar="PARAMETER=VALUE",
-            help="Set a parameter, e.g. damping=0.1 (of a scenario: PATH=VALUE).",
+            help="Set a parameter, e.g. damping=0.1; for a scenario PATH=VALUE.",
         ),
     ] = None,
-    show_parameters: Annotated[
-        bool, typer.Option("--parameters", help="List the parameters and compute nothing.")
-    ] = False,
+    show_parameters: Annotated[bool, typer.Option("--parameters", help="Only list the parameters.")] = False,
     at: Annotated[
         list[str] | None,
-        typer.Option(metavar="TIME", help="Linearise a scenario at this instant too, e.g. '30 ms'."),
+        typer.Option(metavar="TIME", help="Also linearise the scenario at this instant, e.g. '30 ms'."),
     ] = None,
     responses: Annotated[
         bool,
         typer.Option(
             "--responses",
-            help="Linearise all of a scenario's participants by their responses, as .fmu files are that give "
-            "no directional derivatives.",
+            help="Linearise all participants of the scenario from their responses, as is done for FMUs "
+            "without directional derivatives.",
         ),
     ] = False,
     out: Annotated[
@@ -50,7 +48,7 @@ def run_analysis(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Analyse one motion or machine, or a scenario's coupling: results, table (netCDF, CSV) and figure."""
+    """Run an analysis, or predict stability and error of a scenario's coupling; write tables and figure."""
     from orchestrator.analyses import list_analyses, load
     from orchestrator.analyses._evaluate import analyse, build_analyses_table, build_parameters_table
     from orchestrator.analyses.stability.analyse import analyse_scenario, is_scenario

@@ -22,8 +22,7 @@ def benchmark_coupling(
     duration: Annotated[float | None, typer.Option(help="Simulated time in seconds.")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
 ) -> None:
-    """Error against doStep calls and wall time: all masters, and other tools that are installed, on the same
-    FMUs."""
+    """Measure error over doStep calls and wall time of masters and installed tools with the same FMUs."""
     from orchestrator.study.work_precision.benchmark import benchmark
 
     from ..cached_fmus import build_fmu

@@ -14,12 +14,12 @@ from .json_output import Json, build_reporter, print_json
 @report_errors
 def draw_cam(  # noqa: PLR0913  # options of a command
     source: Annotated[
-        str, typer.Argument(help="A lift table (.csv), a law as cycloidal, or a scenario with a cam.")
+        str, typer.Argument(help="A lift table (.csv), a law such as cycloidal, or a scenario with a cam.")
     ],
-    component: Annotated[str | None, typer.Option(help="The scenario's component that has the cam.")] = None,
+    component: Annotated[str | None, typer.Option(help="Component of the scenario with the cam.")] = None,
     base_radius: Annotated[str | None, typer.Option(help="Base circle radius, e.g. '18 mm'.")] = None,
     follower: Annotated[
-        str | None, typer.Option(help="flat, roller, pad, finger_roller or finger_pad.")
+        str | None, typer.Option(help="Follower: flat, roller, pad, finger_roller or finger_pad.")
     ] = None,
     radius: Annotated[
         str | None, typer.Option("--radius", "--roller-radius", help="Radius of roller or pad.")
@@ -30,7 +30,7 @@ def draw_cam(  # noqa: PLR0913  # options of a command
         typer.Option(
             "--set",
             metavar="PARAMETER=VALUE",
-            help="Another parameter, e.g. 'offset=2 mm'; 'tribocosim analyse cam --parameters' lists them.",
+            help="Set a parameter, e.g. 'offset=2 mm'; 'tribocosim analyse cam --parameters' lists them.",
         ),
     ] = None,
     out: Annotated[
@@ -39,7 +39,7 @@ def draw_cam(  # noqa: PLR0913  # options of a command
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Say what a cam is like, and draw its contour: results, table (netCDF, CSV), figure, SVG and DXF."""
+    """Check a cam and draw its contour; write tables (netCDF, CSV), figure, SVG and DXF."""
     from orchestrator.analyses._cam_source import find_settings
     from orchestrator.analyses._evaluate import analyse
 

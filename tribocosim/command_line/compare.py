@@ -14,12 +14,12 @@ from .json_output import Json, build_reporter, print_json
 
 @report_errors
 def compare_sweeps(
-    first: Annotated[Path, typer.Argument(help="The output folder of `tribocosim speeds` for one design.")],
-    second: Annotated[Path, typer.Argument(help="The folder of the other.")],
-    out: Annotated[Path, typer.Option(help="The figure.")] = Path("results/compare.png"),
+    first: Annotated[Path, typer.Argument(help="Output folder of `tribocosim speeds` for one design.")],
+    second: Annotated[Path, typer.Argument(help="Output folder of the other design.")],
+    out: Annotated[Path, typer.Option(help="File of the figure.")] = Path("results/compare.png"),
     as_json: Json = False,
 ) -> None:
-    """Compare two designs over speed: the worst of every number, separation, and a figure of both."""
+    """Compare two designs over speed: worst value of each number, separation speed, and a figure."""
     check_study_packages()
     from orchestrator.study.speeds.compare import compare
 

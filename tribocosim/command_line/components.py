@@ -15,11 +15,11 @@ from .json_output import Json, print_json
 def print_components(
     names: Annotated[
         list[str] | None,
-        typer.Argument(help="Components.", show_default="all", autocompletion=complete_component),
+        typer.Argument(help="Names of components.", show_default="all", autocompletion=complete_component),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Print the components' parameters, start values, inputs and outputs, as Markdown."""
+    """Print parameters, start values, inputs and outputs of components as Markdown."""
     from orchestrator.scenario.components import describe_components, write_page
 
     if as_json:

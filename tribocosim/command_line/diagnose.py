@@ -13,11 +13,11 @@ from .json_output import Json, build_reporter, print_json
 
 @report_errors
 def print_diagnosis(
-    folder: Annotated[Path, typer.Argument(help="A run's output folder.")],
-    figure: Annotated[Path | None, typer.Option(help="Draw the steps into this file (.png).")] = None,
+    folder: Annotated[Path, typer.Argument(help="Output folder of a run.")],
+    figure: Annotated[Path | None, typer.Option(help="Draw the steps to this file (.png).")] = None,
     as_json: Json = False,
 ) -> None:
-    """Say what limited the steps of a run, finished or killed, and what would help."""
+    """Report what limited the steps of a run, also an interrupted one, and suggest remedies."""
     from orchestrator.assessment.diagnosis.report import diagnose
     from orchestrator.errors import MistakeError
     from orchestrator.plots.steps import draw_steps

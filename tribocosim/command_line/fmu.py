@@ -22,32 +22,32 @@ def fmu_build(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Components; your own as module:factory.",
+            help="Names of components; your own as module:factory.",
             show_default="all",
             autocompletion=complete_component,
         ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("."),
     structure: Annotated[
-        list[str] | None, typer.Option(help="A structural size, e.g. coil_masses=8; may be repeated.")
+        list[str] | None, typer.Option(help="Set a structural size, e.g. coil_masses=8; may be repeated.")
     ] = None,
     native: Annotated[
-        bool, typer.Option("--native", help="FMUs in machine code, which need no Python: NAME-native.fmu.")
+        bool, typer.Option("--native", help="Build native FMUs, which need no Python: NAME-native.fmu.")
     ] = False,
     platform: Annotated[
         list[str] | None,
-        typer.Option(help="With --native: build for it; may be repeated.", show_default="all"),
+        typer.Option(help="With --native: target platform; may be repeated.", show_default="all"),
     ] = None,
     fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native: NAME-native-fmi3.fmu).")] = 2,
     libpython: Annotated[
         str | None,
         typer.Option(
-            help="For hosts that are not Python: the library that the Linux binary then loads by itself, "
+            help="Python library that the Linux binary loads itself, for hosts not written in Python, "
             "e.g. libpython3.11.so.1.0."
         ),
     ] = None,
 ) -> None:
-    """Build FMUs."""
+    """Build FMUs of components."""
     from ..fmu import FmuOptions, build_file, check_options
 
     sizes = dict(map(_parse_size, structure)) if structure else None
@@ -114,9 +114,9 @@ def _parse_size(text: str) -> tuple[str, int]:
 def fmu_validate(
     files: Annotated[list[Path], typer.Argument(help="The .fmu files.")], as_json: Json = False
 ) -> int:
-    """Check FMU files: what keeps them from running here, and what else departs from the standard.
+    """Check whether FMU files run here and conform to the standard.
 
-    Exit status 1 if something is found.
+    Exit status 1 if there is a finding.
     """
     from ..fmu import validate_fmu
 
@@ -130,12 +130,14 @@ def fmu_validate(
 
 @report_errors
 def fmu_cross_check(
-    names: Annotated[list[str] | None, typer.Argument(help="Components.", show_default="all")] = None,
-    out: Annotated[Path, typer.Option(help="Folder in which fmus/ is made.")] = Path("cross-check"),
-    native: Annotated[bool, typer.Option("--native", help="Native FMUs, as for build.")] = False,
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Names of components.", show_default="all")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder in which to create fmus/.")] = Path("cross-check"),
+    native: Annotated[bool, typer.Option("--native", help="Build native FMUs.")] = False,
     platform: Annotated[
         list[str] | None,
-        typer.Option(help="With --native: for it only; may be repeated.", show_default="all"),
+        typer.Option(help="With --native: target platform; may be repeated.", show_default="all"),
     ] = None,
     fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native).")] = 2,
 ) -> None:
@@ -162,17 +164,20 @@ def fmu_cross_check(
 
 @report_errors
 def fmu_compare(
-    files: Annotated[list[Path], typer.Argument(help="The .fmu files, or folders: all files below.")],
+    files: Annotated[list[Path], typer.Argument(help="The .fmu files, or folders to search for them.")],
     tolerance: Annotated[
         float | None,
         typer.Option(
-            help="Allowed difference over a variable's largest value.", show_default="RelTol of the .opt file"
+            help="Allowed difference, relative to a variable's largest value.",
+            show_default="RelTol of the .opt file",
         ),
     ] = None,
     as_json: Json = False,
 ) -> int:
-    """Run FMUs and compare with their reference results, inside the file or beside it; exit status 1 if one
-    differs, 2 if one has no reference or does not run."""
+    """Run FMUs and compare them with their reference results, inside the file or beside it.
+
+    Exit status 1: one differs, 2: one has no reference or does not run.
+    """
     from fmus.cross_check.apart import compare_in_process
     from fmus.cross_check.files import CrossCheckError
     from orchestrator.errors import MistakeError
@@ -204,7 +209,7 @@ def fmu_compare(
 
 @report_errors
 def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")], as_json: Json = False) -> None:
-    """Show what an FMU is and its variables."""
+    """Show the capabilities and variables of an FMU."""
     from ..fmu import fmu_info as describe
 
     found = describe(_check_file(file))

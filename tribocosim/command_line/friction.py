@@ -19,17 +19,17 @@ TABLES, FIGURES = (".csv", ".json", ".nc"), (".png", ".svg", ".pdf")
 
 @report_errors
 def print_friction(
-    folder: Annotated[Path, typer.Argument(help="A run's output folder, of a valve train.")],
-    contact: Annotated[str | None, typer.Option(help="One contact.", show_default="all")] = None,
+    folder: Annotated[Path, typer.Argument(help="Output folder of a valve-train run.")],
+    contact: Annotated[str | None, typer.Option(help="Name of one contact.", show_default="all")] = None,
     wear_coefficient: Annotated[
         float, typer.Option(help="Wear volume over load times sliding distance, in m2/N.")
     ] = COEFFICIENT,
-    cycles: Annotated[float, typer.Option(help="Revolutions that the wear is extrapolated over.")] = 1e8,
+    cycles: Annotated[float, typer.Option(help="Revolutions over which the wear is extrapolated.")] = 1e8,
     table: Annotated[
-        Path | None, typer.Option(help="Write the revolution into this file (.csv, .json or .nc).")
+        Path | None, typer.Option(help="Write the revolution to this file (.csv, .json or .nc).")
     ] = None,
     figure: Annotated[
-        Path | None, typer.Option(help="Draw the revolution into this file (.png, .svg or .pdf).")
+        Path | None, typer.Option(help="Draw the revolution to this file (.png, .svg or .pdf).")
     ] = None,
     as_json: Json = False,
 ) -> None:

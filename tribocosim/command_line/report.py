@@ -12,12 +12,12 @@ from .error_report import report_errors
 
 @report_errors
 def write_page(
-    folder: Annotated[Path, typer.Argument(help="A run's output folder.")],
+    folder: Annotated[Path, typer.Argument(help="Output folder of a run or a speed sweep.")],
     out: Annotated[
-        Path | None, typer.Option(help="The page's file.", show_default="FOLDER/report.html")
+        Path | None, typer.Option(help="File of the page.", show_default="FOLDER/report.html")
     ] = None,
 ) -> None:
-    """Make the page of a run anew: its mechanism in motion, plots, errors, in one file for a browser."""
+    """Rewrite report.html, the page with the animated mechanism, plots and errors."""
     from orchestrator.report import write_report
     from orchestrator.reporter import Reporter
 

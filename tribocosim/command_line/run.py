@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures and write no report.")]
 Verbose = Annotated[
     bool,
-    typer.Option("--verbose", help="Print all errors, the effort, and what FMUs print."),
+    typer.Option("--verbose", help="Print all errors, the effort, and the output of FMUs."),
 ]
 
 
@@ -36,25 +36,27 @@ def run_scenario(  # noqa: PLR0913  # options of a command
         ),
     ] = None,
     native: Annotated[
-        bool, typer.Option("--native", help="Take FMUs in machine code where the scenario has them built.")
+        bool, typer.Option("--native", help="Use native FMUs wherever the scenario builds FMUs.")
     ] = False,
     master: Annotated[str | None, typer.Option(help="Use another master.")] = None,
     witness: Annotated[
         str | None,
-        typer.Option(help="multibody: put the same train beside the run, as bodies with joints."),
+        typer.Option(help="multibody: also solve the train as bodies with joints, and compare."),
     ] = None,
     overwrite: Annotated[
         bool,
-        typer.Option("--overwrite", help="Replace a result in the folder, as soon as the run has begun."),
+        typer.Option(
+            "--overwrite", help="Replace a result in the folder once the new run has its first values."
+        ),
     ] = False,
     no_figures: NoFigures = False,
     verbose: Verbose = False,
     as_json: Json = False,
 ) -> int:
-    """Run a scenario; exit status 0 if it is within its tolerance of the reference, or wants none.
+    """Run a scenario and compare it with the reference.
 
-    1: outside the tolerance, 2: a mistake in the scenario or the command, 3: the run failed,
-    4: a reference was wanted and could not be computed, 130: interrupted.
+    Exit status 0: within the tolerance, or without a reference, 1: outside the tolerance, 2: a mistake in the
+    scenario or the command, 3: the run failed, 4: the reference could not be computed, 130: interrupted.
     """
     from orchestrator.run.pipeline import run
     from orchestrator.scenario.files import find, load, read_changed, to_full_toml
@@ -80,15 +82,15 @@ def run_scenario(  # noqa: PLR0913  # options of a command
 
 @report_errors
 def resume_run(
-    folder: Annotated[Path, typer.Argument(help="The output folder of the run.")],
+    folder: Annotated[Path, typer.Argument(help="Output folder of the run.")],
     no_figures: NoFigures = False,
     verbose: Verbose = False,
     as_json: Json = False,
 ) -> int:
-    """Continue a run that was killed or interrupted from its last checkpoint, with the same results.
+    """Continue a killed or interrupted run from its last checkpoint, with the same results.
 
-    Exit status as of `run`; 2 also if the run cannot go on (another FMU, version or scenario, or a damaged
-    checkpoint).
+    Exit status as for `run`; 2 also if the run cannot be continued (another FMU, version or scenario, or a
+    damaged checkpoint).
     """
     from orchestrator.run.resume import resume
 

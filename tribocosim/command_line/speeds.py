@@ -33,18 +33,18 @@ def run_speeds(  # noqa: PLR0913  # options of a command
     second_film: Annotated[
         str | None,
         typer.Option(
-            help="A film formula with which the speed of separation is found too; the scenario's own: none.",
+            help="Find the separation speed with this film formula too; the scenario's own formula: don't.",
             show_default="dowson_toyoda",
         ),
     ] = None,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Start over, replacing the results.")
+        bool, typer.Option("--overwrite", help="Replace the results and start over.")
     ] = False,
     as_json: Json = False,
 ) -> int:
     """Find the steady cycles of a valve train over speed, and the speed at which contact is lost.
 
-    Stopped at any moment, the same command continues. Exit status 0: all cycles found, 1: some failed, 2: a
+    The same command continues an interrupted sweep. Exit status 0: all cycles found, 1: some failed, 2: a
     mistake in the scenario or the command, 130: interrupted.
     """
     check_study_packages()

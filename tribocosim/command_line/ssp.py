@@ -14,12 +14,12 @@ from .error_report import report_errors
 @report_errors
 def ssp_export(
     scenario: ScenarioName,
-    out: Annotated[Path | None, typer.Option(help="The file.", show_default="SCENARIO.ssp")] = None,
+    out: Annotated[Path | None, typer.Option(help="Output file.", show_default="SCENARIO.ssp")] = None,
     set_: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario, as for run."),
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the file if there is one.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")] = False,
 ) -> None:
     """Write a scenario as an SSP package with its FMUs, for other tools."""
     from orchestrator.errors import MistakeError
@@ -46,9 +46,9 @@ def ssp_export(
 @report_errors
 def ssp_import(
     file: Annotated[Path, typer.Argument(help="The .ssp file.")],
-    out: Annotated[Path | None, typer.Option(help="The folder.", show_default="the file's name")] = None,
+    out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="the file's name")] = None,
 ) -> None:
-    """Write an SSP package as a scenario file with its FMUs, to be changed; `run` takes packages too."""
+    """Convert an SSP package into an editable scenario file with its FMUs. `run` also accepts packages."""
     from orchestrator.errors import MistakeError
     from orchestrator.scenario import build_scenario
     from orchestrator.scenario.files import find, load, to_short_toml

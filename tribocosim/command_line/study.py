@@ -24,19 +24,17 @@ def run_study(
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="Use a dask scheduler that runs, e.g. tcp://host:8786."),
+        typer.Option(metavar="ADDRESS", help="Use a running dask scheduler, e.g. tcp://host:8786."),
     ] = None,
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one a core")
     ] = None,
-    timeout: Annotated[
-        float, typer.Option(min=0.1, help="Seconds to wait for the scheduler's answer.")
-    ] = 10.0,
-    retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Try failed points again.")] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Start over, replacing the store.")] = False,
+    timeout: Annotated[float, typer.Option(min=0.1, help="Time to wait for the scheduler (s).")] = 10.0,
+    retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Repeat failed points.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the store and start over.")] = False,
     as_json: Json = False,
 ) -> int:
-    """Run a parameter study; stopped at any moment, the same command continues it.
+    """Run a parameter study. The same command continues an interrupted study.
 
     Exit status 0: all points done, 1: some failed (their messages are in the store), 2: a mistake in the
     study or the command, 3: the workers cannot go on, 130: interrupted.

@@ -1,1 +1,1 @@
-"""Films of line contacts, infinite and finite, that analyses compute; no component uses them."""
+"""Film solutions for analyses: infinite and finite line contacts. No component uses them."""

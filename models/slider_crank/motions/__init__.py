@@ -1,1 +1,1 @@
-"""Motions of the machine at constant speed, and analyses of them: statistics, periods, chaos, maps."""
+"""Motions of the slider-crank at constant speed, and their analysis: statistics, periods, chaos, maps."""

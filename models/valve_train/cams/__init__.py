@@ -1,1 +1,1 @@
-"""Cam profiles: by a law, or through points."""
+"""Cam profiles, defined by a law or a lift table."""

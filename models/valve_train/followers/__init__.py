@@ -1,1 +1,1 @@
-"""Followers of cams: kinematics of their contact, and the cam that moves them by a given lift."""
+"""Cam followers: contact kinematics, and the cam contour for a given lift."""

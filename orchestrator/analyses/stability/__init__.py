@@ -1,1 +1,1 @@
-"""Stability and errors of every master, signal and order on a scenario, predicted from its linearisation."""
+"""Prediction of stability and error for every master, signal and order, from the linearised scenario."""

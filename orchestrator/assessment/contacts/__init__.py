@@ -1,6 +1,6 @@
-"""What lubricated contacts go through in a run: extremes, separation, impacts, limits left.
+"""Assessment of lubricated contacts over a run: extremes, separations, impacts, limits exceeded.
 
-Everything is accumulated at every macro step, whatever is recorded.
+It is accumulated at every macro step, independently of the recorded rows.
 """
 
 from .contact_summary import ContactSummaries, ContactSummary, summarise_rows

@@ -1,4 +1,4 @@
-"""After the run: what limited its steps, where its work went, and what would help."""
+"""Diagnosis of a run: what limited its steps, the effort by participant, and suggestions."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The energy ledger of a coupled run: what every power bond gives, takes, and gets from the coupling.
+"""Energy ledger of a coupled run: energy sent, received and created by the coupling at each power bond.
 
-Both sides of a bond integrate its power inside their steps, with the inputs that they saw
-(`models.core.bonds`). What arrives and was not sent has been created by the coupling.
+Both sides of a bond integrate its power inside their steps, with the inputs that they had
+(`models.core.bonds`). The coupling creates the difference of what arrives and what was sent.
 """
 
 from .account import Account, lines

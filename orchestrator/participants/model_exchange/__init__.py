@@ -1,4 +1,4 @@
-"""FMUs by their model exchange: their equations, for solvers outside of them."""
+"""Equations of FMUs for model exchange, to be integrated by tribocosim's solvers."""
 
 from __future__ import annotations
 

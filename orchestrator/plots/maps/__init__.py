@@ -1,1 +1,1 @@
-"""Figures of many motions: maps, bifurcation diagrams, basins, transients."""
+"""Figures of many slider-crank motions: maps, bifurcation diagrams, basins, transients."""

@@ -1,1 +1,1 @@
-"""Parts of figures of one slider-crank motion: functions that draw plain arrays into given axes."""
+"""Parts of a figure of one slider-crank motion: functions that draw arrays into given axes."""

@@ -1,6 +1,6 @@
-"""Estimators of a macro step's local error. To add one: a file with a class, listed here.
+"""Estimators of a macro step's local error. To add one, write a file with a class and list it here.
 
-An estimator makes the step, because most need more than one way through it.
+The estimator makes the step, because most compute it more than once.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""A scenario over speed: its steady cycles, what an engineer asks of them, and the speed of separation."""
+"""Speed sweep of a scenario: steady cycles, their figures of merit, and the separation speed."""

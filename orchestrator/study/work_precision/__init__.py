@@ -1,4 +1,4 @@
-"""Work and precision of masters: error over doStep calls and time, ours and other tools', with the same FMUs.
+"""Work-precision diagrams: error over doStep calls and time, of the masters here and of other tools.
 
 `benchmark.benchmark` runs it.
 """
