@@ -123,14 +123,15 @@ def event_driven(end: float, restitution: float, friction: float) -> tuple[np.nd
     return np.array([y["crank_angle"], -y["rod_angle"], y["piston_tilt"]]), y
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("restitution", "friction", "end", "impacts"),
     [
         (0.4, 0.01, 0.0024, 0),  # free
         (0.4, 0.01, 0.006, 4),  # two flat impacts
         (0.4, 0.01, 0.012, 28),  # bounced to rest, sliding on the upper wall
-        pytest.param(0.1, 0.0, 0.012, 10, marks=pytest.mark.long),  # as in Siconos' time-stepping example
-        pytest.param(0.4, 0.01, 0.03, 34, marks=pytest.mark.long),  # released, then on the other wall
+        (0.1, 0.0, 0.012, 10),  # as in Siconos' time-stepping example
+        (0.4, 0.01, 0.03, 34),  # released, then on the other wall
     ],
 )
 def test_time_stepping_converges_to_the_event_driven_motion(
@@ -150,6 +151,7 @@ def test_time_stepping_converges_to_the_event_driven_motion(
     assert abs(2.0 * errors[2] - errors[1]) < 0.1 * errors[2]
 
 
+@pytest.mark.long
 def test_piston_without_an_initial_tilt_stays_flat() -> None:
     """Both corners of a wall meet it together and share the impulse but for the friction's moment."""
     _, y = event_driven(0.02, 0.4, 0.01)

@@ -58,6 +58,7 @@ def test_roller_is_the_nonlinear_slider_crank() -> None:
     assert ours["crank_impact_impulse"] == pytest.approx(named["crank_impact_impulse"], abs=1e-7)
 
 
+@pytest.mark.long
 def test_elastic_impacts_without_friction_keep_the_energy() -> None:
     values = {**FLORES, **UNEVEN, "wall_friction": 0.0, "restitution": 1.0}
     p, x = FREE.parameters.vector(values), FREE.state.vector({"crank_speed": 150.0})
