@@ -226,9 +226,8 @@ def smoothed_law():
 @pytest.mark.parametrize("turned", [90, *(pytest.param(a, marks=pytest.mark.long) for a in (0, 180, 270))])
 def test_the_event_of_a_table_does_not_depend_on_where_it_begins(turned):
     """A thousandth of the lift is reached at 35 x^4 = 1e-3, to the spacing of the samples."""
-    whole = smoothed_law()
-    angles = np.radians(np.arange(360.0))
-    lifts = np.roll([table_lift(a, through(whole.points)).s for a in angles], turned)
+    table, angles = through(smoothed_law().points), np.radians(np.arange(360.0))
+    lifts = np.roll([table_lift(a, table).s for a in angles], turned)
     begin, end = smooth_lift(angles, lifts).event
     inside = B * (1e-3 / 35.0) ** 0.25
     assert (begin - math.radians(turned)) % (2.0 * math.pi) == pytest.approx(FOOT + inside, abs=0.02)
