@@ -8,7 +8,8 @@ import pytest
 from models.catalogue import CATALOGUE
 from models.contact.hertz import elastic_compliance, elastic_energy, find_load
 from models.core.bonds import counting, energy_through
-from models.core.integrator import OK
+
+from .stepped import Stepped
 
 COMPONENTS = sorted(CATALOGUE)
 # Of all others the kernels would be compiled for this test alone.
@@ -16,35 +17,8 @@ ALWAYS = ("flywheel", "coupled_mass", "valve_spring", "ehl_contact")
 DRY = CATALOGUE["ehl_contact"]().parameters.field("film_model").quantity.choices.index("dry")
 
 
-class Unit:
-    """A component that is stepped by hand."""
-
-    def __init__(self, component, parameters=None, start=None, inputs=None):
-        self.component = component
-        self.p = component.parameters.vector(parameters)
-        self.x = component.state.vector(start)
-        self.U = component.input_polynomial()
-        self.U[0] = component.inputs.vector(inputs)
-        self.u, self.y = np.zeros(component.inputs.size), np.zeros(component.outputs.size)
-        self.work = np.zeros(component.work_size)
-        self.t = 0.0
-
-    def step(self, h):
-        c = self.component
-        status = c.step(self.t, h, self.x, self.U, self.p, c.state.nominal, self.work, self.u, self.y)
-        assert status == OK
-        self.t += h
-        return self
-
-    def input(self, name, *coefficients):
-        self.U[: len(coefficients), self.component.inputs.index(name)] = coefficients
-
-    def __getitem__(self, name):
-        return self.y[self.component.outputs.index(name)]
-
-
 def made(name, **settings):
-    return Unit(CATALOGUE[name](energies=1), **settings)
+    return Stepped(CATALOGUE[name](energies=1), **settings)
 
 
 @pytest.mark.parametrize(
@@ -52,13 +26,13 @@ def made(name, **settings):
     [n if n in ALWAYS else pytest.param(n, marks=pytest.mark.long) for n in COMPONENTS],
 )
 def test_the_motion_does_not_see_that_energies_are_counted(name):
-    plain, counts = Unit(CATALOGUE[name]()), made(name)
+    plain, counts = Stepped(CATALOGUE[name]()), made(name)
     n, m = plain.component.state.size, plain.component.outputs.size
     for unit in (plain, counts):
         for k, row in enumerate((0.02, 1.0, 30.0)):
             unit.U[k] = row * unit.component.inputs.nominal
         for _ in range(5):
-            unit.step(3e-4)
+            unit.advance(3e-4)
     np.testing.assert_array_equal(counts.x[:n], plain.x)
     np.testing.assert_array_equal(counts.y[:m], plain.y)
 
@@ -70,7 +44,7 @@ def test_a_torque_on_a_free_rotor_gives_its_work():
     assert unit.component.parameters.field("motion").quantity.choices[0] == "free"
     unit.input("load_torque[1]", torque)
     for _ in range(3):
-        unit.step(duration / 3)
+        unit.advance(duration / 3)
     work = torque * (speed * duration - torque * duration**2 / (2.0 * inertia))
     assert unit["energy_by_load_torque_1_speed"] == pytest.approx(-work, rel=1e-14)
     assert unit["energy_gained"] == pytest.approx(-work, rel=1e-14)
@@ -81,13 +55,13 @@ def test_what_a_valve_spring_gains_and_loses_came_in_through_its_load():
     for n in range(40):
         load = 330.0 + 400.0 * np.sin(0.3 * n)
         unit.input("load", load, 1e6, -1e9)
-        unit.step(2e-4)
+        unit.advance(2e-4)
     received = unit["energy_by_load_velocity"]
     assert unit["energy_dissipated"] > 0.01
     # 1e-10 per integration step of energies about 1 J, some hundred steps.
     assert unit["energy_gained"] + unit["energy_dissipated"] == pytest.approx(received, abs=1e-8)
     # Its stored energy does not see the load, so that no jump of the load changes it.
-    start = made("valve_spring").step(0.0)
+    start = made("valve_spring").advance(0.0)
     assert unit["energy_stored"] - start["energy_stored"] == pytest.approx(unit["energy_gained"], abs=1e-13)
 
 
@@ -101,7 +75,7 @@ def test_inputs_that_jump_between_steps_change_stored_energy_beyond_what_steps_g
     unit.input("radius_of_curvature", radius)
     for approach in (2e-6, 9e-6):
         unit.input("approach", approach)
-        unit.step(1e-3)
+        unit.advance(1e-3)
     load = find_load(9e-6, radius, length, compliance)
     assert unit["energy_stored"] == pytest.approx(elastic_energy(load, radius, length, compliance), rel=1e-12)
     assert unit["energy_gained"] == 0.0
@@ -120,7 +94,7 @@ def test_energies_through_bonds_are_found_with_sixth_order():
             unit.input("approach_rate", 0.1 - 400.0 * t, -400.0)
             unit.input("retreat", 0.02 * t, 0.02)
             unit.input("retreat_rate", 0.02)
-            unit.step(h)
+            unit.advance(h)
         came = unit["energy_by_load_approach_rate"] + unit["energy_by_load_retreat_rate"]
         assert came > 1e-3
         return abs(unit["energy_gained"] + unit["energy_dissipated"] - came)
@@ -139,7 +113,7 @@ def test_exact_flights_and_slides_of_the_slider_crank_close(form):
     unit = made("slider_crank", **settings)
     for n in range(200):
         unit.input("crank_angle", 200.0 * 5e-4 * n, 200.0)
-        unit.step(5e-4)
+        unit.advance(5e-4)
     assert unit["impact_count"] > 5
     assert unit["energy_dissipated"] > 0.0
     size = np.abs(unit["energy_gained"]) + np.abs(unit["energy_dissipated"])
@@ -150,7 +124,7 @@ def test_exact_flights_and_slides_of_the_slider_crank_close(form):
 
 
 def test_a_step_of_no_length_counts_nothing():
-    unit = made("valve_spring").step(0.0)
+    unit = made("valve_spring").advance(0.0)
     assert not unit.x[unit.component.plain.state.size :].any()
 
 

@@ -8,7 +8,8 @@ import pytest
 from models.catalogue import CATALOGUE
 from models.contact.films import FILMS
 from models.core.component import Component
-from models.core.integrator import OK
+
+from .stepped import Stepped
 
 GIVEN = {"load_is_given": 1.0}
 LOAD = 300.0
@@ -23,15 +24,11 @@ def settled(
     contact: Component, sliding: float, load: float = LOAD, entraining: float = 2.0, **parameters: float
 ) -> dict[str, float]:
     """Outputs after 1 ms of a constant load, in which the film passes the contact at least once."""
-    p = contact.parameters.vector({**GIVEN, **parameters})
-    x, U = contact.state.start.copy(), contact.input_polynomial()
-    U[0] = contact.inputs.vector(
-        {"applied_load": load, "entraining_velocity": entraining, "sliding_velocity": sliding}
-    )
-    u, y, work = np.zeros(contact.inputs.size), np.zeros(contact.outputs.size), np.zeros(contact.work_size)
-    for n in range(10):
-        assert contact.step(n * 1e-4, 1e-4, x, U, p, contact.state.nominal, work, u, y) == OK
-    return contact.outputs.named(y)
+    inputs = {"applied_load": load, "entraining_velocity": entraining, "sliding_velocity": sliding}
+    stepped = Stepped(contact, {**GIVEN, **parameters}, inputs=inputs)
+    for _ in range(10):
+        stepped.advance(1e-4)
+    return contact.outputs.named(stepped.y)
 
 
 def test_a_film_at_its_limiting_stress_rubs_by_the_pressure_it_carries(contact):

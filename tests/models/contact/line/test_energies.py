@@ -16,7 +16,7 @@ from models.contact.line.energies import asperities_at, oil_energy
 from models.contact.line.mixed import Bodies
 from models.core.quantities import Vector
 
-from ...test_bonds import Unit
+from ...stepped import Stepped
 
 STEEL = elastic_compliance(207e9, 0.3, 207e9, 0.3)
 STORED, GAINED, DISSIPATED, SOURCED = (
@@ -31,14 +31,14 @@ LOAD_IS_GIVEN = [
 ]
 
 
-def counting(nodes: int = 101, energies: int = 1, **parameters: float) -> Unit:
+def counting(nodes: int = 101, energies: int = 1, **parameters: float) -> Stepped:
     """A solved film of smooth surfaces whose steps are not cut."""
     component = ehl_line_contact(nodes=nodes, energies=energies)
     chosen = {"field_tolerance": 0.1, "roughness": 0.0, **parameters}
-    return Unit(component, parameters=chosen, inputs=RUNNING)
+    return Stepped(component, parameters=chosen, inputs=RUNNING)
 
 
-def swing(unit: Unit, name: str, mean: float, size: float) -> None:
+def swing(unit: Stepped, name: str, mean: float, size: float) -> None:
     """The Taylor coefficients of mean + size sin(w t), and of its rate."""
     w, t = 2.0 * np.pi * FREQUENCY, unit.t
     s, c = np.sin(w * t), np.cos(w * t)
@@ -48,7 +48,7 @@ def swing(unit: Unit, name: str, mean: float, size: float) -> None:
         unit.input("approach_rate", *course[1:])
 
 
-def left_over(unit: Unit) -> float:
+def left_over(unit: Stepped) -> float:
     """Gained and dissipated, less what sources and bonds gave (J)."""
     return unit[GAINED] + unit[DISSIPATED] - unit[SOURCED] - sum(unit[bond] for bond in BONDS)
 
@@ -66,7 +66,7 @@ def courses(nodes: int, h: float, load_is_given: bool) -> tuple[Vector, Vector]:
             swing(unit, "applied_load", 800.0, 300.0)
         else:
             swing(unit, "approach", 5e-6, 2e-6)
-        unit.step(h)
+        unit.advance(h)
         if (k + 1) % round(COARSEST / h) == 0:
             found.append((left_over(unit), unit[STORED]))
     third = len(found) // 3
@@ -121,20 +121,20 @@ def test_the_account_closes_better_with_more_nodes(load_is_given: bool) -> None:
 
 
 @pytest.fixture(scope="module")
-def pressed() -> Unit:
+def pressed() -> Stepped:
     """A contact in its steady film."""
     unit = counting(101, field_tolerance=1e-4)
     unit.input("approach", 5e-6)
     for _ in range(150):
-        unit.step(2e-5)
+        unit.advance(2e-5)
     return unit
 
 
 @pytest.mark.long
-def test_a_steady_film_dissipates_exactly_what_it_is_given(pressed: Unit, record) -> None:
+def test_a_steady_film_dissipates_exactly_what_it_is_given(pressed: Stepped, record) -> None:
     """And gains nothing; as exactly as Newton's method balances its volumes."""
     before = {name: pressed[name] for name in (GAINED, DISSIPATED, SOURCED)}
-    pressed.step(2e-5)
+    pressed.advance(2e-5)
     gained, dissipated, sourced = (pressed[name] - before[name] for name in before)
     assert dissipated > 1e-4
     quantity = "energy given to a steady film (J)"
@@ -146,14 +146,14 @@ def test_a_steady_film_dissipates_exactly_what_it_is_given(pressed: Unit, record
 
 
 @pytest.mark.long
-def test_what_is_stored_is_about_that_of_a_dry_contact(pressed: Unit) -> None:
+def test_what_is_stored_is_about_that_of_a_dry_contact(pressed: Stepped) -> None:
     """Hertz's under the same load: a film spreads the pressure, which stores less, and oil is compressed."""
     dry = elastic_energy(pressed["load"], RUNNING["radius_of_curvature"], 12e-3, STEEL)
     assert pressed[STORED] == pytest.approx(dry, rel=0.02)
 
 
 @pytest.mark.long
-def test_an_opening_contact_returns_what_was_stored(pressed: Unit) -> None:
+def test_an_opening_contact_returns_what_was_stored(pressed: Stepped) -> None:
     """Parted so fast that little oil flows: the bond takes what bodies and oil stored but for a few percent,
     and no energy comes of it."""
     unit = counting(101, field_tolerance=1e-4)
@@ -165,7 +165,7 @@ def test_an_opening_contact_returns_what_was_stored(pressed: Unit) -> None:
     unit.input("approach_rate", -way / duration)
     for k in range(steps):
         unit.input("approach", 5e-6 - way * k / steps, -way / duration)
-        unit.step(duration / steps)
+        unit.advance(duration / steps)
     assert unit["load"] < 1.0
     assert unit[STORED] < 1e-3 * stored
     returned = received - unit[BONDS[0]]
@@ -179,10 +179,10 @@ def test_a_jump_of_the_approach_is_told_beside_what_steps_gain() -> None:
     unit = counting()
     unit.input("approach", 5e-6)
     for _ in range(20):
-        unit.step(1e-5)
+        unit.advance(1e-5)
     stored, load, jump = unit[STORED], unit["load"], 1e-9
     unit.input("approach", 5e-6 + jump)
-    unit.step(0.0)
+    unit.advance(0.0)
     assert unit[STORED] - stored == pytest.approx(load * jump, rel=1e-6)
 
 
@@ -195,7 +195,7 @@ def test_the_motion_of_a_field_does_not_see_that_energies_are_counted() -> None:
     for unit in (plain, counts):
         for _ in range(12):
             swing(unit, "approach", 5e-6, 2e-6)
-            unit.step(5e-6)
+            unit.advance(5e-6)
         c = unit.component
         du, yd = np.zeros(c.inputs.size), np.zeros(c.outputs.size)
         c.input_rates(unit.U, 5e-6, du)
@@ -205,6 +205,6 @@ def test_the_motion_of_a_field_does_not_see_that_energies_are_counted() -> None:
     np.testing.assert_array_equal(rates[1][:m], rates[0])
     stored = counts[STORED]
     swing(counts, "approach", 5e-6, 2e-6)
-    counts.step(1e-7)
+    counts.advance(1e-7)
     rate = rates[1][counts.component.outputs.index(STORED)]
     assert rate == pytest.approx((counts[STORED] - stored) / 1e-7, rel=0.02)

@@ -12,8 +12,9 @@ import pytest
 from models.contact.ehl_contact import ehl_contact
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.contact.films import FILMS
-from models.core.integrator import OK
 from models.core.quantities import Vector
+
+from ...stepped import Stepped
 
 pytestmark = pytest.mark.long
 NODES = 101
@@ -46,24 +47,20 @@ def drive(t: float) -> Vector:
     return U
 
 
-class Run:
+class Run(Stepped):
     """The contact along the motion: `rates` are by name."""
 
     def __init__(self, tolerance: float = 0.1) -> None:
         """A tolerance that large lets every step be one micro-step."""
-        self.p = CONTACT.parameters.vector({"field_tolerance": tolerance})
-        self.x, self.work = CONTACT.state.start.copy(), np.zeros(CONTACT.work_size)
+        super().__init__(CONTACT, {"field_tolerance": tolerance})
         self.u, self.du = drive(0.0)[0].copy(), drive(0.0)[1].copy()
-        self.y, self.yd = np.zeros(CONTACT.outputs.size), np.zeros(CONTACT.outputs.size)
-        self._rates_work = np.zeros(CONTACT.rates_work_size)
-        self.t = 0.0
+        self.yd, self._rates_work = np.zeros(CONTACT.outputs.size), np.zeros(CONTACT.rates_work_size)
 
-    def step(self, h: float) -> None:
-        U = drive(self.t)
-        c = CONTACT
-        assert c.step(self.t, h, self.x, U, self.p, c.state.nominal, self.work, self.u, self.y) == OK
-        c.input_rates(U, h, self.du)
-        self.t += h
+    def step(self, h: float) -> int:
+        self.U = drive(self.t)
+        status = super().step(h)
+        CONTACT.input_rates(self.U, h, self.du)
+        return status
 
     @property
     def rates(self) -> dict[str, float]:
@@ -75,7 +72,7 @@ def course(lengths: Iterable[float]) -> tuple[Vector, Vector, Vector]:
     """Times after SETTLED, outputs and rates there."""
     run, rows = Run(), []
     for h in lengths:
-        run.step(h)
+        run.advance(h)
         if run.t > SETTLED:
             rows.append((run.t, run.y.copy(), np.array(list(run.rates.values()))))
     times, outputs, rates = (np.array(column) for column in zip(*rows, strict=True))
@@ -128,7 +125,7 @@ def test_rates_of_uneven_steps() -> None:
 def test_the_squeeze_velocity_is_the_rate_of_the_film() -> None:
     run = Run()
     for _ in range(10):
-        run.step(1e-5)
+        run.advance(1e-5)
     # Differences of fourth order over 5e-4 s that a film which moves evenly has to rounding.
     squeeze = run.y[CONTACT.outputs.index("squeeze_velocity")]
     assert run.rates["film_thickness"] == pytest.approx(squeeze, rel=1e-9)
@@ -138,13 +135,13 @@ def test_rates_behind_a_jump_are_those_of_the_motion_after_it(monkeypatch: pytes
     """A twentieth of what the jump would make over its step, in which the load relaxes fast."""
     run, h = Run(tolerance=1e-4), 1e-5
     for _ in range(100):
-        run.step(h)
+        run.advance(h)
     before, way = run.y[CONTACT.outputs.index("load")], drive
     approach = CONTACT.inputs.index("approach")
     jumped = np.zeros_like(drive(0.0))
     jumped[0, approach] = 2e-6
     monkeypatch.setitem(globals(), "drive", lambda t: way(t) + jumped)
-    run.step(h)
+    run.advance(h)
     jump = run.y[CONTACT.outputs.index("load")] - before
     assert jump > 500.0
     assert abs(run.rates["load"]) < 0.1 * jump / h
@@ -156,13 +153,13 @@ def test_a_step_that_was_cut_short_does_not_spoil_rates(short: float) -> None:
     method leaves of fast motions (1e-12 s: ten times the rate)."""
     run, whole = Run(tolerance=1e-4), Run(tolerance=1e-4)
     for _ in range(130):
-        run.step(1e-5)
-        whole.step(1e-5)
-    run.step(short)
+        run.advance(1e-5)
+        whole.advance(1e-5)
+    run.advance(short)
     for _ in range(3):
         assert run.rates["load"] == pytest.approx(whole.rates["load"], rel=0.05)
-        run.step(1e-5)
-        whole.step(1e-5)
+        run.advance(1e-5)
+        whole.advance(1e-5)
 
 
 def test_rates_before_the_first_step_are_those_of_hertz_and_the_relaxation() -> None:
@@ -182,19 +179,19 @@ def test_rates_before_the_first_step_are_those_of_hertz_and_the_relaxation() -> 
 def test_a_restored_state_has_the_same_rates_and_goes_on_with_them_to_the_last_bit() -> None:
     run = Run(tolerance=1e-4)
     for _ in range(20):
-        run.step(1e-5)
+        run.advance(1e-5)
     saved = run.t, run.x.copy(), run.u.copy(), run.du.copy()
     first = [run.rates]
     for _ in range(3):
-        run.step(1e-5)
+        run.advance(1e-5)
         first.append(run.rates)
     run.t, run.x[:], run.u[:], run.du[:] = saved
     again = [run.rates]
     for _ in range(3):
-        run.step(1e-5)
+        run.advance(1e-5)
         again.append(run.rates)
     assert again == first
     # A step over no time leaves the state as it is.
     before = run.x.copy()
-    run.step(0.0)
+    run.advance(0.0)
     np.testing.assert_array_equal(run.x, before)
