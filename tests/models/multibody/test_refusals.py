@@ -113,6 +113,7 @@ def parallelogram(angle: float, speed: float = 10.0, arm: float = 0.1, rod: floa
     return Mechanism(bodies, joints)
 
 
+@pytest.mark.long
 def test_a_change_point_is_refused_with_the_joint_and_the_angle() -> None:
     """At pi; before it the cranks stay parallel."""
     angle = 2.9

@@ -99,6 +99,7 @@ def test_accelerations_and_loads_are_those_of_the_mechanism(component: Component
     assert outputs["constraint_violation"] < 1e-12
 
 
+@pytest.mark.long
 def test_stored_energy_changes_by_the_powers(component: Component) -> None:
     """dE/dt = source - loss + drive torque times speed, where the cam's radius is constant."""
     p = component.parameters.vector({"flexible": 1.0})
