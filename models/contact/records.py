@@ -28,6 +28,35 @@ from .hertz import ELASTIC_LIMIT
 LONGEST, THICKEST, ROUGHEST = 1.0, 13.0, 22e-6
 
 
+def _modulus(body: str) -> Quantity:
+    meaning = f"Young's modulus of body {body}"
+    return Quantity("Pa", meaning, nominal=1e11, positive=True, plausible=YOUNGS_MODULUS)
+
+
+def _poissons_ratio(body: int) -> Quantity:
+    return Quantity("1", f"Poisson's ratio of body {body}", minimum=0.0, maximum=0.5)
+
+
+def _yield_pressure(meaning: str, nominal: float) -> Quantity:
+    return Quantity("Pa", meaning, nominal=nominal, positive=True, plausible=YIELD_PRESSURE)
+
+
+def _shear_stress(meaning: str) -> Quantity:
+    return Quantity("Pa", meaning, nominal=1e6, minimum=0.0, plausible=SHEAR_STRESS)
+
+
+def _coefficient(meaning: str) -> Quantity:
+    return Quantity("1", meaning, nominal=0.1, minimum=0.0)
+
+
+def _micrometres(meaning: str, nominal: float = 1e-6) -> Quantity:
+    return Quantity("m", meaning, nominal=nominal, display_unit="um")
+
+
+def _force(meaning: str) -> Quantity:
+    return Quantity("N", meaning, nominal=10.0)
+
+
 @dataclass
 class SharedParameters:
     """Bodies, lubricant, surfaces and friction. Defaults: the set `kushwaha2000`."""
@@ -38,37 +67,12 @@ class SharedParameters:
         Quantity("m", "contact length L_c", nominal=1e-2, positive=True, maximum=LONGEST, display_unit="mm"),
     ] = 12e-3
 
-    youngs_modulus_1: Annotated[
-        float,
-        Quantity(
-            "Pa", "Young's modulus of body 1 (cam)", nominal=1e11, positive=True, plausible=YOUNGS_MODULUS
-        ),
-    ] = 207e9
-    poissons_ratio_1: Annotated[
-        float, Quantity("1", "Poisson's ratio of body 1", minimum=0.0, maximum=0.5)
-    ] = 0.3
-    youngs_modulus_2: Annotated[
-        float,
-        Quantity(
-            "Pa",
-            "Young's modulus of body 2 (follower)",
-            nominal=1e11,
-            positive=True,
-            plausible=YOUNGS_MODULUS,
-        ),
-    ] = 207e9
-    poissons_ratio_2: Annotated[
-        float, Quantity("1", "Poisson's ratio of body 2", minimum=0.0, maximum=0.5)
-    ] = 0.3
+    youngs_modulus_1: Annotated[float, _modulus("1 (cam)")] = 207e9
+    poissons_ratio_1: Annotated[float, _poissons_ratio(1)] = 0.3
+    youngs_modulus_2: Annotated[float, _modulus("2 (follower)")] = 207e9
+    poissons_ratio_2: Annotated[float, _poissons_ratio(2)] = 0.3
     elastic_limit: Annotated[
-        float,
-        Quantity(
-            "Pa",
-            "pressure at which the bodies yield: a warning",
-            nominal=1e9,
-            positive=True,
-            plausible=YIELD_PRESSURE,
-        ),
+        float, _yield_pressure("pressure at which the bodies yield: a warning", nominal=1e9)
     ] = ELASTIC_LIMIT
     viscosity: Annotated[
         float,
@@ -98,20 +102,10 @@ class SharedParameters:
     roelands_exponent: Annotated[
         float, Quantity("1", "exponent z of Roelands' law", positive=True, maximum=1.0)
     ] = 0.68
-    roelands_pressure: Annotated[
-        float,
-        Quantity("Pa", "pressure p_r of Roelands' law", nominal=1e8, positive=True, plausible=YIELD_PRESSURE),
-    ] = 1.96e8
-    eyring_stress: Annotated[
-        float,
-        Quantity(
-            "Pa",
-            "Eyring stress tau_0 of the film; 0: Newtonian",
-            nominal=1e6,
-            minimum=0.0,
-            plausible=SHEAR_STRESS,
-        ),
-    ] = 0.0
+    roelands_pressure: Annotated[float, _yield_pressure("pressure p_r of Roelands' law", nominal=1e8)] = (
+        1.96e8
+    )
+    eyring_stress: Annotated[float, _shear_stress("Eyring stress tau_0 of the film; 0: Newtonian")] = 0.0
     roughness: Annotated[
         float,
         Quantity(
@@ -130,31 +124,15 @@ class SharedParameters:
         float, Quantity("1", "rms over radius of asperities", nominal=1e-3, positive=True)
     ] = 1e-3
     boundary_friction_coefficient: Annotated[
-        float, Quantity("1", "friction coefficient mu_b of asperities", nominal=0.1, minimum=0.0)
+        float, _coefficient("friction coefficient mu_b of asperities")
     ] = 0.1
-    boundary_shear_stress: Annotated[
-        float,
-        Quantity(
-            "Pa",
-            "shear stress tau_b of real contact besides",
-            nominal=1e6,
-            minimum=0.0,
-            plausible=SHEAR_STRESS,
-        ),
-    ] = 0.0
-    limiting_shear_stress: Annotated[
-        float,
-        Quantity(
-            "Pa",
-            "limiting shear stress tau_L0 at no pressure",
-            nominal=1e6,
-            minimum=0.0,
-            plausible=SHEAR_STRESS,
-        ),
-    ] = 2e6
-    limiting_shear_coefficient: Annotated[
-        float, Quantity("1", "growth gamma of the limit with pressure", nominal=0.1, minimum=0.0)
-    ] = 0.07
+    boundary_shear_stress: Annotated[float, _shear_stress("shear stress tau_b of real contact besides")] = 0.0
+    limiting_shear_stress: Annotated[float, _shear_stress("limiting shear stress tau_L0 at no pressure")] = (
+        2e6
+    )
+    limiting_shear_coefficient: Annotated[float, _coefficient("growth gamma of the limit with pressure")] = (
+        0.07
+    )
 
 
 FilmThickness = Annotated[
@@ -198,32 +176,21 @@ class ContactInputs:
 @dataclass
 class SharedOutputs:
     load: Annotated[float, Quantity("N", "contact load W", nominal=500.0)] = 0.0
-    film_thickness: Annotated[
-        float, Quantity("m", "lubricant film thickness h", nominal=1e-6, display_unit="um")
-    ] = 0.0
+    film_thickness: Annotated[float, _micrometres("lubricant film thickness h")] = 0.0
     minimum_film_thickness: Annotated[
-        float,
-        Quantity("m", "smallest film thickness (of a formula: its film)", nominal=1e-6, display_unit="um"),
+        float, _micrometres("smallest film thickness (of a formula: its film)")
     ] = 0.0
     squeeze_velocity: Annotated[float, Quantity("m/s", "dh/dt, positive when separating", nominal=1e-3)] = 0.0
-    steady_film_thickness: Annotated[
-        float, Quantity("m", "film thickness h_ss of the formula", nominal=1e-6, display_unit="um")
-    ] = 0.0
-    deflection: Annotated[
-        float, Quantity("m", "elastic approach of the bodies", nominal=1e-6, display_unit="um")
-    ] = 0.0
-    half_width: Annotated[
-        float, Quantity("m", "half width b of the contact", nominal=1e-4, display_unit="um")
-    ] = 0.0
+    steady_film_thickness: Annotated[float, _micrometres("film thickness h_ss of the formula")] = 0.0
+    deflection: Annotated[float, _micrometres("elastic approach of the bodies")] = 0.0
+    half_width: Annotated[float, _micrometres("half width b of the contact", nominal=1e-4)] = 0.0
     maximum_pressure: Annotated[
         float, Quantity("Pa", "largest Hertz pressure p0", nominal=1e8, display_unit="MPa")
     ] = 0.0
-    friction_force: Annotated[
-        float, Quantity("N", "friction of surface 2 on 1, against its sliding", nominal=10.0)
-    ] = 0.0
-    viscous_friction: Annotated[float, Quantity("N", "viscous share of the friction", nominal=10.0)] = 0.0
-    boundary_friction: Annotated[float, Quantity("N", "boundary share of the friction", nominal=10.0)] = 0.0
-    asperity_load: Annotated[float, Quantity("N", "load W_a on asperities", nominal=10.0)] = 0.0
+    friction_force: Annotated[float, _force("friction of surface 2 on 1, against its sliding")] = 0.0
+    viscous_friction: Annotated[float, _force("viscous share of the friction")] = 0.0
+    boundary_friction: Annotated[float, _force("boundary share of the friction")] = 0.0
+    asperity_load: Annotated[float, _force("load W_a on asperities")] = 0.0
     film_ratio: Annotated[float, Quantity("1", "film of the fluid's share over roughness; 0: smooth")] = 0.0
 
 
