@@ -7,6 +7,7 @@ import os
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
@@ -268,6 +269,15 @@ def test_what_was_not_used_of_late_goes_when_another_is_added(tmp_path: Path) ->
     aged(mark, 2.0)
     assert run(tmp_path, added.format("TURNED")) == "2.0\n"
     assert [file.exists() for file in (used, unused, young, rest)] == [True, False, True, False]
+
+
+def test_constants_of_other_values_have_other_descriptions() -> None:
+    """Or code would run with what was compiled for another array."""
+    from models.compile.kernel_content import describe
+
+    ones = np.ones(4)
+    others = [2.0 * ones, np.ones(5), ones.reshape(2, 2), ones.astype(np.float32), (1.0,) * 4, 1.0, 1]
+    assert len({describe(value) for value in [ones, *others]}) == 1 + len(others)
 
 
 def test_every_kernel_of_components_and_systems_can_be_kept() -> None:

@@ -116,6 +116,7 @@ def test_lundbergs_profile_carries_its_load_evenly(profile):
 
 
 def test_a_chamfer_moves_the_peak_to_its_kink():
+    assert Chamfered(1e-3, 0.01).drop(np.array([LENGTH / 2]), LENGTH) == pytest.approx(1e-5, rel=1e-12)
     found = dry_of(profiled(Chamfered(1e-3, 0.01)), AT, COARSE)
     at = abs(found.grid.y[np.argmax(found.peak_along)])
     assert at == pytest.approx(LENGTH / 2 - 1e-3, abs=0.2 * found.half_width)
