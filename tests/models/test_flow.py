@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from models.slider_crank.flight.linear import carry, state_at_cell_start
+from models.slider_crank.flight.linear import carry
 from models.slider_crank.flight.samples import offset_acceleration
 from models.slider_crank.flight.series import (
     NEVER,
@@ -25,7 +25,7 @@ from models.slider_crank.flight.series import (
 )
 from models.slider_crank.motions.machine import Machine
 
-from .oscillators import flow_of, position_at, scratch
+from .oscillators import position_at, scratch
 
 COEFFICIENT = st.integers(-50, 50).map(lambda n: n / 50.0)
 
@@ -116,23 +116,3 @@ def test_flow_is_that_of_the_equation_of_motion(xi: float, record) -> None:
     difference = (state - solved.y[:, -1]) / np.abs(solved.y).max()
     quantity = "error of the free flight over a revolution, relative"
     record("Slider-crank", quantity, difference, 0.0, "DOP853 at 1e-13", tolerance=2e-11)
-
-
-def test_state_in_a_cell_belongs_to_one_at_its_start() -> None:
-    flow = Machine(0.1).flow
-    for k, u in ((0, 0.2), (17, 0.99), (63, 0.5)):
-        y, rate = state_at_cell_start(flow, k, u, 0.004, -0.03)
-        c = flow.cells[k, 0] + y * flow.cells[k, 1] + rate * flow.cells[k, 2]
-        width = 2.0 * math.pi / flow.cells.shape[0]
-        found, slope = value_and_slope(c, u)
-        assert (found, slope / width) == pytest.approx((0.004, -0.03), rel=1e-13)
-
-
-def test_constant_coefficients_give_elementary_functions() -> None:
-    """y'' = 1 - y from rest: 1 - cos theta at every cell's end."""
-    flow = flow_of(np.ones_like, -1.0)
-    state = np.zeros(2)
-    for k, ends in enumerate(flow.ends):
-        state = ends[0] + state[0] * ends[1] + state[1] * ends[2]
-        theta = 2.0 * math.pi * (k + 1) / flow.cells.shape[0]
-        assert state == pytest.approx([1.0 - math.cos(theta), math.sin(theta)], abs=5e-15)

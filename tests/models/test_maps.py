@@ -90,21 +90,17 @@ def test_exponent_of_the_impact_oscillator_has_its_closed_form() -> None:
     assert exponent == pytest.approx(math.log(0.8) / (2.0 * math.pi), abs=2e-4)
 
 
-def test_maps_do_not_depend_on_the_number_of_workers() -> None:
+def test_maps_are_made_of_single_points_whatever_the_number_of_workers() -> None:
     machine = Machine(form="as_published")
     one = exponent_map(machine, XS, YS, cycles=100, transient=20, workers=1)
     three = exponent_map(machine, XS, YS, cycles=100, transient=20, workers=3)
     for a, b in zip(one, three, strict=True):
         np.testing.assert_array_equal(a, b)
     assert one.largest.shape == (6, 7)
+    alone = largest_exponent(Machine(float(XS[1][2]), float(YS[1][4]), form="as_published"), 100, 20)
+    assert (one.largest[4, 2], one.uncertainty[4, 2], one.impacts_per_cycle[4, 2]) == alone
     periods = [period_map(machine, XS, YS, cycles=300, workers=workers) for workers in (1, 2)]
     np.testing.assert_array_equal(*periods)
-
-
-def test_a_map_is_made_of_single_points() -> None:
-    found = exponent_map(Machine(), XS, YS, cycles=100, transient=20)
-    alone = largest_exponent(Machine(damping=float(XS[1][2]), gap=float(YS[1][4])), 100, 20)
-    assert (found.largest[4, 2], found.uncertainty[4, 2], found.impacts_per_cycle[4, 2]) == alone
 
 
 def test_a_diagram_from_rest_is_made_of_single_motions() -> None:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from models.catalogue import CATALOGUE
 
@@ -112,19 +113,16 @@ def test_a_pad_with_the_rolling_speed_is_a_roller(part, rolls, angle):
 
 
 def _follow(c, shape, cam):
-    """The state in which the overlap and its rate vanish, by bisection along the first state."""
-    position, rate = c.state.names[:2]
+    """The state in which the overlap and its rate vanish, along the first two states."""
     pad = {"follower": 2.0} if c.name == "tappet" else {"rolls": 0.0}
-
-    def overlap(value, name, state):
-        y = outputs_of(c, shape | pad, {**state, position: value} if name == "overlap" else
-                       {**state, rate: value}, cam)  # fmt: skip
-        return y[name]
-
     state = {}
-    for name, key, low, high in (("overlap", position, -0.05, 0.5), ("overlap_rate", rate, -1e3, 1e3)):
-        for _ in range(200):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if overlap(middle, name, state) > 0.0 else (low, middle)
-        state[key] = 0.5 * (low + high)
+    for name, key, low, high in (
+        ("overlap", c.state.names[0], -0.05, 0.5),
+        ("overlap_rate", c.state.names[1], -1e3, 1e3),
+    ):
+
+        def find(value, name=name, key=key):
+            return outputs_of(c, shape | pad, {**state, key: value}, cam)[name]
+
+        state[key] = brentq(find, low, high, xtol=1e-16)
     return state
