@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import cache
 
@@ -142,52 +141,3 @@ def test_damping_gives_every_mode_its_ratio() -> None:
     system = np.block([[np.zeros((6, 6)), np.eye(6)], [-k / masses[:, None], -c / masses[:, None]]])
     values = np.linalg.eigvals(system)
     np.testing.assert_allclose(-values.real / np.abs(values), 0.02, rtol=1e-9)
-
-
-def segmented_frequencies(count: int, length: float) -> Vector:
-    """Bending frequencies (Hz) of a simply supported steel beam, d = 20 mm, in so many segments."""
-    segment = length / count
-    mass, inertia = 7850.0 * math.pi * 1e-4 * segment, 7850.0 * math.pi * 1e-8 / 4.0 * segment
-    own = inertia + mass * segment**2 / 12.0
-    k = beam_stiffness(segment, 0.02, shear_factor=10.0 / 9.0, **STEEL)
-    along_z = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
-    places = (np.arange(count) + 0.5) * segment
-    bodies = [
-        Body(f"segment {n}", mass, (own, own, 2 * inertia), (0.0, 0.0, z)) for n, z in enumerate(places)
-    ]
-    zero = np.zeros((6, 6))
-    chain = [
-        ElasticField(
-            f"segment {n}", f"segment {n + 1}", k, zero, (segment, 0.0, 0.0), axes_i=along_z, axes_j=along_z
-        )
-        for n in range(count - 1)
-    ]
-    return linear_frequencies(Mechanism(bodies, [], chain), length)
-
-
-def linear_frequencies(mechanism: Mechanism, length: float) -> Vector:
-    """Frequencies about the straight beam by differences of the forces; its ends pinned in the plane y, z."""
-    n = len(mechanism.bodies)
-    q0 = np.concatenate([[*body.position, *body.angles] for body in mechanism.bodies])
-    step, plane = 1e-7, [6 * b + i for b in range(n) for i in (1, 3)]
-    stiffness = np.zeros((2 * n, 2 * n))
-    for column, i in enumerate(plane):
-        moved = q0.copy()
-        moved[i] += step
-        stiffness[:, column] = -mechanism.evaluate(0.0, moved, np.zeros(6 * n)).force[plane] / step
-    masses = np.diag(mechanism.evaluate(0.0, q0, np.zeros(6 * n)).mass)[plane]
-    # A pin at z = 0 holds y + psi_x z of the first body, whose tilt moves its end; the same at the far end.
-    pins = np.zeros((2, 2 * n))
-    pins[0, 0], pins[0, 1] = 1.0, q0[2]
-    pins[1, -2], pins[1, -1] = 1.0, -(length - q0[-4])
-    free = np.linalg.svd(pins)[2][2:].T
-    values = np.linalg.eigvals(np.linalg.solve(free.T * masses @ free, free.T @ stiffness @ free))
-    return np.sqrt(np.sort(values.real)) / (2.0 * math.pi)
-
-
-def test_segments_of_a_beam_converge_with_the_square_of_their_number() -> None:
-    """Q (2), one K(L) between centres: simply supported, 400 mm, 251.318, 996.450 and 2210.33 Hz."""
-    exact = np.array([251.318, 996.450, 2210.33])
-    coarse, fine = (segmented_frequencies(n, 0.4)[:3] / exact - 1.0 for n in (16, 32))
-    np.testing.assert_allclose(coarse / fine, 4.0, rtol=0.25)
-    assert np.max(np.abs(fine)) < 5e-3
