@@ -19,6 +19,8 @@ from .style import ACCENT, COUPLED, add_title, create_subplots, label_abscissa
 FLOOR = 1e-15
 # Panels at most, and beside one another.
 PANELS, COLUMNS = 8, 2
+# Points of an envelope.
+BINS = 400
 
 
 def applies(data: FigureData) -> bool:
@@ -86,9 +88,9 @@ def _draw_panel(ax: Axes, data: FigureData, name: str) -> bool:
     return bool(np.isnan(top).any())
 
 
-def compute_envelope(values: Vector, bins: int = 400) -> tuple[Any, Vector]:
+def compute_envelope(values: Vector) -> tuple[Any, Vector]:
     """First index and largest value of each bin; dips at changes of sign would hide the line."""
-    if len(values) <= 2 * bins:
+    if len(values) <= 2 * BINS:
         return np.arange(len(values)), values
-    first = np.arange(bins) * len(values) // bins
+    first = np.arange(BINS) * len(values) // BINS
     return first, np.fmax.reduceat(values, first)

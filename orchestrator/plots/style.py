@@ -87,15 +87,15 @@ def label_abscissa(axes: Axes, data: FigureData) -> None:
             )
 
 
-def plot_both(axes: Axes, data: FigureData, name: str, words: str, scale: float = 1.0) -> None:
+def plot_both(axes: Axes, data: FigureData, name: str, words: str) -> None:
     """Draw the coupled run over a wider reference, so that both are seen where they agree."""
     factor, _ = data.shown(name)
     if name in data.reference:
         axes.plot(
-            data.x(True), factor * scale * data.reference[name], color=REFERENCE, alpha=0.55, lw=3.2,
+            data.x(True), factor * data.reference[name], color=REFERENCE, alpha=0.55, lw=3.2,
             solid_capstyle="round", label="monolithic reference",
         )  # fmt: skip
-    axes.plot(data.x(), factor * scale * data.coupled[name], color=COUPLED, lw=1.1, label="coupled")
+    axes.plot(data.x(), factor * data.coupled[name], color=COUPLED, lw=1.1, label="coupled")
     axes.set_ylabel(data.label(name, words))
 
 

@@ -41,13 +41,10 @@ FIXED = {
 NO_KEY = {"missing": "missing", "extra_forbidden": "unknown key; leave it out"}
 
 
-def list_no_keys(place: Location) -> list[str]:
-    """For tables whose keys are not known."""
-    return []
-
-
-def list_messages(error: ValidationError, known: Callable[[Location], list[str]] = list_no_keys) -> list[str]:
-    """A message for each error; `known` lists the valid keys at a place."""
+def list_messages(
+    error: ValidationError, known: Callable[[Location], list[str]] = lambda place: []
+) -> list[str]:
+    """A message for each error; `known` lists the valid keys at a place, by default none."""
     lines: list[str] = []
     for fault in error.errors():
         path, reason = _format_path(fault["loc"]), fault.get("ctx", {}).get("error")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
@@ -129,10 +130,6 @@ def _parse_axis(content: Any) -> Axis | Listed:
     return parse_table(Axis, content)
 
 
-def _parse_range(content: Any) -> Range:
-    return parse_table(Range, content)
-
-
 def resolve_values(name: str, values: Iterable[Value], resolve: Resolve) -> tuple[Value, ...]:
     return tuple(resolve(name, value) for value in values)
 
@@ -162,7 +159,7 @@ class Sobol(Table):
     """Scrambled Sobol' points: they fill the ranges more evenly than random ones."""
 
     kind: Literal["sobol"]
-    ranges: dict[str, Annotated[Range, BeforeValidator(_parse_range)]] = Field(min_length=1)
+    ranges: dict[str, Annotated[Range, BeforeValidator(partial(parse_table, Range))]] = Field(min_length=1)
     count: int = Field(ge=1, le=MOST_POINTS, strict=True)
     seed: int = Field(ge=0, strict=True)
 

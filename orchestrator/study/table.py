@@ -17,10 +17,6 @@ def write_table(found: xarray.Dataset, path: Path) -> None:
     states = found[STATUS].attrs["flag_meanings"].split()
     frame = found.to_dataframe(dim_order=list(found[STATUS].dims)).reset_index()[names]
     frame[STATUS] = np.array(states)[frame[STATUS].to_numpy()]
-    frame.columns = [format_head(name, found[name].attrs.get("units", "")) for name in names]
+    units = {name: found[name].attrs.get("units", "") for name in names}
+    frame.columns = [name if units[name] in ("", "1") else f"{name} [{units[name]}]" for name in names]
     replace(path, frame.to_csv(index=False, lineterminator="\n").encode())
-
-
-def format_head(name: str, unit: str) -> str:
-    """The column's head: "speed [rad/s]"."""
-    return name if unit in ("", "1") else f"{name} [{unit}]"

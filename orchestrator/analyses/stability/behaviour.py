@@ -239,15 +239,12 @@ def find_stability_limit(
         good = samples[-1].step
         if good >= longest:
             return math.inf
-        samples.append(behaviour.evaluate(min(good + _choose_spacing(behaviour.point, good), longest)))
+        slowest = 1.0 / max(behaviour.point.fastest(DECAYED / good), 1e-300)
+        samples.append(behaviour.evaluate(min(good + SPACING * min(good, slowest), longest)))
     limit = _bisect(behaviour, good, samples[-1].step)
     while samples[-1].step * RATIO <= longest and not samples[-1].radius > SEEN:
         samples.append(behaviour.evaluate(samples[-1].step * RATIO))
     return limit
-
-
-def _choose_spacing(point: Point, step: float) -> float:
-    return SPACING * min(step, 1.0 / max(point.fastest(DECAYED / step), 1e-300))
 
 
 def _bisect(behaviour: Behaviour, good: float, bad: float) -> float:

@@ -26,15 +26,14 @@ def read_bin_edges(data: xarray.Dataset) -> Vector:
     return edges
 
 
-def draw_profile(axes: Axes, edges: Vector, upper: Vector, lower: Vector, label: bool = True) -> None:
+def draw_profile(axes: Axes, edges: Vector, upper: Vector, lower: Vector) -> None:
     """Bars along the wall: the upper wall's values upwards, the lower one's (negative) downwards."""
     for values, colour, words in ((upper, COUPLED, "upper wall"), (lower, ACCENT, "lower wall")):
         axes.stairs(values, edges, fill=True, color=colour, alpha=0.85, lw=0.0, label=words)
     axes.axhline(0.0, color=MUTED, lw=0.8)
     axes.set_xlim(edges[0], edges[-1])
     axes.yaxis.set_major_locator(MaxNLocator(6, symmetric=True))
-    if label:
-        axes.set_xlabel("place on the wall x / l  (left: θ = π, right: θ = 0)")
+    axes.set_xlabel("place on the wall x / l  (left: θ = π, right: θ = 0)")
 
 
 def draw_spectrum(axes: PolarAxes, edges: Vector, values: Vector, colour: str = COUPLED) -> None:

@@ -24,7 +24,6 @@ def draw_phase(
     psi_rate: Vector,
     side: Vector,
     walls: tuple[float, float] | None = None,
-    label: bool = True,
 ) -> None:
     """Arrays as a `Portrait`'s: where theta stands still an impact is, the trajectory is cut and its jump
     drawn lightly. `walls`: psi of the nearest and the farthest that a wall comes to the middle."""
@@ -40,9 +39,8 @@ def draw_phase(
     if np.nanmax(np.abs(side)) > 0.0:
         sliding = np.where(np.abs(side) > 0.0, psi_rate, np.nan)
         axes.plot(MILLI * psi, sliding, color=ACCENT, lw=2.2)
-    if label:
-        axes.set_xlabel("ψ (mrad)")
-        axes.set_ylabel("ψ′")
+    axes.set_xlabel("ψ (mrad)")
+    axes.set_ylabel("ψ′")
 
 
 def plot_phase(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:

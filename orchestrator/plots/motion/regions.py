@@ -18,9 +18,7 @@ from .titles import create_figure
 INK = "#3a444e"
 
 
-def draw_regions(
-    axes: Axes, gap: Vector, upper: Vector, lower: Vector, damping: tuple[float, float], label: bool = True
-) -> None:
+def draw_regions(axes: Axes, gap: Vector, upper: Vector, lower: Vector, damping: tuple[float, float]) -> None:
     """`upper`, `lower`: lambda from which on the upper wall holds throughout and the lower one nowhere;
     `damping`: the abscissa's limits."""
     low, high = damping
@@ -33,9 +31,8 @@ def draw_regions(
     axes.plot(lower, gap, color=ACCENT, lw=1.4)
     axes.set_xlim(low, high)
     axes.set_ylim(gap[0], gap[-1])
-    if label:
-        axes.set_xlabel("friction λ")
-        axes.set_ylabel("clearance ρ")
+    axes.set_xlabel("friction λ")
+    axes.set_ylabel("clearance ρ")
     middle = 0.6 * gap[-1]
     left, right = np.interp(middle, gap, first), np.interp(middle, gap, last)
     _draw_name(axes, 0.5 * (low + left), middle, "I", "each wall holds\nin a part of the cycle")

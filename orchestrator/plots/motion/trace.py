@@ -19,9 +19,7 @@ from .titles import add_legend, create_figure
 MILLI = 1e3
 
 
-def draw_trace(
-    axes: Axes, theta: Vector, psi: Vector, side: Vector, upper: Vector, lower: Vector, label: bool = True
-) -> None:
+def draw_trace(axes: Axes, theta: Vector, psi: Vector, side: Vector, upper: Vector, lower: Vector) -> None:
     """Arrays as a `Portrait`'s; walls dashed, sliding in another colour."""
     angle = shift_to_first_turn(theta)
     draw_walls(axes, angle, upper, lower)
@@ -31,8 +29,7 @@ def draw_trace(
         axes.plot(angle, sliding, color=ACCENT, lw=2.4, solid_capstyle="butt", label="sliding")
     set_angle_axis(axes, angle[0], 2.0 * np.pi * np.ceil(angle[-1] / (2.0 * np.pi)))
     axes.margins(y=0.08)
-    if label:
-        axes.set_ylabel("ψ (mrad)")
+    axes.set_ylabel("ψ (mrad)")
 
 
 def draw_walls(axes: Axes, angle: Vector, upper: Vector, lower: Vector) -> None:
