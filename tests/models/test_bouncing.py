@@ -108,16 +108,6 @@ def test_bouncing_ball_comes_to_rest_after_its_geometric_series(e: float, record
     )
 
 
-def test_sliding_ends_where_the_pressing_acceleration_falls_to_zero() -> None:
-    """Pressed by 0.5 + cos theta: released at 2 pi / 3."""
-    flow, walls = flow_of(lambda x: 0.5 + np.cos(x)), Walls(0.0, 10.0, 0.0, 0.0)
-    position = position_at(flow, 0.3, 0.0, 0.0)
-    position[SIDE] = UPPER
-    assert h.LINEAR.next_event(flow, walls, position, flow.cells.shape[0] - 1, 1.0, scratch()) == RELEASE
-    assert phase(flow, position) == pytest.approx(TURN / 3.0, abs=2e-12)
-    assert (position[SIDE], position[Y], position[RATE_OF_Y]) == (0.0, 0.0, 0.0)
-
-
 def release_from_rest(machine: Machine, side: float, theta: float) -> tuple[float, float]:
     """(sliding side just after, crank angle of the release or nan) of a slider put to rest on a wall."""
     flow, walls = machine.flow, machine.walls

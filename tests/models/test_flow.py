@@ -18,10 +18,7 @@ from models.slider_crank.flight.series import (
     bounds_of_bend,
     divide_by_u,
     first_fall,
-    move_origin,
     next_fall,
-    value,
-    value_and_slope,
 )
 from models.slider_crank.motions.machine import Machine
 
@@ -74,15 +71,6 @@ def test_bounce_of_any_height_has_its_duration_to_relative_accuracy(height: floa
     quotient = np.zeros(TERMS)
     divide_by_u(series_of(0.7, -height, 0.5), 1.0, quotient)
     assert next_fall(quotient, 1.0) == pytest.approx(2.0 * height, rel=1e-14)
-
-
-def test_moved_origin_keeps_the_values() -> None:
-    c = np.random.default_rng(1).uniform(-1.0, 1.0, TERMS)
-    moved = c.copy()
-    move_origin(moved, 0.3)
-    for u in (0.0, 0.2, 0.7):
-        assert value(moved, u) == pytest.approx(value(c, u + 0.3), rel=1e-13)
-        assert value_and_slope(moved, u)[1] == pytest.approx(value_and_slope(c, u + 0.3)[1], rel=1e-12)
 
 
 @pytest.mark.parametrize("form", ["as_published", "corrected"])

@@ -126,11 +126,3 @@ def test_the_threshold_of_the_thesis_ends_chaos_that_goes_on() -> None:
     assert find_transients(published(0.05, 0.02, 0.005), 20_000).settled.all()
     assert classify(published(0.05, 0.02, 0.005), 20_000).kind == TRANSIENT_CHAOS
     assert classify(published(0.05, 0.02), 5000).kind == CHAOTIC
-
-
-def test_a_smaller_threshold_changes_nothing() -> None:
-    # Where the walls press, no rebound of this chaotic motion is slower than 0.001 (of 1.7e6 impacts): it
-    # never chatters to an end, and below that F's rule is never applied. Equal to the last bit.
-    exact = Motion(published(0.05, 0.02)).strobe(20_000)
-    np.testing.assert_array_equal(Motion(published(0.05, 0.02, 0.0005)).strobe(20_000), exact)
-    assert not np.any(exact[:, 2])

@@ -90,13 +90,6 @@ def test_two_zeros_end_at_the_threshold(form: str, side: float, name: str) -> No
     assert (len(below), len(above)) == (2, 0)
 
 
-@pytest.mark.parametrize(("form", "changes"), [("as_published", 2), ("corrected", 4), ("nonlinear", 4)])
-@pytest.mark.parametrize("side", [UPPER, LOWER])
-def test_sign_changes_at_little_friction(form: str, changes: int, side: float) -> None:
-    """lambda = 0.01 (F 2.4: two, at about 0 and pi); with beta of the right sign there are four."""
-    assert sign_changes(Machine(damping=0.01, form=form), side) == changes
-
-
 @given(theta=st.floats(0.0, TURN), gap=st.floats(0.0, 0.05), form=st.sampled_from(FORMS))
 @settings(derandomize=True, deadline=None)
 def test_symmetries_of_the_wall_forces(theta: float, gap: float, form: str) -> None:

@@ -17,11 +17,6 @@ from .systems import outputs_of, rates_of, state_matrix, turn
 K0, F0 = 35e3, 504.5
 
 
-def test_two_masses_are_kushwahas_spring():
-    # K (2), (3), and (1) with its lost square.
-    assert lumping(2) == pytest.approx((8 / 3, 4.0, 2 / 3), rel=1e-14)
-
-
 def test_clamped_frequencies_of_kushwahas_spring_are_f0_and_twice_f0(record):
     found = spring_frequencies(ValveSpringParameters(), 2)
     for order, frequency in enumerate(found, 1):

@@ -7,8 +7,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from models.catalogue import CATALOGUE
@@ -120,12 +118,11 @@ def test_equilibrium_keeps_a_film_that_nothing_determines():
     assert found["contact.load"] == pytest.approx(330.0 + 35e3 * found["valve_spring.position"], rel=1e-9)
 
 
-@given(angle=st.floats(-20.0, 20.0), areas=st.tuples(st.floats(1e-4, 2e-3), st.floats(1e-4, 2e-3)))
-def test_gas_presses_each_valve_by_its_area(angle, areas):
-    gas = CATALOGUE["cylinder_gas"](valves=2)
-    given_areas = {"valve_area[1]": areas[0], "valve_area[2]": areas[1]}
-    y = outputs_of(gas, given_areas, {}, {"crank_angle": angle})
-    for i, area in enumerate(areas, 1):
+@pytest.mark.parametrize("angle", [-5.0, 0.0, 7.0])
+def test_gas_presses_each_valve_by_its_area(angle):
+    areas = {"valve_area[1]": 2e-4, "valve_area[2]": 7e-4}
+    y = outputs_of(CATALOGUE["cylinder_gas"](valves=2), areas, {}, {"crank_angle": angle})
+    for i, area in enumerate(areas.values(), 1):
         assert y[f"valve_force[{i}]"] == y["gas_pressure"] * area
 
 
