@@ -107,12 +107,17 @@ def gain_of(angle: float) -> float:
 
 
 @kernel
-def move_links(t: float, x: Links, u: Force, p: LinksParameters, dx: Links) -> None:
-    apart = x.angle_1 - x.angle_2
+def mass_matrix(x: Links, p: LinksParameters) -> tuple[float, float, float]:
+    """M_11, M_12, M_22."""
     first = LENGTH**2 * (LINK / 3.0 + FIRST_MASS + p.load)
-    both = LENGTH * SECOND * p.load * math.cos(apart)
-    second = SECOND**2 * p.load
-    turning = LENGTH * SECOND * p.load * math.sin(apart)
+    both = LENGTH * SECOND * p.load * math.cos(x.angle_1 - x.angle_2)
+    return first, both, SECOND**2 * p.load
+
+
+@kernel
+def move_links(t: float, x: Links, u: Force, p: LinksParameters, dx: Links) -> None:
+    first, both, second = mass_matrix(x, p)
+    turning = LENGTH * SECOND * p.load * math.sin(x.angle_1 - x.angle_2)
     load = GRAVITY * LENGTH * (LINK / 2.0 + FIRST_MASS + p.load) * math.cos(x.angle_1)
     torque_1 = gain_of(x.angle_1) * u.force - load - turning * x.speed_2**2
     torque_2 = turning * x.speed_1**2 - GRAVITY * SECOND * p.load * math.cos(x.angle_2)
@@ -130,9 +135,7 @@ def show_motion(t: float, x: Links, u: Force, p: LinksParameters, y: Motion) -> 
 
 @kernel
 def count_links(t: float, x: Links, u: Force, p: LinksParameters, e: Vector) -> None:
-    first = LENGTH**2 * (LINK / 3.0 + FIRST_MASS + p.load)
-    both = LENGTH * SECOND * p.load * math.cos(x.angle_1 - x.angle_2)
-    second = SECOND**2 * p.load
+    first, both, second = mass_matrix(x, p)
     moving = 0.5 * (first * x.speed_1**2 + second * x.speed_2**2) + both * x.speed_1 * x.speed_2
     high = LENGTH * (LINK / 2.0 + FIRST_MASS + p.load) * math.sin(x.angle_1)
     e[0] = moving + GRAVITY * (high + SECOND * p.load * math.sin(x.angle_2))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon, Rectangle
 from PIL import Image
+
+from .build import NAMES
 
 INK, STEEL, OIL = "#1d3557", "#a8b8c8", "#e9a23b"
 COLOURS = 64
@@ -194,12 +197,8 @@ def tilting_piston(axes: Axes, crank: str) -> None:
     axes.add_patch(Circle(wrist, 0.35, facecolor="white", **_LINE))
 
 
-def piston_crank(axes: Axes) -> None:
-    tilting_piston(axes, STEEL)
-
-
-def free_piston_crank(axes: Axes) -> None:
-    tilting_piston(axes, "white")
+piston_crank = partial(tilting_piston, crank=STEEL)
+free_piston_crank = partial(tilting_piston, crank="white")
 
 
 def cylinder_gas(axes: Axes) -> None:
@@ -228,12 +227,8 @@ def quarter_car(axes: Axes, chassis: str, wheel: str) -> None:
     axes.plot([0.7, 3.0, 3.0, 9.3], [0.9, 0.9, 1.9, 1.9], color=INK, linewidth=4)
 
 
-def quarter_car_chassis(axes: Axes) -> None:
-    quarter_car(axes, OIL, "white")
-
-
-def quarter_car_wheel(axes: Axes) -> None:
-    quarter_car(axes, "white", OIL)
+quarter_car_chassis = partial(quarter_car, chassis=OIL, wheel="white")
+quarter_car_wheel = partial(quarter_car, chassis="white", wheel=OIL)
 
 
 def two_masses(axes: Axes, lower: str, upper: str) -> None:
@@ -245,12 +240,8 @@ def two_masses(axes: Axes, lower: str, upper: str) -> None:
     axes.add_patch(Rectangle((2.7, 7.0), 4.6, 1.9, facecolor=upper, **_LINE))
 
 
-def coupled_mass(axes: Axes) -> None:
-    two_masses(axes, OIL, "white")
-
-
-def sprung_mass(axes: Axes) -> None:
-    two_masses(axes, "white", OIL)
+coupled_mass = partial(two_masses, lower=OIL, upper="white")
+sprung_mass = partial(two_masses, lower="white", upper=OIL)
 
 
 def bouncing_mass(axes: Axes, mass: str, stop: str) -> None:
@@ -261,12 +252,8 @@ def bouncing_mass(axes: Axes, mass: str, stop: str) -> None:
     ground(axes, 0.7)
 
 
-def falling_mass(axes: Axes) -> None:
-    bouncing_mass(axes, OIL, "white")
-
-
-def spring_stop(axes: Axes) -> None:
-    bouncing_mass(axes, STEEL, OIL)
+falling_mass = partial(bouncing_mass, mass=OIL, stop="white")
+spring_stop = partial(bouncing_mass, mass=STEEL, stop=OIL)
 
 
 def component(axes: Axes) -> None:
@@ -275,38 +262,6 @@ def component(axes: Axes) -> None:
     axes.add_patch(Rectangle((2.8, 2.8), 4.4, 4.4, facecolor=STEEL, **_LINE))
     for x in (0.9, 9.1):
         axes.add_patch(Circle((x, 5), 0.7, facecolor=OIL, **_LINE))
-
-
-ICONS: tuple[Callable[[Axes], None], ...] = (
-    camshaft,
-    valve_spring,
-    valve,
-    coil_spring,
-    shaft,
-    journal_bearing,
-    tappet,
-    finger,
-    rod,
-    rocker,
-    pivot_friction,
-    pad_friction,
-    roller,
-    lash_adjuster,
-    multibody_valve_train,
-    ehl_contact,
-    ehl_line_contact,
-    flywheel,
-    slider_crank,
-    piston_crank,
-    free_piston_crank,
-    cylinder_gas,
-    quarter_car_chassis,
-    quarter_car_wheel,
-    coupled_mass,
-    sprung_mass,
-    falling_mass,
-    spring_stop,
-)
 
 
 def draw(icon: Callable[[Axes], None], path: Path) -> None:
@@ -321,6 +276,6 @@ def draw(icon: Callable[[Axes], None], path: Path) -> None:
 
 
 if __name__ == "__main__":
-    for icon in ICONS:
-        draw(icon, Path(__file__).parent / icon.__name__ / "model.png")
+    for name in NAMES:
+        draw(globals()[name], Path(__file__).parent / name / "model.png")
     draw(component, Path(__file__).parent / "model.png")
