@@ -14,26 +14,41 @@ from typing import Any
 
 import pytest
 
-from fmus.build import NAMES, build
+from fmus.build import build
 
 INSTANCE = Path(__file__).with_name("instance.py")
 
 
+class Made(dict[str, Path]):
+    """Files or folders by name, each made when it is first asked for."""
+
+    def __init__(self, make: Callable[[str], Path]) -> None:
+        super().__init__()
+        self.make = make
+
+    def __missing__(self, name: str) -> Path:
+        self[name] = self.make(name)
+        return self[name]
+
+
 @pytest.fixture(scope="session")
-def fmu_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def fmu_files(tmp_path_factory: pytest.TempPathFactory) -> Made:
     """Every FMU as a file."""
     folder = tmp_path_factory.mktemp("fmus")
-    return {name: build(name, folder) for name in NAMES}
+    return Made(lambda name: build(name, folder))
 
 
 @pytest.fixture(scope="session")
-def unpacked(fmu_files: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def unpacked(fmu_files: Made, tmp_path_factory: pytest.TempPathFactory) -> Made:
     """Every FMU as a folder."""
     root = tmp_path_factory.mktemp("unpacked")
-    for name, path in fmu_files.items():
-        with zipfile.ZipFile(path) as archive:
+
+    def extract(name: str) -> Path:
+        with zipfile.ZipFile(fmu_files[name]) as archive:
             archive.extractall(root / name)
-    return {name: root / name for name in fmu_files}
+        return root / name
+
+    return Made(extract)
 
 
 Isolated = Callable[..., Any]

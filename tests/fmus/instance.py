@@ -29,25 +29,34 @@ class Blocker:
 class Instance:
     """An instance of the FMU at `path`, which is a file or a folder where it was unpacked."""
 
+    # In the names of functions of saved states.
+    STATE, DESERIALIZE = "FMUstate", "deSerialize"
+
     def __init__(self, path: str | Path, name: str = "slave", logging: bool = False) -> None:
-        from fmpy import calloc, extract, fmi2, free, read_model_description
+        from fmpy import calloc, fmi2, free
+
+        self.open(path, fmi2.FMU2Slave, name)
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
+        self.fmu.instantiate(callbacks=callbacks, loggingOn=logging)
+
+    def open(self, path: str | Path, kind: Any, name: str) -> None:
+        """Read the description and load the library, of fmpy's class `kind`."""
+        from fmpy import extract, read_model_description
 
         path = str(path)
         self.folder = str(extract(path)) if path.endswith(".fmu") else path
         self.description = read_model_description(self.folder, validate=False)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.messages: list[tuple[int, str, str]] = []
-        callbacks = fmi2.fmi2CallbackFunctions()
-        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
-        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
-        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
-        self.fmu = fmi2.FMU2Slave(
+        self.fmu = kind(
             guid=self.description.guid,
             unzipDirectory=self.folder,
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName=name,
         )
-        self.fmu.instantiate(callbacks=callbacks, loggingOn=logging)
 
     def _log(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
         self.messages.append((status, (category or b"").decode(), message.decode()))
@@ -90,23 +99,26 @@ class Instance:
         self.fmu.doStep(t, h)
 
     def save(self) -> ctypes.c_void_p:
-        return self.fmu.getFMUstate()
+        return getattr(self.fmu, f"get{self.STATE}")()
 
     def restore(self, state: ctypes.c_void_p) -> None:
-        self.fmu.setFMUstate(state)
+        getattr(self.fmu, f"set{self.STATE}")(state)
+
+    def release(self, state: ctypes.c_void_p) -> None:
+        getattr(self.fmu, f"free{self.STATE}")(state)
 
     def saved_bytes(self) -> bytes:
         state = self.save()
-        data = self.fmu.serializeFMUstate(state)
-        self.fmu.freeFMUstate(state)
+        data = getattr(self.fmu, f"serialize{self.STATE}")(state)
+        self.release(state)
         return data
 
     def restore_bytes(self, data: bytes) -> None:
-        state = self.fmu.deSerializeFMUstate(data)
+        state = getattr(self.fmu, f"{self.DESERIALIZE}{self.STATE}")(data)
         try:
             self.restore(state)
         finally:
-            self.fmu.freeFMUstate(state)
+            self.release(state)
 
     def free(self) -> None:
         self.fmu.freeInstance()
@@ -119,22 +131,14 @@ class Instance3(Instance):
     step shall end, or None.
     """
 
+    STATE, DESERIALIZE = "FMUState", "deserialize"
+
     def __init__(
         self, path: str | Path, name: str = "slave", logging: bool = False, update: Any = None, **asked: Any
     ) -> None:
-        from fmpy import extract, fmi3, read_model_description
+        from fmpy import fmi3
 
-        path = str(path)
-        self.folder = str(extract(path)) if path.endswith(".fmu") else path
-        self.description = read_model_description(self.folder, validate=False)
-        self.variables = {v.name: v for v in self.description.modelVariables}
-        self.messages: list[tuple[int, str, str]] = []
-        self.fmu = fmi3.FMU3Slave(
-            guid=self.description.guid,
-            unzipDirectory=self.folder,
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-            instanceName=name,
-        )
+        self.open(path, fmi3.FMU3Slave, name)
         self.events = bool(asked.get("eventModeUsed"))
         self.update = update
         called = {} if update is None else {"intermediateUpdate": self._updated}
@@ -212,25 +216,6 @@ class Instance3(Instance):
     def step(self, t: float, h: float) -> tuple[bool, bool, bool, float]:
         """eventHandlingNeeded, terminateSimulation, earlyReturn, lastSuccessfulTime."""
         return self.fmu.doStep(t, h)
-
-    def save(self) -> ctypes.c_void_p:
-        return self.fmu.getFMUState()
-
-    def restore(self, state: ctypes.c_void_p) -> None:
-        self.fmu.setFMUState(state)
-
-    def saved_bytes(self) -> bytes:
-        state = self.save()
-        data = self.fmu.serializeFMUState(state)
-        self.fmu.freeFMUState(state)
-        return data
-
-    def restore_bytes(self, data: bytes) -> None:
-        state = self.fmu.deserializeFMUState(data)
-        try:
-            self.restore(state)
-        finally:
-            self.fmu.freeFMUState(state)
 
 
 def report(value: Any) -> None:

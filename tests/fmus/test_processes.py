@@ -17,7 +17,7 @@ from .conftest import Isolated, clean_environment
 from .reference import Reference
 
 RUN = """
-slave = Instance({fmu!r}).initialize(load=500.0)
+slave = Instance({fmu!r}).initialize(force=5.0)
 for i in range(50):
     slave.step(i * 1e-5, 1e-5)
 result = slave.outputs()
@@ -26,8 +26,8 @@ slave.free()
 
 
 def reference_outputs() -> list[float]:
-    reference = Reference("valve_spring")
-    reference.set_inputs({"load": 500.0})
+    reference = Reference("sprung_mass")
+    reference.set_inputs({"force": 5.0})
     for i in range(50):
         reference.t = i * 1e-5
         reference.step(1e-5)
@@ -62,10 +62,10 @@ def test_twenty_instances(fmu_files: dict[str, Path], isolated: Isolated) -> Non
     """Stepped in turns they give what each gives alone, and the interpreter's path does not grow."""
     code = f"""
     import sys
-    slaves = [Instance({str(fmu_files["valve_spring"])!r}, str(i)) for i in range(20)]
+    slaves = [Instance({str(fmu_files["sprung_mass"])!r}, str(i)) for i in range(20)]
     entries = len(sys.path)
     for i, slave in enumerate(slaves):
-        slave.initialize(load=400.0 + i)
+        slave.initialize(force=4.0 + i)
     for step in range(30):
         for slave in slaves:
             slave.step(step * 1e-5, 1e-5)
@@ -73,13 +73,13 @@ def test_twenty_instances(fmu_files: dict[str, Path], isolated: Isolated) -> Non
     alone = []
     for i, slave in enumerate(slaves):
         slave.fmu.reset()
-        slave.initialize(load=400.0 + i)
+        slave.initialize(force=4.0 + i)
         for step in range(30):
             slave.step(step * 1e-5, 1e-5)
         alone.append(slave.outputs())
     for slave in slaves:
         slave.free()
-    Instance({str(fmu_files["valve_spring"])!r})
+    Instance({str(fmu_files["sprung_mass"])!r})
     report([together == alone, len(set(map(tuple, alone))), len(sys.path) - entries])
     """
     assert isolated(code) == [True, 20, 0]
@@ -87,7 +87,7 @@ def test_twenty_instances(fmu_files: dict[str, Path], isolated: Isolated) -> Non
 
 def test_without_numba(fmu_files: dict[str, Path], isolated: Isolated) -> None:
     """The same physics from the plain functions; rounding differs where the compiler contracts operations."""
-    code = RUN.format(fmu=str(fmu_files["valve_spring"])) + "report(result)"
+    code = RUN.format(fmu=str(fmu_files["sprung_mass"])) + "report(result)"
     assert isolated(code, "numba", "llvmlite") == pytest.approx(reference_outputs(), rel=1e-9, abs=1e-12)
 
 
@@ -118,7 +118,7 @@ def test_second_start_compiles_nothing(
 ) -> None:
     """In another process, unpacked elsewhere: the compiled code on disk is used and none is added."""
     cache = tmp_path / "cache"
-    code = RUN.format(fmu=str(fmu_files["valve_spring"])) + "report(slave.folder)"
+    code = RUN.format(fmu=str(fmu_files["sprung_mass"])) + "report(slave.folder)"
 
     def compiled() -> dict[str, int]:
         return {str(file): file.stat().st_mtime_ns for file in cache.rglob("*.nb?")}
@@ -141,7 +141,7 @@ def test_cache_that_cannot_be_written(
     place = tmp_path / "cache"
     if obstacle == "no folder can be made":
         place.write_text("a file where a folder should be")
-    code = RUN.format(fmu=str(fmu_files["valve_spring"])) + "report(result)"
+    code = RUN.format(fmu=str(fmu_files["sprung_mass"])) + "report(result)"
     if obstacle == "no file can be written":
         limit = "; import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0)); slave.initialize("
         code = code.replace(".initialize(", limit)

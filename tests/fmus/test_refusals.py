@@ -41,32 +41,6 @@ def test_parameter_out_of_range(spring: Instance) -> None:
     assert "preload = -1 N" in message
 
 
-def test_parameters_that_do_not_fit_together(unpacked: dict[str, Path]) -> None:
-    slave = Instance(unpacked["camshaft"])
-    with pytest.raises(FMICallException, match="fatal"):
-        slave.initialize(lift=0.03)
-    assert "undercut" in errors(slave)[0]
-    slave.free()  # the instance is whole after a refusal
-
-
-def test_start_value_out_of_range(unpacked: dict[str, Path]) -> None:
-    slave = Instance(unpacked["ehl_contact"])
-    with pytest.raises(FMICallException, match="fatal"):
-        slave.initialize(film_thickness_start=0.0)
-    assert errors(slave)[0].startswith("film_thickness_start = 0 m")
-    slave.free()
-
-
-def test_start_outside_the_walls(unpacked: dict[str, Path]) -> None:
-    """Judged at the crank angle that the host has set by the end of the initialisation."""
-    slave = Instance(unpacked["slider_crank"])
-    with pytest.raises(FMICallException, match="fatal"):
-        slave.initialize(psi_start=-0.02, crank_angle=0.5 * math.pi)
-    assert errors(slave)[0].startswith("psi_start = -0.02 rad")
-    assert "crank_angle = 1.5708 rad" in errors(slave)[0]
-    slave.free()
-
-
 def test_instance_works_again_after_a_refusal(spring: Instance) -> None:
     for _ in range(5):
         with pytest.raises(FMICallException):

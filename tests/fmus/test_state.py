@@ -57,17 +57,6 @@ def fresh(pair: tuple[str, Instance, Instance]) -> tuple[str, Instance, Instance
     return name, one, two
 
 
-def test_restore_repeats_the_steps(fresh: tuple[str, Instance, Instance]) -> None:
-    name, slave, _ = fresh
-    drive(slave, name, 0.0, 40)
-    state, before = slave.save(), slave.outputs()
-    first = drive(slave, name, 40 * STEP, 60)
-    slave.restore(state)
-    assert slave.outputs() == before
-    assert drive(slave, name, 40 * STEP, 60) == first
-    slave.fmu.freeFMUstate(state)
-
-
 def test_restore_in_another_instance(fresh: tuple[str, Instance, Instance]) -> None:
     name, one, two = fresh
     drive(one, name, 0.0, 40)

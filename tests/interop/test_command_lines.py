@@ -21,6 +21,7 @@ from interop.c_program import find_libpython
 from interop.case import Case, list_equal_steps
 from interop.comparison import KINDS, compute_expected, make_case
 from interop.processes import ask
+from tests.fmus.names import mark_long
 
 NAME = "valve_spring"
 DOCUMENTED = f"{NAME}-native.fmu"
@@ -34,7 +35,7 @@ def command(program: str, word: str) -> str:
     return found
 
 
-@pytest.fixture(params=KINDS)
+@pytest.fixture(params=mark_long(KINDS, ["native"]))
 def kind(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
@@ -117,6 +118,7 @@ def test_ecos_simulates(kind: str, case: Case, tmp_path: Path) -> None:
     np.testing.assert_allclose(outputs[1:], truth[: len(outputs) - 1], rtol=1e-15, atol=0.5001e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("native", ["native", "native3"])
 def test_fmutool_leaves_outputs_that_are_real(native: str, tmp_path: Path) -> None:
     """With the numbers of the component, for tools that read all outputs as Reals."""

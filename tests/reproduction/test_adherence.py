@@ -44,7 +44,12 @@ def compare_loads(record, case, load, low, high):
 
 
 @pytest.mark.parametrize(
-    ("speed_rpm", "low", "high"), [(600, 330.0, 610.0), (1000, 330.0, 610.0), (3000, 126.40, 813.60)]
+    ("speed_rpm", "low", "high"),
+    [
+        (600, 330.0, 610.0),
+        pytest.param(1000, 330.0, 610.0, marks=pytest.mark.long),
+        pytest.param(3000, 126.40, 813.60, marks=pytest.mark.long),
+    ],
 )
 def test_load_with_rigid_camshaft_and_massless_spring(speed_rpm, low, high, record):
     load = adherence(speed_rpm, massless=True)("contact.load")
@@ -66,7 +71,7 @@ def test_massless_load_is_the_closed_form(record):
     ("speed_rpm", "low", "high"),
     [
         (600, 329.97, 610.04),
-        (1000, 329.76, 610.20),
+        pytest.param(1000, 329.76, 610.20, marks=pytest.mark.long),
         pytest.param(3000, 97.12, 838.52, marks=pytest.mark.long),
     ],
 )
@@ -79,7 +84,7 @@ def test_load_with_rigid_camshaft_and_surge(speed_rpm, low, high, record):
     ("speed_rpm", "low", "high"),
     [
         (600, 326.84, 606.42),
-        (1000, 323.39, 607.40),
+        pytest.param(1000, 323.39, 607.40, marks=pytest.mark.long),
     ],
 )
 def test_load_with_flexible_camshaft(speed_rpm, low, high, record):

@@ -21,6 +21,7 @@ from reproduction.farahanchi1991.force import compute_curve, find_changes, find_
 from reproduction.farahanchi1991.lagrange import evaluate_lagrange, evaluate_printed
 from reproduction.farahanchi1991.runs import CORRECTED, FORMS, PUBLISHED, Case, Runs
 from reproduction.statement import Statement, Verdict
+from tests.fmus.names import mark_long
 
 # Statements that need no motion, or a short one.
 QUICK = [claim for claim in chapters_1_to_3.CLAIMS if claim.place.startswith(("2.", "(2."))
@@ -44,14 +45,6 @@ def test_every_figure_from_2_4_to_4_44_is_there_once() -> None:
     assert numbers == expected
     assert len({picture.file for picture in PICTURES}) == len(PICTURES)
     assert all(re.fullmatch(r"farahanchi1991-fig-[0-9a-z.-]+\.png", picture.file) for picture in PICTURES)
-
-
-def test_figures_show_the_cases_of_their_captions() -> None:
-    cases = {picture.number: picture.case for picture in PICTURES}
-    assert (cases["4.6"], cases["4.14"]) == (Case(0.025, 0.01), Case(0.075, 0.02))
-    assert (cases["4.15"], cases["4.20"]) == (Case(0.025, 0.01), Case(0.05, 0.015))
-    assert cases["4.29"] == Case(0.2, 0.02)
-    assert (cases["4.41"], cases["4.44"]) == (Case(0.025, 0.02, 0.5), Case(0.05, 0.02, 0.5))
 
 
 @pytest.mark.parametrize(
@@ -148,7 +141,10 @@ def test_the_thesis_s_threshold_makes_a_chaotic_motion_periodic(runs: Runs) -> N
 
 
 @pytest.mark.parametrize(
-    "number", ["2.4", "2.8", "2.10", "3.1", "4.2", "4.5", "4.12", "4.20", "4.31", "4.40"]
+    "number",
+    mark_long(
+        ["2.4", "2.8", "2.10", "3.1", "4.2", "4.5", "4.12", "4.20", "4.31", "4.40"], ["2.4", "3.1", "4.2"]
+    ),
 )
 def test_figures_are_drawn(number: str, runs: Runs, tmp_path: Path) -> None:
     figure = next(f for f, picture in zip(FIGURES, PICTURES, strict=True) if picture.number == number)

@@ -12,13 +12,14 @@ from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
+from tests.fmus.names import mark_long
 from tests.third_party.public import public
 from tests.third_party.runs import find_texts, never, recorded
 
 from .packages import binding, component, connection, package
 
 
-@pytest.mark.parametrize("name", ["algebraic_loop_1", "algebraic_loop_3", "demo"])
+@pytest.mark.parametrize("name", mark_long(["algebraic_loop_1", "algebraic_loop_3", "demo"], ["demo"]))
 def test_a_public_package_runs(name: str, tmp_path: Path) -> None:
     """Its first hundred macro steps."""
     path = str(public(f"ssp/{name}.ssp"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import zipfile
 from pathlib import Path
 
 import pytest
@@ -13,6 +12,7 @@ from hypothesis import strategies as st
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.ssp.tables import look_up, to_line
+from tests.archives import repack
 from tests.third_party.c_fmus import fmu
 
 from .packages import component, package, parameters
@@ -76,19 +76,19 @@ def test_a_mapped_parameter_takes_the_tables_value(
         "resources/dahlquist.fmu": fmu("dahlquist", 2, tmp_path).read_bytes(),
         "resources/set.ssv": parameters({"stage": 'Integer value="2"'}).encode(),
     }
-    path = package(tmp_path / "a.ssp", component("decay", "dahlquist", {"x": "output"}), files=files)
+    plain = package(tmp_path / "plain.ssp", component("decay", "dahlquist", {"x": "output"}), files=files)
     bound = (
         '<ssd:ParameterBindings><ssd:ParameterBinding source="resources/set.ssv">'
         '<ssd:ParameterMapping source="resources/map.ssm"/></ssd:ParameterBinding></ssd:ParameterBindings>'
     )
-    with zipfile.ZipFile(path) as archive:
-        content = {entry: archive.read(entry) for entry in archive.namelist()}
-    content["resources/map.ssm"] = MAPPING.format(name=name).encode()
-    structure = content["SystemStructure.ssd"].decode()
-    content["SystemStructure.ssd"] = structure.replace("<ssd:Elements>", f"{bound}<ssd:Elements>", 1).encode()
-    with zipfile.ZipFile(path, "w") as archive:
-        for entry, data in content.items():
-            archive.writestr(entry, data)
+
+    def bind(entry: str, content: bytes) -> dict[str, bytes]:
+        if entry != "SystemStructure.ssd":
+            return {entry: content}
+        structure = content.decode().replace("<ssd:Elements>", f"{bound}<ssd:Elements>", 1).encode()
+        return {entry: structure, "resources/map.ssm": MAPPING.format(name=name).encode()}
+
+    path = repack(plain, tmp_path / "a.ssp", bind)
     with caplog.at_level(logging.WARNING):
         one = load(path)
     assert float(one.components["decay"].parameters["k"]) == 7.0

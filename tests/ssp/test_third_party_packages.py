@@ -11,6 +11,7 @@ import pytest
 from fmus.native.fmu import build
 from fmus.native.machine_code import this_platform
 from orchestrator.scenario.files import load
+from tests.archives import replace_text
 from tests.orchestrator.commands import called
 from tests.third_party.c_fmus import fmu
 from tests.third_party.runs import ran
@@ -35,10 +36,16 @@ SHAFT = {"height": "input mm", "reached": "output mm", "speed": "output r/min"}
 @pytest.fixture
 def files(tmp_path: Path) -> dict[str, bytes]:
     """The FMUs of a package, of both versions of FMI."""
-    given = {}
-    for name, version in (("dahlquist", 2), ("feedthrough", 3), ("shaft", 2), ("vector", 3)):
-        given[f"resources/{name}.fmu"] = fmu(name, version, tmp_path).read_bytes()
-    return given
+    versions = {"dahlquist": 2, "feedthrough": 3, "shaft": 2, "vector": 3}
+    return {f"resources/{n}.fmu": fmu(n, version, tmp_path).read_bytes() for n, version in versions.items()}
+
+
+def ran_here(path: Path, out: Path) -> dict[str, np.ndarray]:
+    """The columns of a run with all FMUs in this process, which a package cannot ask for."""
+    here = [f"components.{name}.process=shared" for name in load(path).components]
+    summary, found = ran(load(path, here), out)
+    assert summary.complete, summary.message
+    return found
 
 
 def lines(path: Path) -> list[str]:
@@ -53,8 +60,7 @@ def test_a_package_runs_as_it_is(tmp_path: Path, files: dict[str, bytes]) -> Non
     one = load(path)
     assert (one.stop_time, one.macro_step, one.start, one.reference.enabled) == (1.0, 0.01, "given", False)
     assert one.master.name == "jacobi"
-    summary, found = ran(one, tmp_path / "out")
-    assert summary.complete
+    found = ran_here(path, tmp_path / "out")
     np.testing.assert_allclose(found["decay.x"], 0.5 * np.exp(-3.0 * found["time"]), rtol=1e-13)
 
 
@@ -94,7 +100,7 @@ def test_connections_pass_through_nested_systems(tmp_path: Path, files: dict[str
         "decay.x * 6.0 - 1.0 -> in_side_thru.real in",
         "in_side_thru.real out * 10.0 -> vector.u[2]",
     ]
-    _, found = ran(one, tmp_path / "out")
+    found = ran_here(path, tmp_path / "out")
     x = found["decay.x"]
     np.testing.assert_allclose(found["in_side_thru.real out"][1:], 6.0 * x[:-1] - 1.0, rtol=1e-14)
 
@@ -189,7 +195,7 @@ def test_units_are_converted_then_transformed(tmp_path: Path, files: dict[str, b
         after=units,
         files=files,
     )
-    _, found = ran(load(path), tmp_path / "out")
+    found = ran_here(path, tmp_path / "out")
     for i, expected in enumerate((250.0, 501.0, 1.5, 0.25)):
         np.testing.assert_allclose(found[f"shaft{i}.reached"], expected, rtol=1e-14)
 
@@ -294,23 +300,6 @@ TRANSFORMED = (
     '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
     "</ssc:BooleanMappingTransformation>"
 )
-CONNECTIONS = {
-    "mapped": (connection("decay.x", "vector.u[1]", TRANSFORMED), "has 1 entries; give it all that occur"),
-    "twice": (2 * connection("decay.x", "vector.u[1]"), "two sources"),
-    "nobody": (connection("decoy.x", "vector.u[1]"), "names no element 'decoy'"),
-    "parameter": (connection("vector.y[1]", "decay.k"), "only inputs are connected here"),
-}
-
-
-@pytest.mark.parametrize("case", CONNECTIONS)
-def test_connections_that_are_not_supported_are_refused(
-    case: str, tmp_path: Path, files: dict[str, bytes]
-) -> None:
-    connected, said = CONNECTIONS[case]
-    elements = component("decay", "dahlquist", DECAY) + component("vector", "vector", VECTOR)
-    path = package(tmp_path / "a.ssp", elements, connected, files=files)
-    with pytest.raises(ValueError, match=said):
-        load(path)
 
 
 LINE = r"SystemStructure\.ssd, line 1: .*"
@@ -333,26 +322,46 @@ def test_what_is_not_as_the_schema_has_it_is_refused_with_its_line(
     elements += component("vector", "vector", VECTOR)
     connected = connection("decay.x", "vector.u[1]", linear(2.0))
     path = package(tmp_path / "a.ssp", elements, connected, files=files, after=units)
-    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(tmp_path / "b.ssp", "w") as target:
-        for name in archive.namelist():
-            content = archive.read(name)
-            if name.endswith(".ssd"):
-                old, new = (text.encode() for text in DAMAGED[case][:2])
-                assert old in content
-                content = content.replace(old, new)
-            target.writestr(name, content)
+    replace_text(path, tmp_path / "b.ssp", *DAMAGED[case][:2], "SystemStructure.ssd")
     with pytest.raises(ValueError, match=rf"b\.ssp: not as SSP 1\.0 has it: .*{DAMAGED[case][2]}; correct"):
         load(tmp_path / "b.ssp")
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
-    [(b"no archive", "so not an SSP"), (b"", "so not an SSP")],
+    ("connected", "said"),
+    [
+        (connection("decay.x", "vector.u[1]", TRANSFORMED), "has 1 entries; give it all that occur"),
+        (2 * connection("decay.x", "vector.u[1]"), "two sources"),
+        (connection("decoy.x", "vector.u[1]"), "names no element 'decoy'"),
+        (connection("vector.y[1]", "decay.k"), "only inputs are connected here"),
+        (
+            connection("decay.y", "vector.u[1]"),
+            r"from decay\.y to vector\.u\[1\]: decay has no output 'y'; .*\bx\b",
+        ),
+    ],
 )
-def test_what_is_no_package_is_refused(content: bytes, said: str, tmp_path: Path) -> None:
-    (tmp_path / "a.ssp").write_bytes(content)
+def test_connections_that_are_not_supported_are_refused(
+    connected: str, said: str, tmp_path: Path, files: dict[str, bytes]
+) -> None:
+    elements = component("decay", "dahlquist", DECAY | {"y": "output"})
+    path = package(
+        tmp_path / "a.ssp", elements + component("vector", "vector", VECTOR), connected, files=files
+    )
     with pytest.raises(ValueError, match=said):
+        load(path)
+
+
+def test_what_is_no_package_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.ssp").write_bytes(b"no archive")
+    with pytest.raises(ValueError, match="so not an SSP"):
         load(tmp_path / "a.ssp")
+    with zipfile.ZipFile(tmp_path / "b.ssp", "w") as archive:
+        archive.writestr("readme.txt", "hello")
+    with pytest.raises(ValueError, match=r"SystemStructure\.ssd is missing, so this is not an SSP"):
+        load(tmp_path / "b.ssp")
+    shown = called("ssp", "import", "README.md")
+    assert shown.returncode == 2
+    assert "README.md: is no package; give an .ssp file" in shown.stderr
 
 
 def test_a_package_that_was_cut_off_is_damaged(tmp_path: Path, files: dict[str, bytes]) -> None:
@@ -369,23 +378,6 @@ def test_a_package_that_was_cut_off_is_damaged(tmp_path: Path, files: dict[str, 
         load(path)
 
 
-def test_a_connector_that_a_component_has_not_is_named_with_its_connection(
-    tmp_path: Path, files: dict[str, bytes]
-) -> None:
-    elements = component("decay", "dahlquist", {"y": "output"}) + component("vector", "vector", VECTOR)
-    path = package(tmp_path / "a.ssp", elements, connection("decay.y", "vector.u[1]"), files=files)
-    with pytest.raises(
-        ValueError, match=r"from decay\.y to vector\.u\[1\]: decay has no output 'y'; .*\bx\b"
-    ):
-        load(path)
-
-
-def test_what_is_no_package_is_not_read_as_one() -> None:
-    shown = called("ssp", "import", "README.md")
-    assert shown.returncode == 2
-    assert "README.md: is no package; give an .ssp file" in shown.stderr
-
-
 def test_a_file_that_is_there_is_not_replaced_unasked(tmp_path: Path) -> None:
     path = tmp_path / "made.ssp"
     path.write_text("mine")
@@ -395,10 +387,3 @@ def test_a_file_that_is_there_is_not_replaced_unasked(tmp_path: Path) -> None:
     assert path.read_text() == "mine"
     assert called("ssp", "export", "two-masses", "--out", str(path), "--overwrite").returncode == 0
     assert zipfile.is_zipfile(path)
-
-
-def test_a_package_without_structure_is_refused(tmp_path: Path) -> None:
-    with zipfile.ZipFile(tmp_path / "a.ssp", "w") as archive:
-        archive.writestr("readme.txt", "hello")
-    with pytest.raises(ValueError, match=r"SystemStructure\.ssd is missing, so this is not an SSP"):
-        load(tmp_path / "a.ssp")

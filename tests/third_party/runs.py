@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -38,6 +37,10 @@ def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Sce
     return build_scenario(tables | changes)
 
 
+# Each version of FMI and each place of an FMU's process once.
+CASES = ((2, "shared"), (3, "own"))
+
+
 def never(name: str, structure: object, kind: str) -> Path:
     raise AssertionError(f"{name} has to be given")
 
@@ -69,24 +72,3 @@ def find_texts(one: Scenario, name: str, variables: list[str]) -> list[str]:
     finally:
         for unit in units.values():
             unit.close()
-
-
-def unloadable(path: Path, other: Path) -> Path:
-    """The FMU with libraries that are none."""
-    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
-        for name in archive.namelist():
-            is_library = name.startswith("binaries/")
-            target.writestr(name, b"no library" if is_library else archive.read(name))
-    return other
-
-
-def changed(path: Path, other: Path, old: str, new: str) -> Path:
-    """The FMU with something else in its description."""
-    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
-        for name in archive.namelist():
-            content = archive.read(name)
-            if name == "modelDescription.xml":
-                assert old.encode() in content
-                content = content.replace(old.encode(), new.encode())
-            target.writestr(name, content)
-    return other

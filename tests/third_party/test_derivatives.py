@@ -14,22 +14,26 @@ from orchestrator.participants.fmu import FmuParticipant, FmuSettings
 from orchestrator.participants.protocol import BoundVariables
 
 from .c_fmus import fmu
-from .runs import ran, recorded, scenario
-
-VERSIONS, PROCESSES = (2, 3), ("shared", "own")
+from .runs import CASES, ran, recorded, scenario
 
 
 @pytest.mark.parametrize(
-    ("signal", "order", "process"),
-    [("hold", 1, "shared"), ("linear", 2, "shared"), ("quadratic", 3, "shared"), ("quadratic", 3, "own")],
+    ("name", "signal", "order", "process"),
+    [
+        ("integral", "hold", 1, "shared"),
+        ("integral", "quadratic", 3, "own"),
+        ("first_slope", "quadratic", 2, "shared"),
+        ("first_slope", "hermite", 2, "shared"),
+    ],
 )
 def test_inputs_follow_signals_by_the_standards_call(
-    signal: str, order: int, process: str, tmp_path: Path
+    name: str, signal: str, order: int, process: str, tmp_path: Path
 ) -> None:
-    """The integral of exp(-t) by an FMU that takes derivatives of its input: the signal's order."""
+    """The integral of exp(-t) by an FMU that takes derivatives of its input: the signal's order. One that
+    takes the slope only gets that, by which the order is 2."""
     tables = {
         "decay": {"participant": fmu("dahlquist", 2, tmp_path)},
-        "integral": {"participant": fmu("integral", 2, tmp_path), "process": process},
+        "integral": {"participant": fmu(name, 2, tmp_path), "process": process},
     }
     missed = []
     for step in (0.02, 0.01):
@@ -42,22 +46,6 @@ def test_inputs_follow_signals_by_the_standards_call(
         _, found = ran(one, tmp_path / f"{step}")
         missed.append(np.abs(found["integral.y"] - (1.0 - np.exp(-found["time"]))).max())
     assert np.log2(missed[0] / missed[1]) == pytest.approx(order, abs=0.1)
-
-
-@pytest.mark.parametrize("signal", ["quadratic", "hermite"])
-def test_an_fmu_that_takes_first_derivatives_only_gets_these(signal: str, tmp_path: Path) -> None:
-    """The integral of exp(-t): it gets the slope, by which the order is 2, where the rest is refused."""
-    tables = {
-        "decay": {"participant": fmu("dahlquist", 2, tmp_path)},
-        "integral": {"participant": fmu("first_slope", 2, tmp_path)},
-    }
-    missed = []
-    for step in (0.02, 0.01):
-        master = {"name": "jacobi", "extrapolation": signal}
-        one = scenario(tables, connections=["decay.x -> integral.u"], macro_step=step, master=master)
-        _, found = ran(one, tmp_path / f"{step}")
-        missed.append(np.abs(found["integral.y"] - (1.0 - np.exp(-found["time"]))).max())
-    assert np.log2(missed[0] / missed[1]) == pytest.approx(2.0, abs=0.1)
 
 
 @pytest.mark.parametrize(("name", "highest"), [("integral", 3), ("first_slope", 1)])
@@ -111,8 +99,7 @@ def rated_of(tables: dict[str, Any], line: str, folder: Path) -> dict[str, bool]
     return rated[0]
 
 
-@pytest.mark.parametrize("process", PROCESSES)
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize(("version", "process"), CASES)
 def test_rates_by_the_standards_call_are_those_of_declared_variables(
     version: int, process: str, tmp_path: Path
 ) -> None:
@@ -137,8 +124,7 @@ def test_rates_by_the_standards_call_are_those_of_declared_variables(
     assert not np.array_equal(found["called", "hermite"], found["called", "quadratic"])
 
 
-@pytest.mark.parametrize("process", PROCESSES)
-@pytest.mark.parametrize("master", ["jacobi", "gauss_seidel"])
+@pytest.mark.parametrize(("master", "process"), [("jacobi", "own"), ("gauss_seidel", "shared")])
 def test_rates_that_are_no_numbers_at_the_start_are_not_used(
     master: str, process: str, tmp_path: Path
 ) -> None:

@@ -16,6 +16,8 @@ from fmus.native.machine_code import this_platform
 from models.core.difference import difference
 from models.oscillators.exact import quarter_car
 
+from ..fmus.names import mark_long
+from .masses import LINES
 from .public import public
 from .runs import scenario
 
@@ -92,13 +94,6 @@ def test_a_doubled_force_is_that_on_half_of_a_part() -> None:
     assert np.ptp(one) > 1e-2
 
 
-LINES = [
-    "first.force -> second.force",
-    "second.position -> first.other_position",
-    "second.velocity -> first.other_velocity",
-]
-
-
 def test_a_loop_through_fmus_is_closed() -> None:
     """u = y/2 + 1 and y = u: both are 2."""
     file = {"participant": public("reference-fmus-2/Feedthrough.fmu")}
@@ -143,8 +138,8 @@ EXACT = {
 }
 
 
-@pytest.mark.parametrize("version", ["2", "3"])
-@pytest.mark.parametrize("name", EXACT)
+@pytest.mark.parametrize("version", mark_long(["2", "3"], ["3"]))
+@pytest.mark.parametrize("name", mark_long(EXACT, ["BouncingBall"]))
 def test_public_fmus_move_as_their_equations_say(name: str, version: str, record: Any) -> None:
     """Against closed forms, and an integration of the written equation; the reference, not the run."""
     variable, stop, solve, tolerance = EXACT[name]
@@ -162,6 +157,7 @@ def test_public_fmus_move_as_their_equations_say(name: str, version: str, record
     )
 
 
+@pytest.mark.long
 def test_the_errors_of_an_fmus_own_solver_are_seen() -> None:
     """VanDerPol steps by Euler's method: refinement of macro steps sees nothing of it, its equations do."""
     file = {"participant": public("reference-fmus-3/VanDerPol.fmu")}

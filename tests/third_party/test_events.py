@@ -20,11 +20,11 @@ from orchestrator.run.plan import resolve_fmus
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.system import build_system
 
+from ..fmus.names import mark_long
 from .clocked_fmus import DESCRIPTION, intervals, sampler
 from .public import public
 from .runs import never, ran, scenario
 
-PROCESSES = ("own", "shared")
 MASTERS: dict[str, dict[str, Any]] = {
     "jacobi": {"master": {"name": "jacobi"}},
     "iterated": {"master": {"name": "iterated"}},
@@ -40,8 +40,7 @@ def list_ticks(time: np.ndarray) -> np.ndarray:
     return np.floor(time / 0.1 + 1e-9) + 1.0
 
 
-@pytest.mark.parametrize("macro_step", [0.01, 0.04])
-@pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.parametrize(("process", "macro_step"), [("own", 0.01), ("shared", 0.04)])
 def test_periodic_and_countdown_clocks_tick_at_their_times(
     process: str, macro_step: float, tmp_path: Path
 ) -> None:
@@ -70,9 +69,14 @@ TICKS = {
 GIVEN = {"fixed": 0.02 + 0.07 * np.arange(15), "tunable": 0.25 * np.arange(5)}
 
 
-@pytest.mark.parametrize("given", [{}, {"fixed": "70 ms", "tunable": 0.25}])
-@pytest.mark.parametrize("process", PROCESSES)
-@pytest.mark.parametrize("macro_step", [0.01, 0.3])
+@pytest.mark.parametrize(
+    ("macro_step", "process", "given"),
+    [
+        (0.3, "shared", {}),
+        (0.3, "own", {"fixed": "70 ms", "tunable": 0.25}),
+        pytest.param(0.01, "shared", {"fixed": "70 ms", "tunable": 0.25}, marks=pytest.mark.long),
+    ],
+)
 def test_clocks_of_every_interval_tick_at_their_times(
     macro_step: float, process: str, given: dict[str, Any], tmp_path: Path
 ) -> None:
@@ -118,8 +122,9 @@ def test_a_countdown_that_a_discrete_input_starts_ticks_at_its_time(tmp_path: Pa
     np.testing.assert_allclose(rises, [0.13, 0.33, 0.43], atol=1e-9)
 
 
-@pytest.mark.parametrize("master", MASTERS)
-@pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.parametrize(
+    ("process", "master"), [("own", "jacobi"), ("shared", "iterated"), ("shared", "control")]
+)
 def test_a_clock_ticks_another_fmu_at_the_same_instant(master: str, process: str, tmp_path: Path) -> None:
     """`fired` of one is `poke` of the other, and what the one has sampled is seen at once by it: scaled
     = gain y holds at every instant, whatever the master."""
@@ -180,7 +185,7 @@ def test_clocks_that_do_not_fit_are_refused(line: str, said: str, tmp_path: Path
         build_system(one)
 
 
-@pytest.mark.parametrize("name", ["BouncingBall", "Stair", "Feedthrough"])
+@pytest.mark.parametrize("name", mark_long(["BouncingBall", "Stair", "Feedthrough"], ["Stair"]))
 def test_event_mode_gives_what_fmpys_importer_finds(name: str, tmp_path: Path) -> None:
     """Of Reference-FMUs, at the times of the macro steps: an independent importer in event mode."""
     path = public(f"reference-fmus-3/{name}.fmu")

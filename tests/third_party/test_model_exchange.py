@@ -21,6 +21,7 @@ from orchestrator.participants import Participant, open_fmu, read_component
 from orchestrator.participants.protocol import BoundVariables
 from orchestrator.scenario.files import list_shipped, read_contents
 
+from ..fmus.names import mark_long
 from .public import public
 from .runs import ran, scenario
 from .test_equations import STEPS, bouncing_ball
@@ -40,10 +41,7 @@ def integrated(file: Path, **table: Any) -> dict[str, Any]:
 
 @pytest.mark.parametrize(
     ("signal", "order"),
-    [
-        ("linear", 2),
-        *(pytest.param(*case, marks=pytest.mark.long) for case in (("hold", 1), ("quadratic", 3))),
-    ],
+    [("hold", 1), ("linear", 2), ("quadratic", 3)],
 )
 @pytest.mark.long
 def test_integrated_fmus_follow_signals_at_their_orders(
@@ -114,6 +112,7 @@ def test_a_repeated_step_has_the_same_bits(files: dict[str, Path]) -> None:
     assert np.count_nonzero(np.diff(np.sign(np.diff(np.concatenate([before, first])[:, 1])))) > 4
 
 
+@pytest.mark.long
 def test_impacts_inside_integrated_steps_are_located(files: dict[str, Path], record: Any) -> None:
     """The shipped slider-crank, whose mechanism's flights and impacts the component solves by itself."""
     content = read_contents(list_shipped()["slider-crank"]) | {"name": "impacts", "stop_time": "60 ms"}
@@ -128,7 +127,7 @@ def test_impacts_inside_integrated_steps_are_located(files: dict[str, Path], rec
     )
 
 
-@pytest.mark.parametrize("version", ["2", "3"])
+@pytest.mark.parametrize("version", mark_long(["2", "3"], ["3"]))
 def test_a_public_ball_bounces_exactly(version: str, tmp_path: Path, record: Any) -> None:
     """Its own solver is Euler's method with steps of 10 ms."""
     file = public(f"reference-fmus-{version}/BouncingBall.fmu")

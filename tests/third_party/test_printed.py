@@ -80,6 +80,7 @@ def test_what_fmus_print_in_an_analysis_is_in_a_file(tmp_path: Path) -> None:
     assert "moving" not in done.stdout + done.stderr
 
 
+@pytest.mark.long
 def test_an_analysis_that_fails_shows_what_was_printed(tmp_path: Path) -> None:
     done = analysed("printing_mass_first", tmp_path)
     assert done.returncode not in (0, None)
@@ -87,6 +88,7 @@ def test_an_analysis_that_fails_shows_what_was_printed(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "stability.log").read_text("utf-8") == "no licence\n"
 
 
+@pytest.mark.long
 def test_a_verbose_run_shows_it_where_it_falls(tmp_path: Path) -> None:
     done = started("printing", "shared", tmp_path, "--verbose")
     assert "at 0.01" in done.stdout

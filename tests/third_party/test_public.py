@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +14,14 @@ from models.oscillators.exact import quarter_car
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.warnings import list_warnings
 
+from ..archives import rename_files, repack, replace_text
+from ..fmus.names import mark_long
 from .c_fmus import fmu
 from .public import public
-from .runs import changed, ran, scenario
+from .runs import ran, scenario
 
+# Of other tools each, and one of FMI 3.0.
+ALWAYS = ("ecos/ControlledTemperature", "fmpy/Controller", "reference-fmus-3/Roberts")
 RUNNING = (
     "ecos/ControlledTemperature", "fmpy/Controller", "fmpy/Drivetrain", "quarter_truck/Chassis",
     "quarter_truck/Wheel", "reference-fmus-2/BouncingBall", "reference-fmus-2/Dahlquist",
@@ -29,7 +32,7 @@ RUNNING = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", RUNNING)
+@pytest.mark.parametrize("name", mark_long(RUNNING, ALWAYS))
 def test_a_public_fmu_runs(name: str, tmp_path: Path) -> None:
     """A second in its own process; all its numbers are finite."""
     table = {"participant": public(f"{name}.fmu"), "process": "own"}
@@ -78,31 +81,25 @@ def test_an_fmu_for_scheduled_execution_is_refused() -> None:
     assert info(public("reference-fmus-3/Clocks.fmu")).kinds == ("scheduled execution",)
 
 
-def renamed(path: Path, other: Path, more: str = "") -> Path:
-    """The FMU with a library of another name, and perhaps a second one."""
-    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
-        for name in archive.namelist():
-            place = f"{name.rpartition('/')[0]}/other.so" if name.startswith("binaries/") else name
-            target.writestr(place, archive.read(name))
-            if more and name.startswith("binaries/"):
-                target.writestr(f"{name.rpartition('/')[0]}/{more}", b"")
-    return other
-
-
 def test_the_only_library_is_taken_whatever_its_name(tmp_path: Path) -> None:
     """With a notice; of two, none is."""
     plain = fmu("dahlquist", 2, tmp_path)
-    one = scenario({"one": {"participant": renamed(plain, tmp_path / "a.fmu")}})
+    other = rename_files(plain, tmp_path / "a.fmu", "dahlquist.so", "other.so")
+    one = scenario({"one": {"participant": other}})
     assert any("other.so, the only library" in line for line in list_warnings(one))
     _, found = ran(one, tmp_path / "out")
     np.testing.assert_allclose(found["one.x"], np.exp(-found["time"]), rtol=1e-12)
-    two = scenario({"one": {"participant": renamed(plain, tmp_path / "b.fmu", "second.so")}})
+
+    def add(name: str, content: bytes) -> dict[str, bytes]:
+        return {name: content, name.replace("other.so", "second.so"): content}
+
+    two = scenario({"one": {"participant": repack(other, tmp_path / "b.fmu", add)}})
     with pytest.raises(ScenarioError, match=r"dahlquist\.so, its modelIdentifier, but .*second\.so"):
         ran(two, tmp_path / "none")
 
 
 def test_what_is_inside_is_recorded_of_an_fmu_without_outputs(tmp_path: Path) -> None:
     plain = fmu("dahlquist", 2, tmp_path)
-    path = changed(plain, tmp_path / "inside.fmu", 'causality="output"', 'causality="local"')
+    path = replace_text(plain, tmp_path / "inside.fmu", 'causality="output"', 'causality="local"')
     _, found = ran(scenario({"one": {"participant": path}}), tmp_path / "out")
     np.testing.assert_allclose(found["one.x"], np.exp(-found["time"]), rtol=1e-12)

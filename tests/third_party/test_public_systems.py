@@ -36,18 +36,13 @@ def linear(**changes: Any) -> dict[str, Any]:
     return table | changes
 
 
-def integrate_filter(times: np.ndarray, drive: Callable[[float], float]) -> np.ndarray:
-    """The first state of the linear system at these times, driven from t = 0 on by a smooth `drive`."""
+def answer_step(times: np.ndarray) -> np.ndarray:
+    """The first state of the linear system at these times, driven by 1 from t = 0 on."""
 
     def rate(t: float, x: np.ndarray) -> np.ndarray:
-        return np.asarray(A @ x + B[:, 0] * drive(t))
+        return np.asarray(A @ x + B[:, 0])
 
     return np.asarray(solve_ivp(rate, (0.0, times[-1]), np.zeros(3), t_eval=times, **EXACT).y[0])
-
-
-def falling(t: float) -> float:
-    """The public ball until its first bounce, from 1 m."""
-    return 1.0 - 0.5 * 9.81 * t**2
 
 
 def check(
@@ -83,49 +78,34 @@ def test_two_linear_systems_in_a_ring(tmp_path: Path, record: Any) -> None:
     check(tables, lines, true, "StateSpace twice in a ring", tmp_path, record, stop_time=3.0)
 
 
+# Of an FMU that drives the system: its output, the equation and start of its state, whose first element that
+# is, and for how long (the ball until it bounces).
+SOURCES: dict[str, tuple[str, Callable[[np.ndarray], list[float]], list[float], float]] = {
+    "VanDerPol": ("x0", lambda z: [z[1], (1.0 - z[0] ** 2) * z[1] - z[0]], [2.0, 0.0], 3.0),
+    "Dahlquist": ("x", lambda z: [-z[0]], [1.0], 3.0),
+    "BouncingBall": ("h", lambda z: [z[1], -9.81], [1.0, 0.0], 0.4),
+}
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("version", [2, 3])
-def test_an_oscillator_drives_a_linear_system(version: int, tmp_path: Path, record: Any) -> None:
-    """Van der Pol's equation, integrated with the system in one."""
+@pytest.mark.parametrize("name", SOURCES)
+def test_a_source_drives_a_linear_system(name: str, version: int, tmp_path: Path, record: Any) -> None:
+    """Both equations integrated in one."""
+    output, rate, start, stop = SOURCES[name]
+    size = len(start)
 
     def true(times: np.ndarray) -> np.ndarray:
-        def rate(t: float, z: np.ndarray) -> np.ndarray:
-            acceleration = (1.0 - z[0] ** 2) * z[1] - z[0]
-            return np.append([z[1], acceleration], A @ z[2:] + B[:, 0] * z[0])
+        solved = solve_ivp(
+            lambda t, z: np.append(rate(z), A @ z[size:] + B[:, 0] * z[0]),
+            (0.0, times[-1]), [*start, 0.0, 0.0, 0.0], t_eval=times, **EXACT,
+        )  # fmt: skip
+        return np.asarray(solved.y[size])
 
-        start = np.array([2.0, 0.0, 0.0, 0.0, 0.0])
-        solved = solve_ivp(rate, (0.0, times[-1]), start, t_eval=times, **EXACT)
-        return np.asarray(solved.y[2])
-
-    path = public(f"reference-fmus-{version}/VanDerPol.fmu")
+    path = public(f"reference-fmus-{version}/{name}.fmu")
     tables = {"source": {"participant": path, "interface": "model_exchange"}, "filter": linear()}
-    lines = ["source.x0 -> filter.u[1]"]
-    case = f"VanDerPol of FMI {version} and StateSpace"
-    check(tables, lines, true, case, tmp_path, record, stop_time=3.0)
-
-
-@pytest.mark.parametrize("version", [2, 3])
-def test_a_decay_drives_a_linear_system(version: int, tmp_path: Path, record: Any) -> None:
-    def true(times: np.ndarray) -> np.ndarray:
-        return integrate_filter(times, lambda t: float(np.exp(-t)))
-
-    path = public(f"reference-fmus-{version}/Dahlquist.fmu")
-    tables = {"source": {"participant": path, "interface": "model_exchange"}, "filter": linear()}
-    lines = ["source.x -> filter.u[1]"]
-    check(tables, lines, true, f"Dahlquist of FMI {version} and StateSpace", tmp_path, record, stop_time=3.0)
-
-
-@pytest.mark.parametrize("version", [2, 3])
-def test_a_falling_ball_drives_a_linear_system(version: int, tmp_path: Path, record: Any) -> None:
-    """Before it bounces."""
-
-    def true(times: np.ndarray) -> np.ndarray:
-        return integrate_filter(times, falling)
-
-    path = public(f"reference-fmus-{version}/BouncingBall.fmu")
-    tables = {"source": {"participant": path, "interface": "model_exchange"}, "filter": linear()}
-    lines = ["source.h -> filter.u[1]"]
-    case = f"BouncingBall of FMI {version} and StateSpace"
-    check(tables, lines, true, case, tmp_path, record, stop_time=0.4)
+    case = f"{name} of FMI {version} and StateSpace"
+    check(tables, [f"source.{output} -> filter.u[1]"], true, case, tmp_path, record, stop_time=stop)
 
 
 def test_time_events_of_one_fmu_are_seen_by_another_at_their_instants(tmp_path: Path, record: Any) -> None:
@@ -141,7 +121,7 @@ def test_time_events_of_one_fmu_are_seen_by_another_at_their_instants(tmp_path: 
     true = np.zeros(len(found["time"]))
     for start in (0.0, 1.0, 2.0, 3.0):
         since = found["time"][found["time"] >= start] - start
-        true[found["time"] >= start] += integrate_filter(since, lambda t: 1.0)
+        true[found["time"] >= start] += answer_step(since)
     error = difference(found["filter.y[1]"], true).relative_rms
     case = "public Stair in event mode and StateSpace: relative RMS error of filter.y[1]"
     record("FMUs", case, error, 0.0, "independent solution", tolerance=1e-8)

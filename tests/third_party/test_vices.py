@@ -17,15 +17,15 @@ import pytest
 
 from fmus.build import build
 from orchestrator.errors import MistakeError
-from orchestrator.participants.fmu import FmuSettings
-from orchestrator.participants.in_own_process import InOwnProcess
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario.files import to_short_toml
 from orchestrator.store.result_file import open_result
 
+from ..archives import replace_text
+from ..fmus.names import mark_long
 from .c_fmus import TOKEN, fmu
-from .runs import changed, never, ran, recorded, scenario
+from .runs import CASES, never, ran, recorded, scenario
 
 GONE = r"decay: its process ended {} in the step from t = 0.5 s by 0.01 s; look at"
 VICES = {
@@ -48,8 +48,8 @@ def case(path: Path, process: str | None, **changes: object):
     return scenario(tables, master={"name": "jacobi"}, **changes)
 
 
-@pytest.mark.parametrize("version", [2, pytest.param(3, marks=pytest.mark.long)])
-@pytest.mark.parametrize("vice", VICES)
+@pytest.mark.parametrize("version", mark_long([2, 3], [2]))
+@pytest.mark.parametrize("vice", mark_long(VICES, ["crashing", "quitting", "discarding", "fatal", "ending"]))
 def test_the_run_ends_with_what_it_has(vice: str, version: int, tmp_path: Path) -> None:
     """Crashes in a process of their own, which is the default; everything else there and here."""
     path = fmu(vice, version, tmp_path)
@@ -62,34 +62,32 @@ def test_the_run_ends_with_what_it_has(vice: str, version: int, tmp_path: Path) 
         assert found["time"][-1] == pytest.approx(0.5)
 
 
-def test_one_that_crashes_before_the_start_is_named(tmp_path: Path) -> None:
-    path = fmu("blind", 2, tmp_path)
-    with pytest.raises(MistakeError, match="decay: its process ended by SIGSEGV in the call read_all"):
-        run(case(path, "own"), tmp_path / "out", never, Reporter(), figures=False)
-    assert list((tmp_path / "out").iterdir()) == []
+def test_of_one_that_crashes_nothing_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither a temporary file nor a process."""
+    import psutil
 
-
-@pytest.mark.parametrize("vice", ["crashing", "leaving"])
-def test_of_one_that_crashes_no_temporary_file_is_left(
-    vice: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path, folder = fmu(vice, 2, tmp_path), tmp_path / "temporary"
+    path, folder = fmu("crashing", 2, tmp_path), tmp_path / "temporary"
+    before = set(psutil.Process().children(recursive=True))
     folder.mkdir()
     monkeypatch.setenv("TMPDIR", str(folder))
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
     summary, _ = ran(case(path, "own"), tmp_path / "out")
-    assert re.search(VICES[vice], summary.message)
+    assert re.search(VICES["crashing"], summary.message)
     assert list(folder.iterdir()) == []
+    assert set(psutil.Process().children(recursive=True)) == before
 
 
 def test_a_process_of_its_own_is_for_all_but_what_is_as_we_made_it(tmp_path: Path) -> None:
     """One that only says so, and one that was changed since, may do anything."""
     ours = build("flywheel", tmp_path)
-    said = changed(ours, tmp_path / "changed.fmu", 'author="tribocosim', 'author="no tribocosim')
+    said = replace_text(ours, tmp_path / "changed.fmu", 'author="tribocosim', 'author="no tribocosim')
     claim = 'generationTool="tribocosim 1.0" modelName'
-    claiming = changed(fmu("crashing", 2, tmp_path), tmp_path / "claiming.fmu", "modelName", claim)
+    claiming = replace_text(fmu("crashing", 2, tmp_path), tmp_path / "claiming.fmu", "modelName", claim)
     apart = {path.name: case(path, None).components["decay"].own_process for path in (ours, said, claiming)}
     assert apart == {"flywheel.fmu": False, "changed.fmu": True, "claiming.fmu": True}
+    # Unless the scenario says where.
+    for path, process in ((ours, "own"), (claiming, "shared")):
+        assert case(path, process).components["decay"].own_process is (process == "own")
     summary, _ = ran(case(claiming, None), tmp_path / "out")
     assert re.search(VICES["crashing"], summary.message)
 
@@ -133,7 +131,7 @@ def test_an_exit_before_the_first_step_is_told(tmp_path: Path) -> None:
     ("last", "status"),
     [
         pytest.param("", 0, marks=pytest.mark.long),
-        ("import sys; sys.exit(9)", 9),
+        pytest.param("import sys; sys.exit(9)", 9, marks=pytest.mark.long),
         ("import ctypes; ctypes.CDLL(None).exit(7)", 7),
     ],
 )
@@ -152,7 +150,7 @@ def command(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize("process", ["own", "shared"])
+@pytest.mark.parametrize("process", mark_long(["own", "shared"], ["shared"]))
 def test_arguments_of_messages_are_put_in(process: str, tmp_path: Path) -> None:
     """As printf would, for each instance its own."""
     path = fmu("formatting", 2, tmp_path)
@@ -162,8 +160,7 @@ def test_arguments_of_messages_are_put_in(process: str, tmp_path: Path) -> None:
     assert said in summary.message
 
 
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("process", ["own", "shared"])
+@pytest.mark.parametrize(("version", "process"), CASES)
 def test_warnings_are_counted_and_told_once(
     process: str, version: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -189,27 +186,15 @@ def test_steps_that_go_on_by_themselves_are_said_to_be_unsupported(tmp_path: Pat
     assert len(found["time"]) == 51
 
 
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("process", ["own", "shared"])
+@pytest.mark.parametrize(("version", "process"), CASES)
 def test_a_file_that_cannot_be_instantiated_is_a_mistake(process: str, version: int, tmp_path: Path) -> None:
     """Its token is not the library's: nothing is written."""
     out = tmp_path / "out"
-    other = changed(fmu("dahlquist", version, tmp_path), tmp_path / "other.fmu", TOKEN, "{of another model}")
+    other = tmp_path / "other.fmu"
+    replace_text(fmu("dahlquist", version, tmp_path), other, TOKEN, "{of another model}")
     with pytest.raises(MistakeError, match=rf"^decay: instantiate: .*{other} cannot be used .* give another"):
         run(case(other, process), out, never, Reporter(), figures=False)
     assert not list(out.iterdir())
-
-
-def test_only_fmus_that_are_not_ours_have_processes_of_their_own_by_default(tmp_path: Path) -> None:
-    """Ours do too where it is asked for."""
-    third_party, ours = fmu("dahlquist", 3, tmp_path), build("sprung_mass", tmp_path)
-    for path, process, apart in (
-        (third_party, None, True),
-        (third_party, "shared", False),
-        (ours, None, False),
-        (ours, "own", True),
-    ):
-        assert case(path, process).components["decay"].own_process is apart
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")
@@ -228,24 +213,6 @@ def test_an_fmu_that_reads_standard_input_gets_none_of_the_messages(tmp_path: Pa
     summary, found = ran(case(path, "own", call_time_limit=10.0), tmp_path / "out")
     assert summary.complete, summary.message
     assert len(found["time"]) == 101
-
-
-def test_no_process_is_left(tmp_path: Path) -> None:
-    """Neither of a run that ended well nor of one whose FMU crashed."""
-    import psutil
-
-    before = set(psutil.Process().children(recursive=True))
-    ran(case(fmu("dahlquist", 2, tmp_path), "own"), tmp_path / "well")
-    ran(case(fmu("crashing", 2, tmp_path), "own"), tmp_path / "badly")
-    assert set(psutil.Process().children(recursive=True)) == before
-
-
-def test_a_process_ends_when_it_is_told(tmp_path: Path) -> None:
-    """By itself, and so with its own status: nobody has to wait and end it."""
-    unit = InOwnProcess("decay", fmu("dahlquist", 2, tmp_path), FmuSettings(["x"], {}))
-    process = unit._process
-    unit.close()
-    assert process.returncode == 0
 
 
 @pytest.mark.parametrize(

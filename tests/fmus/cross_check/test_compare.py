@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from fmus.cross_check.apart import compare_in_process
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError, Options, csv_text, read_csv
 from fmus.cross_check.inside import FOLDER, reference_folder
+from tests.archives import repack, replace_text
 from tests.third_party.c_fmus import fmu as third_party
 
 from ..names import mark_long
@@ -30,14 +30,10 @@ def test_fmus_in_python_reproduce_their_references(name: str, fmu_files: dict[st
     assert str(found).count("\n") == len(found.deviations) + 2
 
 
-def changed(fmu: Path, target: Path, change: Callable[[str, bytes], bytes | None]) -> Path:
-    """The FMU with every file as `change` gives it; without those for which it gives None."""
-    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as new:
-        for name in old.namelist():
-            content = change(name.removeprefix(FOLDER + "/"), old.read(name))
-            if content is not None:
-                new.writestr(name, content)
-    return target
+def changed(fmu: Path, target: Path, file: str, change: Callable[[bytes], bytes]) -> Path:
+    """The FMU with other content of a file of its reference."""
+    place = f"{FOLDER}/{file}"
+    return repack(fmu, target, lambda n, content: {n: change(content) if n == place else content})
 
 
 def test_a_difference_is_found_in_the_variable_and_at_the_time_where_it_is(
@@ -45,22 +41,20 @@ def test_a_difference_is_found_in_the_variable_and_at_the_time_where_it_is(
 ) -> None:
     """One number is changed by 1e-7 of the variable's largest value, ten times the tolerance."""
 
-    def moved(name: str, content: bytes) -> bytes:
-        if name != "quarter_car_chassis_ref.csv":
-            return content
-        table = read_csv(content.decode(), name)
+    file = "quarter_car_chassis_ref.csv"
+
+    def moved(content: bytes) -> bytes:
+        table = read_csv(content.decode(), file)
         column = table.columns["velocity"]
         column[40] += 1e-7 * np.max(np.abs(column))
         rows = np.column_stack([table.times, *table.columns.values()])
         return csv_text(["time", *table.columns], rows.tolist(), 12).encode()
 
-    (found,) = compare(changed(fmu_files["quarter_car_chassis"], tmp_path / "moved.fmu", moved))
+    (found,) = compare(changed(fmu_files["quarter_car_chassis"], tmp_path / "moved.fmu", file, moved))
     assert not found.agrees
     assert found.worst.variable == "velocity"
     assert found.worst.relative == pytest.approx(1e-7, rel=0.02)
-    times = read_csv(
-        (reference_folder("quarter_car_chassis") / "quarter_car_chassis_ref.csv").read_text(), "ref"
-    ).times
+    times = read_csv((reference_folder("quarter_car_chassis") / file).read_text(), "ref").times
     assert found.worst.time == times[40]
     assert "DIFFERS: velocity" in str(found)
     (wider,) = compare(tmp_path / "moved.fmu", tolerance=1e-6)
@@ -70,14 +64,13 @@ def test_a_difference_is_found_in_the_variable_and_at_the_time_where_it_is(
 def test_events_of_a_reference_are_left_out(fmu_files: dict[str, Path], tmp_path: Path) -> None:
     """An instant that stands twice is one at which values jump; which side a host records is its matter."""
 
-    def jumping(name: str, content: bytes) -> bytes:
-        if name != "quarter_car_chassis_ref.csv":
-            return content
+    def jumping(content: bytes) -> bytes:
         lines = content.decode().splitlines()
         lines.insert(41, lines[41].split(",")[0] + ",99,99,99")
         return "\n".join(lines).encode()
 
-    (found,) = compare(changed(fmu_files["quarter_car_chassis"], tmp_path / "jumping.fmu", jumping))
+    file, fmu = "quarter_car_chassis_ref.csv", fmu_files["quarter_car_chassis"]
+    (found,) = compare(changed(fmu, tmp_path / "jumping.fmu", file, jumping))
     assert [d.variable for d in found.deviations if d.largest > 1e-3] == []
     assert len(found.deviations) == 3
 
@@ -86,10 +79,10 @@ def test_a_reference_beside_the_file_is_taken_first(fmu_files: dict[str, Path], 
     """As a third party's FMU lies in the project's folders; without `OutputIntervalLength`, without `me/`."""
     folder = tmp_path / "fmus/2.0/cs/linux64/Other/1.0/hop"
     folder.mkdir(parents=True)
-    fmu = changed(
+    fmu = repack(
         fmu_files["falling_mass"],
         folder / "hop.fmu",
-        lambda n, c: None if n.startswith("falling_mass_") else c,
+        lambda n, c: {} if n.startswith(f"{FOLDER}/falling_mass_") else {n: c},
     )
     for suffix in ("_in.csv", "_ref.csv"):
         text = (reference_folder("falling_mass") / f"falling_mass{suffix}").read_text()
@@ -155,15 +148,11 @@ def test_a_crash_is_an_answer_and_the_next_file_is_run(fmu_files: dict[str, Path
 def test_what_cannot_be_compared_is_said_in_one_line(
     file: str, old: str | None, new: str, message: str, fmu_files: dict[str, Path], tmp_path: Path
 ) -> None:
-    def broken(name: str, content: bytes) -> bytes | None:
-        if name != file:
-            return content
-        if old is None:
-            return None
-        assert old.encode() in content
-        return content.replace(old.encode(), new.encode())
-
-    fmu = changed(fmu_files["falling_mass"], tmp_path / "broken.fmu", broken)
+    whole, fmu, place = fmu_files["falling_mass"], tmp_path / "broken.fmu", f"{FOLDER}/{file}"
+    if old is None:
+        repack(whole, fmu, lambda n, content: {} if n == place else {n: content})
+    else:
+        replace_text(whole, fmu, old, new, place)
     with pytest.raises(CrossCheckError) as raised:
         compare(fmu)
     assert message in str(raised.value)

@@ -12,12 +12,14 @@ import pytest
 from fmus.build import REFERENCED, build
 from fmus.cross_check.inside import FOLDER, MANIFEST, reference_folder
 
+from ..names import mark_long
+
 # The standard's roles, version 1.0.0-alpha.1, of those that are used.
 ROLES = {"testcase", "result", "document"}
 LAYERED = "{http://fmi-standard.org/fmi-ls-manifest}"
 
 
-@pytest.mark.parametrize("name", REFERENCED)
+@pytest.mark.parametrize("name", mark_long(REFERENCED))
 def test_the_manifest_tells_of_every_file_and_of_no_other(name: str, fmu_files: dict[str, Path]) -> None:
     with zipfile.ZipFile(fmu_files[name]) as archive:
         root = ElementTree.fromstring(archive.read(MANIFEST))

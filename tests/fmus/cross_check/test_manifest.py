@@ -15,6 +15,7 @@ from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError
 from fmus.cross_check.inside import FOLDER, MANIFEST
 from fmus.cross_check.manifest import find_results, read_results
+from tests.fmus.names import mark_long
 from tests.third_party.c_fmus import fmu
 from tests.third_party.public import public
 
@@ -23,7 +24,7 @@ STATED = '<fmiReferences><Related type="text/csv" source="{}" role="result"/></f
 PUBLIC = ("BouncingBall", "Dahlquist", "Feedthrough", "Resource", "Stair", "StateSpace", "VanDerPol")
 
 
-@pytest.mark.parametrize("name", PUBLIC)
+@pytest.mark.parametrize("name", mark_long(PUBLIC, ["Feedthrough", "StateSpace"]))
 def test_a_public_fmu_does_what_its_own_results_say(name: str) -> None:
     """In co-simulation, of which its makers recorded them; arrays, truth values and texts among them."""
     (found,) = compare(public(f"reference-fmus-3/{name}.fmu"))

@@ -6,7 +6,6 @@ from fmus.native.fmu import NAMES
 
 from ..names import mark_long
 
-# Machine code of impacts takes longest, that of the contact long: one test has that always.
-FAST = ("valve_spring", "flywheel")
+# With vectors and rates. Machine code of impacts and of the contact takes long.
+FAST = ("valve_spring",)
 EVERY = mark_long(NAMES, FAST)
-EVERY_WITH_CONTACT = mark_long(NAMES, (*FAST, "ehl_contact"))

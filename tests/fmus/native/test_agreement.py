@@ -9,10 +9,10 @@ import pytest
 from ..conftest import Isolated
 from ..reference import Reference, schedule
 from ..test_agreement import STEP, STEPS, expected_of, replay
-from .names import EVERY_WITH_CONTACT
+from .names import EVERY
 
 
-@pytest.mark.parametrize("name", EVERY_WITH_CONTACT)
+@pytest.mark.parametrize("name", EVERY)
 def test_native_fmu_equals_component(
     name: str, native_files: dict[str, Path], isolated: Isolated, tmp_path: Path, record
 ) -> None:

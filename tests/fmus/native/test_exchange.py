@@ -8,8 +8,6 @@ import fmpy
 import numpy as np
 import pytest
 
-from fmus.fmi.validate import validate
-
 from ..instance import Instance
 from ..names import mark_long
 from ..reference import Reference
@@ -42,20 +40,22 @@ def simulated(fmu: Path, kind: str, start: dict, stop: float, names: list[str]) 
     )
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("name", mark_long(MOTIONS, FAST))
-def test_the_hosts_integrator_finds_the_same_motion(name: str, native_files: dict[str, Path]) -> None:
+def test_the_hosts_integrator_finds_the_same_motion(
+    name: str, fmi: int, native_files: dict[str, Path], fmi3_files: dict[str, Path]
+) -> None:
     """Outputs at the end, and everywhere but about impacts, whose instants differ."""
     start, stop = MOTIONS[name]
-    described = fmpy.read_model_description(str(native_files[name]))
+    file = (native_files if fmi == 2 else fmi3_files)[name]
+    described = fmpy.read_model_description(str(file))
     names = [u.variable.name for u in described.outputs if not u.variable.name.startswith("der(")]
-    host, own = (
-        simulated(native_files[name], kind, start, stop, names) for kind in ("ModelExchange", "CoSimulation")
-    )
+    host, own = (simulated(file, kind, start, stop, names) for kind in ("ModelExchange", "CoSimulation"))
     for output in names:
         differences = np.abs(host[output].astype(float) - own[output].astype(float))
         size = np.abs(own[output].astype(float)).max() + 1e-12
         assert np.median(differences) <= 1e4 * TOLERANCE * size, output
-        assert differences[-1] <= 1e5 * TOLERANCE * size, output
+        assert differences[-1].max() <= 1e5 * TOLERANCE * size, output
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -75,8 +75,3 @@ def test_states_and_their_derivatives_are_shown(name: str, native_files: dict[st
     places = [component.state.index(name) for name in shown]
     assert found == (reference.x[places].tolist(), rates[places].tolist())
     slave.free()
-
-
-@pytest.mark.parametrize("name", EVERY)
-def test_validators_find_nothing(name: str, native_files: dict[str, Path]) -> None:
-    assert validate(native_files[name]) == []

@@ -5,25 +5,21 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
-import numpy as np
 import pytest
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 from fmus.fmi.validate import validate
-from fmus.native.machine_code import this_platform
 
 from ..conftest import Isolated
-from ..instance import Instance, Instance3
+from ..instance import Instance3
 from ..names import mark_long
-from ..reference import Reference, held, schedule, wave
+from ..reference import Reference, schedule, wave
 from ..test_agreement import STEP, STEPS, expected_of, replay
-from .names import EVERY, FAST
-from .test_exchange import MOTIONS, TOLERANCE, simulated
+from .names import EVERY
 
 Files = dict[str, Path]
 
@@ -36,12 +32,7 @@ def test_it_equals_the_component(name: str, fmi3_files: Files, isolated: Isolate
     assert replay(isolated, fmi3_files[name], plan, tmp_path, "Instance3") == expected_of(reference, plan)
 
 
-@pytest.mark.parametrize("name", EVERY)
-def test_validators_find_nothing(name: str, fmi3_files: Files) -> None:
-    assert validate(fmi3_files[name]) == []
-
-
-@pytest.mark.parametrize("name", mark_long(["flywheel", "slider_crank"], FAST))
+@pytest.mark.parametrize("name", mark_long(["flywheel", "slider_crank"], ["flywheel"]))
 def test_fmutool_finds_no_fault(name: str, fmi3_files: Files) -> None:
     pytest.importorskip("fmu_manipulation_toolbox", reason="fmu-manipulation-toolbox is not installed")
     tool = Path(sys.executable).with_name("fmutool")
@@ -52,18 +43,11 @@ def test_fmutool_finds_no_fault(name: str, fmi3_files: Files) -> None:
     assert "No semantic error" in said
 
 
-@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
-@pytest.mark.parametrize("name", EVERY)
-def test_a_host_runs_it(name: str, kind: str, fmi3_files: Files) -> None:
-    """As it is, in both of its kinds; all that it tells are numbers."""
-    result = fmpy.simulate_fmu(str(fmi3_files[name]), fmi_type=kind, stop_time=1e-3, output_interval=1e-4)
-    assert result["time"][-1] == pytest.approx(1e-3)
-    assert all(np.isfinite(result[output]).all() for output in result.dtype.names)
-
-
 @pytest.mark.parametrize("name", EVERY)
 def test_variables_are_those_of_fmi_2(name: str, native_files: Files, fmi3_files: Files) -> None:
-    """And besides them time and what indicates events, which FMI 3.0 has as variables. Vectors are arrays."""
+    """And besides them time and what indicates events, which FMI 3.0 has as variables. Vectors are arrays.
+    Validators find no fault with either."""
+    assert validate(native_files[name]) == validate(fmi3_files[name]) == []
     before, after = (fmpy.read_model_description(str(files[name])) for files in (native_files, fmi3_files))
     kinds = {"Real": "Float64", "Integer": "Int32"}
     told = [
@@ -119,35 +103,6 @@ def dependencies(described: ModelDescription, unknowns: str, named: Callable[[st
     return found
 
 
-@pytest.mark.parametrize("name", mark_long(["camshaft", "ehl_contact", "slider_crank"], ["ehl_contact"]))
-def test_derivatives_by_variables(name: str, native_files: Files, fmi3_files: Files) -> None:
-    """Directional ones are those of FMI 2.0; the adjoint ones are the same matrix, transposed."""
-    slaves = [Instance(native_files[name]), Instance3(fmi3_files[name])]
-    component = Reference(name).component
-    values = held(wave(component, 1e-3))
-    for slave in slaves:
-        slave.initialize(1e-3, **values)
-    outputs, inputs = (
-        [v.valueReference for n in names if (v := slaves[0].variables[n]).type == "Real"]
-        for names in ([*slaves[0].names("output"), "stored_energy"], component.inputs.names)
-    )
-    old, new = (
-        np.array([slave.fmu.getDirectionalDerivative(outputs, [u], [1.0]) for u in inputs])
-        for slave in slaves
-    )
-    np.testing.assert_array_equal(old, new)
-    seed = [float(i % 3) - 1.0 for i in range(len(outputs))]
-    adjoint = slaves[1].fmu.getAdjointDerivative(outputs, inputs, seed, len(inputs))
-    # Sums of as many terms as there are outputs, in another order.
-    allowed = 1e-15 * len(outputs) * (np.abs(new) @ np.abs(seed))
-    assert (np.abs(new @ seed - adjoint) <= allowed).all()
-    rates = [f"der({f.name})" for f in component.outputs.fields if not f.quantity.discrete]
-    references = [slaves[1].variables[rate[4:-1]].valueReference for rate in rates]
-    assert slaves[1].fmu.getOutputDerivatives(references, [1] * len(rates)) == slaves[1].get(rates)
-    for slave in slaves:
-        slave.free()
-
-
 @pytest.mark.long
 def test_event_indicators_have_derivatives(fmi3_files: Files) -> None:
     """Between the walls they are the distances to the upper and the lower one."""
@@ -160,7 +115,7 @@ def test_event_indicators_have_derivatives(fmi3_files: Files) -> None:
     slave.free()
 
 
-@pytest.mark.parametrize("name", mark_long(["valve_spring", "slider_crank", "ehl_contact"], FAST))
+@pytest.mark.parametrize("name", mark_long(["valve_spring", "slider_crank", "ehl_contact"], ["valve_spring"]))
 def test_a_saved_state_brings_the_same_motion(name: str, fmi3_files: Files) -> None:
     """In the same instance, and from bytes in another."""
     component = Reference(name).component
@@ -184,35 +139,3 @@ def test_a_saved_state_brings_the_same_motion(name: str, fmi3_files: Files) -> N
     slave.fmu.freeFMUState(state)
     for one in (slave, other):
         one.free()
-
-
-@pytest.mark.parametrize("name", mark_long(MOTIONS, FAST))
-def test_the_hosts_integrator_finds_the_same_motion(name: str, fmi3_files: Files) -> None:
-    """As with FMI 2.0: at the end, and everywhere but about impacts, whose instants differ."""
-    start, stop = MOTIONS[name]
-    described = fmpy.read_model_description(str(fmi3_files[name]))
-    names = [u.variable.name for u in described.outputs if not u.variable.name.startswith("der(")]
-    host, own = (
-        simulated(fmi3_files[name], kind, start, stop, names) for kind in ("ModelExchange", "CoSimulation")
-    )
-    for output in names:
-        differences = np.abs(host[output].astype(float) - own[output].astype(float))
-        size = np.abs(own[output].astype(float)).max() + 1e-12
-        assert np.median(differences) <= 1e4 * TOLERANCE * size, output
-        assert differences[-1].max() <= 1e5 * TOLERANCE * size, output
-
-
-def test_choices_counts_and_truths_have_types_of_their_own(fmi3_files: Files) -> None:
-    described = fmpy.read_model_description(str(fmi3_files["slider_crank"]))
-    kinds = {v.name: v.type for v in described.modelVariables}
-    assert (kinds["form"], kinds["event_count"]) == ("Enumeration", "Int32")
-    slave = Instance3(fmi3_files["slider_crank"])
-    slave.set({"form": 1.0})
-    assert slave.get(["form", "event_count", "time"]) == [1.0, 0.0, 0.0]
-    slave.free()
-
-
-def test_it_has_a_library_for_this_machine(fmi3_files: Files) -> None:
-    with zipfile.ZipFile(fmi3_files["flywheel"]) as archive:
-        folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
-    assert folders == {this_platform()}

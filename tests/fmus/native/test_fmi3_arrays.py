@@ -98,6 +98,9 @@ def test_derivatives_by_variables_are_those_of_fmi_2(spring: Instance3, native_f
     adjoint = spring.fmu.getAdjointDerivative(of, by, weights, len(by_2))
     # Sums of five terms, in another order.
     assert (np.abs(adjoint - matrix @ weights) <= 5e-15 * (np.abs(matrix) @ np.abs(weights))).all()
+    rates = ["position", "acceleration"]
+    by_call = spring.fmu.getOutputDerivatives([reference(spring, name) for name in rates], [1, 1])
+    assert by_call == spring.get([f"der({name})" for name in rates])
     other.free()
 
 

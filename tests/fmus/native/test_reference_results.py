@@ -26,6 +26,7 @@ def test_fmi3(name: str, fmi3_files: dict[str, Path], tmp_path: Path) -> None:
     check(name, fmi3_files[name], tmp_path)
 
 
+@pytest.mark.long
 def test_fmi3_with_impacts(fmi3_files: dict[str, Path], record) -> None:
     record_deviations(record, "FMI 3, slider_crank", agrees(fmi3_files["slider_crank"]))
 

@@ -21,7 +21,7 @@ from models.core.component import Component
 from models.core.quantities import Field, Layout
 
 from ..instance import Instance, Instance3
-from ..names import ALWAYS
+from .names import FAST
 
 COMPONENTS = {name: CATALOGUE[name]() for name in NAMES}
 REQUIRING = [name for name, c in COMPONENTS.items() if c.requirements or c.start_requirements]
@@ -94,7 +94,7 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
 
 def tried(name: str, *values: Any) -> Any:
     """Those of components whose FMUs take long are among the long tests."""
-    return pytest.param(name, *values, marks=() if name in ALWAYS else pytest.mark.long)
+    return pytest.param(name, *values, marks=() if name in FAST else pytest.mark.long)
 
 
 CASES = [tried(name, values) for name in REQUIRING for values in WRONG[name]]
@@ -174,6 +174,7 @@ def test_all_say_the_same(
     assert refusal_by(pythons[name], variables) == said
 
 
+@pytest.mark.long
 def test_fmi3_says_it_too(fmi3_files: dict[str, Path]) -> None:
     """Its functions stand over the same runtime: one component for all."""
     component, fmu = COMPONENTS["slider_crank"], Instance3(fmi3_files["slider_crank"])
@@ -182,7 +183,7 @@ def test_fmi3_says_it_too(fmi3_files: dict[str, Path]) -> None:
     fmu.free()
 
 
-@pytest.mark.parametrize("name", REQUIRING)
+@pytest.mark.parametrize("name", [tried(name) for name in REQUIRING])
 def test_every_requirement_is_tried(name: str) -> None:
     """The cases above leave none out: the words before the first number tell them apart."""
     component = COMPONENTS[name]
@@ -227,35 +228,35 @@ def test_native_fmu_refuses_exactly_what_the_component_refuses(
 def test_a_tuned_parameter_that_does_not_fit_discards_the_step(
     natives: Instances, pythons: Instances
 ) -> None:
-    for cam in (natives["camshaft"], pythons["camshaft"]):
-        assert refusal_by(cam, {"drive_speed": 100.0}) == ""
-        cam.set({"base_radius": 10e-3})
+    for spring in (natives["valve_spring"], pythons["valve_spring"]):
+        assert refusal_by(spring, {"load": 500.0}) == ""
+        spring.set({"lash": 2e-4})
         with pytest.raises(FMICallException, match="discard"):
-            cam.step(0.0, 1e-3)
-        assert cam.messages[0][2] == refusal(COMPONENTS["camshaft"], {"base_radius": 10e-3})
-        cam.set({"base_radius": 20.9e-3})
-        cam.step(0.0, 1e-3)
+            spring.step(0.0, 1e-5)
+        assert spring.messages[0][2] == refusal(COMPONENTS["valve_spring"], {"lash": 2e-4})
+        spring.set({"lash": 0.0})
+        spring.step(0.0, 1e-5)
 
 
 def test_a_host_that_integrates_hears_of_a_tuned_parameter_at_the_event(natives: Instances) -> None:
-    cam = natives["camshaft"]
-    cam.messages.clear()
-    radius = [cam.variables["base_radius"].valueReference]
+    spring = natives["valve_spring"]
+    spring.messages.clear()
+    lash = [spring.variables["lash"].valueReference]
     model = FMU2Model(
-        guid=cam.description.guid,
-        unzipDirectory=cam.folder,
-        modelIdentifier=cam.description.modelExchange.modelIdentifier,
+        guid=spring.description.guid,
+        unzipDirectory=spring.folder,
+        modelIdentifier=spring.description.modelExchange.modelIdentifier,
         instanceName="integrated",
     )
-    model.instantiate(callbacks=cam.fmu.callbacks)
+    model.instantiate(callbacks=spring.fmu.callbacks)
     model.setupExperiment()
     model.enterInitializationMode()
     model.exitInitializationMode()
     model.newDiscreteStates()
-    model.setReal(radius, [10e-3])
+    model.setReal(lash, [2e-4])
     with pytest.raises(FMICallException, match="error"):
         model.newDiscreteStates()
-    assert cam.messages[0][2] == refusal(COMPONENTS["camshaft"], {"base_radius": 10e-3})
-    model.setReal(radius, [20.9e-3])
+    assert spring.messages[0][2] == refusal(COMPONENTS["valve_spring"], {"lash": 2e-4})
+    model.setReal(lash, [0.0])
     model.newDiscreteStates()
     model.freeInstance()

@@ -73,15 +73,6 @@ def agree(
     return here
 
 
-def test_the_beginning_of_a_lift_is_the_same_to_the_last_bit(
-    files: dict[str, dict[str, Path]], record
-) -> None:
-    """From the equilibrium into the rise, with inputs that follow parabolas: every output of every step."""
-    system, _ = valve_train()
-    found = agree(files, lambda: GaussSeidel("quadratic"), 20e-3, record)
-    assert found[-1, system.outputs.names.index("valve_spring.valve_lift")] > 1e-5
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("master", [lambda: GaussSeidel("quadratic"), lambda: Jacobi("hold")])
 def test_both_turns_of_the_cam_are_the_same_to_the_last_bit(

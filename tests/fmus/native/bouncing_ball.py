@@ -1,0 +1,110 @@
+"""A ball that bounces until it rests: a component with events, whose instants are a geometric series."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+from models.compile.kernel import kernel
+from models.core.component import Component, Events
+from models.core.quantities import Layout, Quantity, Vector
+
+GRAVITY, HEIGHT = 10.0, 1.0  # m/s^2, m
+
+
+@dataclass
+class Parameters:
+    restitution: Annotated[float, Quantity("1", "velocity after over before", minimum=0.0)] = 0.5
+    threshold: Annotated[float, Quantity("m/s", "rebound below which it rests", minimum=0.0)] = 1e-6
+
+
+@dataclass
+class State:
+    height: Annotated[float, Quantity("m", "height")] = HEIGHT
+    velocity: Annotated[float, Quantity("m/s", "velocity")] = 0.0
+    bounces: Annotated[float, Quantity("1", "bounces", count=True, internal=True)] = 0.0
+    last_bounce: Annotated[float, Quantity("s", "time of the last bounce", internal=True)] = 0.0
+    resting: Annotated[float, Quantity("1", "at rest", boolean=True, internal=True)] = 0.0
+
+
+@dataclass
+class Inputs:
+    push: Annotated[float, Quantity("m/s2", "acceleration upwards")] = 0.0
+
+
+@dataclass
+class Outputs:
+    height: Annotated[float, Quantity("m", "height")] = 0.0
+    velocity: Annotated[float, Quantity("m/s", "velocity")] = 0.0
+    bounces: Annotated[float, Quantity("1", "bounces", count=True)] = 0.0
+    last_bounce: Annotated[float, Quantity("s", "time of the last bounce")] = 0.0
+    resting: Annotated[float, Quantity("1", "at rest", boolean=True)] = 0.0
+
+
+@kernel
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
+    moving = 1.0 - x.resting
+    dx.height = moving * x.velocity
+    dx.velocity = moving * (u.push - GRAVITY)
+    dx.bounces = 0.0
+    dx.last_bounce = 0.0
+    dx.resting = 0.0
+
+
+@kernel
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
+    y.height = x.height
+    y.velocity = x.velocity
+    y.bounces = x.bounces
+    y.last_bounce = x.last_bounce
+    y.resting = x.resting
+
+
+@kernel
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
+    e[0] = GRAVITY * x.height + 0.5 * x.velocity**2
+    e[1] = 0.0
+    e[2] = u.push * x.velocity
+
+
+@kernel
+def guards(t: float, x: State, u: Inputs, p: Parameters, g: Vector) -> None:
+    g[0] = x.height if x.resting == 0.0 else 1.0
+
+
+@kernel
+def transition(k: int, t: float, x: State, u: Inputs, p: Parameters) -> None:
+    x.height = 0.0
+    x.velocity = abs(x.velocity) * p.restitution
+    x.bounces += 1.0
+    x.last_bounce = t
+    if x.velocity < p.threshold:
+        x.velocity = 0.0
+        x.resting = 1.0
+
+
+def bouncing_ball() -> Component:
+    return Component(
+        name="bouncing_ball",
+        description="A ball that bounces",
+        parameters=Layout(Parameters),
+        state=Layout(State),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={},
+        events=Events(1, guards, transition),
+        event_counter="bounces",
+        event_time="last_bounce",
+    )
+
+
+def list_bounces(count: int, restitution: float = 0.5) -> list[float]:
+    """Instants (s) of the first bounces: sqrt(2 h/g), then flights of 2 v/g, each `restitution` times the one
+    before."""
+    first = math.sqrt(2.0 * HEIGHT / GRAVITY)
+    flights = [2.0 * restitution**k * first for k in range(1, count)]
+    return [first + sum(flights[:k]) for k in range(count)]
