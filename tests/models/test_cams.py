@@ -183,7 +183,7 @@ def test_ramp_of_the_reference_numbers(record):
     record("Cam", "velocity of the ramp, 1000 r/min (m/s)", velocity, 0.072, EVALUATION, tolerance=1e-5)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.floats(1e-5, 1e-3), st.floats(0.01, 0.6), st.floats(0.01, 0.6), st.floats(0.01, 0.2))
 def test_a_table_has_the_ramps_of_a_law(height, opening, closing, blend):
     """They add the same, to rounding, and s'' stays continuous where they join the event."""

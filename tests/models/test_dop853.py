@@ -15,7 +15,7 @@ from .systems import valve_train
 
 # So wide that every step is accepted: rejected ones are made shorter by estimates near rounding.
 OPTIONS = {"rtol": 1e-3, "atol": 1e-3, "max_step": 2e-4}
-END = 5e-3
+END = 1e-3
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_every_step_is_scipys(motion: str) -> None:
         assert np.max(np.abs(ours.y - theirs.y) / size) < 1e-13
         assert np.max(np.abs(ours.dense_output()(middle) - theirs.dense_output()(middle)) / size) < 1e-13
         t, z, steps = theirs.t, theirs.y, steps + 1
-    assert steps >= 500
+    assert steps >= 100
 
 
 def test_a_rate_that_is_not_finite_ends_in_a_failure() -> None:

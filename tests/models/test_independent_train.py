@@ -32,7 +32,9 @@ def start_of(system, states):
     )
 
 
-@pytest.mark.parametrize(("speed_rpm", "flexible"), [(1000, False), (2000, True)])
+@pytest.mark.parametrize(
+    ("speed_rpm", "flexible"), [pytest.param(1000, False, marks=pytest.mark.long), (2000, True)]
+)
 def test_the_valve_train_moves_as_in_an_independent_integration(speed_rpm, flexible):
     """Over a whole event: cam, shaft, coils, Hertz's contact and film together."""
     train = Train(speed_rpm * math.pi / 30.0, flexible)
@@ -106,16 +108,13 @@ def errors_of(models, rise):
     return found["errors"]
 
 
+@pytest.mark.long
 def test_the_physics_as_it_is_agrees(rise):
     assert max(errors_of(ROOT, rise).values()) < TOLERANCE
 
 
-ALWAYS, *OTHERS = MUTATIONS
-
-
-@pytest.mark.parametrize(
-    "mutation", [ALWAYS, *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("mutation", MUTATIONS)
 def test_wrong_physics_is_noticed(mutation, rise, tmp_path):
     """A copy of the models with one wrong term is twenty times further off than is tolerated."""
     file, right, wrong = MUTATIONS[mutation]
