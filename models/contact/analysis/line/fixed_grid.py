@@ -110,10 +110,10 @@ def take_step(
     p: Any, h: Any, approach: float, problem: FilmProblem, bodies: Bodies, fluid: Lubricant, squeeze: float,
     before: Any, w: Workspace,
 ) -> FilmSolution:  # fmt: skip
-    """An implicit step: p and h at its start become those at its end, `before` gets the total pressure there.
+    """An implicit step from p and h, which become those at its end; `before`: total pressure at the start.
 
     `approach` is a guess (m); nan: the one that leaves no film thinner than the start's, though its pressure
-    be not smooth. One kernel, as Newton's is compiled for callers in any case, and would be for Python too.
+    be not smooth. All in one kernel: Newton's method, called from Python, would be compiled a second time.
     """
     mass = w.base
     properties(p, h, fluid, w.nodes)
