@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Sequence
 
 import numpy as np
 
-from models.core.system import Instance
-from orchestrator.participants import Participant, in_process, open_fmu
+from orchestrator.participants import Participant
 from orchestrator.participants.protocol import BoundVariables
 
 
@@ -38,28 +35,3 @@ class Alone:
         self.unit.advance(time, step)
         self.unit.read()
         return self._outputs.tolist()
-
-
-@contextmanager
-def two_alike(
-    kind: str,
-    instance: Instance,
-    file: Path,
-    name: str,
-    given: str,
-    outputs: Sequence[str],
-    start: float = 0.0,
-) -> Iterator[tuple[Alone, Alone]]:
-    """Of kind "in-process", or "fmu" from `file`."""
-    made = [
-        Alone(
-            in_process(name, instance) if kind == "in-process" else open_fmu(name, file, instance),
-            given,
-            outputs,
-            start,
-        )
-        for _ in range(2)
-    ]
-    yield made[0], made[1]
-    for one in made:
-        one.unit.close()

@@ -13,6 +13,16 @@ from orchestrator.run.simulation import simulate
 from .recorder import Recorder
 
 
+class Wrapper:
+    """A participant in place of another one, to which it passes what it does not do itself."""
+
+    def __init__(self, inner):
+        self._inner = inner
+
+    def __getattr__(self, name):
+        return getattr(self._inner, name)
+
+
 def build_participants(system):
     """All participants in this process."""
     return {name: in_process(name, instance) for name, instance in system.instances.items()}

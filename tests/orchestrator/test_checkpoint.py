@@ -25,7 +25,7 @@ from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
 from orchestrator.store.json_codec import from_text, to_text
 
 from .alone import Alone
-from .coupled import build_participants
+from .coupled import Wrapper, build_participants
 from .recorder import Recorder
 from .two_masses import two_masses
 
@@ -216,14 +216,8 @@ def test_a_state_that_does_not_fit_is_refused() -> None:
             simulate(system, build_participants(system), master, steps(), 0.01, [], resumed=state)
 
 
-class Dumb:
+class Dumb(Wrapper):
     """A participant that cannot be serialised."""
-
-    def __init__(self, inner) -> None:
-        self._inner = inner
-
-    def __getattr__(self, name):
-        return getattr(self._inner, name)
 
     def to_bytes(self, saved):
         raise CannotSerializeError("first: the FMU cannot serialise its state")

@@ -25,6 +25,7 @@ from orchestrator.participants.transformed import Linear, Transformed
 from orchestrator.run.simulation import simulate
 from orchestrator.run.watchdog import Watched
 
+from .coupled import Wrapper, run_coupled
 from .recorder import Recorder
 from .small_fmus import small_fmu
 from .test_watchdog import watchdog
@@ -33,14 +34,8 @@ from .two_masses import two_masses
 STEP = 1e-2
 
 
-class Wrapped:
+class Wrapped(Wrapper):
     """An FMU as any other participant, for which passes are in Python."""
-
-    def __init__(self, inner):
-        self._inner = inner
-
-    def __getattr__(self, name):
-        return getattr(self._inner, name)
 
     def compiled_calls(self):
         return "it is a test"
@@ -158,8 +153,7 @@ def test_the_run_says_which_participants_keep_sweeps_in_python():
         second.close()
         assert list(found) == ["first"]
         assert reason in found["first"]
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    assert simulate(system, units, Jacobi(), STEP, STEP).python_sweeps == {}
+    assert run_coupled(system, Jacobi(), STEP, STEP).statistics.python_sweeps == {}
 
 
 @pytest.mark.parametrize("signal", ["hold", "quadratic", "hermite"])

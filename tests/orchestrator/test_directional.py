@@ -9,15 +9,12 @@ from typer.testing import CliRunner
 from fmus.native.fmu import build
 from fmus.native.machine_code import this_platform
 from models.core.system import Instance
-from orchestrator.analyses.stability.behaviour import Behaviour, find_stability_limit
-from orchestrator.analyses.stability.linearisation import Directional, Equations, linearise_at
+from orchestrator.analyses.stability.linearisation import Directional, Equations
 from orchestrator.analyses.stability.trajectory import list_connected_inputs, list_continuous_outputs
-from orchestrator.masters import GaussSeidel
 from orchestrator.participants import open_fmu, open_in_own_process, read_component
 from tribocosim.command_line import app
 
 from ..third_party.c_fmus import fmu as c_fmu
-from .coupled import assert_growth_changes_at
 from .linearised import (
     SPACING,
     list_outputs,
@@ -114,25 +111,6 @@ def test_an_fmu_in_its_own_process_has_the_same_matrices(tmp_path):
         unit.close()
     for here, there in zip(*((one.A, one.B, one.C, one.D, one.followed) for one in found), strict=True):
         np.testing.assert_array_equal(here, there)
-
-
-@pytest.mark.long
-def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_derivatives(tmp_path):
-    """The FMU cannot be brought back to a saved state, which this way of linearisation does not need."""
-    system, path, master = masses_with_fmu(), c_fmu("sprung", 2, tmp_path), GaussSeidel("linear")
-    where = solve_trajectory(system, 0.2, SPACING)
-    unit = open_fmu("second", path, system.instances["second"])
-    assert not unit.restorable
-    linearisations = {"first": Equations(system, "first"), "second": Directional("second", unit, system)}
-    behaviour = Behaviour(linearise_at(system, where, 20, [], linearisations), master)
-    unit.close()
-    limit = find_stability_limit(behaviour, 1e-4, 0.5, [])
-
-    def open_participants():
-        paths = {"first": build_native(system.instances["first"].component, 2), "second": path}
-        return {name: open_fmu(name, paths[name], i) for name, i in system.instances.items()}
-
-    assert_growth_changes_at(limit, behaviour, system, open_participants)
 
 
 @pytest.mark.long

@@ -13,12 +13,11 @@ from models.core.system import System
 from models.monolithic import solve
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import open_fmu
-from orchestrator.participants.protocol import BoundVariables
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.store.json_codec import from_text
 
-from .coupled import build_participants, run_coupled
+from .coupled import run_coupled
 from .test_checkpoint import Kept
 
 STEP, STOP = 1e-5, 2e-4
@@ -56,37 +55,6 @@ def test_a_run_with_the_field_goes_on_from_a_checkpoint_to_the_last_bit(valve_tr
     rest = run_coupled(valve_train, ITERATED, STEP, STOP, resumed=from_text(kept.states[middle]))
     np.testing.assert_array_equal(rest.rows, kept.rows[middle + 1 :])
     assert sum(kept.iterations) > 2 * len(kept.steps)
-
-
-@pytest.mark.long
-def test_what_a_step_of_the_field_leaves_does_not_depend_on_how_often_it_was_tried(
-    valve_train: System,
-) -> None:
-    """A participant that went elsewhere and was restored gives the bits of one that never left."""
-    units = [build_participants(valve_train)["contact"] for _ in range(2)]
-    component = valve_train.instances["contact"].component
-    names, found = component.inputs.names, []
-    values = component.inputs.vector({"approach": 2e-6, "entraining_velocity": 1.0})
-    for strayed, unit in enumerate(units):
-        inputs, outputs = np.zeros((2, len(names))), np.zeros(component.outputs.size)
-        unit.connect(BoundVariables(names, inputs, component.outputs.names, outputs, np.zeros(0)))
-        unit.initialise(0.0, 1.0)
-        inputs[0] = values
-        unit.write()
-        for k in range(6):
-            if strayed:
-                saved = unit.save()
-                inputs[0, names.index("approach")] = 2.01e-6
-                unit.write()
-                unit.advance(k * STEP, 2.0 * STEP)
-                unit.restore(saved)
-                unit.release(saved)
-                inputs[0] = values
-                unit.write()
-            unit.advance(k * STEP, STEP)
-        unit.read()
-        found.append(outputs.tolist())
-    assert found[0] == found[1]
 
 
 @pytest.mark.long

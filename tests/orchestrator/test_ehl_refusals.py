@@ -3,13 +3,9 @@ walls with it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from fmus.build import build
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.core.system import Instance, ModelError, System
 from orchestrator.analyses.stability.linearisation import open_linearisations
@@ -22,7 +18,7 @@ from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 
-from .alone import Alone, two_alike
+from .alone import Alone
 from .coupled import build_participants, run_coupled
 from .recorder import Recorder
 
@@ -59,41 +55,6 @@ def falling(tmp_path_factory: pytest.TempPathFactory) -> System:
     return build_system(load(str(file)))
 
 
-@pytest.fixture(scope="module")
-def contact_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build("ehl_line_contact", tmp_path_factory.mktemp("contact"), {"nodes": NODES})
-
-
-@pytest.fixture(params=[pytest.param(kind, marks=pytest.mark.long) for kind in ("in-process", "fmu")])
-def rolling(
-    request: pytest.FixtureRequest, falling: System, contact_file: Path
-) -> Iterator[tuple[Alone, Alone]]:
-    """Of a radius that is given."""
-    instance, outputs = falling.instances["contact"], ["load", "minimum_film_thickness"]
-    with two_alike(
-        request.param, instance, contact_file, "contact", "radius_of_curvature", outputs, 0.01
-    ) as made:
-        yield made
-
-
-@pytest.mark.parametrize(("radius", "rate"), [(-0.01, 0.0), (0.0, 0.0), (0.01, -3e3)])
-def test_a_radius_that_is_not_positive_is_named_and_the_step_leaves_no_trace(
-    rolling: tuple[Alone, Alone], radius: float, rate: float
-) -> None:
-    """Given as such, or reached by a slope within the step; what follows has the bits of one never asked."""
-    asked, spared = rolling
-    for one in rolling:
-        for k in range(3):
-            one.advance(k * STEP, STEP, 0.01)
-    reached = radius + rate * STEP
-    fault = rf"radius_of_curvature = {reached:g} m \(reduced radius R of the contact\): must be > 0"
-    with pytest.raises(DiscardedStepError, match=fault):
-        asked.advance(3.0 * STEP, STEP, radius, rate)
-    for k in range(3, 6):
-        assert asked.advance(k * STEP, STEP, 0.01) == spared.advance(k * STEP, STEP, 0.01)
-    assert asked.saved() == spared.saved()
-
-
 def contact(halvings: int) -> Alone:
     """Of a radius that is given."""
     instance = Instance(ehl_line_contact(nodes=NODES), inputs={"approach": 2e-6, "entraining_velocity": 1.0})
@@ -113,7 +74,8 @@ def test_a_step_that_no_cut_can_save_is_made_as_far_as_it_goes_and_leaves_no_tra
         for k in range(3):
             one.advance(k * STEP, STEP, RADIUS)
     before = asked.unit.save()
-    with pytest.raises(DiscardedStepError, match=r"radius_of_curvature = -.* must be > 0") as caught:
+    fault = r"radius_of_curvature = -.* m \(reduced radius R of the contact\): must be > 0"
+    with pytest.raises(DiscardedStepError, match=fault) as caught:
         asked.advance(3.0 * STEP, STEP, RADIUS, -3.0 * RADIUS / STEP)
     assert caught.value.reached == pytest.approx(3.25 * STEP, rel=1e-12)
     asked.unit.restore(before)

@@ -19,7 +19,7 @@ from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario.files import load
 
-from .coupled import run_coupled
+from .coupled import Wrapper, run_coupled
 from .recorder import Recorder
 from .small_fmus import small_fmu
 from .two_masses import START, two_masses
@@ -28,17 +28,11 @@ BOND = "first.force * second.velocity"
 STOP = 2.0
 
 
-class Unrated:
+class Unrated(Wrapper):
     """A participant that gives no rates."""
 
-    def __init__(self, participant):
-        self._participant = participant
-
-    def __getattr__(self, name):
-        return getattr(self._participant, name)
-
     def connect(self, bound):
-        self._participant.connect(bound._replace(rates=np.zeros(0)))
+        self._inner.connect(bound._replace(rates=np.zeros(0)))
         return [False] * len(bound.output_names)
 
 

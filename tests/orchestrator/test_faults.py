@@ -24,12 +24,11 @@ from orchestrator.errors import (
 )
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
 
+from .coupled import run_coupled
 from .faulty import Faulty, after, at_random, every, longer_than
 from .faulty_runs import CONTROLLED, STOP, TOLERANCE, controlled, faulty, missed, simulated, sound
-from .recorder import Recorder
 
 JUMP, OFFSET = 0.5, 0.1
 
@@ -216,10 +215,9 @@ def bouncing(kind, discards):
     )
     master, estimator = CONTROLLED[kind]
     control = StepControl(estimator, TOLERANCE, TOLERANCE, minimum_step=1e-8, maximum_step=5e-3)
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    units["stop"], recorder = Faulty(units["stop"], discards=discards), Recorder()
-    simulate(system, units, master, ControlledSteps(1e-3, control), 0.4, [recorder])
-    assert units["stop"].saved == units["stop"].released
+    unit = Faulty(in_process("stop", system.instances["stop"]), discards=discards)
+    recorder = run_coupled(system, master, ControlledSteps(1e-3, control), 0.4, stop=unit)
+    assert unit.saved == unit.released
     truth = solutions.bouncing_mass(recorder.times, position=0.01).motion[:, 0]
     return np.abs(recorder["mass.position"] - truth).max(), recorder
 

@@ -15,7 +15,7 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process, open_fmu
 from tribocosim.command_line import app
 
-from .coupled import assert_growth_changes_at
+from .coupled import Wrapper, assert_growth_changes_at
 from .linearised import (
     SPACING,
     list_outputs,
@@ -157,21 +157,15 @@ def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_resp
     assert_growth_changes_at(limit, behaviour, system, open_participants)
 
 
-class Noisy:
+class Noisy(Wrapper):
     """A participant with noise in its outputs."""
 
-    def __init__(self, unit):
-        self._unit, self._noise = unit, np.random.default_rng(1)
-
-    def __getattr__(self, name):
-        return getattr(self._unit, name)
-
     def connect(self, bound):
-        self._outputs = bound.outputs
-        return self._unit.connect(bound)
+        self._outputs, self._noise = bound.outputs, np.random.default_rng(1)
+        return self._inner.connect(bound)
 
     def read(self):
-        self._unit.read()
+        self._inner.read()
         self._outputs += self._noise.standard_normal(len(self._outputs))
 
 

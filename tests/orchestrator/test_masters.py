@@ -15,7 +15,7 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.masters.acceleration import ACCELERATIONS
 from orchestrator.participants import in_process
 
-from .coupled import build_participants, run_coupled
+from .coupled import Wrapper, build_participants, run_coupled
 from .recorder import Recorder
 from .two_masses import exact, two_masses
 
@@ -127,12 +127,8 @@ def test_steps_that_nobody_records_read_no_outputs():
             if round(time / 1e-2) % 10 == 0:
                 super().observe(time, outputs, step)
 
-    class Counting:
-        def __init__(self, inner):
-            self._inner, self.reads = inner, 0
-
-        def __getattr__(self, name):
-            return getattr(self._inner, name)
+    class Counting(Wrapper):
+        reads = 0
 
         def read_all(self, values):
             self.reads += 1

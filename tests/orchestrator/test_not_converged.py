@@ -11,13 +11,13 @@ from orchestrator.engine.step import DISCARD
 from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.run.simulation import simulate
+from orchestrator.participants import in_process, open_fmu
 from orchestrator.stepping import ControlledSteps, StepControl
 from tests.fmus.pack_component import pack_component
 from tests.models.fluid_layer import fluid_layer
 
-from .alone import Alone, two_alike
-from .coupled import build_participants
+from .alone import Alone
+from .coupled import run_coupled
 from .dragged import dragged
 from .recorder import Recorder
 
@@ -37,9 +37,17 @@ def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(params=["in-process", "fmu"])
 def layers(request: pytest.FixtureRequest, layer_file: Path) -> Iterator[tuple[Alone, Alone]]:
     """With a plate whose speed is given."""
-    instance, outputs = dragged(SHEETS, **STUBBORN).instances["layer"], ["force", "wall_force", "impulse"]
-    with two_alike(request.param, instance, layer_file, "layer", "velocity", outputs) as made:
-        yield made
+    instance = dragged(SHEETS, **STUBBORN).instances["layer"]
+
+    def build() -> Alone:
+        inside = request.param == "in-process"
+        unit = in_process("layer", instance) if inside else open_fmu("layer", layer_file, instance)
+        return Alone(unit, "velocity", ["force", "wall_force", "impulse"], 0.0)
+
+    made = build(), build()
+    yield made
+    for one in made:
+        one.unit.close()
 
 
 def test_a_step_that_does_not_converge_is_discarded_and_leaves_the_state_as_it_was(layers) -> None:
@@ -70,9 +78,7 @@ def test_step_control_shortens_steps_that_do_not_converge(master, estimator: str
     control = StepControl(estimator, relative=1e-2, absolute=1e-2, maximum_step=LONG)
 
     def controlled(**parameters: float) -> Recorder:
-        recorder, system = Recorder(), dragged(SHEETS, **parameters)
-        simulate(system, build_participants(system), master, ControlledSteps(LONG, control), STOP, [recorder])
-        return recorder
+        return run_coupled(dragged(SHEETS, **parameters), master, ControlledSteps(LONG, control), STOP)
 
     stubborn, willing = controlled(**STUBBORN), controlled()
     assert any(step.rejected and step.reason == DISCARD for step in stubborn.steps)
@@ -81,15 +87,13 @@ def test_step_control_shortens_steps_that_do_not_converge(master, estimator: str
 
 
 def test_retries_halve_steps_that_do_not_converge_under_steps_of_one_length() -> None:
-    system, recorder = dragged(SHEETS, **STUBBORN), Recorder()
-    units = build_participants(system)
-    units["layer"] = Substepped(units["layer"], halvings=4)
-    simulate(system, units, Iterated("hermite", 1e-11), LONG, STOP, [recorder])
+    system = dragged(SHEETS, **STUBBORN)
+    layer = Substepped(in_process("layer", system.instances["layer"]), halvings=4)
+    recorder = run_coupled(system, Iterated("hermite", 1e-11), LONG, STOP, layer=layer)
     assert recorder.ended == (True, "")
 
 
 @pytest.mark.parametrize("master", [Jacobi("linear"), Iterated("hermite")], ids=repr)
 def test_steps_of_one_length_end_with_what_to_do(master) -> None:
-    system = dragged(SHEETS, **STUBBORN)
     with pytest.raises(DiscardedStepError, match=f"layer: step .*{REASON}; {REMEDY}"):
-        simulate(system, build_participants(system), master, LONG, STOP, [])
+        run_coupled(dragged(SHEETS, **STUBBORN), master, LONG, STOP)

@@ -6,11 +6,11 @@ import pytest
 
 from models.core.system import ModelError
 from orchestrator.errors import ParticipantError
-from orchestrator.participants import in_process
-from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
+
+from .coupled import run_coupled
 
 BAD = {
     "step_control=1": ("step_control = 1: must be a table",),
@@ -144,9 +144,8 @@ def test_a_start_outside_the_walls_is_one_message(start: str) -> None:
     with pytest.raises(ModelError, match=said):
         resolve_start(scenario, build_system(scenario))
     system = build_system(load("slider-crank", [*changes, "start=equilibrium"]))
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
     with pytest.raises(ParticipantError, match=said):
-        simulate(system, units, scenario.master.build(), 1e-4, 1e-3)
+        run_coupled(system, scenario.master.build(), 1e-4, 1e-3)
 
 
 BAD_CONNECTIONS = {

@@ -25,6 +25,7 @@ from orchestrator.run.watchdog import GRACE_SECONDS, Watchdog
 from orchestrator.run.watchdog_process import CALLS
 
 from .commands import ROOT, SHORT, tribocosim
+from .coupled import run_coupled
 from .faulty import Faulty, once_after
 from .recorder import Recorder
 from .small_fmus import small_fmu
@@ -146,10 +147,7 @@ def test_the_limit_is_one_for_each_call_and_not_for_what_lies_between(tmp_path):
         )
 
     watched = run(tmp_path, 0.4, make, Slow())
-    plain = Recorder()
-    system = two_masses()
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    simulate(system, units, GaussSeidel("linear"), STEP, STOP, [plain])
+    plain = run_coupled(two_masses(), GaussSeidel("linear"), STEP, STOP)
     np.testing.assert_array_equal(watched["second.position"], plain["second.position"])
 
 
