@@ -28,7 +28,7 @@ def build_participants(system):
     return {name: in_process(name, instance) for name, instance in system.instances.items()}
 
 
-def run_coupled(system, master, steps, stop, *observers, recorder=None, resumed=None, **participants):
+def run_coupled(system, master, steps, stop, /, *observers, recorder=None, resumed=None, **participants):
     """The records of a run, with its `statistics`. `participants` replace those in this process, by name."""
     recorder = recorder or Recorder()
     units = build_participants(system) | participants
