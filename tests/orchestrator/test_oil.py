@@ -118,6 +118,9 @@ REFUSED = {
     by_sheet('viscosity_40 = "11 mm2/s", viscosity_100 = "63 mm2/s", density_15 = 855'): (
         r"oil.viscosity_100: gives the slope -2.99 of ASTM D341"
     ),
+    by_sheet(
+        'viscosity_40 = "63 mm2/s", viscosity_100 = "3 mm2/s", density_15 = 855'
+    ): r"slope 6.59 .* 2 to 4.5",
     by_sheet(f"{VISCOSITIES}, density_15 = 0.855"): r"oil.density_15 = 0.855 kg/m3: must be 600 to 1300",
     by_sheet(f"{VISCOSITIES}, density_15 = 855, colour = 3"): r"oil.colour: unknown key",
     '[components.contact]\noil = "SAE 30"\n': r"temperature: missing beside oil",
