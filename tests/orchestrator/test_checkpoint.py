@@ -21,7 +21,7 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
 from orchestrator.participants import Participant, in_process
 from orchestrator.run.checkpoint import Checkpoints, Identity, read, write
 from orchestrator.run.simulation import simulate
-from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
+from orchestrator.stepping import ControlledSteps, FixedSteps, ForwardSteps, StepControl
 from orchestrator.store.json_codec import from_text, to_text
 
 from .alone import Alone
@@ -52,7 +52,12 @@ def _doubled():
     return ControlledSteps(1e-3, StepControl("step_doubling", relative=1e-5, absolute=1e-5))
 
 
+def _forward():
+    return ForwardSteps(1e-3, StepControl("defect", relative=1e-4, absolute=1e-4))
+
+
 WAYS = {
+    "jacobi-forward": (Jacobi("quadratic"), _forward),
     "jacobi": (Jacobi("quadratic"), lambda: FixedSteps(3e-3)),
     "gauss_seidel": (GaussSeidel("linear"), lambda: FixedSteps(3e-3)),
     "gauss_seidel-hermite": (GaussSeidel("hermite"), lambda: FixedSteps(3e-3, event_tolerance=1e-9)),

@@ -148,12 +148,6 @@ def test_participants_that_cannot_go_back_begin_as_well_as_others(master: str, s
     assert error[0] == pytest.approx(error[1], rel=0.1)
 
 
-def test_a_run_repeats_to_the_bit_from_its_state() -> None:
-    one, other = (ride(control("defect", 1e-4))[2] for _ in range(2))
-    assert one.times == other.times
-    np.testing.assert_array_equal(one.values, other.values)
-
-
 @pytest.mark.long
 def test_a_step_over_the_tolerance_is_kept_and_told() -> None:
     """The two masses start with a force that is in no signal yet."""

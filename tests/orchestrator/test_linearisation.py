@@ -11,7 +11,7 @@ from orchestrator.analyses.stability.linear import Linear
 from orchestrator.analyses.stability.linearisation import Equations, linearise_at, linearise_points
 from orchestrator.analyses.stability.responses import Responses, realise, to_continuous
 from orchestrator.analyses.stability.trajectory import NotLinearError
-from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.masters import GaussSeidel, Jacobi
 from orchestrator.participants import in_process, open_fmu
 from tribocosim.command_line import app
 
@@ -112,18 +112,6 @@ def test_responses_of_the_valve_train_have_the_poles_of_its_equations(name, resi
     assert_alike(found, expected, system, name, 5e-6, 1e-7)
     assert_alike(found, expected, system, name, 40e-6, 1e-6)
     assert measured.residual < residual
-
-
-@pytest.mark.parametrize("master", [Jacobi("linear"), GaussSeidel("hermite"), Iterated("quadratic")], ids=str)
-def test_both_ways_of_linearisation_give_one_spectral_radius(master):
-    """Eigenvalues agree to the responses' 1e-7 times their condition."""
-    system = two_masses()
-    where = solve_trajectory(system, 0.2, SPACING)
-    linearisations = {n: Responses(n, in_process(n, i), system, SPACING) for n, i in system.instances.items()}
-    by_responses = Behaviour(linearise_at(system, where, 20, [], linearisations), master)
-    by_equations = Behaviour(linearise_at(system, where, 20, []), master)
-    for h in (1e-2, 5e-2, 0.2):
-        assert by_responses.evaluate(h).radius == pytest.approx(by_equations.evaluate(h).radius, rel=1e-5)
 
 
 def open_third_party(system, tmp_path_factory):

@@ -11,8 +11,6 @@ from typer.testing import CliRunner
 
 from models.core.difference import difference
 from models.monolithic.trajectory import compute_trajectory
-from orchestrator.analyses.stability.analyse import analyse_scenario
-from orchestrator.analyses.stability.figure import draw_figure
 from orchestrator.analyses.stability.survey import round_down
 from orchestrator.engine.signals import DEGREES
 from orchestrator.masters import MASTERS
@@ -63,16 +61,6 @@ def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_
     ]
     assert difference(found["first.force"], truth).relative_rms <= scenario.tolerance["first.force"]
     assert step > 0.01
-
-
-@pytest.mark.long
-def test_the_figure_explains_its_colours_and_lines(masses, tmp_path):
-    found = analyse_scenario(masses, ["macro_step=0.02"], out=tmp_path / "out")
-    (legend,) = draw_figure(found).legends
-    said = [text.get_text() for text in legend.get_texts()]
-    signals = {method.master.extrapolation for method in found.methods}
-    assert {text.removeprefix("signals: ") for text in said if text.startswith("signals: ")} == signals
-    assert {"limit of stability", "allowed error", "the scenario's step, 20 ms"} <= set(said)
 
 
 @pytest.mark.parametrize(

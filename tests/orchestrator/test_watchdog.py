@@ -18,7 +18,7 @@ import pytest
 from fmus.build import build
 from orchestrator.errors import MistakeError, StalledError
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import in_process, open_fmu
+from orchestrator.participants import in_process
 from orchestrator.run.simulation import simulate
 from orchestrator.run.summary import Summary
 from orchestrator.run.watchdog import GRACE_SECONDS, Watchdog
@@ -28,7 +28,6 @@ from .commands import ROOT, SHORT, tribocosim
 from .coupled import run_coupled
 from .faulty import Faulty, once_after
 from .recorder import Recorder
-from .small_fmus import small_fmu
 from .test_fmu_commands import write_tampered
 from .two_masses import two_masses
 
@@ -81,12 +80,6 @@ def test_python_code_that_stalls_is_interrupted_and_named(stall, tmp_path):
     assert recorder.times[-1] == pytest.approx(0.5, abs=1e-12)
     assert made[0].closed
     assert not (tmp_path / "summary.json").exists()
-
-
-def test_an_fmu_that_sleeps_is_interrupted_and_named(tmp_path):
-    """The signal arrives in the FMU's own Python code, which makes fmi2Fatal of it."""
-    with pytest.raises(StalledError, match=r"second: the step did not return within 0\.5 s"):
-        run(tmp_path, 0.5, lambda instance: open_fmu("second", small_fmu("sleeping", tmp_path), instance))
 
 
 METHODS = {

@@ -76,15 +76,6 @@ def test_errors_are_relative_to_the_spread_of_the_true_output(quarter_car):
     assert found["errors"] == {"a": pytest.approx(0.1 * np.sqrt(2.0)), "b": 0.0}
 
 
-def test_errors_at_other_times_than_the_samples_weigh_the_same(quarter_car):
-    """An error that grows linearly in time is known at every sample, however unevenly a run has stepped."""
-    times = quarter_car.times
-    uneven = times[-1] * np.array([0.001, 0.002, 0.4, 0.41, 1.0])
-    expected = compute_errors(quarter_car, times, quarter_car.truth(times) + times[:, None])
-    found = compute_errors(quarter_car, uneven, quarter_car.truth(uneven) + uneven[:, None])
-    assert found["errors"] == pytest.approx(expected["errors"], rel=1e-9)
-
-
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_samples_fall_on_every_macro_step(name):
     """libcosim counts nanoseconds, so the steps are whole numbers of them as well."""
