@@ -182,14 +182,9 @@ def draw(seed: int) -> Vector:
     return np.random.default_rng(seed).uniform(-0.3, 0.3, 36) * np.repeat([1.0, 5.0, 50.0], 12)
 
 
-# One that turns with time; sympy takes long to differentiate the others.
-ALWAYS = ("prescribed rotation",)
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.long] * (name not in ALWAYS)) for name in CASES]
-)
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("seed", [0, 1])
 def test_joints_and_their_derivatives_are_those_of_the_symbolic_definition(name: str, seed: int) -> None:
     joint, define = CASES[name]
     coefficients, t = draw(seed), 0.01
