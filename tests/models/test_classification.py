@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, UNDECIDED, classify
+from models.slider_crank.motions.classification import (
+    CHAOTIC,
+    PERIODIC,
+    TRANSIENT_CHAOS,
+    UNDECIDED,
+    WINDOW,
+    classify,
+)
 from models.slider_crank.motions.machine import Machine
 
 THESIS = "as_published"
@@ -26,6 +33,13 @@ def test_transient_chaos_of_the_thesis() -> None:
     assert (found.kind, found.period) == (TRANSIENT_CHAOS, 1)
     assert found.transient_exponent > 3.0 * found.transient_uncertainty > 0.0
     assert found.exponent + 3.0 * found.uncertainty < 0.0
+
+
+def test_a_long_orbit_that_slides_tells_of_chaos_between_its_slides() -> None:
+    found = classify(Machine(damping=0.228, gap=0.015, form=THESIS), 2000)
+    assert (found.kind, found.slides) == (PERIODIC, True)
+    assert "chaos that each slide ends" in found.evidence
+    assert found.period >= 2 * WINDOW
 
 
 def test_what_neither_grows_nor_dies_out_is_undecided_and_says_what_helps() -> None:
