@@ -47,6 +47,15 @@ def test_results_are_those_declared_and_drawn_for_every_form(name: str, form: st
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_sums_per_impact_and_per_cycle_are_of_the_same_impacts() -> None:
+    analysis = load("profile")
+    impact, cycle = (
+        analysis.evaluate(analysis.complete({"cycles": 40, "transient": 20, "per": per}))
+        for per in ("impact", "cycle")
+    )
+    assert impact["upper_sum"] * impact["impacts_per_cycle"] == pytest.approx(cycle["upper_sum"], rel=1e-12)
+
+
 def test_windows_of_exponents_add_up_to_the_result() -> None:
     """The tangents go on from window to window: both exponents are the windows' means, to rounding."""
     analysis = load("exponents")
