@@ -21,11 +21,12 @@ LINES = [
 ]
 
 
-def masses(second: str, folder: Path, **changes: Any) -> Scenario:
-    """The second one is that FMU; the first one starts at 1 m."""
+def masses(second: str, folder: Path, component: str | None = None, **changes: Any) -> Scenario:
+    """The second one is that FMU, in the place of our `component` if one is given; the first one starts at
+    1 m."""
     tables = {
         "first": {"component": "coupled_mass", "participant": "in-process", "start": {"position": 1.0}},
-        "second": {"participant": fmu(second, 2, folder)},
+        "second": {"participant": fmu(second, 2, folder), "component": component},
     }
     return scenario(tables, **{"connections": LINES} | changes)
 

@@ -38,7 +38,7 @@ def test_held_inputs_get_the_mean_and_the_run_is_of_second_order(name: str, tmp_
     for signal, steps in (("linear", (4e-3, 2e-3)), ("hold", (2e-3,))):
         for step in steps:
             master = {"name": name, "extrapolation": signal, **TIGHT.get(name, {})}
-            one = masses("held_mass", tmp_path, master=master, macro_step=step)
+            one = masses("held_mass", tmp_path, "sprung_mass", master=master, macro_step=step)
             found = ran(one, tmp_path / f"{signal}{step}")[1]
             error[signal, step] = np.abs(found["first.position"] - exact_position(found["time"])).max()
     order = np.log2(error["linear", 4e-3] / error["linear", 2e-3])
@@ -99,15 +99,19 @@ def test_outputs_that_follow_a_held_input_at_once_are_those_of_the_steps_end(
 
 
 def test_held_inputs_are_named_before_the_run(tmp_path: Path) -> None:
-    (said,) = list_warnings(masses("held_mass", tmp_path))
+    (said,) = list_warnings(masses("held_mass", tmp_path, "sprung_mass"))
     assert "second.force" in said
     assert "second order" in said
-    (said,) = list_warnings(masses("held_mass", tmp_path, master={"name": "jacobi", "extrapolation": "hold"}))
+    (said,) = list_warnings(
+        masses("held_mass", tmp_path, "sprung_mass", master={"name": "jacobi", "extrapolation": "hold"})
+    )
     assert "first order" in said
 
 
 def test_signals_are_advised_for_held_inputs_by_what_they_give(tmp_path: Path) -> None:
-    one = masses("held_mass", tmp_path, master={"name": "gauss_seidel", "extrapolation": "hold"})
+    one = masses(
+        "held_mass", tmp_path, "sprung_mass", master={"name": "gauss_seidel", "extrapolation": "hold"}
+    )
     summary, _ = ran(one, tmp_path / "out")
     limits = FmuLimits(one)
     assert (limits.held_inputs, limits.restorable, limits.controllable) == ([HELD], True, True)
@@ -119,7 +123,7 @@ def test_signals_are_advised_for_held_inputs_by_what_they_give(tmp_path: Path) -
 def test_the_estimated_error_has_that_of_held_inputs(tmp_path: Path) -> None:
     """Within 5 % of that of a run."""
     more: dict[str, Any] = {"tolerance": {"second.position": 0.3}, "reference": {"enabled": True}}
-    one = masses("held_mass", tmp_path, **more)
+    one = masses("held_mass", tmp_path, "sprung_mass", **more)
     system = build_system(one)
     with open_linearisations(one, system, None) as made:
         found = survey(one, system, linearisations=made)
