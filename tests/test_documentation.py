@@ -47,6 +47,7 @@ EXAMPLES = [
 
 
 def test_every_key_of_the_schema_and_every_choice_is_in_the_reference() -> None:
+    """Otherwise: add these words, as code, to docs/reference/scenarios.md."""
     content = build_schema()
     tables = [d["properties"] for name, d in content["$defs"].items() if name.endswith("Table")]
     assert len(tables) == 5
@@ -110,7 +111,7 @@ def test_the_example_of_a_film_has_the_exponents_that_it_states() -> None:
 
 
 def test_the_example_of_a_master_is_of_second_order_with_linear_signals() -> None:
-    master = run_example("class Alternating", "orchestrator.masters")["Alternating"]("linear")
+    master = run_example("class Corrected", "orchestrator.masters")["Corrected"]("linear")
     errors = []
     for step in (2e-3, 1e-3):
         recorder = run_coupled(two_masses(), master, step, 2.0)

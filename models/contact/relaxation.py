@@ -14,10 +14,11 @@ SQUEEZE_CONSTANT = 96.775
 def relaxation_rate(film: float, steady_film: float, velocity: float, squeeze_constant: float) -> float:
     """dh/dt = -(|u|/C) ln(h/h_ss): K (10) solved for its squeeze velocity; 0 at u = 0.
 
-    A film that is not positive has no rate (nan): an integrator must reject the trial.
+    Without a steady film (h_ss = 0) the film stays. A film that is not positive and a steady film below zero
+    have no rate (nan): an integrator must reject the trial.
     """
-    if velocity == 0.0 or steady_film <= 0.0:
+    if velocity == 0.0 or steady_film == 0.0:
         return 0.0
-    if film <= 0.0:
+    if film <= 0.0 or steady_film < 0.0:
         return math.nan
     return -abs(velocity) / squeeze_constant * math.log(film / steady_film)

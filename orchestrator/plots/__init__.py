@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ..errors import RunError
 from ..scenario import Scenario
 from ..store.result_file import ResultFile
 from .data import FigureData
@@ -39,7 +40,18 @@ def find_figures(result: ResultFile, title: str, scenario: Scenario) -> dict[str
 
 
 def draw_all(figures: Mapping[str, Callable[[], Any]], folder: Path) -> list[Path]:
-    """Draw what `find_figures` gives into `folder`, as PNG."""
+    """Draw what `find_figures` gives into `folder`, as PNG. RunError names a figure that fails."""
     from .style import save_figure
 
-    return [save_figure(figure, folder / f"{name}.png") for name, figure in figures.items()]
+    paths = []
+    for name, figure in figures.items():
+        try:
+            paths.append(save_figure(figure, folder / f"{name}.png"))
+        except (OSError, MemoryError):
+            raise
+        except Exception as error:
+            raise RunError(
+                f"figure {name}: unexpected {type(error).__name__}: {error}; "
+                "once it is mended, tribocosim resume draws the figures of this run"
+            ) from error
+    return paths

@@ -74,6 +74,21 @@ def test_exponents_are_those_printed(name, speed, load):
     assert exponent(name, load=1) == pytest.approx(load, abs=1e-7)
 
 
+@pytest.mark.parametrize("name", FILMS)
+@given(velocity=st.floats(0.0, 50.0), log_load=st.floats(-12.0, 6.0), log_radius=st.floats(-4.0, 1.0))
+def test_films_are_finite_and_not_negative_from_rest_on(name, velocity, log_load, log_radius):
+    thickness = film(name, velocity=velocity, load=10.0**log_load, radius=10.0**log_radius)
+    assert 0.0 <= thickness < math.inf
+
+
+def test_the_numbers_of_shipped_formulas_stay():
+    """FMUs and saved scenarios have them."""
+    assert list(FILMS)[:8] == [
+        "kushwaha", "kushwaha_negative", "dowson_higginson", "dowson_toyoda", "pan_hamrock_minimum",
+        "pan_hamrock_central", "moes_venner", "dry",
+    ]  # fmt: skip
+
+
 def test_numbers_choose_the_formulas():
     for number, name in enumerate(FILMS):
         assert film_by_number(float(number), *AT.values()) == film(name)

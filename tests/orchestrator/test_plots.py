@@ -12,8 +12,10 @@ import pytest
 
 from models.core.quantities import Quantity, Vector
 from orchestrator.assessment.diagnosis import Steps
+from orchestrator.errors import RunError
 from orchestrator.plots import (
     difference,
+    draw_all,
     film_and_load,
     journal_orbits,
     slider_crank_motion,
@@ -313,3 +315,8 @@ def test_orbits_are_in_parts_of_the_clearance() -> None:
     assert journal_orbits.applies(data)
     above, _ = journal_orbits.draw(data).axes
     assert above.get_title(loc="left") == "bearing 1"
+
+
+def test_a_figure_that_fails_is_named(tmp_path):
+    with pytest.raises(RunError, match=r"figure broken: .*KeyError.*resume"):
+        draw_all({"broken": lambda: {}["missing"]}, tmp_path)

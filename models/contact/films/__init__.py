@@ -1,7 +1,7 @@
 """Film thickness formulas for line contacts. To add one: a file with `film` (a kernel), listed here.
 
-Each kernel is film(load, velocity, radius, length, compliance, viscosity, pressure_viscosity) -> m, for
-positive load, |entraining velocity| and reduced radius.
+Each kernel is film(load, velocity, radius, length, compliance, viscosity, pressure_viscosity) -> m, for a
+positive load and reduced radius and an entraining speed from zero on. A film is finite and not negative.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ FILMS: dict[str, Any] = {
 }
 
 
-# Whose film grows with its load: it can feed vibrations of the contact.
+# The one formula whose film grows with its load: it can feed vibrations of the contact.
 GROWING = "kushwaha"
 
 
