@@ -72,8 +72,8 @@ GIVEN = {"fixed": 0.02 + 0.07 * np.arange(15), "tunable": 0.25 * np.arange(5)}
 @pytest.mark.parametrize(
     ("macro_step", "process", "given"),
     [
-        (0.3, "shared", {}),
-        (0.3, "own", {"fixed": "70 ms", "tunable": 0.25}),
+        (0.3, "own", {}),
+        (0.3, "shared", {"fixed": "70 ms", "tunable": 0.25}),
         pytest.param(0.01, "shared", {"fixed": "70 ms", "tunable": 0.25}, marks=pytest.mark.long),
     ],
 )
