@@ -57,7 +57,7 @@ def expected_of(reference: Reference, plan: list) -> list[list[float]]:
     return expected
 
 
-@pytest.mark.parametrize("name", mark_long(NAMES))
+@pytest.mark.parametrize("name", mark_long(NAMES, ("valve_spring", "flywheel")))
 def test_fmu_equals_component(
     name: str, fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path, record
 ) -> None:

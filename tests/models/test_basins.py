@@ -15,6 +15,7 @@ def grid(gap: float, count: int):
     return np.linspace(-gap, gap, count), np.linspace(-10.0 * gap, 10.0 * gap, count)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("workers", [1, 3])
 def test_a_sliding_and_a_bouncing_orbit_have_a_basin_each(workers: int) -> None:
     # Permanent sliding and four impacts a cycle, both stable, with the corrected sign.

@@ -114,6 +114,7 @@ def test_law_of_impact(
         assert co.slips(touching, found, ratios, s, m)
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(
     corner=st.sampled_from([0, 1, 2, 3]),

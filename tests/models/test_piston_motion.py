@@ -34,6 +34,7 @@ ENGINE_SPEED = 2000.0 * math.pi / 30.0
 UNEVEN = {"pin_offset": 1e-3, "mass_offset": -0.5e-3}
 
 
+@pytest.mark.long
 def test_roller_is_the_nonlinear_slider_crank() -> None:
     """The same impacts and events as the other component in its nonlinear form."""
     damping, gap, start, horizon = 0.05, 0.015, 0.2, 10.0

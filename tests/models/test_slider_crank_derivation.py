@@ -80,6 +80,7 @@ def mechanisms(sign: float = 1.0) -> Iterator[tuple[np.random.Generator, Mechani
         yield random, Mechanism(xi, alpha, beta, sign * beta, damping)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("turning", "sign"),
     [(TRUE_TURNING, 1.0), (PUBLISHED_TURNING, -1.0)],

@@ -96,6 +96,7 @@ def test_the_lubrication_characteristic_is_that_of_its_closed_form(tmp_path):
     np.testing.assert_allclose(at_zeros, 0.0, atol=1e-6)
 
 
+@pytest.mark.long
 def test_scenarios_give_the_cam_and_follower_that_they_have():
     assert find_settings("my-cam")["lift_table"] == str(TABLE.resolve())
     assert find_settings("my-cam")["base_radius"] == 24e-3

@@ -36,6 +36,7 @@ def test_fourth_order_holds_to_the_steps_that_are_advised(record) -> None:
         record("Coupling", case, error(step) / fine / (step / 0.01) ** 4, 1.0, "order 4", tolerance=0.15)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("step", [5e-6, 1e-6])
 @pytest.mark.parametrize("rpm", [3000, 4000, 7000])
 def test_a_follower_that_leaves_its_cam_does_not_end_the_run(rpm, step):

@@ -285,7 +285,10 @@ def test_listing_and_version() -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes and statuses of Unix")
 @pytest.mark.parametrize("unbuffered", [[], pytest.param(["-u"], marks=pytest.mark.long)])
-@pytest.mark.parametrize("arguments", [["scenarios"], ["run", "valve-train", *SHORT, "--no-figures"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [["scenarios"], pytest.param(["run", "valve-train", *SHORT, "--no-figures"], marks=pytest.mark.long)],
+)
 def test_a_reader_that_leaves_ends_the_command_quietly(
     unbuffered: list[str], arguments: list[str], tmp_path: Path
 ) -> None:

@@ -165,6 +165,7 @@ def test_an_fmu_that_holds_its_inputs_and_gives_no_rates(signal, tmp_path, compi
     np.testing.assert_array_equal(found[0], run(GaussSeidel(signal), third_party, Wrapped)[0])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.long), 3])
 def test_passes_over_native_fmus_are_compiled_too(fmi, compiled):
     """Of both versions of FMI; their kernels are those of the FMUs in Python, to the bit."""

@@ -363,7 +363,7 @@ def test_a_wrong_folder_or_figure_is_told_before_anything_else(
         diagnose(own)
 
 
-@pytest.mark.parametrize("n", [1, 10_000])
+@pytest.mark.parametrize("n", [1, pytest.param(10_000, marks=pytest.mark.long)])
 def test_the_figure_is_drawn_for_few_and_for_many_steps(n: int, tmp_path: Path) -> None:
     """All steps are in the histograms: their bars add up to 100 %."""
     steps = random_steps(n)

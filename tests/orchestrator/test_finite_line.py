@@ -77,6 +77,7 @@ def test_a_mistake_in_a_profile_is_the_users(name):
         analysis.evaluate(analysis.complete({"profile": "crowned", "crown_radius": 1e-3}))
 
 
+@pytest.mark.long
 def test_at_a_reversal_the_contact_is_dry_and_says_so(tmp_path: Path):
     """At 144 degrees only rounding is left of the entraining velocity."""
     settings = ["angle=144 deg", *(f"{key}={value}" for key, value in ROUGH.items())]

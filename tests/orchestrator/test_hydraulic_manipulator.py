@@ -12,6 +12,7 @@ from models.monolithic import solve
 from orchestrator.scenario.system import build_system
 
 
+@pytest.mark.long
 def test_the_start_is_the_published_equilibrium() -> None:
     """To the digits that are printed there; nothing moves while the valve does not (its motion begins with
     t^2)."""
@@ -22,6 +23,7 @@ def test_the_start_is_the_published_equilibrium() -> None:
     np.testing.assert_allclose(solution["cylinder.force"], 8829.0, rtol=1e-6)
 
 
+@pytest.mark.long
 def test_links_that_nothing_lifts_keep_their_energy(record) -> None:
     """Over 0.5 s of a free fall of both, of 1.5 kJ."""
     system = System({"links": Instance(links(), inputs={"force": 0.0})}, [])

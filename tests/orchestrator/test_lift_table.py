@@ -146,6 +146,7 @@ def test_one_wrong_row_is_named_and_none_without_it(rounding, noise, row, error)
     )
 
 
+@pytest.mark.long
 @given(seed=st.integers(0, 1000), decimals=st.integers(3, 9))
 @settings(max_examples=10, deadline=None)
 def test_uneven_and_coarse_tables_without_errors_but_rounding_are_not_doubted(seed, decimals):

@@ -101,6 +101,7 @@ def average_close(poles):
 
 
 # Of the shaft's two whirls a sample tells little more than of one, so that their fit leaves more.
+@pytest.mark.long
 @pytest.mark.parametrize(("name", "residual"), [("camshaft", 3e-5), ("valve_spring", 1e-6)])
 def test_responses_of_the_valve_train_have_the_poles_of_its_equations(name, residual):
     """The flexible camshaft, ten states, and the spring with its coils, six: what their integrators leave

@@ -38,6 +38,7 @@ def test_noses_come_in_firing_order_half_a_crank_turn_apart(kind):
     np.testing.assert_allclose(np.diff(crank) % 720.0, 180.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [pytest.param("intake", marks=pytest.mark.long), "exhaust"])
 def test_a_camshaft_moves_as_it_does_alone(system, together, kind):
     """The crankshaft's speed is prescribed: the same numbers to the last bit."""

@@ -61,6 +61,7 @@ def never(name: str, structure: object, kind: str) -> Path:
 BUILD: Builder = never
 
 
+@pytest.mark.long
 def test_the_course_of_a_coupled_system_is_that_of_its_equations() -> None:
     """Outputs and rates. The layer's steps of 10 us are of second order: 5e-10 of its force."""
     times, quiet = np.arange(401) * 1e-5, lambda share: None

@@ -58,6 +58,7 @@ def test_an_fmu_of_a_thousand_states_runs_as_the_component_to_the_last_bit(maste
     np.testing.assert_array_equal(packed.rows, own.rows)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [pytest.param("in-process", marks=pytest.mark.long), "fmu"])
 def test_a_run_of_a_thousand_states_goes_on_from_a_checkpoint_to_the_last_bit(
     kind: str, layer_file: Path

@@ -75,6 +75,7 @@ def test_a_table_of_the_formula_tends_to_it(tmp_path: Path, record) -> None:
     record("Slider-crank", f"{case}: order", order, 2.75, "2 at extremes, 3 elsewhere", tolerance=0.75)
 
 
+@pytest.mark.long
 @given(
     pressures=st.lists(st.floats(0.5e5, 8e6), min_size=8, max_size=40),
     angle=st.floats(-40.0, 40.0),

@@ -12,8 +12,17 @@ from orchestrator.scenario.files import list_shipped, load, to_full_toml
 from orchestrator.scenario.system import build_system
 from orchestrator.scenario.warnings import list_warnings
 
+# Of tens of instances: compiling their kernels takes long.
+LARGE = ("engine-16v", "pushrod-engine", "valve-train-16v")
 
-@pytest.mark.parametrize("name", sorted(list_shipped()))
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.long) if name in LARGE else name
+        for name in sorted(list_shipped())
+    ],
+)
 def test_written_scenario_gives_the_same_system_bit_for_bit(name: str) -> None:
     """Nor is any of its values doubted: written out, the numbers have no units."""
     scenario = load(name)

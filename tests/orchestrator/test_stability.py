@@ -243,6 +243,7 @@ def test_means_of_held_inputs_are_stable_at_longer_steps_than_hold(valve_train, 
     record("Coupling", quantity, gained, 6.03, "first measured", relative=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "master",
     [

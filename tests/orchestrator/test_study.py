@@ -212,6 +212,7 @@ def test_a_study_leaves_its_store_a_table_and_a_figure(undisturbed: Path) -> Non
         assert "numba" in json.loads(found.attrs["versions"])
 
 
+@pytest.mark.long
 def test_a_finished_study_evaluates_nothing_again(undisturbed: Path) -> None:
     before, times = read_files(undisturbed / "store.zarr"), count_evaluations(undisturbed)
     arguments = ["study", str(undisturbed / "test.toml"), "--out", str(undisturbed / "store.zarr")]
@@ -220,6 +221,7 @@ def test_a_finished_study_evaluates_nothing_again(undisturbed: Path) -> None:
     assert count_evaluations(undisturbed) == times
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="groups of processes are POSIX")
 @pytest.mark.parametrize(
     ("kill", "after"),

@@ -52,6 +52,7 @@ def test_results_are_those_of_the_run(tmp_path: Path) -> None:
             assert found[f"{name}.mean"] == pytest.approx(np.mean(values.values), rel=1e-15, abs=0.0)
 
 
+@pytest.mark.long
 def test_an_oil_is_studied_over_grades_and_temperatures(tmp_path: Path) -> None:
     """Hotter, or of a thinner grade, it makes a thinner film."""
     oil, temperature = "components.contact.oil", "components.contact.temperature"

@@ -84,6 +84,7 @@ def test_order_of_convergence_of_the_contact_load(
     record("Coupling", quantity, fine, 0.0, "monolithic solution", tolerance=ceiling)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("master", "step"), [(GaussSeidel("quadratic"), 5e-7), (Iterated("quadratic", 1e-11), 2e-6)], ids=str
 )

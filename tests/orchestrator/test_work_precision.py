@@ -86,6 +86,7 @@ def test_samples_fall_on_every_macro_step(name):
     assert problem.times[-1] == pytest.approx(problem.duration)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("extrapolation", "order"), [("hold", 1), ("linear", 2), ("quadratic", 3)])
 def test_the_slope_of_a_line_is_the_order_of_its_signals(quarter_car, files, extrapolation, order):
     """Within 0.15 between 1 and 0.5 ms, where the next term of the error is a few per cent."""
@@ -174,6 +175,7 @@ def test_the_benchmark_leaves_a_table_and_a_figure(tmp_path, monkeypatch):
         benchmark("quarter-car", build_fmu, out, duration=0.032)
 
 
+@pytest.mark.long
 def test_a_benchmark_that_is_killed_leaves_the_methods_that_it_has_measured(
     quarter_car, tmp_path, monkeypatch
 ):

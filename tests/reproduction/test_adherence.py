@@ -67,6 +67,7 @@ def test_massless_load_is_the_closed_form(record):
     record("Contact", quantity, at("contact.load"), exact, "m3 s'' ω² + f_p + k0 s", tolerance=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("speed_rpm", "low", "high"),
     [
@@ -92,6 +93,7 @@ def test_load_with_flexible_camshaft(speed_rpm, low, high, record):
     compare_loads(record, f"flexible camshaft, surge, {speed_rpm}", load, low, high)
 
 
+@pytest.mark.long
 def test_loads_of_all_speeds_cross_where_the_acceleration_vanishes():
     """At +-45.67 degrees from the nose and on it the follower does not accelerate."""
     loads = [adherence(rpm, massless=True)("contact.load") for rpm in (600, 1000, 3000)]

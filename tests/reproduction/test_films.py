@@ -42,6 +42,7 @@ def test_bloks_film_is_the_rigid_piezoviscous_asymptote() -> None:
     assert compute_asymptotes(1.0, 8.0)["rigid-piezoviscous"] == pytest.approx(H, rel=5e-3)
 
 
+@pytest.mark.long
 def test_samples_are_reproducible_and_in_range(runs: Runs) -> None:
     again = draw_sample(5, 1)
     np.testing.assert_array_equal(again.load, runs.fit.load)
@@ -92,6 +93,7 @@ def test_steady_films_are_everywhere_but_at_the_reversals(runs: Runs) -> None:
     assert np.all(cycle.steady["minimum"][~at_rest] <= cycle.steady["central"][~at_rest])
 
 
+@pytest.mark.long
 def test_only_squeeze_keeps_a_film_at_the_reversals(runs: Runs) -> None:
     cycle = runs.shown
     for formula in FORMULAS:

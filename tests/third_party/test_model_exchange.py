@@ -94,6 +94,7 @@ def advance(unit: Participant, bound: BoundVariables, steps: Sequence[int], step
     return np.array(rows)
 
 
+@pytest.mark.long
 def test_a_repeated_step_has_the_same_bits(files: dict[str, Path]) -> None:
     """Through impacts; also from a serialised state, in another instance."""
     step = 5e-4

@@ -83,6 +83,7 @@ def test_errors_by_refinement_are_those_against_the_monolithic_reference(
     record("Coupling", case, found["order"], expected, "order of the signal", tolerance=0.2)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("master", "signal", "estimator", "expected"),
     [

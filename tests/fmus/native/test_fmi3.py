@@ -32,6 +32,7 @@ def test_it_equals_the_component(name: str, fmi3_files: Files, isolated: Isolate
     assert replay(isolated, fmi3_files[name], plan, tmp_path, "Instance3") == expected_of(reference, plan)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", mark_long(["flywheel", "slider_crank"], ["flywheel"]))
 def test_fmutool_finds_no_fault(name: str, fmi3_files: Files) -> None:
     pytest.importorskip("fmu_manipulation_toolbox", reason="fmu-manipulation-toolbox is not installed")

@@ -257,6 +257,7 @@ def test_derivatives_by_states_between_steps(name: str, native_files: dict[str, 
     slave.free()
 
 
+@pytest.mark.long
 def test_derivatives_by_start_values(native_files: dict[str, Path]) -> None:
     """In initialisation: a state follows its start value, and what is calculated follows the state."""
     slave = Instance(native_files["coupled_mass"])

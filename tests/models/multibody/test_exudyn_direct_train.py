@@ -180,6 +180,7 @@ def build_ours(speed: float, flexible: bool) -> Mechanism:
     return direct_train(camshaft, valve, speed, start=start)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("speed_rpm", "flexible", "step"),
     [

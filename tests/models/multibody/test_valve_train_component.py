@@ -76,6 +76,7 @@ def _read_states(component: Component, train: Mechanism, angle: float) -> Vector
     return x
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("flexible", [pytest.param(0.0, marks=pytest.mark.long), 1.0])
 def test_accelerations_and_loads_are_those_of_the_mechanism(component: Component, flexible: float) -> None:
     """Cholesky's factors of J M^-1 J^T in kernels against the whole matrix, for a train of other numbers."""

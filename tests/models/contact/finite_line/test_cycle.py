@@ -20,6 +20,7 @@ from .cases import STRAIGHT, dry_of, film_of
 FINE = Resolution(12.0, 0.4, 0.5, 16)
 
 
+@pytest.mark.long
 def test_every_instant_is_what_it_is_alone():
     """The start makes no difference beyond Newton's tolerance; no velocity is dry, no load is open. One that
     fails says so, and the others go on."""

@@ -90,6 +90,7 @@ def test_the_middle_is_the_line_contact(record):
         record("Field", f"finite line: {name}", found, exact, "line contact of that load", relative=relative)
 
 
+@pytest.mark.long
 def test_a_thin_film_in_the_middle_is_the_line_contact():
     """M = 100, whose inlet is b/11 wide: a logarithmic profile, few lines."""
     at = Running(load=32564.0, velocity=2.25, radius=20e-3)
