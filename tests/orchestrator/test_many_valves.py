@@ -51,6 +51,7 @@ def test_a_camshaft_moves_as_it_does_alone(system, together, kind):
         assert np.ptp(alone[output]) > 0.0
 
 
+@pytest.mark.long
 def test_a_bent_shaft_gives_way_to_its_followers(together):
     """The axis moves away from them."""
     for kind in ("intake", "exhaust"):

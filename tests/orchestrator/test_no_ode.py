@@ -109,6 +109,7 @@ def test_a_reference_that_cannot_be_solved_is_refused_before_anything_is_written
     assert not out.exists()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("opaque", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_run_without_reference_ends_with_its_ledger(
     tmp_path: Path, opaque: bool, monkeypatch: pytest.MonkeyPatch

@@ -50,7 +50,6 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return out, done.stdout
 
 
-@pytest.mark.long
 def test_a_sweep_leaves_a_table_cycles_and_figures(swept: tuple[Path, str]) -> None:
     out, _ = swept
     rows = list(csv.DictReader((out / "speeds.csv").read_text("utf-8").splitlines()))

@@ -105,6 +105,7 @@ def test_only_squeeze_keeps_a_film_at_the_reversals(runs: Runs) -> None:
         assert np.all(kept[cycle.reversals] > 0.05e-6)
 
 
+@pytest.mark.long
 def test_squeezed_films_are_the_relaxation_of_the_monolithic_solution(runs: Runs) -> None:
     """Kushwaha's film along the load of the adherence solution is that solution's own film."""
     cycle = runs.shown

@@ -272,6 +272,7 @@ def test_derivatives_by_start_values(native_files: dict[str, Path]) -> None:
     slave.free()
 
 
+@pytest.mark.long
 def test_energies_and_rates_have_the_derivatives_of_their_formulas(
     native_files: dict[str, Path], record
 ) -> None:

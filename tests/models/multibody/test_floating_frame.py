@@ -59,6 +59,7 @@ def find_train_frequencies(shapes: int) -> Vector:
     return find_modes(*whole, constraints)
 
 
+@pytest.mark.long
 def test_floating_frame_and_finite_segments_meet_at_the_exact_rod(record: Callable[..., None]) -> None:
     """Six shapes are exact to rounding; segments approach with the square of their number."""
     found = find_train_frequencies(6)[:3]

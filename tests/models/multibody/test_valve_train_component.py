@@ -176,6 +176,7 @@ def test_a_valve_too_light_for_its_contact_is_refused(component: Component, shar
     assert all("must be >= 6.75e-05 kg" in fault for fault in faults)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("flexible", [0.0, 1.0])
 def test_a_start_that_its_joints_do_not_allow_is_named_with_the_joint(
     component: Component, flexible: float
