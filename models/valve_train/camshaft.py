@@ -27,7 +27,6 @@ from .cams.profile import (
     time_to_break,
 )
 from .cams.table import TABLE, TableParameters, check_table
-from .shaft import DriveInputs
 from .shaft_element import (
     Load,
     Shaft,
@@ -42,6 +41,7 @@ from .shaft_element import (
     tilt_lag_rate,
     twist_torque,
 )
+from .shared import DriveInputs
 
 
 @dataclass

@@ -17,7 +17,7 @@ from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector, per_element
 from ..plausible import SEAT_STIFFNESS, SPRING_RATE
-from .valve_spring import SurgeDamping, SurgeFrequency
+from .shared import SurgeDamping, SurgeFrequency
 
 
 @dataclass

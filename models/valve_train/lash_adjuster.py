@@ -17,7 +17,7 @@ from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import CAM_RADIUS, GAS_PRESSURE, PART_LENGTH, PLAY, VISCOSITY, VOLUME
-from .rod import EndMotions
+from .shared import EndMotions
 
 # Newton's steps for the pressure of oil with air end at this part of a volume; they converge from below.
 STEPS, CLOSE = 60, 1e-15

@@ -15,6 +15,7 @@ from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector, per_element
 from ..plausible import AREA, PART_LENGTH, YOUNGS_MODULUS
+from .shared import EndMotions
 
 
 @dataclass
@@ -59,20 +60,6 @@ class RodState:
         ),
     ] = per_element()  # fmt: skip
     velocity: Annotated[Vector, Quantity("m/s", "velocity of a segment", size="segments")] = per_element()
-
-
-@dataclass
-class EndMotions:
-    """The bodies that a rod or a lash adjuster is between."""
-
-    lower_position: Annotated[
-        float, Quantity("m", "position of the body below", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    lower_velocity: Annotated[float, Quantity("m/s", "velocity of the body below")] = 0.0
-    upper_position: Annotated[
-        float, Quantity("m", "position of the body above", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    upper_velocity: Annotated[float, Quantity("m/s", "velocity of the body above")] = 0.0
 
 
 @dataclass

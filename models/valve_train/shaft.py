@@ -16,6 +16,7 @@ from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector, per_element
 from ..plausible import ANGLE
+from .shared import DriveInputs
 
 
 @dataclass
@@ -121,17 +122,6 @@ class ShaftState:
     bending_y_rate: Annotated[Vector, Quantity("m/s", "its rate", nominal=1e-2, size="bending_modes")] = (
         per_element()
     )
-
-
-@dataclass
-class DriveInputs:
-    drive_angle: Annotated[float, Quantity("rad", "angle of the drive", display_unit="deg")] = 0.0
-    drive_speed: Annotated[
-        float, Quantity("rad/s", "speed of the drive", nominal=100.0, display_unit="rpm")
-    ] = 0.0
-    drive_acceleration: Annotated[
-        float, Quantity("rad/s2", "angular acceleration of the drive", nominal=100.0)
-    ] = 0.0
 
 
 @dataclass

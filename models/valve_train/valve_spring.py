@@ -18,22 +18,12 @@ from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector, per_element
 from ..core.requirements import Requirement
-from ..plausible import CAM_LIFT, LASH, SEAT_STIFFNESS, SPRING_RATE, SURGE_FREQUENCY, VALVE_MASS
+from ..plausible import CAM_LIFT, LASH, SEAT_STIFFNESS, SPRING_RATE, VALVE_MASS
+from .shared import SurgeDamping, SurgeFrequency
 
 # A dip that is far from any event.
 NO_SEAT = -1.0
 
-SurgeFrequency = Annotated[
-    float,
-    Quantity(
-        "Hz", "first natural frequency f0 of the clamped spring", nominal=500.0, positive=True,
-        plausible=SURGE_FREQUENCY,
-    ),
-]  # fmt: skip
-SurgeDamping = Annotated[
-    float,
-    Quantity("1", "damping ratio of the spring at f0 (stiffness-proportional)", nominal=0.01, minimum=0.0),
-]
 CoilPosition = Annotated[
     Vector, Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
 ]

@@ -1,0 +1,48 @@
+"""Quantities and inputs that several parts of a train declare alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..core.quantities import Quantity
+from ..plausible import SURGE_FREQUENCY
+
+SurgeFrequency = Annotated[
+    float,
+    Quantity(
+        "Hz", "first natural frequency f0 of the clamped spring", nominal=500.0, positive=True,
+        plausible=SURGE_FREQUENCY,
+    ),
+]  # fmt: skip
+SurgeDamping = Annotated[
+    float,
+    Quantity("1", "damping ratio of the spring at f0 (stiffness-proportional)", nominal=0.01, minimum=0.0),
+]
+
+
+@dataclass
+class DriveInputs:
+    """Motion of what drives a shaft."""
+
+    drive_angle: Annotated[float, Quantity("rad", "angle of the drive", display_unit="deg")] = 0.0
+    drive_speed: Annotated[
+        float, Quantity("rad/s", "speed of the drive", nominal=100.0, display_unit="rpm")
+    ] = 0.0
+    drive_acceleration: Annotated[
+        float, Quantity("rad/s2", "angular acceleration of the drive", nominal=100.0)
+    ] = 0.0
+
+
+@dataclass
+class EndMotions:
+    """Motions of the bodies at both ends of a rod or a lash adjuster."""
+
+    lower_position: Annotated[
+        float, Quantity("m", "position of the body below", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    lower_velocity: Annotated[float, Quantity("m/s", "velocity of the body below")] = 0.0
+    upper_position: Annotated[
+        float, Quantity("m", "position of the body above", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    upper_velocity: Annotated[float, Quantity("m/s", "velocity of the body above")] = 0.0
