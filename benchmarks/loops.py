@@ -24,9 +24,9 @@ from orchestrator.masters import Master
 from orchestrator.participants import open_fmu
 from orchestrator.run.simulation import simulate
 from orchestrator.stepping import FixedSteps, Stepper
-from orchestrator.study.work_precision.peers import describe_system
-from orchestrator.study.work_precision.peers.fmpy_script import open_slaves
 
+from .coupling.peers import describe_system
+from .coupling.peers.fmpy_script import open_slaves
 from .measure import Clock
 
 STEPS, STEP = 10_000, 2e-6

@@ -10,7 +10,6 @@ from typing import Annotated
 import typer
 
 from .analyse import run_analysis
-from .benchmark import benchmark_coupling
 from .cam import draw_cam
 from .compare import compare_sweeps
 from .components import print_components
@@ -54,10 +53,6 @@ packages = typer.Typer(help="Exchange scenarios with other tools.", no_args_is_h
 packages.command("export")(ssp_export)
 packages.command("import")(ssp_import)
 app.add_typer(packages, name="ssp")
-
-benchmarks = typer.Typer(help="Compare the masters with other tools.", no_args_is_help=True)
-benchmarks.command("coupling")(benchmark_coupling)
-app.add_typer(benchmarks, name="benchmark")
 
 
 def main() -> None:

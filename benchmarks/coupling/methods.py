@@ -1,4 +1,4 @@
-"""Our own masters: each over the problem's macro steps, and with step control over tolerances."""
+"""Our own masters: over the problem's macro steps, or with step control over tolerances."""
 
 from __future__ import annotations
 
@@ -8,23 +8,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from models.core.quantities import Vector
+from orchestrator.engine.step import Step
+from orchestrator.errors import RunError
+from orchestrator.masters import MASTERS
+from orchestrator.participants import Participant, open_fmu
+from orchestrator.run.plan import FmuFile
+from orchestrator.run.simulation import Statistics, simulate
+from orchestrator.stepping import StepControl, Stepper, control_steps
 
-from ...engine.observer import Observer
-from ...engine.signals import DEGREES
-from ...engine.step import Step
-from ...errors import RunError
-from ...masters import MASTERS
-from ...participants import Participant, open_fmu
-from ...run.plan import FmuFile
-from ...run.simulation import Statistics, simulate
-from ...stepping import StepControl, Stepper, control_steps
 from .problem import CouplingProblem
 from .row import Row, compute_errors
-
-TOOL = "tribocosim"
-# A run is repeated, up to REPEATS times in all, until the runs took this long together; the shortest counts.
-ENOUGH_S = 0.2
-REPEATS = 3
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 
@@ -55,19 +48,6 @@ class Method:
         return control_steps(problem.ladder[-1], control)
 
 
-FIXED = tuple(Method(master, extrapolation) for master in MASTERS for extrapolation in DEGREES)
-CONTROLLED = (
-    Method("jacobi", "quadratic", "schierz"),
-    Method("gauss_seidel", "quadratic", "step_doubling"),
-    Method("gauss_seidel", "hermite", "step_doubling"),
-    Method("gauss_seidel", "quadratic", "defect"),
-    Method("jacobi", "quadratic", "residual_energy"),
-    Method("iterated", "quadratic", "predictor_corrector"),
-    Method("iterated", "hermite", "predictor_corrector"),
-)
-METHODS = FIXED + CONTROLLED
-
-
 @dataclass
 class Trace:
     """An observer that records some outputs at the end of every step."""
@@ -91,34 +71,18 @@ class Trace:
 def measure_method(
     problem: CouplingProblem, files: Mapping[str, FmuFile], method: Method, setting: float
 ) -> Row:
-    """A run of the method with a macro step (s), or a tolerance. Errors and time are of different runs."""
+    """A run of the method with a macro step (s), or a tolerance."""
     trace = Trace(problem.outputs)
     try:
-        statistics = _run(problem, files, method, setting, [trace])
+        calls = _run(problem, files, method, setting, trace).do_steps
     except RunError as error:
-        return Row(method.name, TOOL, setting, note=str(error))
-    times: list[float] = []
-    while len(times) < REPEATS and sum(times) < ENOUGH_S:
-        times.append(_run(problem, files, method, setting).coupled_time_s)
-    return Row(
-        method=method.name,
-        tool=TOOL,
-        setting=setting,
-        macro_steps=statistics.macro_steps,
-        rejected_steps=statistics.rejected_steps,
-        iterations=statistics.iterations,
-        calls=statistics.do_steps,
-        wall_time_s=min(times),
-        **compute_errors(problem, np.array(trace.times), np.array(trace.rows)),
-    )
+        return Row(method.name, setting, note=str(error))
+    errors = compute_errors(problem, np.array(trace.times), np.array(trace.rows))
+    return Row(method.name, setting, calls, errors)
 
 
 def _run(
-    problem: CouplingProblem,
-    files: Mapping[str, FmuFile],
-    method: Method,
-    setting: float,
-    observers: Sequence[Observer] = (),
+    problem: CouplingProblem, files: Mapping[str, FmuFile], method: Method, setting: float, trace: Trace
 ) -> Statistics:
     master = MASTERS[method.master](extrapolation=method.extrapolation)
     participants: dict[str, Participant] = {}
@@ -126,7 +90,7 @@ def _run(
         for name, instance in problem.system.instances.items():
             participants[name] = open_fmu(name, files[name].path, instance)
         steps = method.steps(problem, setting)
-        return simulate(problem.system, participants, master, steps, problem.duration, observers)
+        return simulate(problem.system, participants, master, steps, problem.duration, [trace])
     finally:
         for participant in participants.values():
             participant.close()

@@ -9,12 +9,8 @@ from collections.abc import Callable
 from typing import Any
 
 ANSWER = "ANSWER "
-# As for our own masters (see `methods`): repeated until this time is spent, the shortest counts.
-ENOUGH_S = 0.2
-REPEATS = 3
-
-# simulate(job): the outputs at every sample, and the seconds spent in stepping.
-Simulate = Callable[[dict[str, Any]], tuple[list[list[float]], float]]
+# simulate(job): the outputs at every sample.
+Simulate = Callable[[dict[str, Any]], list[list[float]]]
 
 
 def answer(simulate: Simulate) -> None:
@@ -22,11 +18,7 @@ def answer(simulate: Simulate) -> None:
     for line in sys.stdin:
         job = json.loads(line)
         try:
-            times: list[float] = []
-            while len(times) < REPEATS and sum(times) < ENOUGH_S:
-                values, elapsed = simulate(job)
-                times.append(elapsed)
-            said: dict[str, Any] = {"values": values, "times": times}
+            said: dict[str, Any] = {"values": simulate(job)}
         except (ImportError, OSError) as error:
             say({"missing": str(error)})
             break

@@ -9,7 +9,6 @@ import ctypes
 import ctypes.util
 import os
 import tempfile
-import time
 from typing import Any
 
 from .answering import answer
@@ -19,7 +18,7 @@ WEAKLY_COUPLED, FIXED_STEPS, WARNING = 1, 6, 1
 MODEL, SYSTEM = "run", "run.root"
 
 
-def simulate(job: dict[str, Any]) -> tuple[list[list[float]], float]:
+def simulate(job: dict[str, Any]) -> list[list[float]]:
     path = os.environ.get("OMSIMULATOR") or ctypes.util.find_library("OMSimulator")
     if path is None:
         raise OSError("libOMSimulator is not found (OMSIMULATOR names it)")
@@ -51,7 +50,6 @@ def simulate(job: dict[str, Any]) -> tuple[list[list[float]], float]:
             call("instantiate", MODEL)
             call("initialize", MODEL)
             values, found = [], ctypes.c_double()
-            began = time.perf_counter()
             for k in range(1, job["samples"] + 1):
                 call("stepUntil", MODEL, ctypes.c_double(k * job["step"] * job["every"]))
                 row = []
@@ -59,11 +57,10 @@ def simulate(job: dict[str, Any]) -> tuple[list[list[float]], float]:
                     call("getReal", f"{SYSTEM}.{output}", ctypes.byref(found))
                     row.append(found.value)
                 values.append(row)
-            elapsed = time.perf_counter() - began
             call("terminate", MODEL)
         finally:
             library.oms_delete(MODEL.encode())
-    return values, elapsed
+    return values
 
 
 if __name__ == "__main__":

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from models.core.difference import difference
 from models.core.quantities import Vector
+from orchestrator.run.plan import FmuFile
+from orchestrator.scenario.system import Builder
 
-from ...run.plan import FmuFile
-from ...scenario.system import Builder
 from .problem import CouplingProblem
 
 # Relative difference up to which times are the same.
@@ -24,27 +22,24 @@ ROUNDING = 1e-9
 class Row:
     """One run. `setting` is the macro step (s), or the tolerance of a run with step control.
 
-    `error` and `max_error` are the largest over the outputs of the RMS and the maximum error, relative to
-    the true output's spread; NaN where the run failed, and `note` says why. `calls` counts doStep of all
-    instances, also those that were taken back. `wall_time_s` is that of the stepping alone.
+    `errors`: RMS error of each output, relative to the true output's spread; empty where the run failed, and
+    `note` says why. `calls` counts doStep of all instances, also those that were taken back.
     """
 
     method: str
-    tool: str
     setting: float
-    macro_steps: int = 0
-    rejected_steps: int = 0
-    iterations: int = 0
     calls: int = 0
-    wall_time_s: float = np.nan
-    error: float = np.nan
-    max_error: float = np.nan
     errors: Mapping[str, float] = field(default_factory=dict)
     note: str = ""
 
+    @property
+    def error(self) -> float:
+        """The largest error; NaN where the run failed."""
+        return max(self.errors.values(), default=np.nan)
 
-def compute_errors(problem: CouplingProblem, times: Vector, values: Vector) -> dict[str, Any]:
-    """The row's errors for the outputs (n, outputs) at `times`, which end with the problem's duration.
+
+def compute_errors(problem: CouplingProblem, times: Vector, values: Vector) -> dict[str, float]:
+    """Relative RMS errors of the outputs (n, outputs) at `times`, which end with the problem's duration.
 
     Errors at other times than the samples' are interpolated to these, so that all runs have equal weights.
     """
@@ -59,18 +54,13 @@ def compute_errors(problem: CouplingProblem, times: Vector, values: Vector) -> d
         error = np.column_stack(
             [np.interp(problem.times, [0.0, *times[near]], [0.0, *column]) for column in own.T]
         )
-    found = [difference(truth[:, i] + error[:, i], truth[:, i]) for i in range(len(problem.outputs))]
-    relative = [d.max_abs * d.relative_rms / d.rms if d.rms > 0.0 else 0.0 for d in found]
     return {
-        "error": max(d.relative_rms for d in found),
-        "max_error": max(relative),
-        "errors": {name: d.relative_rms for name, d in zip(problem.outputs, found, strict=True)},
+        name: difference(truth[:, i] + error[:, i], truth[:, i]).relative_rms
+        for i, name in enumerate(problem.outputs)
     }
 
 
 def build_fmus(problem: CouplingProblem, build: Builder) -> dict[str, FmuFile]:
     """The FMU of every instance."""
-    return {
-        name: FmuFile(Path(build(i.component.name, i.component.structure, "fmu")), "")
-        for name, i in problem.system.instances.items()
-    }
+    parts = {name: instance.component for name, instance in problem.system.instances.items()}
+    return {name: FmuFile(build(c.name, c.structure, "fmu"), "") for name, c in parts.items()}

@@ -18,8 +18,8 @@ import numpy as np
 from fmpy import read_model_description
 
 from models.core.system import System
+from orchestrator.run.plan import FmuFile
 
-from ....run.plan import FmuFile
 from ..problem import CouplingProblem
 from ..row import Row, compute_errors
 
@@ -29,8 +29,6 @@ PEERS = {
     "libcosim": "libcosim",
     "OMSimulator": "omsimulator",
 }
-# Their distributions, whose versions a result names.
-PACKAGES = ("ecospy", "libcosimpy")
 ANSWER = "ANSWER "
 # A tool that hangs is given up after this time for one run.
 PATIENCE_S = 120.0
@@ -53,32 +51,23 @@ def measure_peer(problem: CouplingProblem, files: Mapping[str, FmuFile], name: s
         if i >= len(answers):
             said = process.stderr.strip().splitlines()
             note = f"the process ended with {process.returncode}: {said[-1] if said else 'no message'}"
-            yield Row(name, name, step, note=note)
+            yield Row(name, step, note=note)
             return
         answer = json.loads(answers[i])
         if "missing" in answer:
-            yield Row(name, name, step, note=f"not installed: {answer['missing']}")
+            yield Row(name, step, note=f"not installed: {answer['missing']}")
             return
         yield _row(problem, name, step, answer)
 
 
 def _row(problem: CouplingProblem, name: str, step: float, answer: Mapping[str, Any]) -> Row:
     if "failed" in answer:
-        return Row(name, name, step, note=answer["failed"])
-    steps = round(problem.duration / step)
+        return Row(name, step, note=answer["failed"])
+    calls = round(problem.duration / step) * len(problem.system.instances)
     values = np.array(answer["values"])
-    common = {
-        "method": name,
-        "tool": name,
-        "setting": step,
-        "macro_steps": steps,
-        "iterations": steps,
-        "calls": steps * len(problem.system.instances),
-        "wall_time_s": min(answer["times"]),
-    }
     if not np.all(np.isfinite(values)):
-        return Row(**common, note="values that are not finite")
-    return Row(**common, **compute_errors(problem, problem.times, values))
+        return Row(name, step, calls, note="values that are not finite")
+    return Row(name, step, calls, compute_errors(problem, problem.times, values))
 
 
 def describe_system(system: System, paths: Mapping[str, Path]) -> dict[str, Any]:
