@@ -173,8 +173,10 @@ class Session:
         component, _, variable = name.partition(".")
         layout = self._system.instances[component].component.inputs
         try:
-            unit = layout.field(variable).quantity.unit
-            number = to_unit(value, unit) if isinstance(value, str) else float(value)
+            quantity = layout.field(variable).quantity
+            number = (
+                to_unit(value, quantity.unit, quantity.relative) if isinstance(value, str) else float(value)
+            )
         except UnitError as error:
             raise MistakeError(f"{name}: {error}") from None
         faults = layout.faults(layout.vector({variable: number}))

@@ -43,12 +43,13 @@ class Plausible:
 class Quantity:
     """What a number means: unit (SI symbols), description, nominal size and allowed range.
 
-    `positive` excludes zero, which `minimum` alone cannot. `choices` makes the number an index into
-    names, `boolean` a truth value, `count` a whole number. `size` names the structural size of a
-    vector-valued field. An `internal` state is evolving data as any other, saved and restored with it, but
-    no variable: it begins as its component lets it and is not set, shown or brought to rest from outside.
-    `same_as` names the parameter whose value a scenario takes where this one is not given. A value outside
-    the `plausible` magnitudes is allowed, but probably a slip of the unit.
+    `positive` excludes zero, which `minimum` alone cannot. `choices` makes the number an index into names,
+    `boolean` a truth value, `count` a whole number; `relative` makes it a difference, whose unit has no
+    offset. `size` names the structural size of a vector-valued field. An `internal` state is evolving data
+    as any other, saved and restored with it, but no variable: it begins as its component lets it and is not
+    set, shown or brought to rest from outside. `same_as` names the parameter whose value a scenario takes
+    where this one is not given. A value outside the `plausible` magnitudes is allowed, but probably a slip
+    of the unit.
     """
 
     unit: str
@@ -61,6 +62,7 @@ class Quantity:
     choices: tuple[str, ...] = ()
     boolean: bool = False
     count: bool = False
+    relative: bool = False
     size: str = ""
     internal: bool = False
     same_as: str = ""

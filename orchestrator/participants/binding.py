@@ -20,11 +20,13 @@ Fail = Callable[[int], None]
 
 
 def find_array(known: Mapping[str, Variable], variable: Variable) -> list[Variable]:
-    """All elements of the variable's array in order; a scalar alone."""
+    """All elements of the variable's array in order, by the first of their names; a scalar alone."""
     if variable.size == 1:
         return [variable]
-    key = (variable.reference, variable.type)
-    found = {v.place: v for v in known.values() if (v.reference, v.type) == key}
+    found: dict[int, Variable] = {}
+    for v in known.values():
+        if v.memory[:2] == variable.memory[:2]:
+            found.setdefault(v.place, v)
     return [found[place] for place in range(variable.size)]
 
 
@@ -43,6 +45,7 @@ class VariableBinding:
     ) -> None:
         self.fmi = fmi
         self.count = len(found := list(variables))
+        given = {known[name].memory: value for name, value in (fixed or {}).items()}
         doubles = [(i, v) for i, v in enumerate(found) if v.type in fmi.real_types]
         # Where the doubles of each reference begin in the memory.
         first: dict[int, int] = {}
@@ -50,7 +53,7 @@ class VariableBinding:
         for _, v in doubles:
             if v.reference not in first:
                 first[v.reference] = len(rest)
-                rest += [_get_rest(one, fixed) for one in find_array(known, v)]
+                rest += [_get_rest(one, given) for one in find_array(known, v)]
         self.references = np.array(list(first), dtype=np.uintc)
         self.rest = np.array(rest, dtype=float)
         self.fast = np.array([i for i, _ in doubles], dtype=np.int64)
@@ -67,7 +70,7 @@ class VariableBinding:
                     begins[key] = len(whole)
                     array = find_array(known, v)
                     whole += array
-                    values += [_get_rest(one, fixed) for one in array]
+                    values += [_get_rest(one, given) for one in array]
                 wanted.append((i, begins[key] + v.place))
 
     def bind_set(self, fail: Fail, memory: Vector | None = None) -> None:
@@ -132,5 +135,5 @@ class VariableBinding:
             values[targets] = memory[places]
 
 
-def _get_rest(variable: Variable, fixed: Mapping[str, float] | None) -> float:
-    return (fixed or {}).get(variable.name, variable.start or 0.0)
+def _get_rest(variable: Variable, given: Mapping[Any, float]) -> float:
+    return given.get(variable.memory, variable.start or 0.0)

@@ -54,6 +54,12 @@ class Variable:
     place: int = 0
     size: int = 1
     items: tuple[tuple[str, int], ...] = ()  # of an enumeration, with their numbers
+    relative: bool = False  # a difference: its unit's offset is ignored
+
+    @property
+    def memory(self) -> tuple[str, int, int]:
+        """What it stands for in the FMU; names of which it is equal are aliases."""
+        return "Integer" if self.type in INTEGERS else self.type, self.reference, self.place
 
     @property
     def numeric(self) -> bool:
@@ -192,11 +198,13 @@ def read_description(
     """
     try:
         found = _read(path)
+        root = _read_root(path)
     except Exception as error:
         raise DescriptionError(f"cannot be read as an FMU: {' '.join(str(error).split())}") from None
     if found.fmiVersion == "1.0":
-        description1.complete(found, path)
-    events = description3.complete(found, path) if found.fmiVersion == "3.0" else None
+        description1.complete(found, root)
+    events = description3.complete(found, root) if found.fmiVersion == "3.0" else None
+    _complete_relative(found, root)
     resize(found, sizes)
     about = found.coSimulation
     integrated = found.modelExchange is not None and (about is None or interface == MODEL_EXCHANGE)
@@ -231,7 +239,7 @@ def read_description(
         identifier=about.modelIdentifier,
         variables={v.name: v for v in variables},
         depends=_read_dependencies(found),
-        states=_read_states(found) if _differentiates(path, about, integrated, found.fmiVersion) else None,
+        states=_read_states(found) if _differentiates(root, about, integrated, found.fmiVersion) else None,
         units={unit.name: _read_unit(unit.baseUnit) for unit in found.unitDefinitions if unit.baseUnit},
         restorable=bool(about.canGetAndSetFMUstate),
         serialisable=bool(about.canSerializeFMUstate),
@@ -270,6 +278,24 @@ def _read(path: Path) -> Any:
         raise error
 
 
+def _read_root(path: Path) -> ElementTree.Element:
+    with zipfile.ZipFile(path) as archive:
+        return ElementTree.fromstring(archive.read("modelDescription.xml"))
+
+
+def _complete_relative(found: Any, root: ElementTree.Element) -> None:
+    """Complete fmpy's description by which variables are differences, of themselves or by their type."""
+    stated = {one.get("name"): one for one in root.iterfind("ModelVariables/*")}
+    for variable in found.modelVariables:
+        original = getattr(variable, "alias", None) or variable
+        element, declared = stated[original.name], variable.declaredType
+        said = [
+            one.attrib["relativeQuantity"] for one in (element, *element) if "relativeQuantity" in one.attrib
+        ]
+        by_type = declared is not None and bool(declared.relativeQuantity)
+        variable.relativeQuantity = said[0] in ("true", "1") if said else by_type
+
+
 def _list_scalars(variable: Any) -> Iterator[Variable]:
     """The variable, or the elements of an array: x[1], x[2], or x[1,1], x[1,2]."""
     shape = tuple(variable.shape or ())
@@ -300,6 +326,7 @@ def _list_scalars(variable: Any) -> Iterator[Variable]:
             place=place,
             size=size,
             items=items if variable.type == "Enumeration" else (),
+            relative=bool(variable.relativeQuantity),
         )
 
 
@@ -339,12 +366,10 @@ def _read_dependencies(found: Any) -> dict[str, tuple[str, ...]]:
     return depends
 
 
-def _differentiates(path: Path, about: Any, integrated: bool, version: str) -> bool:
+def _differentiates(root: ElementTree.Element, about: Any, integrated: bool, version: str) -> bool:
     """Whether it gives directional derivatives; fmpy does not read this for FMI 3.0."""
     if version == "2.0":
         return bool(about.providesDirectionalDerivative)
-    with zipfile.ZipFile(path) as archive:
-        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     kind = root.find("ModelExchange" if integrated else "CoSimulation")
     return kind is not None and kind.get("providesDirectionalDerivatives") in ("true", "1")
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
-from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -14,14 +12,12 @@ CAPABILITIES = (
 )  # fmt: skip
 
 
-def complete(found: Any, path: Path) -> None:
-    """Complete fmpy's description of the FMU at `path`, which is of FMI 1.0: capabilities and dependencies.
+def complete(found: Any, root: ElementTree.Element) -> None:
+    """Complete fmpy's description, which is of FMI 1.0: capabilities and dependencies.
 
     Only co-simulation is left. Variables that are the negative of another are left out: their references
     would give the other's value.
     """
-    with zipfile.ZipFile(path) as archive:
-        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     stated = {one.get("name"): one for one in root.iter("ScalarVariable")}
     found.modelExchange = None
     found.modelVariables = [v for v in found.modelVariables if stated[v.name].get("alias") != "negatedAlias"]

@@ -4,10 +4,8 @@ the arrays whose sizes follow from structural parameters."""
 from __future__ import annotations
 
 import math
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -47,10 +45,8 @@ class EventMode:
     clocked: Mapping[str, tuple[str, ...]]
 
 
-def complete(found: Any, path: Path) -> EventMode | None:
-    """Complete fmpy's description of the FMU at `path`, of FMI 3.0; its event mode in co-simulation."""
-    with zipfile.ZipFile(path) as archive:
-        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+def complete(found: Any, root: ElementTree.Element) -> EventMode | None:
+    """Complete fmpy's description, of FMI 3.0; its event mode in co-simulation."""
     listed = root.find("ModelVariables")
     stated = {one.get("name", ""): one for one in (() if listed is None else listed)}
     for variable in found.modelVariables:

@@ -107,13 +107,14 @@ class OpenedFmu:
 
     def _assign(self, values: Mapping[str, float]) -> None:
         """Set variables by name; of an array that is named in part the other elements start as they do."""
-        done: set[tuple[int, str]] = set()
+        given = {self._fmu.find(name).memory: value for name, value in values.items()}
+        done: set[tuple[str, int]] = set()
         for name in values:
             variable = self._fmu.find(name)
-            if (key := (variable.reference, variable.type)) not in done:
+            if (key := variable.memory[:2]) not in done:
                 done.add(key)
                 whole = find_array(self._fmu.description.variables, variable)
-                self._fmi.set(whole, [values.get(v.name, v.start or 0.0) for v in whole])
+                self._fmi.set(whole, [given.get(v.memory, v.start or 0.0) for v in whole])
 
     def save(self) -> Any:
         if not self.restorable:

@@ -145,6 +145,7 @@ def build_quantity(variable: Variable) -> Quantity:
         maximum=variable.maximum,
         boolean=variable.type in BOOLEANS,
         count=variable.discrete and variable.type not in BOOLEANS,
+        relative=variable.relative,
     )
 
 

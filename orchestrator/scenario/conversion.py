@@ -44,11 +44,12 @@ def find_transformations(instances: Mapping[str, Instance], lines: Sequence[Line
             linear: Linear | None = Linear(1.0 if line.factor is None else line.factor, line.offset or 0.0)
         else:
             linear = _convert(
-                given.unit,
-                _get_units(instances[source.instance]),
-                wanted.unit,
-                _get_units(instances[target.instance]),
+                given, _get_units(instances[source.instance]), wanted, _get_units(instances[target.instance])
             )
+            if linear is not None and linear.offset and given.relative != wanted.relative:
+                raise ScenarioError(
+                    f"{line}: {explain_differences(line.source, line.target, given.relative)}"
+                )
         if linear is not None and (linear != Linear() or given.unit != wanted.unit):
             found.setdefault(target.instance, {})[target.variable] = linear
     return found
@@ -91,28 +92,44 @@ def _get_units(instance: Instance) -> Mapping[str, Unit] | None:
     return component.about.units if isinstance(component, ThirdPartyComponent) else None
 
 
+def explain_differences(source: str, target: str, given: bool) -> str:
+    """Why a unit with an offset does not tell what goes from one to the other, and the remedy."""
+    one, other = (source, target) if given else (target, source)
+    return (
+        f"{one} is a difference (relativeQuantity) and {other} is not, so that the offset of the unit is in "
+        f"doubt; write what is meant: {source} * 1 + 0 -> {target}"
+    )
+
+
 def _convert(
-    given: str, given_units: Mapping[str, Unit] | None, wanted: str, wanted_units: Mapping[str, Unit] | None
+    given: Quantity,
+    given_units: Mapping[str, Unit] | None,
+    wanted: Quantity,
+    wanted_units: Mapping[str, Unit] | None,
 ) -> Linear | None:
     """The conversion; None between two of our components, whose units the system compares."""
     if given_units is None and wanted_units is None:
         return None
-    return convert_units(given, given_units or {}, wanted, wanted_units or {})
+    relative = given.relative and wanted.relative
+    return convert_units(given.unit, given_units or {}, wanted.unit, wanted_units or {}, relative)
 
 
 def convert_units(
-    given: str, given_units: Mapping[str, Unit], wanted: str, wanted_units: Mapping[str, Unit]
+    given: str,
+    given_units: Mapping[str, Unit],
+    wanted: str,
+    wanted_units: Mapping[str, Unit],
+    relative: bool = False,
 ) -> Linear | None:
-    """The conversion between two units, by these definitions or the common ones; None if they do not fit or
-    are unknown."""
+    """The conversion between two units, by these definitions or the common ones, of differences if
+    `relative`; None if they do not fit or are unknown."""
     if not given or not wanted:
         return Linear()  # no unit is stated
     one, other = _find_unit(given, given_units), _find_unit(wanted, wanted_units)
     if one is None or other is None or one.exponents != other.exponents:
         return None
-    if (one.factor, one.offset) == (other.factor, other.offset):
-        return Linear()
-    return Linear(one.factor / other.factor, (one.offset - other.offset) / other.factor)
+    offset = 0.0 if relative else (one.offset - other.offset) / other.factor
+    return Linear(one.factor / other.factor, offset)
 
 
 def _find_unit(unit: str, units: Mapping[str, Unit]) -> Unit | None:

@@ -11,6 +11,7 @@ from models.core.quantities import Layout, Vector
 from models.core.system import Instance, ModelError, System
 
 from ..engine.instants import SideLines
+from .aliases import check_aliases
 from .checks import check_scenario
 from .component_table import ComponentTable
 from .connection import Line, parse_line
@@ -37,7 +38,8 @@ def build_instances(scenario: Scenario) -> tuple[dict[str, Instance], list[Line]
     """Instances and connections of numbers as in the scenario, before units are converted."""
     instances = {name: _build_instance(table) for name, table in scenario.components.items()}
     components = {name: instance.component for name, instance in instances.items()}
-    lines = map(parse_line, scenario.connections)
+    lines = [parse_line(line) for line in scenario.connections]
+    check_aliases(scenario.components, lines)
     return instances, [line for line in lines if not is_side_line(line, components)]
 
 

@@ -89,7 +89,8 @@ def list_bare_numbers(component: ThirdPartyComponent, tables: Mapping[str, Mappi
             if variable is None or not variable.unit or not variable.numeric:
                 continue
             unit = component.about.units.get(variable.unit) or to_base_units(variable.unit)
-            same = unit is None or (unit.offset == 0.0 and (unit.factor == 1.0 or value == 0.0))
+            shifted = unit is not None and unit.offset != 0.0 and not variable.relative
+            same = unit is None or (not shifted and (unit.factor == 1.0 or value == 0.0))
             if same or isinstance(value, str | WithUnit):
                 continue
             found.append(f"{table}.{name} = {value:g} {variable.unit}")

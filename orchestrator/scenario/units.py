@@ -7,6 +7,7 @@ import difflib
 import functools
 import math
 import re
+import unicodedata
 from typing import Any
 
 from models.compile.cache_folder import private_folder
@@ -52,10 +53,11 @@ def choose_time_unit(span: float) -> tuple[str, float]:
     return next((shown for shown in TIMES if span * shown[1] >= 1.0), TIMES[-1])
 
 
-def to_unit(text: str, unit: str) -> float:
+def to_unit(text: str, unit: str, relative: bool = False) -> float:
     """Convert a string to a number in `unit` (SI symbols as in `Quantity`); UnitError if it does not fit.
 
-    A number without a unit is already in `unit`. Angles are a dimension, so that r/min is not Hz.
+    A number without a unit is already in `unit`. A `relative` number is a difference: 5 degC are 5 K.
+    Angles are a dimension, so that r/min is not Hz.
     """
     match = _NUMBER_AND_UNIT.fullmatch(text)
     if match is None:
@@ -70,7 +72,7 @@ def to_unit(text: str, unit: str) -> float:
         raise UnitError(f"{text!r}: the FMU states no unit; write a plain number")
     known = FACTORS.get((given, unit))
     factor, zero = (known, 0.0) if known else find_conversion(text, given, unit)
-    if zero:
+    if zero and not relative:
         return zero + number * factor
     parts = round(1.0 / factor) if factor < 1.0 else 0
     # 5 us is 5e-6 s and not 4.9999999999999996e-06: divide where the factor is one over a whole number.
@@ -96,7 +98,19 @@ def find_conversion(text: str, given: str, unit: str) -> tuple[float, float]:
         needed = "a plain number" if unit == "1" else f"a unit like {unit}"
         celsius = " (C is the coulomb; degrees Celsius are degC)" if (given, unit) == ("C", "K") else ""
         raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed{celsius}")
-    zero, one = (float(_load_registry().Quantity(n, units).to(wanted).magnitude) for n in (0.0, 1.0))
+    try:
+        return _find_line(units, wanted)
+    except ValueError:
+        raise UnitError(f"{text!r}: the unit {given} is no multiple of {unit}; convert the number") from None
+
+
+def _find_line(units: Any, wanted: Any) -> tuple[float, float]:
+    """Factor and offset from one unit to another; ValueError for logarithmic units."""
+    zero, one, two = (
+        float(_load_registry().Quantity(n, units).to(wanted).magnitude) for n in (0.0, 1.0, 2.0)
+    )
+    if not math.isclose(two - one, one - zero, rel_tol=1e-9):
+        raise ValueError(f"{units} is no linear function of {wanted}")
     return (one - zero if zero else one), zero
 
 
@@ -107,15 +121,17 @@ def is_bare(text: str) -> bool:
 
 
 def to_base_units(unit: str) -> Unit | None:
-    """The unit in SI base units; None if it is unknown or no multiple of them."""
+    """The unit in SI base units, with the offset of one such as degC; None if it is unknown, or no linear
+    function of them."""
     try:
         made = _load_registry().Unit("" if unit == "1" else _to_pint(unit))
         factor, base = _load_registry().get_base_units(made)
+        _, offset = _find_line(made, base)
         powers = {name: float(power) for name, power in base._units.items()}
     except Exception:
         return None
     exponents = tuple(int(powers.pop(name, 0.0)) for name in BASE)
-    return None if powers else Unit(exponents, float(factor), 0.0)
+    return None if powers else Unit(exponents, float(factor), offset)
 
 
 def _suggest_unit(given: str, unit: str) -> str:
@@ -143,6 +159,7 @@ def _load_registry() -> Any:
 
 def _to_pint(unit: str) -> str:
     """Convert FMI's notation (N.s/m, kg.m2), r/min and rev to pint's."""
+    unit = unicodedata.normalize("NFKC", unit)  # ℃ becomes °C, m² m2
     unit = "revolution" if unit == "rev" else unit
     unit = unit.replace("r/min", "rpm").replace("°", "degree").replace(".", "*").replace("·", "*")
     above, slash, below = unit.partition("/")

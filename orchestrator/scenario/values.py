@@ -73,7 +73,7 @@ def parse_value(quantity: Quantity, value: Any) -> Value:
         raise ValueError("must be a number, not true or false")
     if isinstance(value, str):
         try:
-            made = to_unit(value, quantity.unit)
+            made = to_unit(value, quantity.unit, quantity.relative)
         except UnitError as error:
             raise ValueError(str(error)) from None
         return made if is_bare(value) else WithUnit(made)

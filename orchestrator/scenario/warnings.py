@@ -35,6 +35,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
         *_list_doubtful_cams(scenario),
         *_list_unloaded(scenario),
         *_list_other_units(scenario),
+        *_list_late_starts(scenario),
         *list_renamed_libraries(scenario),
         *list_unsynchronised(scenario),
         *list_limit_warnings(scenario),
@@ -89,6 +90,16 @@ def _list_other_units(scenario: Scenario) -> list[str]:
     if not found:
         return []
     return [f"{', '.join(found)}: numbers without a unit are in the FMU's unit, which is not SI"]
+
+
+def _list_late_starts(scenario: Scenario) -> list[str]:
+    """Tell of FMUs whose default experiment begins later, or earlier, than runs do."""
+    return [
+        f"components.{name}: its default experiment begins at t = {start:g} s, the run at 0, which the FMU "
+        "is told; shift the times in its parameters if it needs the other"
+        for name, table in scenario.components.items()
+        if table.third_party and (start := table.describe().start)
+    ]
 
 
 def _check_records(scenario: Scenario, asked: float) -> list[str]:

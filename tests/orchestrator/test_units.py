@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from orchestrator.scenario.conversion import convert_units
 from orchestrator.scenario.units import FACTORS, UnitError, find_conversion, to_unit
 
 
@@ -56,3 +57,30 @@ def test_what_does_not_fit_is_named(text: str, unit: str, named: tuple[str, ...]
 @pytest.mark.parametrize("pair", FACTORS, ids=" to ".join)
 def test_factors_without_pint_are_pints(pair: tuple[str, str]) -> None:
     assert (FACTORS[pair], 0.0) == find_conversion("1", *pair)
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted", "value", "converted"),
+    [
+        ("degC", "K", 20.0, 293.15),
+        ("K", "°C", 293.15, 20.0),
+        ("℃", "K", 20.0, 293.15),
+        ("degF", "degC", 100.0, (100.0 - 32.0) / 1.8),
+        ("celsius", "degF", 100.0, 212.0),
+        ("degR", "K", 9.0, 5.0),
+        ("W/(m2.degC)", "W/(m2.K)", 3.0, 3.0),  # per degree of difference
+        ("m²", "mm2", 1.0, 1e6),
+    ],
+)
+def test_units_that_no_fmu_defines_keep_their_offset(
+    given: str, wanted: str, value: float, converted: float
+) -> None:
+    linear = convert_units(given, {}, wanted, {})
+    assert linear is not None
+    assert linear.factor * value + linear.offset == pytest.approx(converted, rel=1e-13)
+
+
+def test_logarithmic_units_are_not_converted() -> None:
+    assert convert_units("dB", {}, "1", {}) is None
+    with pytest.raises(UnitError, match="dB"):
+        to_unit("3 dB", "1")

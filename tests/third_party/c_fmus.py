@@ -233,5 +233,5 @@ def _variable3(v: V, reference: int, index: dict[str, int]) -> str:
         )
     return (
         f'<{v.type} name={quoteattr(v.name)} valueReference="{reference}" {_attributes(v)}{unit}{_start(v)}'
-        f"{declared}{derivative}{v.more}>{inside}</{v.type}>"
+        f"{declared}{derivative}{v.more}>{inside}{v.inside}</{v.type}>"
     )

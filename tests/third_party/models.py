@@ -21,6 +21,7 @@ class V:
     more: str = ""
     items: tuple[tuple[str, int], ...] = ()
     counted: str = ""
+    inside: str = ""  # elements of FMI 3.0
 
     @property
     def starts(self) -> list[float]:

@@ -12,6 +12,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.warnings import list_warnings
 
 from .c_fmus import fmu
+from .described import describe2
 from .models import MODELS, Model, V
 from .runs import ran, scenario
 
@@ -42,6 +43,12 @@ def test_numbers_in_si_units_and_zeros_are_not_named(tmp_path: Path) -> None:
         "one": {"participant": fmu("stretched", 2, tmp_path), "start": {"length": 0.0}},
     }
     assert list_warnings(scenario(tables)) == []
+
+
+def test_a_start_time_other_than_the_runs_is_named(tmp_path: Path) -> None:
+    file = describe2(tmp_path / "late.fmu", "", head='<DefaultExperiment startTime="5"/>')
+    told = list_warnings(scenario({"one": {"participant": file}}))
+    assert any("one: its default experiment begins at t = 5 s, the run at 0" in line for line in told)
 
 
 @pytest.mark.parametrize(("version", "value", "number"), [(2, "other", 9), (3, "brass", 2), (3, 2, 2)])

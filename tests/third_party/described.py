@@ -1,0 +1,58 @@
+"""Descriptions of FMUs without a library: enough for what is decided before anything runs."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+ABLE = 'canGetAndSetFMUstate="true" canHandleVariableCommunicationStepSize="true"'
+UNITS = (
+    '<UnitDefinitions><Unit name="K"><BaseUnit K="1"/></Unit>'
+    '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit></UnitDefinitions>'
+)
+
+
+def describe2(
+    path: Path,
+    variables: str,
+    *,
+    head: str = "",
+    types: str = "",
+    structure: str = "",
+    guid: str = 'guid="g"',
+) -> Path:
+    """An FMU of FMI 2.0 with these elements."""
+    return _write(
+        path,
+        f'<fmiModelDescription fmiVersion="2.0" modelName="{path.stem}" {guid}>'
+        f'<CoSimulation modelIdentifier="m" {ABLE}/>{UNITS}<TypeDefinitions>{types}</TypeDefinitions>{head}'
+        f"<ModelVariables>{variables}</ModelVariables><ModelStructure>{structure}</ModelStructure>",
+    )
+
+
+def describe3(path: Path, variables: str, *, types: str = "") -> Path:
+    """The same of FMI 3.0."""
+    time = '<Float64 name="time" valueReference="999" causality="independent" variability="continuous"/>'
+    return _write(
+        path,
+        f'<fmiModelDescription fmiVersion="3.0" modelName="{path.stem}" instantiationToken="t">'
+        f'<CoSimulation modelIdentifier="m" {ABLE.replace("FMUstate", "FMUState")}/>{UNITS}'
+        f"<TypeDefinitions>{types}</TypeDefinitions><ModelVariables>{variables}{time}</ModelVariables>"
+        "<ModelStructure/>",
+    )
+
+
+def real2(
+    name: str, reference: int, causality: str, attributes: str = "", varying: str = "continuous"
+) -> str:
+    """A Real of FMI 2.0."""
+    return (
+        f'<ScalarVariable name="{name}" valueReference="{reference}" causality="{causality}" '
+        f'variability="{varying}"><Real {attributes}/></ScalarVariable>'
+    )
+
+
+def _write(path: Path, text: str) -> Path:
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", text + "</fmiModelDescription>")
+    return path
