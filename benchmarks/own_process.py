@@ -8,12 +8,12 @@ from __future__ import annotations
 import time
 
 from orchestrator.masters import Jacobi
-from orchestrator.run.participants import build_participants
-from orchestrator.run.plan import resolve_fmus
+from orchestrator.run.participants import open_participants
+from orchestrator.run.plan import make_plan
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
-from orchestrator.scenario.system import build_system
 from tribocosim.cached_fmus import build_fmu
+from tribocosim.reporting import SilentReporter
 
 from .measure import Clock, measure_medians
 
@@ -25,13 +25,9 @@ def measure_step(process: str) -> float:
     parts = ("first", "second")
     scenario = load("two-masses", [f"components.{part}.process={process}" for part in parts])
     step, clock = scenario.macro_step, Clock(time.perf_counter)
-    system, files = build_system(scenario), resolve_fmus(scenario, build_fmu)
-    units = build_participants(scenario, system, files, lambda name, make: make())
-    try:
-        simulate(system, units, Jacobi("hold"), step, STEPS * step, [clock])
-    finally:
-        for unit in units.values():
-            unit.close()
+    plan = make_plan(scenario, build_fmu, SilentReporter())
+    with open_participants(plan.system, plan.participants) as units:
+        simulate(plan.system, units, Jacobi("hold"), step, STEPS * step, [clock])
     return clock.elapsed / STEPS
 
 

@@ -13,17 +13,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from rich.console import Console
 
 from fmus.build import build
 from models.monolithic import solve
-from orchestrator.analyses.stability.linearisation import open_linearisations, open_units
-from orchestrator.analyses.stability.survey import survey
+from orchestrator.analyses.stability.analyse import survey_scenario
 from orchestrator.errors import RunError
-from orchestrator.run.plan import FmuFile
+from orchestrator.reporter import Reporter
+from orchestrator.run.participants import FmuFile, open_participants
+from orchestrator.run.plan import plan_participants
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import load
-from orchestrator.scenario.system import build_system
+from orchestrator.scenario.system import assemble, build_system
 
 from .coupling import methods, peers
 from .coupling.methods import Method, Trace
@@ -222,15 +224,15 @@ def _describe_advice(published: Published, allowed: float, found: dict[str, int]
     """What `analyse` advises, what a run of it has, and its doSteps over the fewest of all others."""
     problem = published.problem
     one = published.describe(problem.ladder[2], allowed)
-    system = build_system(one)
-    with open_linearisations(one, system, None) as sources:
-        best = survey(one, system, linearisations=sources).best
+    best = survey_scenario(one, [], Reporter(Console(quiet=True))).best
     if best is None:
         return "none"
     step = problem.duration / np.ceil(problem.duration / best.advised_step)
     trace = Trace(problem.outputs)
     try:
-        with open_units(one, system) as units:
+        assembly = assemble(one)
+        system, plans = assembly.system, plan_participants(one, assembly.linear, None)
+        with open_participants(system, plans) as units:
             made = simulate(system, units, best.master, float(step), problem.duration, [trace])
     except RunError as error:
         return f"{best.name}, {step:.3g} s, whose run fails: {error}"

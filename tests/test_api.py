@@ -42,6 +42,16 @@ def test_a_run_is_within_its_tolerance_and_opened_again(result: tribocosim.Resul
     assert again.summary == result.summary
 
 
+def test_a_plan_is_run_and_stepped_as_often_as_wanted_with_the_same_bits() -> None:
+    scenario = tribocosim.load("two-masses").with_({"stop_time": "50 ms", "reference.enabled": False})
+    plan, single = tribocosim.plan(scenario), tribocosim.run(scenario)
+    for _ in range(2):
+        assert tribocosim.execute(plan).coupled.identical(single.coupled)
+        with tribocosim.session(plan) as session:
+            session.step_until(session.stop_time)
+            assert session["second.position"] == float(single.coupled["second.position"][-1])
+
+
 def test_a_folder_without_a_result_is_named(tmp_path: Path) -> None:
     for folder in (tmp_path, tmp_path / "none"):
         with pytest.raises(tribocosim.MistakeError, match=r"has no result\.nc; give the output folder"):

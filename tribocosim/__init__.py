@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     from .api import cam as cam
     from .api import compare as compare
     from .api import compare_fmu as compare_fmu
+    from .api import execute as execute
     from .api import fmu_info as fmu_info
     from .api import load as load
     from .api import open as open
+    from .api import plan as plan
     from .api import report as report
     from .api import resume as resume
     from .api import run as run
@@ -34,8 +36,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "cam", "compare", "compare_fmu",
-    "fmu_info", "load", "open", "report", "resume", "run", "scenarios", "session", "speeds", "study",
-    "validate_fmu",
+    "execute", "fmu_info", "load", "open", "plan", "report", "resume", "run", "scenarios", "session",
+    "speeds", "study", "validate_fmu",
 ]  # fmt: skip
 
 

@@ -6,18 +6,20 @@ import json
 import shutil
 import tempfile
 import weakref
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orchestrator.errors import MistakeError, RunError, one_of
 from orchestrator.run.pipeline import run as run_pipeline
+from orchestrator.run.pipeline import run_plan
 from orchestrator.store.result_file import find_result, open_result
 
 from .cached_fmus import build_fmu as build_cached_fmu
 from .cached_fmus import check_native
 from .fmu import build_fmu, compare_fmu, fmu_info, validate_fmu
+from .planning import plan
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load, scenarios
 from .stepping import Session as session
@@ -27,14 +29,15 @@ from .wording import in_python, speak_python
 if TYPE_CHECKING:
     import xarray
 
+    from orchestrator.run.plan import Plan
     from orchestrator.run.summary import Summary
 
     from .pictures import Picture
 
 __all__ = [
     "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "cam", "compare", "compare_fmu",
-    "fmu_info", "load", "open", "report", "resume", "run", "scenarios", "session", "speeds", "study",
-    "validate_fmu",
+    "execute", "fmu_info", "load", "open", "plan", "report", "resume", "run", "scenarios", "session",
+    "speeds", "study", "validate_fmu",
 ]  # fmt: skip
 
 
@@ -131,29 +134,36 @@ def run(
     done; an error that it raises ends the run.
     MistakeError for a fault of the scenario, RunError if the run fails; its folder has what was computed.
     """
-    if not isinstance(scenario, Scenario):
-        scenario = load(scenario)
+    checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
+    check_native(checked)
+    reporter = SilentReporter(progress)
+    return _keep_result(
+        out, lambda folder: run_pipeline(checked, folder, build_cached_fmu, reporter, overwrite, figures)
+    )
+
+
+@speak_python()
+def execute(
+    plan: Plan, out: str | Path | None = None, *, overwrite: bool = False, progress: Progress | None = None
+) -> Result:
+    """Make the run of a plan, as `run` does of a scenario; equal plans give equal bits."""
+    reporter = SilentReporter(progress)
+    return _keep_result(out, lambda folder: run_plan(plan, folder, reporter, overwrite))
+
+
+def _keep_result(out: str | Path | None, make: Callable[[Path], Summary]) -> Result:
+    """The result of a run that is made in `out`, or in a folder that goes when the result does."""
     if out is not None:
-        return _run(scenario, Path(out), overwrite, figures, progress)
+        return _open_complete(make(Path(out)), Path(out))
     kept = Path(tempfile.mkdtemp(prefix="tribocosim-"))
     try:
-        found = _run(scenario, kept / "run", overwrite, figures, progress)
+        found = _open_complete(make(kept / "run"), kept / "run")
     except BaseException:
         shutil.rmtree(kept, ignore_errors=True)
         raise
     result = replace(found, folder=None, _kept=kept / "run")
     weakref.finalize(result, shutil.rmtree, kept, ignore_errors=True)
     return result
-
-
-def _run(
-    scenario: Scenario, folder: Path, overwrite: bool, figures: bool, progress: Progress | None
-) -> Result:
-    reporter = SilentReporter(progress)
-    checked = scenario.check()
-    check_native(checked)
-    summary = run_pipeline(checked, folder, build_cached_fmu, reporter, overwrite, figures)
-    return _open_complete(summary, folder)
 
 
 def _open_complete(summary: Summary, folder: Path) -> Result:

@@ -3,37 +3,31 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-import numpy as np
-
 from orchestrator.engine.consistency import make_consistent
-from orchestrator.engine.coupling import Coupling
 from orchestrator.errors import MistakeError, one_of
-from orchestrator.run.checkpoint import restore_participants, serialise_participants
-from orchestrator.run.participants import build_participants
-from orchestrator.run.plan import make_plan
-from orchestrator.scenario.system import build_side_lines
+from orchestrator.run.participants import open_participants
+from orchestrator.run.plan import Plan
+from orchestrator.run.session import Session as RunSession
 from orchestrator.scenario.units import UnitError, to_unit
-from orchestrator.stepping import list_event_outputs
 
-from .cached_fmus import build_fmu
-from .reporting import SilentReporter
-from .scenario import Scenario, load
+from .planning import plan
+from .scenario import Scenario
 from .wording import speak_python
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """All that decides how a session goes on, as plain data."""
+    """All that decides how a session goes on from `time` (s), as plain data."""
 
     time: float
-    coupling: dict[str, Any]
-    steps: dict[str, Any]
-    participants: dict[str, bytes]
+    state: Mapping[str, Any]
 
 
 class Session:
@@ -49,25 +43,29 @@ class Session:
     """
 
     @speak_python()
-    def __init__(self, scenario: Scenario | str | Path) -> None:
-        checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
-        plan = make_plan(checked, build_fmu, SilentReporter(), figures=False)
-        self.stop_time = checked.stop_time
-        self._system, self._outputs = plan.system, plan.system.outputs
+    def __init__(self, scenario: Scenario | Plan | str | Path) -> None:
+        found = scenario if isinstance(scenario, Plan) else plan(scenario)
+        self._system, self._outputs = found.system, found.system.outputs
         self._closed = False
-        master, self._steps = checked.build_master(), checked.build_steps()
-        self._participants = build_participants(checked, plan.system, plan.fmus, lambda name, make: make())
-        try:
-            events = list_event_outputs(plan.system) if self._steps.locates else None
-            lines = build_side_lines(checked)
-            self._coupling = Coupling(plan.system, self._participants, master.degree, events, lines)
-            self._coupling.initialise(0.0, self.stop_time)
-            self._steps.begin(self._coupling, master, 0.0, self.stop_time)
-        except BaseException:
-            self.close()
-            raise
-        self.time = 0.0
+        with ExitStack() as opened:
+            participants = opened.enter_context(open_participants(found.system, found.participants))
+            self._session = RunSession(
+                found.system, participants, found.master, found.make_steps(), found.stop_time,
+                lines=found.side_lines,
+            )  # fmt: skip
+            self._session.begin()
+            self._opened = opened.pop_all()
         self._start: Snapshot | None = None
+
+    @property
+    def time(self) -> float:
+        """The communication point (s) that has been reached."""
+        return self._session.time
+
+    @property
+    def stop_time(self) -> float:
+        """Where the session ends (s)."""
+        return self._session.stop_time
 
     def __repr__(self) -> str:
         return f"Session at t = {self.time:g} s of {self.stop_time:g} s{', closed' * self._closed}"
@@ -84,8 +82,7 @@ class Session:
         """End the FMUs."""
         if not self._closed:
             self._closed = True
-            for participant in self._participants.values():
-                participant.close()
+            self._opened.close()
 
     def _check_open(self) -> None:
         """The library of an FMU that has ended would end this process."""
@@ -100,7 +97,7 @@ class Session:
         if self.time >= self.stop_time:
             raise MistakeError(f"the session has reached its stop_time = {self.stop_time:g} s")
         self._keep_start()
-        self.time = self._steps.step(self.time).end
+        self._session.step()
         return self.time
 
     def step_until(self, time: float | str) -> float:
@@ -128,9 +125,7 @@ class Session:
         self._check_open()
         if name not in self._outputs.names:
             raise MistakeError(f"{name}: {one_of(self._outputs.names, name)}")
-        values = np.zeros(self._outputs.size)
-        self._coupling.read_all(values)
-        return float(values[self._outputs.names.index(name)])
+        return float(self._session.read_outputs()[self._outputs.names.index(name)])
 
     @property
     def inputs(self) -> list[str]:
@@ -151,12 +146,13 @@ class Session:
         number = self._check_input(name, value)
         self._keep_start()
         component, _, variable = name.partition(".")
-        coupling, history = self._coupling, self._coupling.state.history
-        self._participants[component].set_inputs({variable: number})
+        coupling, history = self._session.coupling, self._session.coupling.state.history
+        self._session.participants[component].set_inputs({variable: number})
         for i in coupling.wiring.all:
             coupling.read(i)
         make_consistent(coupling, self.time)
         history.begin(self.time, coupling.state.values, coupling.state.rates)
+        self._session.outdate()
 
     def _explain_bound(self, name: str) -> str:
         """Why something that there is cannot be set; empty if there is no such thing."""
@@ -188,25 +184,21 @@ class Session:
 
     def _keep_start(self) -> None:
         """For `reset`, where all FMUs can save their state."""
-        restorable = all(participant.restorable for participant in self._participants.values())
+        restorable = all(participant.restorable for participant in self._session.participants.values())
         if self._start is None and self.time == 0.0 and restorable:
             self._start = self.save()
 
     def save(self) -> Snapshot:
         """The present state. RunError (CannotSerializeError) if an FMU cannot give its own."""
         self._check_open()
-        participants = serialise_participants(self._participants)
-        return Snapshot(self.time, self._coupling.snapshot(), self._steps.state(), participants)
+        return Snapshot(self.time, self._session.save())
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go on from a snapshot of this session, with the same bits."""
         self._check_open()
         if not isinstance(snapshot, Snapshot):
             raise MistakeError(f"snapshot: must be what save() returned, not {type(snapshot).__name__}")
-        self._coupling.resume(snapshot.coupling)
-        self._steps.resume(snapshot.steps)
-        restore_participants(self._participants, snapshot.participants)
-        self.time = snapshot.time
+        self._session.restore(snapshot.state)
 
     def reset(self) -> None:
         """Go back to the start."""

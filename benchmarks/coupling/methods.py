@@ -12,7 +12,7 @@ from orchestrator.engine.step import Step
 from orchestrator.errors import RunError
 from orchestrator.masters import MASTERS
 from orchestrator.participants import Participant, open_fmu
-from orchestrator.run.plan import FmuFile
+from orchestrator.run.participants import FmuFile
 from orchestrator.run.simulation import Statistics, simulate
 from orchestrator.stepping import StepControl, Stepper, control_steps
 

@@ -11,8 +11,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from models.core.system import System
+
 from ..errors import RunError
-from ..scenario import Scenario
 from ..store.result_file import ResultFile
 from .data import FigureData
 
@@ -32,9 +33,11 @@ KINDS = (
 )
 
 
-def find_figures(result: ResultFile, title: str, scenario: Scenario) -> dict[str, Callable[[], Any]]:
+def find_figures(
+    result: ResultFile, title: str, system: System, tolerance: Mapping[str, float]
+) -> dict[str, Callable[[], Any]]:
     """The functions that draw the figures that apply, by name."""
-    data = FigureData.read(result, title, scenario)
+    data = FigureData.read(result, title, system, tolerance)
     kinds = {name: importlib.import_module(f".{name}", __package__) for name in KINDS}
     return {name: partial(kind.draw, data) for name, kind in kinds.items() if kind.applies(data)}
 

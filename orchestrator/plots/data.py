@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.core.quantities import Quantity, Vector
+from models.core.system import System
 
 from ..assessment.diagnosis.steps import NONE, Steps, read_written_steps
-from ..scenario import Scenario, parse_ends
-from ..scenario.system import list_parameters
 from ..scenario.units import choose_time_unit, to_unit
 from ..store.result_file import ResultFile
 
@@ -65,7 +64,9 @@ class FigureData:
     energies: Mapping[str, Vector] = field(default_factory=dict)
 
     @classmethod
-    def read(cls, result: ResultFile, title: str, scenario: Scenario) -> FigureData:
+    def read(
+        cls, result: ResultFile, title: str, system: System, tolerance: Mapping[str, float]
+    ) -> FigureData:
         """Everything in the file, thinned to POINTS."""
         quantities = result.quantities("coupled")
         names = [name for name in quantities if name != "time"]
@@ -89,11 +90,11 @@ class FigureData:
             reference=reference,
             quantities=quantities,
             steps=read_written_steps(result),
-            drivers={target: source for source, target in map(parse_ends, scenario.connections)},
-            parameters=list_parameters(scenario),
+            drivers={str(c.target): str(c.source) for c in system.connections},
+            parameters=dict(zip(system.parameters.names, system.p.tolist(), strict=True)),
             energy_time=energies.pop("time"),
             energies=energies,
-            tolerance=scenario.tolerance,
+            tolerance=tolerance,
         )
 
     def find(self, variable: str) -> str | None:

@@ -14,12 +14,11 @@ from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Diagnosis, Facts, diagnose_steps, read_written_steps, suggestions
 from ..errors import RunError
 from ..reporter import Reporter
-from ..scenario import Scenario
 from ..store.result_file import ResultFile
 from .comparison import Errors, compare, largest_uncertainty, verdict
-from .plan import Plan, collect_output_quantities
+from .plan import MONOLITHIC, Plan, ReferencePlan
 from .record import ENDS, NOT_COMPARED, OUTSIDE, WITHIN, Ending, Record, classify_ending
-from .reference import MONOLITHIC, Solution, solve_reference
+from .reference import Solution, solve_reference
 from .witness import Testimony, hear_witness
 
 if TYPE_CHECKING:
@@ -54,17 +53,17 @@ class Report:
 
 def assess(plan: Plan, record: Record, result: ResultFile, reporter: Reporter) -> Report:
     """Assess the run whose rows are in `result`; only a complete one is compared with the reference."""
-    report = _diagnose(plan.scenario, record, result, _summarise_contacts(plan.system, record, result))
+    report = _diagnose(plan, record, result, _summarise_contacts(plan.system, record, result))
     if not record.ending.complete:
         return report
-    if not plan.scenario.reference.enabled:
+    if plan.reference is None:
         return replace(
             report,
             verdict="not compared: the reference is switched off (reference.enabled)",
             ending=Ending(True, False, "complete", WITHIN),
         )
     try:
-        return _compare(plan, result, reporter, report)
+        return _compare(plan, plan.reference, result, reporter, report)
     except ENDS as error:
         return replace(report, ending=classify_ending(error, result.path.parent))
 
@@ -80,50 +79,52 @@ def _summarise_contacts(system: System, record: Record, result: ResultFile) -> R
     return Report(record.ending, contacts, source)
 
 
-def _diagnose(scenario: Scenario, record: Record, result: ResultFile, report: Report) -> Report:
+def _diagnose(plan: Plan, record: Record, result: ResultFile, report: Report) -> Report:
     """Add what limited the steps."""
     steps = read_written_steps(result)
     diagnosis = diagnose_steps(steps, record.do_steps)
     if not diagnosis:
         return report
-    remedies = suggestions(Facts(diagnosis, steps, scenario))
+    remedies = suggestions(Facts(diagnosis, steps, plan.scenario))
     return replace(report, steps=diagnosis, rejected_steps=diagnosis.rejected, suggestions=remedies)
 
 
-def _compare(plan: Plan, result: ResultFile, reporter: Reporter, report: Report) -> Report:
+def _compare(
+    plan: Plan, wanted: ReferencePlan, result: ResultFile, reporter: Reporter, report: Report
+) -> Report:
     """Solve the reference, add it to the result, and compare."""
-    scenario, system = plan.scenario, plan.system
+    system = plan.system
     every = -(-result.length("coupled") // COMPARED_RECORDS)
     coupled = result.read("coupled", ["time", *system.outputs.names], slice(None, None, every))
     try:
         ends = read_written_steps(result).inner_ends
-        solution = solve_reference(plan, ends, coupled.pop("time"), coupled, reporter)
+        solution = solve_reference(plan, wanted, ends, coupled.pop("time"), coupled, reporter)
     except RunError as failure:
         return replace(
             report,
             verdict=f"not compared: the reference failed: {failure}",
             ending=Ending(True, False, "complete", NOT_COMPARED),
         )
-    quantities = collect_output_quantities(system)
+    quantities = plan.quantities
     result.write("reference", solution.times, quantities, solution.outputs)
     if solution.method == MONOLITHIC:
-        result.attribute("reference", "tolerance", scenario.reference.tolerance)
+        result.attribute("reference", "tolerance", wanted.tolerance)
     if solution.reference is not None:
         _write_profiles(solution.reference, result)
-    names = _select_compared(scenario, system)
+    names = _select_compared(plan)
     errors = compare(
         solution.times,
         {name: coupled[name] for name in names},
         {name: solution.outputs[:, system.outputs.names.index(name)] for name in names},
         solution.uncertainty,
         {name: quantities[name].nominal for name in names},
-        scenario.tolerance,
+        plan.tolerance,
         solution.orders,
     )
     for name, error in errors.items():
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
     within, text = verdict(errors)
-    advice = "" if within else _advise_on_events(scenario, report.contacts)
+    advice = "" if within else _advise_on_events(plan, report.contacts)
     return replace(
         report,
         ending=Ending(True, False, "complete", WITHIN if within else OUTSIDE),
@@ -132,7 +133,7 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, report: Report)
         reference_time_s=solution.wall_time_s,
         reference_uncertainty=largest_uncertainty(errors),
         reference_method=solution.method,
-        witness=_hear_witness(plan, coupled, solution, reporter),
+        witness=_hear_witness(plan, coupled, solution, reporter) if wanted.witness else None,
     )
 
 
@@ -160,16 +161,16 @@ def _write_profiles(reference: Reference, result: ResultFile) -> None:
 def _hear_witness(
     plan: Plan, coupled: Mapping[str, Vector], solution: Solution, reporter: Reporter
 ) -> Testimony | None:
-    if plan.scenario.reference.witness == "none" or solution.reference is None:
+    if solution.reference is None:
         return None
     with reporter.stage("multibody witness"):
         return hear_witness(plan.system, solution.reference, coupled)
 
 
-def _advise_on_events(scenario: Scenario, contacts: ContactSummaries) -> str:
+def _advise_on_events(plan: Plan, contacts: ContactSummaries) -> str:
     """What helps where contacts are made and lost between steps of equal length; empty if none is."""
     opened = [name for name, contact in contacts.items() if contact.separation]
-    if scenario.step_control or not opened:
+    if not plan.fixed_steps or not opened:
         return ""
     return (
         f"; {', '.join(opened)}: opens and closes between steps of equal length, step control locates "
@@ -177,7 +178,7 @@ def _advise_on_events(scenario: Scenario, contacts: ContactSummaries) -> str:
     )
 
 
-def _select_compared(scenario: Scenario, system: System) -> list[str]:
+def _select_compared(plan: Plan) -> list[str]:
     """All connected outputs, and those with a tolerance."""
-    connected = {str(connection.source) for connection in system.connections}
-    return [name for name in system.outputs.names if name in connected or name in scenario.tolerance]
+    connected = {str(connection.source) for connection in plan.system.connections}
+    return [name for name in plan.system.outputs.names if name in connected or name in plan.tolerance]

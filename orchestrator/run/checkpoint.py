@@ -25,7 +25,7 @@ from ..participants import Participant
 from ..store.atomic_write import replace
 from ..store.json_codec import Plain, from_text, to_text
 
-FORMAT = "tribocosim checkpoint 1"
+FORMAT = "tribocosim checkpoint 2"
 # With another version of these the last bits may differ.
 COMPUTING = ("tribocosim", "numpy", "scipy", "numba", "llvmlite")
 # Of the wall time at most, where a disk is slow or a state large.

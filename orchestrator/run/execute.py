@@ -12,21 +12,20 @@ from models.core.quantities import Vector
 
 from ..assessment.contacts import ContactObserver
 from ..compilation import PREPARING, announce_compilation
-from ..engine.energy import Ledger, Trimmed, add_counting, add_estimates
+from ..engine.energy import Ledger, Trimmed
 from ..engine.observer import Observer
 from ..engine.step import Step
 from ..errors import MistakeError, ParticipantError, RefusedError, RunError, StalledError
 from ..participants import GivesWarnings, Participant
 from ..reporter import Reporter
-from ..scenario.system import build_side_lines
 from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
 from ..store.json_codec import Plain
 from ..store.output_folder import SCENARIO, SUMMARY, TEXTS, OutputFolder, format_path
 from .checkpoint import Checkpoints, Identity
 from .interruption import Interruption, guard_exit
 from .nan_monitor import NotNumbers
-from .participants import build_participants, select_counting
-from .plan import Plan, collect_output_quantities
+from .participants import open_participants
+from .plan import Plan
 from .record import ENDS, FAILED, Ending, Record, Warnings, classify_ending
 from .recording import ResultRecorder
 from .simulation import Statistics, simulate
@@ -66,20 +65,18 @@ class _Observation:
     """The observers of a run and what they have seen; `system` is the one to be run."""
 
     def __init__(self, plan: Plan, folder: OutputFolder) -> None:
-        scenario, system = plan.scenario, plan.system
-        every, stop = scenario.record_every, scenario.stop_time
-        quantities = collect_output_quantities(system)
+        system, every, stop = plan.system, plan.scenario.record_every, plan.stop_time
         held_for = 0.0 if plan.exposed else FLUSH_SECONDS  # a process that ends takes no rows along
         self.not_numbers, self.contacts = NotNumbers(every, stop), ContactObserver(system)
         self.counter = _Counter(folder.backup.delete)
         self.warnings: dict[str, Warnings] = {}
-        recorder = ResultRecorder(folder.unfinished, quantities, every, held_for, stop)
+        recorder = ResultRecorder(folder.unfinished, plan.quantities, every, held_for, stop)
         recorders: list[Observer] = [recorder, self.not_numbers]
-        texts = list_texts(scenario)
+        texts = list_texts(plan.third_party)
         text_recorders = [TextRecorder(folder.path / TEXTS, texts)] if texts else []
         self._ledger = None
-        if scenario.energy.ledger:
-            system = add_estimates(add_counting(system, select_counting(scenario, system)))
+        if plan.counted is not None:
+            system = plan.counted
             self._ledger = Ledger(system, every, folder.unfinished, stop)
             recorders = [*(Trimmed(recorder, system) for recorder in recorders), self._ledger]
         self.system = system
@@ -112,41 +109,39 @@ def _couple(
     checkpoint: Checkpoint | None,
 ) -> Statistics:
     """Make the participants and step them."""
-    scenario, system, stop = plan.scenario, observation.system, plan.scenario.stop_time
-    stage = reporter.stage(f"coupled run, master {scenario.master.name}", stop)
+    system, stop = observation.system, plan.stop_time
+    stage = reporter.stage(f"coupled run, master {plan.scenario.master.name}", stop)
     tell = partial(_report_exit, plan, folder, observation) if plan.exposed else None
     summary = summarise(plan, Ending(), Record())
-    with guard_exit(tell, FAILED), watching(scenario, folder.path / SUMMARY, summary) as watchdog:
+    with guard_exit(tell, FAILED), watching(plan.scenario, folder.path / SUMMARY, summary) as watchdog:
         units: dict[str, Participant] = {}
 
         def wrap(name: str, make: Callable[[], Participant]) -> Participant:
             return watchdog.made(name, lambda: units.setdefault(name, make()))
 
-        participants = build_participants(scenario, system, plan.fmus, wrap)
-        try:
-            with stage as bar, Interruption() as interruption:
-                observers = [*watchdog.observers, *observation.observers]
-                if every := scenario.checkpoint_every:
-                    path, say = folder.checkpoint, reporter.line
-                    observers.append(
-                        Checkpoints(path, identity, every, stop, lambda: interruption.asked, say)
-                    )
-                forecast = Forecast(stop, reporter.line)
-                with announce_compilation(PREPARING, begin=lambda: None, end=forecast.restart):
-                    return simulate(
-                        system,
-                        participants,
-                        scenario.build_master(),
-                        scenario.build_steps(),
-                        stop,
-                        [*observers, bar, forecast, interruption],
-                        resumed=checkpoint[1] if checkpoint else None,
-                        lines=build_side_lines(scenario),
-                    )
-        finally:
-            observation.warnings = _collect_warnings(units)
-            for participant in participants.values():
-                participant.close()
+        with open_participants(system, plan.participants, wrap) as participants:
+            try:
+                with stage as bar, Interruption() as interruption:
+                    observers = [*watchdog.observers, *observation.observers]
+                    if every := plan.scenario.checkpoint_every:
+                        path, say = folder.checkpoint, reporter.line
+                        observers.append(
+                            Checkpoints(path, identity, every, stop, lambda: interruption.asked, say)
+                        )
+                    forecast = Forecast(stop, reporter.line)
+                    with announce_compilation(PREPARING, begin=lambda: None, end=forecast.restart):
+                        return simulate(
+                            system,
+                            participants,
+                            plan.master,
+                            plan.make_steps(),
+                            stop,
+                            [*observers, bar, forecast, interruption],
+                            resumed=checkpoint[1] if checkpoint else None,
+                            lines=plan.side_lines,
+                        )
+            finally:
+                observation.warnings = _collect_warnings(units)
 
 
 def _report_exit(plan: Plan, folder: OutputFolder, observation: _Observation) -> None:

@@ -1,79 +1,86 @@
-"""Build a participant for every instance of a system."""
+"""How each instance of a system takes part in its coupled run, and its participant."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from models.core.bonds import counting
-from models.core.system import System
+from models.core.system import Instance, System
 
 from ..engine.energy.correction import Compensated, bond_inputs
 from ..engine.energy.estimate import EstimatedComponent, Estimating, without_estimates
 from ..engine.substeps import Substepped
-from ..participants import (
-    Participant,
-    find_missing,
-    in_process,
-    open_fmu,
-    open_in_own_process,
-    transformed,
-)
+from ..participants import Participant, in_process, open_fmu, open_in_own_process, transformed
 from ..participants.transformed import Linear
-from ..scenario import Scenario
-from ..scenario.conversion import find_transformations
-from ..scenario.system import build_instances
-from .plan import FmuFile
 
-# Gets an instance's name and a function that makes its participant; makes and may wrap it.
+
+@dataclass(frozen=True)
+class FmuFile:
+    """An FMU that takes part."""
+
+    path: Path
+    sha256: str
+
+
+@dataclass(frozen=True)
+class ParticipantPlan:
+    """An FMU and how it runs, or without a `file` the component's equations in this process.
+
+    `linear` transforms inputs, by name. A `compensated` one gets back what its inputs missed in the last
+    step. An FMU that is `exposed` can end this process at any moment.
+    """
+
+    file: FmuFile | None = None
+    strings: Mapping[str, str] = field(default_factory=dict)
+    own_process: bool = False
+    exposed: bool = False
+    memory_limit_mb: int | None = None
+    substeps: int = 1
+    retries: int = 0
+    linear: Mapping[str, Linear] = field(default_factory=dict)
+    compensated: bool = False
+
+    def open_bare(self, name: str, instance: Instance) -> Participant:
+        """The participant alone, which takes whole macro steps and inputs in its own units."""
+        bare = without_estimates(instance)
+        if self.file is None:
+            return in_process(name, bare)
+        if self.own_process:
+            return open_in_own_process(name, self.file.path, bare, self.strings, self.memory_limit_mb)
+        return open_fmu(name, self.file.path, bare, self.strings)
+
+    def complete(self, participant: Participant, instance: Instance) -> Participant:
+        """The bare participant with what lies between it and the coupling."""
+        if isinstance(instance.component, EstimatedComponent):
+            participant = Estimating(participant, instance.component)
+        if self.substeps > 1 or self.retries:
+            participant = Substepped(participant, self.substeps, self.retries)
+        if self.compensated:
+            participant = Compensated(participant, bond_inputs(instance.component))
+        return transformed(participant, self.linear) if self.linear else participant
+
+
+# Gets an instance's name and a function that makes its bare participant; makes and may wrap it.
 Wrap = Callable[[str, Callable[[], Participant]], Participant]
 
 
-def build_participants(
-    scenario: Scenario, system: System, files: Mapping[str, FmuFile], wrap: Wrap
-) -> dict[str, Participant]:
-    """A participant for every instance: its FMU where there is one. The caller closes them."""
-    participants: dict[str, Participant] = {}
-    linear = find_transformations(*build_instances(scenario))
-    try:
+def _make(name: str, make: Callable[[], Participant]) -> Participant:
+    return make()
+
+
+@contextmanager
+def open_participants(
+    system: System, plans: Mapping[str, ParticipantPlan], wrap: Wrap = _make
+) -> Iterator[dict[str, Participant]]:
+    """A participant for every instance; they are closed at the end of the block."""
+    with ExitStack() as stack:
+        participants = {}
         for name, instance in system.instances.items():
-            table = scenario.components[name]
-            bare = without_estimates(instance)
-            if name in files:
-                given = name, files[name].path, bare, table.strings
-                make: Callable[[], Participant] = partial(open_fmu, *given)
-                if table.own_process:
-                    make = partial(open_in_own_process, *given, table.memory_limit_mb)
-            else:
-                make = partial(in_process, name, bare)
-            participants[name] = wrap(name, make)
-            if isinstance(instance.component, EstimatedComponent):
-                participants[name] = Estimating(participants[name], instance.component)
-            if table.substeps > 1 or table.retries:
-                participants[name] = Substepped(participants[name], table.substeps, table.retries)
-            if scenario.energy.correction:
-                participants[name] = Compensated(participants[name], bond_inputs(instance.component))
-            if any(one != Linear() for one in linear.get(name, {}).values()):
-                participants[name] = transformed(participants[name], linear[name])
-    except BaseException:
-        for participant in participants.values():
-            participant.close()
-        raise
-    return participants
-
-
-def select_counting(scenario: Scenario, system: System) -> list[str]:
-    """The instances that can count their energies.
-
-    Components of unknown equations cannot, nor can given FMUs that lack the variables for it.
-    """
-    names = []
-    for name, table in scenario.components.items():
-        component = system.instances[name].component
-        if component.opaque:
-            continue
-        given = table.participant.endswith(".fmu")
-        if not given or not find_missing(Path(table.participant), counting(component).outputs.names):
-            names.append(name)
-    return names
+            plan = plans[name]
+            bare = wrap(name, partial(plan.open_bare, name, instance))
+            stack.callback(bare.close)
+            participants[name] = plan.complete(bare, instance)
+        yield participants

@@ -10,7 +10,6 @@ from pathlib import Path
 from ..errors import RefusedError
 from ..reporter import Reporter
 from ..scenario import Scenario, ScenarioError
-from ..scenario.files import to_full_toml
 from ..scenario.system import Builder
 from ..store import atomic_write
 from ..store.output_folder import PRINTED, SCENARIO, OutputFolder, check_folder, format_path, open_folder
@@ -31,19 +30,27 @@ def run(
     overwrite: bool = False,
     figures: bool = True,
 ) -> Summary:
+    """Plan a run and make it, as `run_plan` does; ModelError or ScenarioError before anything is written."""
+    check_folder(out, overwrite)
+    began = clock.perf_counter()
+    return run_plan(make_plan(scenario, build, reporter, figures), out, reporter, overwrite, began)
+
+
+def run_plan(
+    plan: Plan, out: Path, reporter: Reporter, overwrite: bool = False, began: float | None = None
+) -> Summary:
     """Run and write everything into `out`. The summary's `exit_status` is 0 only within the tolerance.
 
     A run that fails or is interrupted leaves what was recorded, marked incomplete; its message is in the
-    summary. What `overwrite` replaces stays until the first values are recorded. Raises ScenarioError,
-    ModelError or OutputFolderError before anything is written.
+    summary. What `overwrite` replaces stays until the first values are recorded. The wall time counts from
+    `began` of `perf_counter`. Raises OutputFolderError before anything is written.
     """
-    start = clock.perf_counter()
+    start = clock.perf_counter() if began is None else began
     out = out.absolute()  # an FMU may change the working directory
     check_folder(out, overwrite)
-    plan = make_plan(scenario, build, reporter, figures)
     with open_folder(out, overwrite) as folder, keep_prints(plan, folder, reporter):
-        atomic_write.replace(out / SCENARIO, to_full_toml(scenario).encode())
-        if line := announce(scenario, plan.system.outputs.size, out):
+        atomic_write.replace(out / SCENARIO, plan.toml.encode())
+        if line := announce(plan.scenario, plan.system.outputs.size, out):
             reporter.line(line)
         try:
             record = execute(plan, folder, reporter)
@@ -75,8 +82,7 @@ def conclude(plan: Plan, record: Record, folder: OutputFolder, reporter: Reporte
 
 def keep_prints(plan: Plan, folder: OutputFolder, reporter: Reporter) -> AbstractContextManager[None]:
     """For the block in which the FMUs of the plan run; ours print nothing."""
-    foreign = any(table.third_party for table in plan.scenario.components.values())
-    return reporter.keep_prints(folder.path / PRINTED) if foreign else nullcontext()
+    return reporter.keep_prints(folder.path / PRINTED) if plan.third_party else nullcontext()
 
 
 def _tell_of_backup(folder: OutputFolder) -> str:

@@ -1,107 +1,211 @@
-"""Plan a run: build the system, check everything, build the FMUs. Nothing is written to the output folder."""
+"""Plan a run: resolve the scenario once, check everything, build the FMUs. Nothing is written."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
-from models.core.quantities import Quantity
+from models.core.bonds import counting
+from models.core.quantities import Quantity, Vector
 from models.core.system import ModelError, System
 
+from ..engine.energy import add_counting, add_estimates
 from ..engine.energy.counting import counting_structure
+from ..engine.instants import SideLines
+from ..masters import Master
+from ..participants import ThirdPartyComponent, find_missing
 from ..reporter import Reporter
 from ..scenario import BUILT_KINDS, Scenario
+from ..scenario.capabilities import is_refined, is_solved_by_parts
 from ..scenario.checks import check_reference
+from ..scenario.conversion import Transformations
+from ..scenario.files import to_full_toml
 from ..scenario.oil import list_oils
 from ..scenario.system import (
+    Assembly,
     Builder,
-    build_system,
+    assemble,
     list_doubtful_equilibrium,
     list_moved_starts,
     resolve_start,
 )
 from ..scenario.warnings import list_doubtful, list_warnings
+from ..stepping import RefinedSteps, Stepper
+from .participants import FmuFile, ParticipantPlan
 from .witness import check_witness
+
+# Methods of the reference.
+MONOLITHIC, BY_PARTS, REFINEMENT = "monolithic", "by parts", "refinement"
 
 
 @dataclass(frozen=True)
-class FmuFile:
-    """An FMU that takes part."""
+class ReferencePlan:
+    """How the reference is solved, to what tolerance, with what longest step (s), and who is a witness."""
 
-    path: Path
-    sha256: str
+    method: str
+    tolerance: float
+    step: float | None
+    witness: bool
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A checked scenario and what its run needs; `system` has the start values of the run."""
+    """All that a run needs, resolved once; what comes after asks the plan.
+
+    `system` has the start values of the run, and `counted`, with the energy ledger, outputs for its energies
+    too. `make_steps` gives a new stepper, `refine_steps` one that divides the steps of a run that ended at
+    given times. `toml` is the scenario with all its values; assessments of the steps read `scenario` itself.
+    """
 
     scenario: Scenario
+    toml: str
     system: System
-    fmus: Mapping[str, FmuFile]
+    counted: System | None
+    participants: Mapping[str, ParticipantPlan]
+    side_lines: SideLines
+    master: Master
+    make_steps: Callable[[], Stepper]
+    refine_steps: Callable[[Vector, int], RefinedSteps]
+    reference: ReferencePlan | None
     figures: bool
     notices: Sequence[str] = ()
 
     @property
+    def name(self) -> str:
+        return self.scenario.name
+
+    @property
+    def stop_time(self) -> float:
+        """In seconds."""
+        return self.scenario.stop_time
+
+    @property
+    def tolerance(self) -> Mapping[str, float]:
+        """The largest relative RMS error allowed, by variable."""
+        return self.scenario.tolerance
+
+    @property
+    def fixed_steps(self) -> bool:
+        return self.scenario.step_control is None
+
+    @cached_property
     def sha256(self) -> dict[str, str]:
         """The sum of every FMU, by instance."""
-        return {name: file.sha256 for name, file in self.fmus.items()}
+        return {name: one.file.sha256 for name, one in self.participants.items() if one.file}
 
     @property
     def exposed(self) -> list[str]:
         """Third-party FMUs in this process, which they can end at any moment."""
-        return [
-            name
-            for name, table in self.scenario.components.items()
-            if table.untrusted and not table.own_process
-        ]
+        return [name for name, one in self.participants.items() if one.exposed]
+
+    @cached_property
+    def third_party(self) -> dict[str, ThirdPartyComponent]:
+        """The instances whose equations are unknown."""
+        components = {name: instance.component for name, instance in self.system.instances.items()}
+        return {name: c for name, c in components.items() if isinstance(c, ThirdPartyComponent)}
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity]:
+        """The quantity of every output, by "instance.variable"."""
+        return {
+            f"{name}.{field.name}": field.quantity
+            for name, instance in self.system.instances.items()
+            for field in instance.component.outputs.fields
+        }
 
 
 def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: bool = True) -> Plan:
     """Make every check of the scenario and build its FMUs. Raises ScenarioError or ModelError."""
-    system = _build_system(scenario)
-    check_reference(scenario, system)
-    check_witness(scenario, system)
+    assembly = _assemble(scenario)
+    check_reference(scenario, assembly.system)
+    check_witness(scenario, assembly.system)
     with reporter.stage("FMUs"):
-        fmus = resolve_fmus(scenario, build)
-    resolved = resolve_start(scenario, system)
-    starts = [*list_moved_starts(system, resolved), *list_doubtful_equilibrium(scenario, resolved)]
+        participants = plan_participants(scenario, assembly.linear, build)
+    system = resolve_start(scenario, assembly.system)
+    starts = [*list_moved_starts(assembly.system, system), *list_doubtful_equilibrium(scenario, system)]
     notices = [*starts, *list_oils(scenario), *list_warnings(scenario)]
     for line in notices:
         reporter.line(line)
-    return Plan(scenario, resolved, fmus, figures, notices)
+    return Plan(
+        scenario=scenario,
+        toml=to_full_toml(scenario),
+        system=system,
+        counted=_count_energies(scenario, system) if scenario.energy.ledger else None,
+        participants=participants,
+        side_lines=assembly.side_lines,
+        master=scenario.build_master(),
+        make_steps=scenario.build_steps,
+        refine_steps=scenario.refine_steps,
+        reference=_plan_reference(scenario) if scenario.reference.enabled else None,
+        figures=figures,
+        notices=notices,
+    )
 
 
-def _build_system(scenario: Scenario) -> System:
-    """The system; the error of one that cannot be built begins with numbers that may lack their unit."""
+def _assemble(scenario: Scenario) -> Assembly:
+    """The assembly; the error of one that cannot be built begins with numbers that may lack their unit."""
     try:
-        return build_system(scenario)
+        return assemble(scenario)
     except ModelError as error:
         raise ModelError("\n".join([*list_doubtful(scenario), str(error)])) from None
 
 
-def collect_output_quantities(system: System) -> dict[str, Quantity]:
-    """The quantity of every output, by "instance.variable"."""
-    return {
-        f"{name}.{field.name}": field.quantity
-        for name, instance in system.instances.items()
-        for field in instance.component.outputs.fields
-    }
+def _plan_reference(scenario: Scenario) -> ReferencePlan:
+    table, method = scenario.reference, MONOLITHIC
+    if is_refined(scenario):
+        method = REFINEMENT
+    elif is_solved_by_parts(scenario):
+        method = BY_PARTS
+    return ReferencePlan(method, table.tolerance, table.step, table.witness != "none")
 
 
-def resolve_fmus(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
-    """The FMU of every instance that is one; built where the scenario gives no file."""
-    files = {}
+def plan_participants(
+    scenario: Scenario, linear: Transformations, build: Builder | None
+) -> dict[str, ParticipantPlan]:
+    """How every instance takes part. FMUs of our components are built; without `build` they take part by
+    their equations."""
+    plans = {}
     for name, table in scenario.components.items():
-        if table.participant == "in-process":
+        file, own = None, table.participant in BUILT_KINDS
+        if own and build is not None:
+            counts = scenario.energy.ledger and not table.resolve().opaque
+            structure = counting_structure(table.structure) if counts else table.structure
+            file = _sum(build(str(table.component), structure, table.participant))
+        elif not own and table.participant != "in-process":
+            file = _sum(Path(table.participant))
+        plans[name] = ParticipantPlan(
+            file=file,
+            strings=table.strings,
+            own_process=table.own_process,
+            exposed=table.untrusted and not table.own_process,
+            memory_limit_mb=table.memory_limit_mb,
+            substeps=table.substeps,
+            retries=table.retries,
+            linear=linear.get(name, {}),
+            compensated=scenario.energy.correction,
+        )
+    return plans
+
+
+def _sum(path: Path) -> FmuFile:
+    return FmuFile(path, hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def _count_energies(scenario: Scenario, system: System) -> System:
+    """The system with energies of all instances: counted, or estimated where an instance cannot count.
+
+    Components of unknown equations cannot, nor can given FMUs that lack the variables for it.
+    """
+    counted = []
+    for name, table in scenario.components.items():
+        component = system.instances[name].component
+        given = table.participant.endswith(".fmu")
+        if component.opaque or (
+            given and find_missing(Path(table.participant), counting(component).outputs.names)
+        ):
             continue
-        own = table.participant in BUILT_KINDS
-        counts = scenario.energy.ledger and not table.resolve().opaque
-        structure = counting_structure(table.structure) if counts else table.structure
-        path = Path(table.participant)
-        if own and table.component:
-            path = build(table.component, structure, table.participant)
-        files[name] = FmuFile(path, hashlib.sha256(path.read_bytes()).hexdigest())
-    return files
+        counted.append(name)
+    return add_estimates(add_counting(system, counted))

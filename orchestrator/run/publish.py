@@ -15,7 +15,6 @@ from rich.text import Text
 
 from ..errors import MistakeError
 from ..reporter import Reporter
-from ..scenario.files import to_full_toml
 from ..store.atomic_write import NO_ROOM, naming
 from ..store.csv_file import write_csv, write_units
 from ..store.journal import Recorded, journals
@@ -57,11 +56,10 @@ def open_result(plan: Plan, folder: OutputFolder, reporter: Reporter) -> Iterato
 
 def _describe(plan: Plan) -> dict[str, str]:
     """The attributes of the result file."""
-    scenario = plan.scenario
     return {
-        "title": scenario.description or scenario.name,
-        "scenario": scenario.name,
-        "scenario_toml": to_full_toml(scenario),
+        "title": plan.scenario.description or plan.name,
+        "scenario": plan.name,
+        "scenario_toml": plan.toml,
         "versions": ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES),
         "fmu_sha256": "\n".join(f"{name} {sha256}" for name, sha256 in plan.sha256.items()) or "none",
     }
@@ -74,9 +72,8 @@ def finish_result(plan: Plan, ending: Ending, result: ResultFile, reporter: Repo
         return
     from .. import plots
 
-    name = plan.scenario.name
-    title = name if ending.complete else f"{name} (incomplete)"
-    figures = plots.find_figures(result, title, plan.scenario)
+    title = plan.name if ending.complete else f"{plan.name} (incomplete)"
+    figures = plots.find_figures(result, title, plan.system, plan.tolerance)
     with reporter.stage("figures") if figures else nullcontext():
         plots.draw_all(figures, result.path.with_name(FIGURES))
     if not figures:

@@ -10,21 +10,15 @@ from typing import TYPE_CHECKING
 from models.core.difference import Difference
 from models.core.quantities import Vector
 
-from ..participants import ThirdPartyComponent, collect_settings
+from ..participants import collect_settings
 from ..participants.description import MODEL_EXCHANGE
 from ..participants.model_exchange import FmuEquations, open_equations
 from ..reporter import Reporter
-from ..scenario import Scenario
-from ..scenario.capabilities import is_refined, is_solved_by_parts
-from ..scenario.conversion import find_transformations
-from ..scenario.system import build_instances
-from .plan import Plan
+from .plan import BY_PARTS, MONOLITHIC, REFINEMENT, Plan, ReferencePlan
 from .refinement import describe_doubts, refine
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
-
-MONOLITHIC, REFINEMENT = "monolithic", "refinement"
 
 
 @dataclass(frozen=True)
@@ -46,14 +40,19 @@ class Solution:
 
 
 def solve_reference(
-    plan: Plan, ends: Vector, times: Vector, coupled: Mapping[str, Vector], reporter: Reporter
+    plan: Plan,
+    wanted: ReferencePlan,
+    ends: Vector,
+    times: Vector,
+    coupled: Mapping[str, Vector],
+    reporter: Reporter,
 ) -> Solution:
     """The reference at `times`, where the run's outputs are `coupled`. ModelError or RunError if it fails.
 
     The run began, and parts of its steps ended, at `ends`.
     """
-    began, scenario = clock.perf_counter(), plan.scenario
-    if is_refined(scenario):
+    began = clock.perf_counter()
+    if wanted.method == REFINEMENT:
         refined = refine(plan, ends, times, coupled, reporter)
         return Solution(
             times,
@@ -62,72 +61,61 @@ def solve_reference(
             clock.perf_counter() - began,
             REFINEMENT,
             refined.orders,
-            describe_doubts(refined, scenario.tolerance),
+            describe_doubts(refined, plan.tolerance),
         )
-    if is_solved_by_parts(scenario):
-        return _solve_by_parts(plan, times, reporter, began)
+    if wanted.method == BY_PARTS:
+        return _solve_by_parts(plan, wanted.tolerance, times, reporter, began)
     from models.monolithic import LONGEST_STEP, solve
 
-    table, system = scenario.reference, plan.system
-    with reporter.stage("monolithic reference", scenario.stop_time) as bar:
+    system = plan.system
+    with reporter.stage("monolithic reference", plan.stop_time) as bar:
         found = solve(
             system,
             times,
-            tolerance=table.tolerance,
+            tolerance=wanted.tolerance,
             x0=system.x0,
             progress=bar.show,
-            longest_step=table.step or LONGEST_STEP,
+            longest_step=wanted.step or LONGEST_STEP,
         )
     return Solution(found.times, found.outputs, found.uncertainty, found.wall_time_s, reference=found)
 
 
-def _solve_by_parts(plan: Plan, times: Vector, reporter: Reporter, began: float) -> Solution:
+def _solve_by_parts(
+    plan: Plan, tolerance: float, times: Vector, reporter: Reporter, began: float
+) -> Solution:
     from models.monolithic.reference import uncertainties
 
     from .equations import solve_equations
 
-    scenario, system = plan.scenario, plan.system
-    instances, lines = build_instances(scenario)
+    system = plan.system
 
     def open_fmus() -> dict[str, FmuEquations]:
         opened: dict[str, FmuEquations] = {}
         try:
-            for name, instance in instances.items():
-                if isinstance(instance.component, ThirdPartyComponent):
-                    table = scenario.components[name]
-                    settings = collect_settings(instance, table.strings, table.memory_limit_mb)
-                    settings = replace(settings, interface=MODEL_EXCHANGE)
-                    inputs = tuple(n for n in instance.component.inputs.names if n not in instance.inputs)
-                    path = plan.fmus[name].path
-                    opened[name] = open_equations(name, path, settings, inputs, table.own_process)
+            for name, component in plan.third_party.items():
+                instance, how = system.instances[name], plan.participants[name]
+                assert how.file
+                settings = collect_settings(instance, how.strings, how.memory_limit_mb)
+                settings = replace(settings, interface=MODEL_EXCHANGE)
+                inputs = tuple(n for n in component.inputs.names if n not in instance.inputs)
+                opened[name] = open_equations(name, how.file.path, settings, inputs, how.own_process)
         except BaseException:
             for fmu in opened.values():
                 fmu.close()
             raise
         return opened
 
-    with reporter.stage("monolithic reference", scenario.stop_time) as bar:
-        found = solve_equations(
-            system,
-            open_fmus,
-            find_transformations(instances, lines),
-            times,
-            scenario.stop_time,
-            scenario.reference.tolerance,
-            bar.show,
-        )
+    linear = {name: how.linear for name, how in plan.participants.items()}
+    with reporter.stage("monolithic reference", plan.stop_time) as bar:
+        found = solve_equations(system, open_fmus, linear, times, plan.stop_time, tolerance, bar.show)
     uncertainty = uncertainties(system, times, found.outputs, found.others)
     seconds = clock.perf_counter() - began
-    return Solution(times, found.outputs, uncertainty, seconds, doubts=_describe_solvers(scenario))
+    return Solution(times, found.outputs, uncertainty, seconds, doubts=_describe_solvers(plan))
 
 
-def _describe_solvers(scenario: Scenario) -> str:
+def _describe_solvers(plan: Plan) -> str:
     """The end of a verdict where FMUs of others take part."""
-    stepping = [
-        name
-        for name, table in scenario.components.items()
-        if table.third_party and not table.describe().integrated
-    ]
+    stepping = [name for name, component in plan.third_party.items() if not component.about.integrated]
     if not stepping:
         return ""
     return (

@@ -25,8 +25,7 @@ from models.core.quantities import Vector
 
 from ..engine.step import Step
 from ..reporter import Reporter
-from ..scenario.system import build_side_lines
-from .participants import build_participants
+from .participants import open_participants
 from .plan import Plan
 from .simulation import simulate
 
@@ -110,25 +109,14 @@ def describe_doubts(refined: Refined, tolerance: Mapping[str, float]) -> str:
 
 def _repeat(plan: Plan, ends: Vector, parts: int, times: Vector, reporter: Reporter) -> Vector:
     """All outputs at `times` of a run with that many steps for each."""
-    scenario = plan.scenario
     lengths = np.diff(ends, prepend=ends[0])[np.searchsorted(ends, times)]
     samples = _Samples(times, SLACK * lengths / parts)
-    steps = scenario.refine_steps(ends, parts)
-    with reporter.stage(f"coupled run, {parts} steps for each", scenario.stop_time) as bar:
-        participants = build_participants(scenario, plan.system, plan.fmus, lambda name, make: make())
-        try:
-            simulate(
-                plan.system,
-                participants,
-                scenario.build_master(),
-                steps,
-                scenario.stop_time,
-                [samples, bar],
-                lines=build_side_lines(scenario),
-            )
-        finally:
-            for participant in participants.values():
-                participant.close()
+    steps, stop = plan.refine_steps(ends, parts), plan.stop_time
+    with (
+        reporter.stage(f"coupled run, {parts} steps for each", stop) as bar,
+        open_participants(plan.system, plan.participants) as participants,
+    ):
+        simulate(plan.system, participants, plan.master, steps, stop, [samples, bar], lines=plan.side_lines)
     return np.array(samples.rows)
 
 

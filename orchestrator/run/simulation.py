@@ -7,21 +7,18 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 
-import numpy as np
-
-from models.core.quantities import Vector
 from models.core.system import System
 
-from ..engine.coupling import Coupling
 from ..engine.instants import NO_SIDE_LINES, SideLines
 from ..engine.observer import Observer, Watching
 from ..engine.step import STOP, Step
 from ..errors import EndedError, RunError
 from ..masters import Master
 from ..participants import Participant
-from ..stepping import FixedSteps, Stepper, list_event_outputs
+from ..stepping import FixedSteps, Stepper
 from ..store.json_codec import Plain
-from .checkpoint import Continuing, Keeper, fitting, restore_participants, serialise_participants
+from .checkpoint import Continuing, Keeper, fitting
+from .session import Session
 
 
 @dataclass(frozen=True)
@@ -41,93 +38,61 @@ class Statistics:
     unrated: Sequence[str] = ()
 
 
-class LatestOutputs:
-    """All outputs of all participants after the latest step, read once, when they are asked for."""
-
-    def __init__(self, coupling: Coupling) -> None:
-        self._coupling = coupling
-        self._values = np.zeros(coupling.wiring.system.outputs.size)
-        self._read = False
-
-    def outdate(self) -> None:
-        """A step has been made."""
-        self._read = False
-
-    def __call__(self) -> Vector:
-        if not self._read:
-            self._coupling.read_all(self._values)
-            self._read = True
-        return self._values
-
-
 class _Run:
     """A run under way: what it has come to, and what it took."""
 
-    def __init__(
-        self,
-        coupling: Coupling,
-        participants: Mapping[str, Participant],
-        steps: Stepper,
-        observers: Sequence[Observer],
-        start_time: float,
-    ) -> None:
-        self._coupling, self._participants, self._steps = coupling, participants, steps
-        self._observers, self._outputs = observers, LatestOutputs(coupling)
-        self.time, self._began = start_time, clock.perf_counter()
+    def __init__(self, session: Session, observers: Sequence[Observer]) -> None:
+        self.session, self._observers = session, observers
+        self._began = clock.perf_counter()
         self._made = self._rejected = self._iterations = 0
 
     def start(self, resumed: Plain | None) -> None:
         """Show the start, or go on from a state."""
         self._began = clock.perf_counter()
         if resumed is None:
-            self._show(Step(self.time, 0.0, 0))
+            self._show(Step(self.session.time, 0.0, 0))
             return
-        self.time, self._made, self._rejected = resumed["time"], resumed["made"], resumed["rejected"]
-        self._iterations = resumed["iterations"]
+        self._made, self._rejected, self._iterations = (
+            resumed[key] for key in ("made", "rejected", "iterations")
+        )
         self._began -= resumed["elapsed"]
-        with fitting():
-            self._coupling.resume(resumed["exchange"])
-            self._steps.resume(resumed["steps"])
-            restore_participants(self._participants, resumed["participants"])
+        self.session.restore(resumed["session"])
 
     def step(self) -> None:
         """Make a macro step; EndedError where a participant ends the run."""
+        session = self.session
         try:
-            step = self._steps.step(self.time)
+            step = session.step()
         except EndedError as error:
-            # Of one alone all is known; others may have gone on without it.
-            if len(self._participants) == 1 and error.inside(self.time):
+            # The others may have made steps beyond the end of one.
+            if len(session.participants) == 1 and error.inside(session.time):
                 self._made += 1
-                self._show(Step(error.reached, error.reached - self.time, 1, reason=STOP))
+                session.outdate()
+                self._show(Step(error.reached, error.reached - session.time, 1, reason=STOP))
             raise
-        self.time = step.end
         self._made += 1
         self._rejected += step.rejected
         self._iterations += step.iterations
         self._show(step)
 
     def _show(self, step: Step) -> None:
-        self._outputs.outdate()
         for observer in self._observers:
-            observer.observe(step.end, self._outputs, step)
+            observer.observe(step.end, self.session.read_outputs, step)
 
     def state(self) -> dict[str, Plain]:
         """All that `start` needs to go on from here."""
         return {
-            "time": self.time,
             "made": self._made,
             "rejected": self._rejected,
             "iterations": self._iterations,
             "elapsed": clock.perf_counter() - self._began,
-            "exchange": self._coupling.snapshot(),
-            "steps": self._steps.state(),
-            "participants": serialise_participants(self._participants),
+            "session": self.session.save(),
             "observers": [each.state() for each in self._observers if isinstance(each, Continuing)],
         }
 
     def statistics(self) -> Statistics:
         """What the run took so far."""
-        elapsed, coupling = clock.perf_counter() - self._began, self._coupling
+        elapsed, coupling = clock.perf_counter() - self._began, self.session.coupling
         return Statistics(
             self._made, self._rejected, self._iterations, int(coupling.calls.sum()), elapsed,
             coupling.explain_python(), coupling.unrated,
@@ -158,19 +123,17 @@ def simulate(
         steps = FixedSteps(float(steps))
     if not stop_time > start_time:
         raise RunError(f"stop_time = {stop_time:g} s: must be after the start at {start_time:g} s")
-    watched = list_event_outputs(system) if steps.locates else None
-    coupling = Coupling(system, participants, master.degree, watched, lines)
-    run = _Run(coupling, participants, steps, observers, start_time)
+    session = Session(system, participants, master, steps, stop_time, start_time, lines)
+    run = _Run(session, observers)
     message, complete = "", False
     for observer in observers:
         if isinstance(observer, Watching):
-            observer.watch(coupling)
+            observer.watch(session.coupling)
     _begin(observers, system.outputs.names, run.state, resumed)
     try:
-        coupling.initialise(start_time, stop_time)
-        steps.begin(coupling, master, start_time, stop_time)
+        session.begin()
         run.start(resumed)
-        while run.time < stop_time:
+        while session.time < stop_time:
             run.step()
         statistics, complete = run.statistics(), True
     except KeyboardInterrupt:

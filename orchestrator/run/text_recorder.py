@@ -12,19 +12,19 @@ from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
 from ..engine.step import Step
+from ..participants import ThirdPartyComponent
 from ..participants.side_channel import SideChannel, get_side_channel
-from ..scenario import Scenario
 from ..store.json_codec import Plain
 
 HEADER = ("time", "variable", "text")
 
 
-def list_texts(scenario: Scenario) -> dict[str, list[str]]:
+def list_texts(components: Mapping[str, ThirdPartyComponent]) -> dict[str, list[str]]:
     """The outputs that are strings or binary values, by instance."""
     found = {
-        name: table.describe().list_texts("output")
-        for name, table in scenario.components.items()
-        if table.third_party and not table.describe().integrated
+        name: component.about.list_texts("output")
+        for name, component in components.items()
+        if not component.about.integrated
     }
     return {name: texts for name, texts in found.items() if texts}
 

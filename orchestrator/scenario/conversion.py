@@ -55,6 +55,15 @@ def find_transformations(instances: Mapping[str, Instance], lines: Sequence[Line
     return found
 
 
+def select_changing(found: Transformations) -> Transformations:
+    """Those that change values."""
+    changing = {
+        name: {variable: linear for variable, linear in inputs.items() if linear != Linear()}
+        for name, inputs in found.items()
+    }
+    return {name: inputs for name, inputs in changing.items() if inputs}
+
+
 def replace_units(
     instances: Mapping[str, Instance], lines: Sequence[Line], made: Transformations
 ) -> dict[str, Instance]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from models.core.evaluation import check_start
@@ -14,8 +14,8 @@ from ..engine.instants import SideLines
 from .aliases import check_aliases
 from .checks import check_scenario
 from .component_table import ComponentTable
-from .connection import Line, parse_line
-from .conversion import find_transformations, replace_units
+from .connection import parse_line
+from .conversion import Transformations, find_transformations, replace_units, select_changing
 from .scenario import Scenario
 from .side_lines import is_side_line, read_side_lines
 from .values import to_numbers
@@ -24,29 +24,37 @@ from .values import to_numbers
 Builder = Callable[[str, Mapping[str, int], str], Path]
 
 
-def build_system(scenario: Scenario) -> System:
+@dataclass(frozen=True)
+class Assembly:
+    """The components of a scenario with their values, and their connections.
+
+    An input of `system` has the unit of its source, from which `linear` transforms it. `side_lines` connect
+    what is no number.
+    """
+
+    system: System
+    linear: Transformations
+    side_lines: SideLines
+
+
+def assemble(scenario: Scenario) -> Assembly:
     """The checked system with the start values as given. Raises ModelError or ScenarioError."""
-    instances, lines = build_instances(scenario)
-    build_side_lines(scenario)
-    seen = replace_units(instances, lines, find_transformations(instances, lines))
-    system = System(seen, [(line.source, line.target) for line in lines])
-    check_scenario(scenario, system)
-    return system
-
-
-def build_instances(scenario: Scenario) -> tuple[dict[str, Instance], list[Line]]:
-    """Instances and connections of numbers as in the scenario, before units are converted."""
     instances = {name: _build_instance(table) for name, table in scenario.components.items()}
     components = {name: instance.component for name, instance in instances.items()}
-    lines = [parse_line(line) for line in scenario.connections]
-    check_aliases(scenario.components, lines)
-    return instances, [line for line in lines if not is_side_line(line, components)]
+    every = [parse_line(line) for line in scenario.connections]
+    check_aliases(scenario.components, every)
+    side_lines = read_side_lines(every, components)
+    lines = [line for line in every if not is_side_line(line, components)]
+    linear = find_transformations(instances, lines)
+    seen = replace_units(instances, lines, linear)
+    system = System(seen, [(line.source, line.target) for line in lines])
+    check_scenario(scenario, system)
+    return Assembly(system, select_changing(linear), side_lines)
 
 
-def build_side_lines(scenario: Scenario) -> SideLines:
-    """The connections of what is no number; ScenarioError where ends do not fit."""
-    components = {name: table.resolve() for name, table in scenario.components.items()}
-    return read_side_lines(map(parse_line, scenario.connections), components)
+def build_system(scenario: Scenario) -> System:
+    """The system of `assemble`."""
+    return assemble(scenario).system
 
 
 def _build_instance(table: ComponentTable) -> Instance:

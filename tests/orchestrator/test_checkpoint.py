@@ -215,8 +215,9 @@ def test_a_state_that_does_not_fit_is_refused() -> None:
     system, (master, steps) = two_masses(), WAYS["gauss_seidel"]
     kept = Kept()
     simulate(system, build_participants(system), master, steps(), 0.01, [kept])
-    for key, spoilt in (("exchange", {}), ("participants", {}), ("steps", {"missed": np.zeros(99)})):
-        state = from_text(kept.states[1]) | {key: spoilt}
+    for key, spoilt in (("coupling", {}), ("participants", {}), ("steps", {"missed": np.zeros(99)})):
+        state = from_text(kept.states[1])
+        state["session"][key] = spoilt
         with pytest.raises(CheckpointError, match="does not fit this run"):
             simulate(system, build_participants(system), master, steps(), 0.01, [], resumed=state)
 

@@ -21,8 +21,7 @@ from orchestrator.errors import (
 from orchestrator.masters import GaussSeidel, Jacobi
 from orchestrator.participants import open_fmu
 from orchestrator.participants.failures import ErrorReporter
-from orchestrator.run.participants import build_participants
-from orchestrator.run.plan import FmuFile
+from orchestrator.run.participants import FmuFile, ParticipantPlan, open_participants
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
@@ -72,17 +71,22 @@ def test_an_fmu_that_fails_is_named_and_freed(vice, tmp_path, temporary, monkeyp
 
 
 def test_an_fmu_that_cannot_be_instantiated_is_named_and_the_others_are_closed(tmp_path, temporary):
-    scenario, made = load("two-masses"), []
-    system = build_system(scenario)
+    system, made = build_system(load("two-masses")), []
     first, second = system.instances
 
     def watched(name, make):
         made.append(Faulty(make()))
         return made[-1]
 
-    files = {second: FmuFile(small_fmu("unborn", tmp_path), "")}
-    with pytest.raises(ParticipantError, match=rf"^{second}: instantiate: RuntimeError\('no licence'\)"):
-        build_participants(scenario, system, files, watched)
+    plans = {
+        first: ParticipantPlan(),
+        second: ParticipantPlan(FmuFile(small_fmu("unborn", tmp_path), "")),
+    }
+    with (
+        pytest.raises(ParticipantError, match=rf"^{second}: instantiate: RuntimeError\('no licence'\)"),
+        open_participants(system, plans, watched),
+    ):
+        pass
     assert [(unit.name, unit.closed) for unit in made] == [(first, True)]
     assert list(temporary.iterdir()) == []
 

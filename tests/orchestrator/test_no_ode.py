@@ -16,6 +16,7 @@ from orchestrator.analyses.stability.responses import Responses
 from orchestrator.analyses.stability.survey import survey
 from orchestrator.analyses.stability.trajectory import compute_rates, solve_course
 from orchestrator.reporter import Reporter
+from orchestrator.run.participants import ParticipantPlan
 from orchestrator.run.pipeline import run
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.system import Builder, build_system
@@ -84,10 +85,10 @@ def test_a_survey_goes_by_the_responses_of_what_has_no_equations() -> None:
     found = []
     for layer in ("fluid_layer", "stepped_layer"):
         one = scenario(layer)
-        system = build_system(one)
-        with open_linearisations(one, system, None) as sources:
+        system, ours = build_system(one), dict.fromkeys(one.components, ParticipantPlan())
+        with open_linearisations(one, system, ours) as sources:
             kinds = {name: type(source) for name, source in sources.items()}
-            found.append(survey(one, system, linearisations=sources).own)
+            found.append(survey(one, system, ours, linearisations=sources).own)
         assert kinds == {"plate": Equations, "layer": Equations if layer == "fluid_layer" else Responses}
     # Responses are a linear system's to 1e-2 at worst (DOUBTFUL).
     assert found[1].limit == pytest.approx(found[0].limit, rel=1e-2)

@@ -12,13 +12,13 @@ from interop.processes import explain_missing
 from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.masters import Jacobi
-from orchestrator.run.participants import build_participants
-from orchestrator.run.plan import resolve_fmus
+from orchestrator.reporter import Reporter
+from orchestrator.run.participants import open_participants
+from orchestrator.run.plan import make_plan
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import Scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.ssp import export
-from orchestrator.scenario.system import build_system
 from tests.fmus.conftest import Isolated, isolated
 from tests.orchestrator.recorder import Recorder
 from tribocosim.cached_fmus import build_fmu
@@ -97,13 +97,9 @@ def package(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Pat
 @pytest.fixture(scope="module")
 def expected(scenario: Scenario) -> list[float]:
     """After these steps of Jacobi's master with held inputs, over our own FMUs."""
-    system, recorder = build_system(scenario), Recorder()
-    units = build_participants(scenario, system, resolve_fmus(scenario, build_fmu), lambda name, make: make())
-    try:
-        simulate(system, units, Jacobi("hold"), STEP, STEPS * STEP, [recorder])
-    finally:
-        for unit in units.values():
-            unit.close()
+    plan, recorder = make_plan(scenario, build_fmu, Reporter()), Recorder()
+    with open_participants(plan.system, plan.participants) as units:
+        simulate(plan.system, units, Jacobi("hold"), STEP, STEPS * STEP, [recorder])
     return [recorder[f"{part}.{name}"][-1] for part in ("first", "second") for name in NAMES]
 
 

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from orchestrator.participants import Participant
 from orchestrator.participants.side_channel import get_side_channel
 from orchestrator.reporter import Reporter
-from orchestrator.run.participants import build_participants
+from orchestrator.run.participants import open_participants
 from orchestrator.run.pipeline import run
-from orchestrator.run.plan import resolve_fmus
+from orchestrator.run.plan import Plan, make_plan
 from orchestrator.run.simulation import simulate
 from orchestrator.run.summary import Summary
 from orchestrator.scenario import Scenario, build_scenario
-from orchestrator.scenario.system import build_side_lines, build_system
 
 
 def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Scenario:
@@ -61,14 +62,17 @@ def recorded(out: Path) -> dict[str, np.ndarray]:
 
 def find_texts(one: Scenario, name: str, variables: list[str]) -> list[str]:
     """These texts of a component at the end of a run."""
-    system = build_system(one)
-    units = build_participants(one, system, resolve_fmus(one, never), lambda name, make: make())
-    try:
-        steps, lines = one.build_steps(), build_side_lines(one)
-        simulate(system, units, one.build_master(), steps, one.stop_time, lines=lines)
+    with opened(one) as (plan, units):
+        steps, lines = plan.make_steps(), plan.side_lines
+        simulate(plan.system, units, plan.master, steps, plan.stop_time, lines=lines)
         side = get_side_channel(units[name])
         assert side
         return side.get_texts(variables)
-    finally:
-        for unit in units.values():
-            unit.close()
+
+
+@contextmanager
+def opened(one: Scenario) -> Iterator[tuple[Plan, dict[str, Participant]]]:
+    """Its plan and its participants, for the block."""
+    plan = make_plan(one, never, Reporter(), figures=False)
+    with open_participants(plan.system, plan.participants) as units:
+        yield plan, units

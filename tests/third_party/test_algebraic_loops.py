@@ -20,14 +20,11 @@ from models.core.quantities import Vector
 from orchestrator.engine.coupling import Coupling
 from orchestrator.masters import Iterated, Newton
 from orchestrator.reporter import Reporter
-from orchestrator.run.participants import build_participants
 from orchestrator.run.pipeline import run
-from orchestrator.run.plan import resolve_fmus
 from orchestrator.run.summary import Summary
-from orchestrator.scenario.system import build_system
 
 from .c_fmus import fmu
-from .runs import never, ran, scenario
+from .runs import never, opened, ran, scenario
 
 # Sizes of rings, and the products of their gains.
 RINGS = ((2, 0.3), (2, -0.9), (3, 0.9), (3, -5.0))
@@ -126,21 +123,18 @@ def test_end_values_are_right_to_the_iterations_tolerance(
     """Whatever the lengths of the steps: a loop's gain does not depend on them."""
     tables, lines = written([product, 1.0], [1.0, 2.0], tmp_path, 0.0)
     one = scenario(tables, connections=lines)
-    system = build_system(one)
-    units = build_participants(one, system, resolve_fmus(one, never), lambda name, make: make())
-    coupling = Coupling(system, units, master.degree)
-    coupling.initialise(0.0, 1.0)
     time, errors = 0.0, []
     exact = replace(master, tolerance=1e-13, maximum_iterations=100)
-    for length in np.tile([1e-2, 1e-2, 1e-3, 3e-4, 1e-3], 20):
-        with coupling.points.keep() as saved:
-            exact.step(coupling, time, length)
-            best = coupling.state.values.copy()
-            coupling.points.restore(saved)
-            master.step(coupling, time, length)
-        errors.append(np.max(np.abs(coupling.state.values - best) / np.maximum(1.0, np.abs(best))))
-        time += length
-        coupling.accept(time)
-    for unit in units.values():
-        unit.close()
+    with opened(one) as (plan, units):
+        coupling = Coupling(plan.system, units, master.degree)
+        coupling.initialise(0.0, 1.0)
+        for length in np.tile([1e-2, 1e-2, 1e-3, 3e-4, 1e-3], 20):
+            with coupling.points.keep() as saved:
+                exact.step(coupling, time, length)
+                best = coupling.state.values.copy()
+                coupling.points.restore(saved)
+                master.step(coupling, time, length)
+            errors.append(np.max(np.abs(coupling.state.values - best) / np.maximum(1.0, np.abs(best))))
+            time += length
+            coupling.accept(time)
     assert max(errors) <= master.tolerance

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from models.monolithic.trajectory import Trajectory
-from orchestrator.analyses.stability.linearisation import open_linearisations
+from orchestrator.analyses.stability.analyse import survey_scenario
 from orchestrator.analyses.stability.reopened import Reopened
 from orchestrator.analyses.stability.responses import Responses
-from orchestrator.analyses.stability.survey import Survey, survey
+from orchestrator.analyses.stability.survey import Survey
 from orchestrator.masters import find_name
 from orchestrator.participants import collect_settings, open_fmu
 from orchestrator.participants.protocol import BoundVariables
@@ -38,9 +38,7 @@ IDLE = Trajectory(np.zeros(1), {}, np.zeros((1, 0)), np.zeros((1, 0)))
 
 
 def surveyed(one: Scenario) -> Survey:
-    system = build_system(one)
-    with open_linearisations(one, system, None) as made:
-        return survey(one, system, linearisations=made)
+    return survey_scenario(one, [], Reporter())
 
 
 @pytest.mark.parametrize("process", ["shared", pytest.param("own", marks=pytest.mark.long)])
@@ -152,11 +150,8 @@ def test_an_fmu_that_nothing_drives_responds_to_nothing(tmp_path: Path) -> None:
 
 def test_a_repetition_that_costs_too_much_is_refused_with_its_cost(tmp_path: Path) -> None:
     one = masses("stateless_mass", tmp_path, stop_time=2e4)
-    with (
-        pytest.raises(ScenarioError, match=r"48 fresh instances would make 4.8e\+07 steps"),
-        open_linearisations(one, build_system(one), None),
-    ):
-        pass
+    with pytest.raises(ScenarioError, match=r"48 fresh instances would make 4.8e\+07 steps"):
+        surveyed(one)
 
 
 @pytest.mark.long

@@ -15,15 +15,13 @@ from orchestrator.analyses.stability.trajectory import run_course
 from orchestrator.participants.fmu import FmuParticipant
 from orchestrator.participants.opened_fmu import FmuSettings
 from orchestrator.participants.protocol import BoundVariables
-from orchestrator.run.participants import build_participants
-from orchestrator.run.plan import resolve_fmus
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.system import build_system
 
 from ..fmus.names import mark_long
 from .clocked_fmus import DESCRIPTION, intervals, sampler
 from .public import public
-from .runs import never, ran, scenario
+from .runs import opened, ran, scenario
 
 MASTERS: dict[str, dict[str, Any]] = {
     "jacobi": {"master": {"name": "jacobi"}},
@@ -224,14 +222,10 @@ def test_a_run_up_to_the_end_that_an_fmu_asks_for_is_complete(tmp_path: Path) ->
 def test_an_analysis_records_at_its_own_times(tmp_path: Path) -> None:
     """Steps that end at events lie between them."""
     one = scenario({"one": {"participant": sampler(tmp_path), "inputs": {"u": 2.0}}})
-    system, times = build_system(one), np.linspace(0.0, 1.0, 26)
-    units = build_participants(one, system, resolve_fmus(one, never), lambda name, make: make())
-    try:
-        found = run_course(system, units, one.build_master(), times, lambda share: None)
-    finally:
-        for unit in units.values():
-            unit.close()
-    ticks = found.outputs[:, system.outputs.index(Port("one", "ticks"))]
+    times = np.linspace(0.0, 1.0, 26)
+    with opened(one) as (plan, units):
+        found = run_course(plan.system, units, plan.master, times, lambda share: None)
+    ticks = found.outputs[:, plan.system.outputs.index(Port("one", "ticks"))]
     np.testing.assert_array_equal(ticks, list_ticks(times))
 
 

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from models.core.system import Port
-from orchestrator.analyses.stability.linearisation import open_linearisations
-from orchestrator.analyses.stability.survey import survey
+from orchestrator.analyses.stability.analyse import survey_scenario
 from orchestrator.assessment.diagnosis.facts import Facts
 from orchestrator.assessment.diagnosis.suggestions import coupling
 from orchestrator.engine.signals import DEGREES
@@ -18,7 +17,6 @@ from orchestrator.masters import MASTERS
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario.fmu_limits import FmuLimits
-from orchestrator.scenario.system import build_system
 from orchestrator.scenario.warnings import list_warnings
 from tests.fmus.names import mark_long
 
@@ -124,9 +122,7 @@ def test_the_estimated_error_has_that_of_held_inputs(tmp_path: Path) -> None:
     """Within 5 % of that of a run."""
     more: dict[str, Any] = {"tolerance": {"second.position": 0.3}, "reference": {"enabled": True}}
     one = masses("held_mass", tmp_path, "sprung_mass", **more)
-    system = build_system(one)
-    with open_linearisations(one, system, None) as made:
-        found = survey(one, system, linearisations=made)
+    found = survey_scenario(one, [], Reporter())
     summary = run(one, tmp_path / "out", never, Reporter(), figures=False)
     measured = summary.errors["second.position"].relative_rms
     assert found.own.errors[one.macro_step]["second.position"] == pytest.approx(measured, rel=0.05)

@@ -18,7 +18,7 @@ import numpy as np
 from fmpy import read_model_description
 
 from models.core.system import System
-from orchestrator.run.plan import FmuFile
+from orchestrator.run.participants import FmuFile
 
 from ..problem import CouplingProblem
 from ..row import Row, compute_errors

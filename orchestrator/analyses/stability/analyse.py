@@ -7,9 +7,10 @@ from pathlib import Path
 
 from ...errors import MistakeError
 from ...reporter import Reporter
+from ...run.plan import plan_participants
 from ...scenario import Scenario
 from ...scenario.files import list_shipped, load
-from ...scenario.system import Builder, build_system, resolve_start
+from ...scenario.system import Builder, assemble, resolve_start
 from ...scenario.units import UnitError, to_unit
 from .._evaluate import create_folder, find_results
 from .linearisation import open_linearisations
@@ -70,9 +71,11 @@ def survey_scenario(
 ) -> Survey:
     """The survey about a scenario's start and these instants (s); options as of `analyse_scenario`."""
     with reporter.stage("stability and errors of every method") as bar:
-        system = resolve_start(scenario, build_system(scenario))
-        with open_linearisations(scenario, system, build, responses) as sources:
-            return survey(scenario, system, instants, bar.show, sources)
+        assembly = assemble(scenario)
+        system = resolve_start(scenario, assembly.system)
+        participants = plan_participants(scenario, assembly.linear, build if responses else None)
+        with open_linearisations(scenario, system, participants, responses) as sources:
+            return survey(scenario, system, participants, instants, bar.show, sources)
 
 
 def parse_instants(at: Sequence[str], stop: float) -> list[float]:

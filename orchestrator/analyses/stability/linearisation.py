@@ -9,7 +9,6 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cached_property, partial
-from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -19,20 +18,10 @@ from models.core.system import Instance, ModelError, Port, System
 from models.monolithic.trajectory import Trajectory
 
 from ...errors import ParticipantError
-from ...participants import (
-    GivesDerivatives,
-    Participant,
-    in_process,
-    open_fmu,
-    open_in_own_process,
-    transformed,
-)
-from ...participants.transformed import Linear as Transformation
+from ...participants import GivesDerivatives, Participant, transformed
+from ...run.participants import ParticipantPlan
 from ...scenario import Scenario, ScenarioError
 from ...scenario.capabilities import list_foreign
-from ...scenario.component_table import KINDS
-from ...scenario.conversion import find_transformations
-from ...scenario.system import Builder, build_instances
 from .linear import ROWS, Linear, compute_eigenvalues
 from .reopened import Reopened
 from .responses import FRESH, SAMPLES, SAVED, Responses
@@ -272,7 +261,10 @@ def needs_run(scenario: Scenario) -> bool:
 
 @contextmanager
 def open_linearisations(
-    scenario: Scenario, system: System, build: Builder | None, every: bool = False
+    scenario: Scenario,
+    system: System,
+    participants: Mapping[str, ParticipantPlan],
+    every: bool = False,
 ) -> Iterator[dict[str, Linearisation]]:
     """Choose the linearisation of every instance; participants live as long as the block.
 
@@ -282,7 +274,6 @@ def open_linearisations(
     """
     with ExitStack() as stack:
         linearisations: dict[str, Linearisation] = {}
-        transformations = list_transformations(scenario)
         for name, table in scenario.components.items():
             component = system.instances[name].component
             ode = component.ode
@@ -297,12 +288,12 @@ def open_linearisations(
             if by_equations and not (every or table.participant.endswith(".fmu")):
                 linearisations[name] = Equations(system, name)
                 continue
-            own = None if not every and table.participant in KINDS else build
-            unit = _open_participant(scenario, system, name, own)
+            plan, instance = participants[name], system.instances[name]
+            unit = plan.open_bare(name, instance)
             exchanged = [*list_connected_inputs(name, system), *list_continuous_outputs(name, system)]
             if (
                 not every
-                and name not in transformations
+                and not plan.linear
                 and isinstance(unit, GivesDerivatives)
                 and unit.find_states(exchanged) is not None
             ):
@@ -313,35 +304,13 @@ def open_linearisations(
             if not unit.restorable:
                 unit.close()
                 check_repetition(scenario, name, len(list_connected_inputs(name, system)))
-                unit = Reopened(partial(_open_participant, scenario, system, name, own))
+                unit = Reopened(partial(plan.open_bare, name, instance))
                 returns = FRESH
-            if name in transformations:
-                unit = transformed(unit, transformations[name])
+            if plan.linear:
+                unit = transformed(unit, plan.linear)
             stack.callback(unit.close)
             linearisations[name] = Responses(name, unit, system, scenario.macro_step, returns)
         yield linearisations
-
-
-@contextmanager
-def open_units(scenario: Scenario, system: System) -> Iterator[dict[str, Participant]]:
-    """A participant for every instance, to run the scenario once: files as they are, components of ours in
-    this process."""
-    transformations = list_transformations(scenario)
-    with ExitStack() as stack:
-        units: dict[str, Participant] = {}
-        for name in system.instances:
-            unit = _open_participant(scenario, system, name, None)
-            stack.callback(unit.close)
-            units[name] = transformed(unit, transformations[name]) if name in transformations else unit
-        yield units
-
-
-def list_transformations(scenario: Scenario) -> dict[str, dict[str, Transformation]]:
-    """The transformations of inputs that change values, by instance."""
-    found = find_transformations(*build_instances(scenario))
-    return {
-        name: inputs for name, inputs in found.items() if any(i != Transformation() for i in inputs.values())
-    }
 
 
 def check_repetition(scenario: Scenario, name: str, inputs: int) -> None:
@@ -360,18 +329,6 @@ def check_repetition(scenario: Scenario, name: str, inputs: int) -> None:
             f"come to the instants of the analysis; at most {MOST_REPEATED:.0e} are made: shorten stop_time, "
             "or give an FMU that can"
         )
-
-
-def _open_participant(scenario: Scenario, system: System, name: str, build: Builder | None) -> Participant:
-    table, instance = scenario.components[name], system.instances[name]
-    if table.participant.endswith(".fmu"):
-        given = name, Path(table.participant), instance, table.strings
-        if table.own_process:
-            return open_in_own_process(*given, table.memory_limit_mb)
-        return open_fmu(*given)
-    if table.participant == "in-process" or build is None:
-        return in_process(name, instance)
-    return open_fmu(name, build(str(table.component), table.structure, table.participant), instance)
 
 
 def select_participants(

@@ -16,6 +16,7 @@ from models.monolithic.trajectory import Trajectory
 
 from ...engine.signals import DEGREES
 from ...masters import MASTERS, Master, find_name
+from ...run.participants import ParticipantPlan, open_participants
 from ...scenario import Scenario, ScenarioError
 from ...scenario.fmu_limits import FmuLimits
 from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
@@ -25,7 +26,6 @@ from .linearisation import (
     Point,
     linearise_points,
     needs_run,
-    open_units,
     select_participants,
 )
 from .macro_step import SampledTrajectory, predict_errors, sample_trajectory
@@ -112,6 +112,7 @@ LONGER = 1.05
 def survey(
     scenario: Scenario,
     system: System,
+    participants: Mapping[str, ParticipantPlan],
     at: Sequence[float] = (),
     progress: Callable[[float], None] = lambda share: None,
     linearisations: Mapping[str, Linearisation] | None = None,
@@ -130,7 +131,11 @@ def survey(
     interval = scenario.macro_step / FINER
     count = min(INSTANTS, round(scenario.stop_time / interval))
     trajectory = _find_course(
-        scenario, system, np.arange(count + 1) * np.float64(interval), lambda s: progress(0.2 * s)
+        scenario,
+        system,
+        participants,
+        np.arange(count + 1) * np.float64(interval),
+        lambda s: progress(0.2 * s),
     )
     rows = np.linspace(0, count, POINTS, endpoint=False).astype(int)
     rows = np.unique([*rows, *(round(min(max(t / interval, 0.0), count)) for t in at)])
@@ -155,12 +160,16 @@ def survey(
 
 
 def _find_course(
-    scenario: Scenario, system: System, times: Vector, progress: Callable[[float], None]
+    scenario: Scenario,
+    system: System,
+    participants: Mapping[str, ParticipantPlan],
+    times: Vector,
+    progress: Callable[[float], None],
 ) -> Trajectory:
     """The motion: solved, or where that is not possible run as the scenario is, in shorter steps."""
     if not needs_run(scenario):
         return solve_course(system, times, COURSE_TOLERANCE, progress)
-    with open_units(scenario, system) as units:
+    with open_participants(system, participants) as units:
         return run_course(system, units, scenario.master.build(), times, progress)
 
 

@@ -20,11 +20,12 @@ from typing import Any
 from models.core.quantities import Quantity
 from models.core.system import Instance, System
 
+from ...engine.instants import SideLines
 from ...participants import collect_settings
 from ...participants.description import BOOLEANS, CLOCK, REALS, Description, Variable, read_description
 from ...store.atomic_write import replace
 from .. import ComponentTable, Scenario, ScenarioError, parse_line
-from ..system import Builder, build_side_lines, build_system, resolve_start
+from ..system import Builder, assemble, resolve_start
 from .names import (
     FMU_TYPE,
     OMSIMULATOR,
@@ -56,8 +57,9 @@ class PackedFmu:
 
 def export(scenario: Scenario, target: Path, build: Builder) -> None:
     """Write the scenario to `target`, whole or not at all; ScenarioError or ModelError if it cannot run."""
-    system = build_system(scenario)
-    _check_packable(scenario)
+    assembly = assemble(scenario)
+    system = assembly.system
+    _check_packable(scenario, assembly.side_lines)
     fmus = _pack(scenario, build)
     files = {fmu.source: fmu.content for fmu in fmus.values()}
     bindings: dict[str, list[str]] = {name: [] for name in scenario.components}
@@ -83,7 +85,7 @@ def export(scenario: Scenario, target: Path, build: Builder) -> None:
     replace(target, buffer.getvalue())
 
 
-def _check_packable(scenario: Scenario) -> None:
+def _check_packable(scenario: Scenario, sides: SideLines) -> None:
     """ScenarioError for what this form of packages does not have."""
     for name, table in scenario.components.items():
         if table.third_party and table.structure:
@@ -91,7 +93,6 @@ def _check_packable(scenario: Scenario) -> None:
                 f"components.{name}.structure: packages of SSP 1.0 have no structural parameters; leave it "
                 "out, or give the scenario with its FMUs"
             )
-    sides = build_side_lines(scenario)
     if found := [*sides.clocks, *sides.texts]:
         raise ScenarioError(
             f"{found[0].source} -> {found[0].target}: packages are written with connections of numbers only; "

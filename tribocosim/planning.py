@@ -1,0 +1,24 @@
+"""Plans of runs: scenarios resolved once, for runs and sessions that repeat."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from orchestrator.run.plan import Plan, make_plan
+
+from .cached_fmus import build_fmu, check_native
+from .reporting import Progress, SilentReporter
+from .scenario import Scenario, load
+from .wording import speak_python
+
+
+@speak_python()
+def plan(scenario: Scenario | str | Path, *, figures: bool = False, progress: Progress | None = None) -> Plan:
+    """Resolve a scenario: check it, build its FMUs and find its start values.
+
+    `execute` runs the plan, and `session` steps it, as often as you like. `figures` are drawn by `execute`
+    into its folder. MistakeError for a fault of the scenario.
+    """
+    checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
+    check_native(checked)
+    return make_plan(checked, build_fmu, SilentReporter(progress), figures)
