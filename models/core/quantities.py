@@ -45,11 +45,11 @@ class Quantity:
 
     `positive` excludes zero, which `minimum` alone cannot. `choices` makes the number an index into names,
     `boolean` a truth value, `count` a whole number; `relative` makes it a difference, whose unit has no
-    offset. `size` names the structural size of a vector-valued field. An `internal` state is evolving data
-    as any other, saved and restored with it, but no variable: it begins as its component lets it and is not
-    set, shown or brought to rest from outside. `same_as` names the parameter whose value a scenario takes
-    where this one is not given. A value outside the `plausible` magnitudes is allowed, but probably a slip
-    of the unit.
+    offset; a `stepwise` one changes at events only. `size` names the structural size of a vector-valued
+    field. An `internal` state is evolving data as any other, saved and restored with it, but no variable:
+    it begins as its component lets it and is not set, shown or brought to rest from outside. `same_as`
+    names the parameter whose value a scenario takes where this one is not given. A value outside the
+    `plausible` magnitudes is allowed, but probably a slip of the unit.
     """
 
     unit: str
@@ -63,10 +63,16 @@ class Quantity:
     boolean: bool = False
     count: bool = False
     relative: bool = False
+    stepwise: bool = False
     size: str = ""
     internal: bool = False
     same_as: str = ""
     plausible: Plausible | None = None
+
+    @property
+    def jumps(self) -> bool:
+        """True for what has no values in between, or changes at events only."""
+        return self.stepwise or self.discrete
 
     @property
     def discrete(self) -> bool:

@@ -4,7 +4,8 @@ A signal of degree k goes through k + 1 known values: the last ones (extrapolati
 and a value at the end of the step (interpolation; degree 0 then holds the end value). The cubic Hermite
 signal goes through two values and their rates; for a source that gives no rate it is the quadratic one.
 With fewer known values than that the degree is lower, and so it is where a participant that the value goes
-to follows a lower one only (`History.degrees`). Compiled, because this runs several times in every
+to follows a lower one only (`History.degrees`). A value that changes at events only (STEPWISE) stays over the
+step what it is at its start. Compiled, because this runs several times in every
 macro step.
 """
 
@@ -26,6 +27,8 @@ from ..errors import one_of
 
 DEGREES = {"hold": 0, "linear": 1, "quadratic": 2, "hermite": 3}
 POINTS = 3
+# The degree of a signal that is held whatever the others are.
+STEPWISE = -1
 
 # Known points from which on a signal of each degree extrapolates at its full order.
 NEEDED = (1, 2, 3, 2)
@@ -206,7 +209,7 @@ def _extrapolate(memory: Any, count: int, degree: int, out: Any) -> None:
             if count > 1:
                 d, c, third = cubic(v, d, smooth[0, i], values[1, i], rates[1, i], smooth[1, i], t1 - t0)
         else:
-            points = min(min(own, 2) + 1, count)
+            points = min(max(min(own, 2), 0) + 1, count)
             v, d, c = parabola(t0, values[0, i], t1, values[1, i], t2, values[2, i], points, t0)
         _store(out, i, v, d, c, third)
 
@@ -226,8 +229,10 @@ def interpolate_part(
             finite &= math.isfinite(new_rates[i])
             v = values[0, i]
             d, c, third = cubic(v, rates[0, i], smooth[0, i], new[i], new_rates[i], end_smooth[i], end - at)
+        elif own == STEPWISE and degree > 0:
+            v, d, c = values[0, i], 0.0, 0.0
         else:
-            points = min(min(own, 2), count) + 1
+            points = min(max(min(own, 2), 0), count) + 1
             v, d, c = parabola(end, new[i], at, values[0, i], times[1], values[1, i], points, at)
         _store(out, i, v, d, c, third)
     return finite
@@ -243,8 +248,11 @@ def relay(
     at = times[0]
     for i in range(first, last):
         finite &= math.isfinite(new[i])
-        points = min(min(degree, degrees[i]), count) + 1
-        v, d, c = parabola(end, new[i], at, past[0, i], times[1], past[1, i], points, at)
+        if degrees[i] == STEPWISE and degree > 0:
+            v, d, c = past[0, i], 0.0, 0.0
+        else:
+            points = min(max(min(degree, degrees[i]), 0), count) + 1
+            v, d, c = parabola(end, new[i], at, past[0, i], times[1], past[1, i], points, at)
         _store(out, i, v, d, c, 0.0)
     gather(out, columns, inputs)
     return finite

@@ -15,6 +15,7 @@ from models.core.system import Connection, Port, System
 from ..participants import Participant
 from ..participants.capabilities import HIGHEST
 from ..participants.signal_degrees import find_highest_degrees
+from .signals import STEPWISE
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +30,8 @@ class Wiring:
     system's order.
     `targets[i]` are the driven inputs of participant i, `columns[i]` the numbers of their sources.
     Signals have the `degree`; `degrees` are the highest that each source may have, which are those that the
-    participants follow that it goes to. `held[i]`: participant i holds some driven input over a step.
+    participants follow that it goes to; STEPWISE of one that changes at events only. `held[i]`: participant
+    i holds some driven input over a step.
     """
 
     system: System
@@ -98,7 +100,10 @@ def wire(
         targets=tuple(tuple(c.target.variable for c in fed) for fed in feeding),
         columns=tuple(np.array([number[c.source] for c in fed], dtype=np.int64) for fed in feeding),
         degree=min(degree, max(highest.values(), default=degree)),
-        degrees=np.array([highest.get(port, HIGHEST) for port in sources], dtype=np.int64),
+        degrees=np.array(
+            [STEPWISE if _jumps(system, port) else highest.get(port, HIGHEST) for port in sources],
+            dtype=np.int64,
+        ),
         held=tuple(any(followed[c.target] == 0 for c in fed) for fed in feeding),
     )
 
@@ -112,6 +117,10 @@ def _followed_degrees(
         degrees = participant.signal_degrees([c.target.variable for c in fed])
         followed.update({c.target: degree for c, degree in zip(fed, degrees, strict=True)})
     return followed
+
+
+def _jumps(system: System, port: Port) -> bool:
+    return system.instances[port.instance].component.outputs.field(port.variable).quantity.jumps
 
 
 def _find_feedthrough(system: System, sources: Sequence[Port]) -> Any:

@@ -19,7 +19,7 @@ from models.compile.array_pointers import (
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
-from ..engine.signals import evaluate, interpolate_part
+from ..engine.signals import STEPWISE, evaluate, interpolate_part
 
 # A wrong end rate bends a cubic signal by 4/27 of it times the step at most.
 BEND = 4.0 / 27.0
@@ -36,7 +36,9 @@ class Interface:
         self._coupling = coupling
         self.slices = [coupling.wiring.slices[i] for i in part]
         own = np.concatenate([np.arange(s.start, s.stop) for s in self.slices])
-        self.sources = own[np.isin(own, coupling.wiring.connected)]
+        # What is held over the step needs no agreement.
+        held = (coupling.wiring.degrees == STEPWISE) & (coupling.wiring.degree > 0)
+        self.sources = own[np.isin(own, coupling.wiring.connected) & ~held[own]]
         self.rated = self.sources[coupling.state.history.rated[self.sources]]
         self.size = len(self.sources) + len(self.rated)
         self._nominal = coupling.wiring.nominal[self.rated]

@@ -86,6 +86,7 @@ class BoundInputs:
             if fmu.description.interpolates
             and len(memory) > 1
             and fmu.is_real(name)
+            and not known[name].stepwise
             and name_derivative(name, 1) not in known
         ]
         self.follows = np.zeros(memory.shape, dtype=np.bool_)
@@ -159,7 +160,7 @@ class BoundOutputs:
         if not rates.size:
             return
         wanted = [fmu.find(name) for name in names]
-        still = [v.variability == "discrete" or v.discrete for v in wanted]
+        still = [v.stepwise for v in wanted]
         rates[still] = 0.0
         known = [name in derivatives or is_still for name, is_still in zip(names, still, strict=True)]
         if fmu.description.gives_rates:

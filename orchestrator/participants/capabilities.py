@@ -29,7 +29,7 @@ def find_missing(path: Path, names: Iterable[str]) -> list[str]:
 def signal_degrees(about: Description, names: Iterable[str]) -> list[int]:
     """The degree of the polynomial in time that the FMU follows, for each of these inputs; 0: it holds it.
 
-    A whole number or truth value has no slope to follow: nothing limits its signal. Nor does anything limit
+    What changes at events only has no slope to follow: nothing limits its signal. Nor does anything limit
     those of an FMU that is integrated here.
     """
     known = about.variables
@@ -37,7 +37,7 @@ def signal_degrees(about: Description, names: Iterable[str]) -> list[int]:
     def degree(name: str) -> int:
         if (
             about.integrated
-            or known[name].discrete
+            or known[name].stepwise
             or (about.interpolates and name_derivative(name, 1) not in known)
         ):
             return HIGHEST

@@ -72,6 +72,11 @@ class Variable:
         return self.causality == "parameter" and self.variability != "constant"
 
     @property
+    def stepwise(self) -> bool:
+        """Whether it changes at events only: it has no slope, and no values in between."""
+        return self.discrete or self.variability not in ("", "continuous")
+
+    @property
     def discrete(self) -> bool:
         """Whether its values are integers or booleans."""
         return self.type in INTEGERS or self.type in BOOLEANS

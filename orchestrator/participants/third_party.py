@@ -146,6 +146,7 @@ def build_quantity(variable: Variable) -> Quantity:
         boolean=variable.type in BOOLEANS,
         count=variable.discrete and variable.type not in BOOLEANS,
         relative=variable.relative,
+        stepwise=variable.stepwise,
     )
 
 

@@ -295,6 +295,13 @@ class ComponentTable(Table):
         """The catalogue's component with these sizes, or the third-party FMU's."""
         return _resolve(dict(self))
 
+    def has_variable(self, name: str) -> bool:
+        """Whether one of its inputs or outputs has this name."""
+        component = self.resolve()
+        if isinstance(component, ThirdPartyComponent):
+            return name in component.about.variables
+        return name in component.inputs or name in component.outputs
+
     def describe(self) -> Description:
         """The description of its .fmu file; DescriptionError if it cannot be used."""
         sizes = self.structure if self.third_party else {}

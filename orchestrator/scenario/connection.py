@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_SOURCE = re.compile(
-    rf"(?P<port>\S(?:.*?\S)??)(?P<factor>\s+\*\s+{_NUMBER})?(?P<offset>\s+[+-]\s+{_NUMBER})?"
-)
+_FACTOR, _OFFSET = rf"(?P<factor>\s+\*\s+{_NUMBER})", rf"(?P<offset>\s+[+-]\s+{_NUMBER})"
+# Instances are named with letters, so that a quote at the beginning is none of a name.
+_PORT = r"(?:'(?P<quoted>.+?)'|(?P<port>[^\s'](?:.*?\S)??))"
+_LINE = re.compile(rf"\s*{_PORT}{_FACTOR}?{_OFFSET}?\s*->\s*(?:'(?P<into>.+)'|(?P<target>[^\s'].*?))\s*")
+# The ways to read what stands before the arrow.
+_SOURCES = [re.compile(rf"(?P<port>\S.*?){numbers}") for numbers in (_OFFSET, _FACTOR, _FACTOR + _OFFSET)]
 
 
 @dataclass(frozen=True)
 class Line:
-    """target = factor * source + offset; without both, units are converted."""
+    """target = factor * source + offset; without both, units are converted. As a text, ends are quoted where
+    they contain an arrow, or what reads as a number."""
 
     source: str
     target: str
@@ -25,14 +30,21 @@ class Line:
         factor = "" if self.factor is None else f" * {self.factor!r}"
         sign = "-" if math.copysign(1.0, self.offset or 0.0) < 0.0 else "+"
         offset = "" if self.offset is None else f" {sign} {abs(self.offset)!r}"
-        return f"{self.source}{factor}{offset} -> {self.target}"
+        return f"{_quote(self.source)}{factor}{offset} -> {_quote(self.target)}"
+
+
+def _quote(end: str) -> str:
+    plain = "->" not in end and not any(pattern.fullmatch(end) for pattern in _SOURCES)
+    return end if plain else f"'{end}'"
 
 
 def parse_line(text: str) -> Line:
     """Parse a line; ValueError if it is no connection."""
-    left, arrow, target = (part.strip() for part in text.partition("->"))
-    match = _SOURCE.fullmatch(left)
-    if not arrow or match is None or "." not in match["port"] or "." not in target:
+    match = _LINE.fullmatch(text.strip())
+    source, target = (
+        (match["quoted"] or match["port"], match["into"] or match["target"]) if match else ("", "")
+    )
+    if match is None or "." not in source or "." not in target:
         raise ValueError(
             f"{text!r}: a connection is written 'instance.output -> instance.input', or with numbers "
             "'instance.output * 1e-3 + 0.2 -> instance.input'"
@@ -43,7 +55,27 @@ def parse_line(text: str) -> Line:
     for number in (factor, offset):
         if number is not None and not math.isfinite(number):
             raise ValueError(f"{text!r}: factor and offset must be finite")
-    return Line(match["port"], target, factor, offset)
+    return Line(source, target, factor, offset)
+
+
+def parse_named_line(text: str, is_known: Callable[[str], bool]) -> Line:
+    """As `parse_line`, where the names of ends that are known win: an output may be called "Sensor - 1".
+
+    ValueError if what stands before the arrow may be several of them, with numbers.
+    """
+    for arrow in re.finditer("->", text):
+        source, target = text[: arrow.start()].strip(), text[arrow.end() :].strip()
+        if is_known(source) and is_known(target):
+            return Line(source, target)
+        read = [match["port"] for pattern in _SOURCES if (match := pattern.fullmatch(source))]
+        found = [port for port in dict.fromkeys(read) if is_known(port)] if is_known(target) else []
+        quoted = [f"'{port}'{source.removeprefix(port)}" for port in found]
+        if len(found) > 1:
+            meant = " or ".join(quoted)
+            raise ValueError(f"{text!r}: may mean several outputs; write {meant}, with the quotes")
+        if found:
+            return parse_line(f"{quoted[0]} -> '{target}'")
+    return parse_line(text)
 
 
 def parse_ends(text: str) -> tuple[str, str]:

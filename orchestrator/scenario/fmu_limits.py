@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Any
 
+from models.core.quantities import Layout, Quantity
 from models.core.system import Connection, Port
 
 from ..participants import ThirdPartyComponent
@@ -27,7 +29,7 @@ class FmuLimits:
                     self._about[name] = table.describe()
                 except (DescriptionError, OSError):
                     continue
-        components = {name: table.resolve() for name, table in scenario.components.items()}
+        self._components = components = {name: table.resolve() for name, table in scenario.components.items()}
         self._connections = [
             Connection(*(Port(*end.split(".", 1)) for end in parse_ends(line)))
             for line in scenario.connections
@@ -51,8 +53,26 @@ class FmuLimits:
 
     @property
     def held_inputs(self) -> list[Port]:
-        """The connected inputs that FMUs hold over a macro step."""
-        return [c.target for c in self._connections if self.get_degree(c.target) == 0]
+        """The connected inputs that FMUs hold over a macro step, and whose signals change in it."""
+        return [
+            c.target
+            for c in self._connections
+            if self.get_degree(c.target) == 0 and c.source not in self.stepwise
+        ]
+
+    @cached_property
+    def stepwise(self) -> list[Port]:
+        """The outputs that change at events only and go to inputs that could follow more."""
+        return [
+            c.source
+            for c in self._connections
+            if self._get_quantity(c.source, "outputs").jumps
+            and not self._get_quantity(c.target, "inputs").discrete
+        ]
+
+    def _get_quantity(self, port: Port, side: str) -> Quantity:
+        layout: Layout = getattr(self._components[port.instance], side)
+        return layout.field(port.variable).quantity
 
     @property
     def lowest_degree(self) -> int:
@@ -95,6 +115,11 @@ def list_limit_warnings(scenario: Scenario) -> list[str]:
     """A warning for each limit that the scenario exceeds."""
     limits, master = FmuLimits(scenario), scenario.master.build()
     found = [_describe_held(limits.held_inputs, master)] if limits.held_inputs else []
+    if limits.stepwise and master.degree:
+        found.append(
+            f"{', '.join(map(str, dict.fromkeys(limits.stepwise)))}: discrete, so held over each macro step "
+            "at the value at its start, not extrapolated nor averaged"
+        )
     for output, target in dict.fromkeys(limits.find_differentiated(master.degree)):
         remedy = (
             "take extrapolation = 'linear' or a higher one"

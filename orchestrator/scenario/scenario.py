@@ -14,7 +14,7 @@ from ..errors import MistakeError
 from ..masters import MASTERS
 from ..stepping import ControlledSteps, FixedSteps, ForwardSteps, RefinedSteps, check_estimator, control_steps
 from .component_table import ComponentTable
-from .connection import parse_line
+from .connection import parse_named_line
 from .fields import Seconds, SecondsOr0, Table, Tolerance
 from .master_table import MasterTable
 from .messages import REMEDIES, Location, list_messages
@@ -127,8 +127,14 @@ class Scenario(Table):
 
     @field_validator("connections")
     @classmethod
-    def _parse_connections(cls, connections: list[str]) -> list[str]:
-        return [str(parse_line(line)) for line in connections]
+    def _parse_connections(cls, connections: list[str], info: ValidationInfo) -> list[str]:
+        components = info.data.get("components", {})
+
+        def is_known(end: str) -> bool:
+            name, _, variable = end.partition(".")
+            return name in components and components[name].has_variable(variable)
+
+        return [str(parse_named_line(line, is_known)) for line in connections]
 
     @field_validator("tolerance")
     @classmethod

@@ -11,7 +11,7 @@ import numpy as np
 from models.compile.array_pointers import ArrayPointers, numbers, table
 
 from ..engine.coupling import Coupling
-from ..engine.signals import parabola
+from ..engine.signals import STEPWISE, parabola
 from ..errors import UnstableCouplingError
 from ..masters import Master, find_name
 
@@ -52,9 +52,10 @@ class RunawayGuard:
     def __init__(self, coupling: Coupling, master: Master) -> None:
         self._coupling = coupling
         self._master = master
-        # Only what is exchanged is judged.
+        # Only what is exchanged is judged, and has a course that can be predicted.
         nominal = np.full(len(coupling.wiring.sources), np.inf)
         nominal[coupling.wiring.connected] = coupling.wiring.nominal[coupling.wiring.connected]
+        nominal[coupling.wiring.degrees == STEPWISE] = np.inf
         self._patience = math.inf if master.implicit else float(self.FIRST)
         self._sums = {name: np.zeros(len(nominal)) for name in ("missed", "sizes", "swings", "unprovoked")}
         self._sums["landed"] = np.full(1, math.inf)  # steps since the last landing

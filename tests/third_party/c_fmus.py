@@ -188,7 +188,7 @@ def _enumeration(v: V, version: int) -> str:
 
 
 def _attributes(v: V) -> str:
-    varying = {"parameter": "fixed", "structuralParameter": "fixed"}.get(
+    varying = v.varying or {"parameter": "fixed", "structuralParameter": "fixed"}.get(
         v.causality, "continuous" if v.type.startswith("Float") else "discrete"
     )
     initial = f'initial="{v.initial}" ' if v.initial else ""

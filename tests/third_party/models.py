@@ -21,6 +21,7 @@ class V:
     more: str = ""
     items: tuple[tuple[str, int], ...] = ()
     counted: str = ""
+    varying: str = ""  # its variability, if that is not what its type suggests
     inside: str = ""  # elements of FMI 3.0
 
     @property
@@ -207,6 +208,22 @@ MODELS = {
         depends={"speed": (), "air": (), "reached": ("height",), "felt": ("wall",), "given": ("bare",)},
     ),
 }  # fmt: skip
+
+# Two truths, as a number and as what it is, and the time.
+MODELS["switch"] = Model(
+    (V("gear", "output", varying="discrete"), V("on", "output", False, "Boolean"), V("ramp", "output")),
+    "$gear = (int)floor((t + h) / 0.03 + 1e-9) % 2; $ramp = t + h;",
+    "$on = $gear;",
+)
+# Counts the steps in which one of its inputs is neither 0 nor 1.
+MODELS["lookup"] = Model(
+    (V("gear", "input", varying="discrete"), V("level", "input"), V("flag", "input"),
+     V("sampled", "input", varying="discrete"), V("strange", "output"), V("seen", "output")),
+    """if ($gear != 0 && $gear != 1) $strange += 1;
+    if ($level != 0 && $level != 1) $strange += 1;
+    if ($flag != 0 && $flag != 1) $strange += 1;
+    $seen = $sampled;""",
+)  # fmt: skip
 
 LIMITED = "if (t > 0.495) "
 VICES = {

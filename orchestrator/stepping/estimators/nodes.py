@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...engine.coupling import Coupling
-from ...engine.signals import History
+from ...engine.signals import STEPWISE, History
 
 # Gauss's quadrature with three points is exact up to degree five; node polynomials have four at most.
 _GAUSS = ((-math.sqrt(0.6), 5.0 / 9.0), (0.0, 8.0 / 9.0), (math.sqrt(0.6), 5.0 / 9.0))
@@ -60,9 +60,10 @@ def interpolation_nodes(history: History, degree: int, length: float) -> NodePol
 
 def effective_degree(coupling: Coupling) -> int:
     """Degree of the signals that limit the order: of those that participants follow the lowest, linear where
-    a participant holds its inputs, quadratic where a Hermite signal lacks rates."""
+    a participant holds its inputs, quadratic where a Hermite signal lacks rates. Stepwise ones limit none."""
     highest = min(coupling.wiring.degree, 1) if any(coupling.wiring.held) else coupling.wiring.degree
-    lowest = coupling.state.history.degrees[coupling.wiring.connected].min(initial=highest)
+    degrees = coupling.state.history.degrees[coupling.wiring.connected]
+    lowest = degrees[degrees != STEPWISE].min(initial=highest)
     if lowest == 3 and not coupling.state.history.rated[coupling.wiring.connected].all():
         return 2
     return int(lowest)
