@@ -25,7 +25,6 @@ from fmus.fmi.origin import note_built
 from models.catalogue import CATALOGUE, find_factory, identify, is_own
 from models.core.component import Component
 
-from .cross_check.inside import REFERENCE_NOTE, references
 from .documentation import MARKER, render_page
 from .fmi.description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
 from .fmu_cache import cache_path, recall, tidy, use_cached
@@ -37,7 +36,7 @@ HERE = Path(__file__).parent
 # Every component that has a folder here.
 NAMES: tuple[str, ...] = tuple(name for name in CATALOGUE if (HERE / name / "__init__.py").is_file())
 # Those with reference results.
-REFERENCED: tuple[str, ...] = tuple(name for name in NAMES if (HERE / name / "reference").is_dir())
+REFERENCED: tuple[str, ...] = tuple(name for name in NAMES if (HERE / name / "stimulus.py").is_file())
 
 # The earliest time that zip files allow. A fixed time makes equal content equal bytes.
 _EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -88,13 +87,15 @@ def build(
     """Build the FMU `name` and return its path.
 
     `destination` is a file (*.fmu) or a folder. Without it the file goes to the user's cache folder, is built
-    only if it is missing there, and is deleted after some weeks without use. `structure` gives structural
-    sizes, such as {"coil_masses": 8}; the component's own are the default. `libpython` names a Python library
-    that the Linux binary loads, for hosts that are not Python. Existing files are replaced atomically.
+    only if it is missing there, is deleted after some weeks without use, and has no reference results, which
+    take seconds to compute. `structure` gives structural sizes, such as {"coil_masses": 8}; the component's
+    own are the default. `libpython` names a Python library that the Linux binary loads, for hosts that are
+    not Python. Existing files are replaced atomically.
     KeyError for an unknown name; ValueError for sizes that the component refuses, and for a bad `libpython`.
     """
     if destination is not None:
         files = collect_files(name, structure, libpython)
+        files |= compute_references(name, structure, exchange=False)
         return write_fmu(pack_files(files), identify(name), Path(destination))
 
     def find() -> Path:
@@ -139,6 +140,12 @@ def pack_files(files: Mapping[str, bytes]) -> bytes:
     return buffer.getvalue()
 
 
+def unpack_files(content: bytes) -> dict[str, bytes]:
+    """The files in an FMU's bytes."""
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        return {path: archive.read(path) for path in archive.namelist()}
+
+
 def collect_files(
     name: str, structure: Mapping[str, int] | None = None, libpython: str | None = None
 ) -> dict[str, bytes]:
@@ -160,8 +167,6 @@ def collect_files(
     licence = metadata.distribution("pythonfmu").read_text("licenses/LICENSE") or ""
     files["documentation/licenses/pythonfmu.txt"] = licence.encode()
     files |= collect_binaries(called, libpython) | documents(name, component)
-    if has_reference(name, component):
-        files |= references(name, exchange=False)
     made_by = origin(f"PythonFMU {pythonfmu.__version__}")
     xml = model_description(component, called, experiment(name), made_by, PYTHON)
     guid = uuid.UUID(compute_digest(files | {"modelDescription.xml": xml.encode()})[:32])
@@ -180,9 +185,14 @@ def resolve_component(name: str, structure: Mapping[str, int] | None) -> tuple[d
         raise ValueError(f"structure of {name}: {error}") from None
 
 
-def has_reference(name: str, component: Component) -> bool:
-    """Whether the FMU's folder has reference results of this component's sizes."""
-    return name in REFERENCED and component.structure == CATALOGUE[name]().structure
+def compute_references(name: str, structure: Mapping[str, int] | None, exchange: bool) -> dict[str, bytes]:
+    """The FMU's reference results by path; none for a component without a stimulus or of other sizes."""
+    sizes = resolve_component(name, structure)[1].structure
+    if name not in REFERENCED or sizes != CATALOGUE[name]().structure:
+        return {}
+    from .reference_results.inside import build_references
+
+    return build_references(name, exchange)
 
 
 def explain_no_native(name: str) -> str:
@@ -253,7 +263,6 @@ def documents(name: str, component: Component) -> dict[str, bytes]:
     else:
         module = HERE / name
         readme = (module / "README.md").read_text("utf-8")
-        readme += REFERENCE_NOTE if has_reference(name, component) else ""
         icon = module / "model.png"
     return {
         "documentation/index.html": render_page(readme, component).encode(),

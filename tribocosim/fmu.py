@@ -14,8 +14,8 @@ from orchestrator.errors import MistakeError
 from .wording import speak_python
 
 if TYPE_CHECKING:
-    from fmus.cross_check.compare import Comparison
     from fmus.fmi.validate import Findings, FmuInfo
+    from fmus.reference_results.compare import Comparison
 
 
 @dataclass(frozen=True)
@@ -84,12 +84,12 @@ def compare_fmu(file: str | Path, tolerance: float | None = None) -> list[Compar
     One entry for each way in which it can be run; `agrees` says whether it is within `tolerance` (default: of
     the .opt file). MistakeError if there is no reference or it does not run.
     """
-    from fmus.cross_check.compare import compare
-    from fmus.cross_check.files import CrossCheckError
+    from fmus.reference_results.compare import compare
+    from fmus.reference_results.files import ComparisonError
 
     try:
         return compare(Path(file), tolerance)
-    except CrossCheckError as error:
+    except ComparisonError as error:
         raise MistakeError(str(error)) from None
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 SPEED = 50.0  # rad/s, of the cam
 TIMES = np.arange(66) * 2e-3

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 TIMES = np.arange(41) * 0.5e-3
 LIFT, DURATION = 17e-3, 8e-3

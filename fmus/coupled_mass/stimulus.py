@@ -1,6 +1,6 @@
 """The coupled mass's reference run."""
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 STIMULUS = Stimulus(
     says="The other mass jumps by 1 m at 1 s and moves back at 0.25 m/s from 3 to 7 s.",

@@ -1,6 +1,6 @@
 """The cylinder gas's reference run."""
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 SPEED, STOP = 200.0, 0.064
 

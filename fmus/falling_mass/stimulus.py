@@ -1,6 +1,6 @@
 """The falling mass's reference run."""
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 STIMULUS = Stimulus(
     says=(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 CORNERS = np.array([0.0, 4e-3, 8e-3, 30e-3, 34e-3, 60e-3])
 LOWER = np.array([0.0, 0.0, 40e-6, 40e-6, 0.0, 0.0])

@@ -13,7 +13,6 @@ from models.catalogue import find_factory, identify, is_own
 from models.core.component import Component
 
 from .. import build as python_build
-from ..cross_check.inside import references
 from ..fmi import description3
 from ..fmi.description import EXCHANGE, GUID_PLACE, NATIVE, model_description
 from ..fmi.terminals import FOLDER, terminals_and_icons
@@ -76,6 +75,9 @@ def build(
         if destination is None:
             raise
         content = pack()
+    progress("its reference results")
+    references = python_build.compute_references(name, structure, exchange=True)
+    content = python_build.pack_files(python_build.unpack_files(content) | references)
     return python_build.write_fmu(content, label, Path(destination))
 
 
@@ -106,8 +108,6 @@ def collect_files(
     token = f"{{{uuid.UUID(digest[:32])}}}"
     named = tables(component, called, digest[:16], token, fmi)
     files = python_build.documents(name, component)
-    if python_build.has_reference(name, component):
-        files |= references(name, exchange=True)
     described = {variable.name for variable in Memory(component).variables()}
     icon = files.pop("model.png") if fmi == 3 else files["model.png"]
     files[f"{FOLDER}/icon.png"] = icon
@@ -138,7 +138,6 @@ def _digest_inputs(name: str, sizes: Mapping[str, int], platforms: Sequence[str]
     if not is_own(name):
         folder = here.parent / name
         documents = {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
-        documents |= references(name, exchange=True)
     said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {_versions()}"
     return compute_digest(files | documents | dict(_runtime()) | {"said": said.encode()})
 

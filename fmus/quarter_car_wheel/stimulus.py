@@ -1,6 +1,6 @@
 """The wheel's reference run."""
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 STIMULUS = Stimulus(
     says=("The wheel hops up a step of the road, under a chassis that follows by 0.05 m and comes back."),

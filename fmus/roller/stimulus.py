@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 TIMES = np.arange(51) * 1e-3
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 SPEED = 100.0  # rad/s
 TIMES = np.arange(91) * 2e-3

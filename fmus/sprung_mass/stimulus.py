@@ -1,6 +1,6 @@
 """The sprung mass's reference run."""
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 STIMULUS = Stimulus(
     says="A force that jumps to 10 N at 1 s, stays, and falls to -5 N from 4 to 6 s.",

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 BEGIN, DURATION, LIFT = 2e-3, 16e-3, 4e-3
 TIMES = np.arange(23) * 1e-3

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Stimulus
+from ..reference_results.stimulus import Stimulus
 
 BEGIN, DURATION, LIFT = 4e-3, 32e-3, 8e-3
 TIMES = np.arange(41) * 1e-3

@@ -32,8 +32,14 @@ class Made(dict[str, Path]):
 
 
 @pytest.fixture(scope="session")
-def fmu_files(tmp_path_factory: pytest.TempPathFactory) -> Made:
+def fmu_files() -> Made:
     """Every FMU as a file."""
+    return Made(build)
+
+
+@pytest.fixture(scope="session")
+def referenced(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """Every FMU with its reference results."""
     folder = tmp_path_factory.mktemp("fmus")
     return Made(lambda name: build(name, folder))
 

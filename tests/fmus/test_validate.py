@@ -11,10 +11,10 @@ import pytest
 
 import tribocosim
 from fmus.build import NAMES
-from fmus.cross_check.compare import compare
-from fmus.cross_check.files import CrossCheckError
 from fmus.fmi.origin import is_built_here
 from fmus.fmi.validate import Findings, FmuFileError, info, inspect, validate
+from fmus.reference_results.compare import compare
+from fmus.reference_results.files import ComparisonError
 
 from ..archives import rename_files, repack
 from .names import mark_long
@@ -81,7 +81,7 @@ def test_a_version_that_the_description_is_not_written_in_is_named(
     assert [words in fault for fault in validate(path)] == [True]
     with pytest.raises(FmuFileError, match=words):
         info(path)
-    with pytest.raises(CrossCheckError, match=words) as refused:
+    with pytest.raises(ComparisonError, match=words) as refused:
         compare(path)
     assert str(path) in str(refused.value)
 
@@ -92,7 +92,7 @@ def test_an_fmu_of_fmi_1_is_not_compared(tmp_path: Path) -> None:
         'numberOfContinuousStates="0" numberOfEventIndicators="0"><ModelVariables/></fmiModelDescription>'
     )
     path = archive_of(tmp_path / "old.fmu", {XML: xml})
-    with pytest.raises(CrossCheckError, match=r"is of FMI 1\.0, which is not run here"):
+    with pytest.raises(ComparisonError, match=r"is of FMI 1\.0, which is not run here"):
         compare(path)
 
 
@@ -149,9 +149,9 @@ def test_a_library_of_another_platform_keeps_nobody_here_from_running(
     assert str(tribocosim.validate_fmu(fmu_files["flywheel"])) == "nothing found"
 
 
-def test_it_agrees_with_its_reference_from_python(fmu_files: dict[str, Path]) -> None:
-    assert tribocosim.fmu_info(fmu_files["flywheel"]).name == "flywheel"
-    assert all(way.agrees for way in tribocosim.compare_fmu(fmu_files["flywheel"]))
+def test_it_agrees_with_its_reference_from_python(referenced: dict[str, Path]) -> None:
+    assert tribocosim.fmu_info(referenced["flywheel"]).name == "flywheel"
+    assert all(way.agrees for way in tribocosim.compare_fmu(referenced["flywheel"]))
     with pytest.raises(tribocosim.MistakeError, match="not a zip archive"):
         tribocosim.compare_fmu(__file__)
 

@@ -14,7 +14,7 @@ from .cam import draw_cam
 from .compare import compare_sweeps
 from .components import print_components
 from .diagnose import print_diagnosis
-from .fmu import fmu_build, fmu_compare, fmu_cross_check, fmu_info, fmu_validate
+from .fmu import fmu_build, fmu_compare, fmu_info, fmu_validate
 from .friction import print_friction
 from .report import write_page
 from .run import resume_run, run_scenario
@@ -46,7 +46,6 @@ fmus.command("build")(fmu_build)
 fmus.command("validate")(fmu_validate)
 fmus.command("info")(fmu_info)
 fmus.command("compare")(fmu_compare)
-fmus.command("cross-check")(fmu_cross_check)
 app.add_typer(fmus, name="fmu")
 
 packages = typer.Typer(help="Exchange scenarios with other tools.", no_args_is_help=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -129,40 +128,6 @@ def fmu_validate(
 
 
 @report_errors
-def fmu_cross_check(
-    names: Annotated[
-        list[str] | None, typer.Argument(help="Names of components.", show_default="all")
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder in which to create fmus/.")] = Path("cross-check"),
-    native: Annotated[bool, typer.Option("--native", help="Build native FMUs.")] = False,
-    platform: Annotated[
-        list[str] | None,
-        typer.Option(help="With --native: target platform; may be repeated.", show_default="all"),
-    ] = None,
-    fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native).")] = 2,
-) -> None:
-    """Write FMUs with their reference results in the layout of the FMI Cross-Check project."""
-    from fmus.cross_check.files import CrossCheckError
-    from fmus.cross_check.layout import lay_out
-    from orchestrator.errors import MistakeError
-
-    from ..fmu import FmuOptions, build_file, check_options, report_unwritable
-
-    options = FmuOptions(None, native, platform, fmi)
-    for name in check_options(names, options):
-        with report_unwritable(out), tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
-            made = Path(folder)
-            with _show_progress(name, native) as progress:
-                file = build_file(name, made, options, progress)
-            tool = "tribocosim-native" if native else "tribocosim-python"
-            try:
-                for place in lay_out(name, file, tool, out):
-                    print(place)
-            except CrossCheckError as error:
-                raise MistakeError(str(error)) from None
-
-
-@report_errors
 def fmu_compare(
     files: Annotated[list[Path], typer.Argument(help="The .fmu files, or folders to search for them.")],
     tolerance: Annotated[
@@ -178,8 +143,8 @@ def fmu_compare(
 
     Exit status 1: one differs, 2: one has no reference or does not run.
     """
-    from fmus.cross_check.apart import compare_in_process
-    from fmus.cross_check.files import CrossCheckError
+    from fmus.reference_results.apart import compare_in_process
+    from fmus.reference_results.files import ComparisonError
     from orchestrator.errors import MistakeError
 
     if tolerance is not None and not tolerance > 0.0:
@@ -193,7 +158,7 @@ def fmu_compare(
     status = 0
     results: dict[Path, Any] = {}
     for path, found in compare_in_process(paths, tolerance):
-        if isinstance(found, CrossCheckError):
+        if isinstance(found, ComparisonError):
             say(str(found))
             status, results[path] = 2, str(found)
             continue

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from fmus.native.fmu import build
@@ -10,18 +12,29 @@ from fmus.native.machine_code import this_platform
 from ..conftest import Made
 
 
-def _build_in(folders: pytest.TempPathFactory, fmi: int) -> Made:
-    folder, here = folders.mktemp(f"fmi{fmi}"), [this_platform()]
-    return Made(lambda name: build(name, folder, platforms=here, fmi=fmi))
+def _build(fmi: int, folder: Path | None = None) -> Made:
+    return Made(lambda name: build(name, folder, platforms=[this_platform()], fmi=fmi))
 
 
 @pytest.fixture(scope="session")
-def native_files(tmp_path_factory: pytest.TempPathFactory) -> Made:
+def native_files() -> Made:
     """Every native FMU of FMI 2.0 as a file."""
-    return _build_in(tmp_path_factory, 2)
+    return _build(2)
 
 
 @pytest.fixture(scope="session")
-def fmi3_files(tmp_path_factory: pytest.TempPathFactory) -> Made:
+def fmi3_files() -> Made:
     """Those of FMI 3.0."""
-    return _build_in(tmp_path_factory, 3)
+    return _build(3)
+
+
+@pytest.fixture(scope="session")
+def referenced_native_files(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """Those of FMI 2.0 with their reference results."""
+    return _build(2, tmp_path_factory.mktemp("fmi2"))
+
+
+@pytest.fixture(scope="session")
+def referenced_fmi3_files(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """Those of FMI 3.0 with their reference results."""
+    return _build(3, tmp_path_factory.mktemp("fmi3"))

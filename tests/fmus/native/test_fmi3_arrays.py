@@ -11,7 +11,7 @@ import pytest
 from fmpy import fmi3
 from fmpy.fmi1 import FMICallException
 
-from fmus.cross_check.compare import compare
+from fmus.reference_results.compare import compare
 from tests.third_party.runs import ran, scenario
 
 from ..instance import Instance, Instance3
@@ -173,8 +173,8 @@ def test_faults_name_the_element(spring: Instance3) -> None:
     assert spring.get(["coil_position_start"]) == [0.0, 0.0]
 
 
-def test_reference_results_name_elements(fmi3_files: Files) -> None:
-    for found in compare(fmi3_files["valve_spring"]):
+def test_reference_results_name_elements(referenced_fmi3_files: Files) -> None:
+    for found in compare(referenced_fmi3_files["valve_spring"]):
         assert "coil_position[2]" in {one.variable for one in found.deviations}
         assert found.agrees, str(found)
 

@@ -1,0 +1,301 @@
+"""Runs an FMU, ours or third-party, with its reference inputs, and compares with its reference results.
+
+Co-simulation is fmpy's; model exchange `exchange`'s, over fmpy's calls.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from fmpy.model_description import ModelDescription, read_model_description
+from numpy.typing import NDArray
+
+from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, open_archive
+from models.monolithic.reference import SHARPEST
+
+from .exchange import integrate
+from .files import ComparisonError, Options, Table, read_csv, read_options
+from .inside import FOLDER
+from .manifest import find_results, read_results, state_options
+
+CO_SIMULATION, MODEL_EXCHANGE = "co-simulation", "model exchange"
+# What the solver of model exchange is told, over the tolerance of the results: errors of steps add up, and
+# impacts multiply them.
+SOLVER_SHARE = 1e-4
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What an FMU is compared with."""
+
+    options: Options
+    inputs: Table | None
+    results: Table
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """The largest difference of a variable: itself, over the largest value of the reference, and when (s)."""
+
+    variable: str
+    unit: str
+    largest: float
+    relative: float
+    time: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One way to run an FMU, how far each variable was off, and what is allowed (relative)."""
+
+    kind: str
+    options: Options
+    place: str
+    tolerance: float
+    deviations: Sequence[Deviation]
+
+    @property
+    def worst(self) -> Deviation:
+        """The variable that is furthest off."""
+        return max(self.deviations, key=lambda deviation: deviation.relative)
+
+    @property
+    def agrees(self) -> bool:
+        """Whether all variables are within the tolerance (a value that is no number is not)."""
+        return all(deviation.relative <= self.tolerance for deviation in self.deviations)
+
+    def __str__(self) -> str:
+        """A table for reading."""
+        o = self.options
+        fixed = self.kind == CO_SIMULATION and o.step_size > 0.0
+        steps = f"steps of {o.step_size:g} s" if fixed else "a solver's steps"
+        rows = [("variable", "largest difference", "relative", "at t (s)")]
+        rows += [
+            (d.variable, f"{d.largest:.2e} {d.unit}".strip(), f"{d.relative:.1e}", f"{d.time:g}")
+            for d in self.deviations
+        ]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        table = ("    " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+        verdict = "agrees" if self.agrees else f"DIFFERS: {self.worst.variable}"
+        return "\n".join(
+            [
+                f"  {self.kind}, {o.start_time:g} to {o.stop_time:g} s in {steps}; {self.place}",
+                *table,
+                f"    {verdict}; largest {self.worst.relative:.1e}, allowed {self.tolerance:.0e}",
+            ]
+        )
+
+
+def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
+    """The FMU at `path`, in every way that it can be run and has a reference for.
+
+    The reference lies beside the file (`NAME_ref.csv`, `NAME_ref.opt`, and `NAME_in.csv` if there are
+    inputs), or else inside it (`extra/`), also as a manifest of FMI-LS-REF names it. `tolerance` replaces
+    that of the .opt file.
+    ComparisonError, in one line, where there is nothing to compare with or the FMU does not run.
+    """
+    described = _read_description(path)
+    files, place = _beside(path), "reference beside the file"
+    if not files:
+        files, place = _inside(path), "reference inside the file"
+    found = []
+    try:
+        own = any(name.endswith("_ref.csv") for name in files)
+        related = "" if own else find_results(files)
+    except ComparisonError as error:
+        raise ComparisonError(f"{path}: {error}") from None
+    # A manifest does not say for which way of running the result is: it is what the FMU itself does.
+    kinds = _kinds(path, described)[:1] if related else _kinds(path, described)
+    for kind in kinds:
+        try:
+            reference = _related(related, files, described) if related else _reference(kind, files)
+            _check_variables(described, reference)
+            allowed = tolerance or reference.options.tolerance
+            if allowed == 0.0:
+                raise ComparisonError("RelTol = 0 in the .opt file says nothing; give --tolerance")
+            result = _simulate(path, described, kind, reference, allowed)
+        except ComparisonError as error:
+            raise ComparisonError(f"{path}: {error}") from None
+        deviations = _deviations(described, reference.results, result)
+        found.append(Comparison(kind, reference.options, place, allowed, deviations))
+    return found
+
+
+def _read_description(path: Path) -> ModelDescription:
+    try:
+        with open_archive(path) as archive:
+            faults = archive_faults(archive)
+    except FmuFileError as error:
+        raise ComparisonError(str(error)) from None
+    if faults:
+        raise ComparisonError(f"{path}: {faults[0]}")
+    try:
+        described = read_model_description(str(path), validate=False)
+    except Exception as error:  # fmpy lets through whatever its XML libraries raise
+        raise ComparisonError(f"{path}: {DESCRIPTION} cannot be read: {one_line(error)}") from None
+    if described.fmiVersion == "1.0":
+        raise ComparisonError(f"{path}: is of FMI 1.0, which is not run here; give one of FMI 2.0 or 3.0")
+    return described
+
+
+def _kinds(path: Path, described: ModelDescription) -> list[str]:
+    """How the FMU can be run."""
+    has = {CO_SIMULATION: described.coSimulation, MODEL_EXCHANGE: described.modelExchange}
+    if kinds := [kind for kind, part in has.items() if part is not None]:
+        return kinds
+    raise ComparisonError(f"{path}: is neither for co-simulation nor for model exchange")
+
+
+def _beside(path: Path) -> dict[str, str]:
+    """Reference files that lie in the FMU's folder, by name."""
+    names = [f"{path.stem}{suffix}" for suffix in ("_ref.csv", "_ref.opt", "_in.csv")]
+    places = [path.parent / name for name in names]
+    if not places[0].is_file():
+        return {}
+    return {place.name: place.read_text("utf-8", "replace") for place in places if place.is_file()}
+
+
+def _inside(path: Path) -> dict[str, str]:
+    """Reference files that the FMU, whose archive has no faults, ships, by name."""
+    with open_archive(path) as archive:
+        ends = (".csv", ".opt", ".xml")
+        names = [n for n in archive.namelist() if n.startswith(FOLDER) and n.endswith(ends)]
+        texts = {name: archive.read(name).decode("utf-8", "replace") for name in names}
+    return {name.removeprefix(FOLDER + "/"): text for name, text in texts.items()}
+
+
+def _reference(kind: str, files: Mapping[str, str]) -> Reference:
+    """What there is for this way of running. ComparisonError if it is missing or not as the rules say."""
+    results = next((name for name in files if name.endswith("_ref.csv")), None)
+    if results is None:
+        raise ComparisonError(
+            f"has no reference results: NAME_ref.csv must lie beside the FMU or inside it, in {FOLDER}"
+        )
+    name = results.removesuffix("_ref.csv")
+    own = f"me/{name}_ref.opt"
+    chosen = own if kind == MODEL_EXCHANGE and own in files else f"{name}_ref.opt"
+    if chosen not in files:
+        raise ComparisonError(f"{chosen} is missing: it has the times and the tolerance")
+    inputs = files.get(f"{name}_in.csv")
+    options = read_options(files[chosen], chosen)
+    return Reference(
+        options=options,
+        inputs=None if inputs is None else read_csv(inputs, f"{name}_in.csv"),
+        results=_select_instants(read_csv(files[results], results), options, results),
+    )
+
+
+def _related(name: str, files: Mapping[str, str], described: ModelDescription) -> Reference:
+    """The default experiment's results that a manifest names."""
+    results = read_results(files[name], name)
+    options = state_options(described, results)
+    return Reference(options=options, inputs=None, results=_select_instants(results, options, name))
+
+
+def _select_instants(results: Table, options: Options, name: str) -> Table:
+    """The results within the run, without instants that stand more than once: events, where values jump."""
+    instants, counts = np.unique(results.times, return_counts=True)
+    near = 1e-9 * (options.stop_time - options.start_time)
+    inside = np.abs(np.clip(results.times, options.start_time, options.stop_time) - results.times) <= near
+    kept = inside & np.isin(results.times, instants[counts == 1])
+    if np.count_nonzero(kept) < 2:
+        raise ComparisonError(f"{name}: must have two instants from StartTime to StopTime at least")
+    return Table(results.times[kept], {n: column[kept] for n, column in results.columns.items()})
+
+
+def _check_variables(described: ModelDescription, reference: Reference) -> None:
+    known = {variable.name: variable for variable in described.modelVariables}
+    inputs = [(name, None) for name in (reference.inputs.columns if reference.inputs else ())]
+    for name, place in [*(_find_variable(described, name) for name in reference.results.columns), *inputs]:
+        if name not in known:
+            raise ComparisonError(f"has no variable {name}, which its reference files name")
+        array = bool(known[name].dimensions) and place is None
+        if array or known[name].type in ("String", "Binary", "Clock"):
+            raise ComparisonError(f"{name}, which its reference files name, is no single number")
+
+
+def _find_variable(described: ModelDescription, name: str) -> tuple[str, int | None]:
+    """The variable that is recorded for a column, and the place of the element where it is an array of FMI 3:
+    x[2] is the second one of x."""
+    stem, bracket, index = name.partition("[")
+    for variable in described.modelVariables:
+        if bracket and variable.name == stem and len(variable.shape or ()) == 1 and index[:-1].isdigit():
+            return stem, int(index[:-1]) - 1
+    return name, None
+
+
+def _simulate(
+    path: Path, described: ModelDescription, kind: str, reference: Reference, allowed: float
+) -> NDArray[np.void]:
+    """The run's variables over time, as fmpy gives them; an instant may stand more than once."""
+    columns = (_find_variable(described, name)[0] for name in reference.results.columns)
+    o, named = reference.options, list(dict.fromkeys(columns))
+    times = np.unique(reference.results.times)
+    with _silence() as said:
+        try:
+            if kind == MODEL_EXCHANGE:
+                told = max(SOLVER_SHARE * allowed, SHARPEST)
+                return integrate(path, described, o, reference.inputs, times, named, told)
+            result: NDArray[np.void] = fmpy.simulate_fmu(
+                str(path),
+                validate=False,
+                start_time=o.start_time,
+                stop_time=o.stop_time,
+                output_interval=o.step_size or o.interval or float(np.min(np.diff(times))),
+                fmi_type="CoSimulation",
+                input=None if reference.inputs is None else reference.inputs.to_structured_array(),
+                output=named,
+                model_description=described,
+            )
+            return result
+        except Exception as error:  # whatever the FMU, fmpy or the system's loader say
+            last = [line for line in said.getvalue().splitlines() if "missing input" not in line][-1:]
+            told_by = "".join(f" ({line})" for line in last)
+            raise ComparisonError(f"{kind}: {one_line(error)}{told_by}") from None
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[io.StringIO]:
+    """What fmpy prints goes into a buffer: that inputs have no column, and what the FMU logs."""
+    buffer = io.StringIO()
+    with contextlib.redirect_stdout(buffer):
+        yield buffer
+
+
+def _deviations(described: ModelDescription, reference: Table, result: NDArray[np.void]) -> list[Deviation]:
+    """How far each variable is off at the reference's instants; between the run's own by interpolation."""
+    times = np.asarray(result["time"], dtype=np.float64)
+    units = {variable.name: variable.unit or "" for variable in described.modelVariables}
+    close = 1e-9 * max(abs(times[-1]), abs(times[0]))
+    found = []
+    for name, values in reference.columns.items():
+        recorded, place = _find_variable(described, name)
+        run = np.asarray(result[recorded], dtype=np.float64)
+        run = run if place is None else run[:, place]
+        apart = np.array(
+            [_apart(t, value, times, run, close) for t, value in zip(reference.times, values, strict=True)]
+        )
+        worst = int(np.argmax(np.where(np.isnan(apart), np.inf, apart)))
+        size = float(np.max(np.abs(values))) or 1.0
+        unit = "" if units[recorded] == "1" else units[recorded]
+        largest, when = float(apart[worst]), float(reference.times[worst])
+        found.append(Deviation(name, unit, largest, largest / size, when))
+    return found
+
+
+def _apart(
+    t: float, value: float, times: NDArray[np.float64], run: NDArray[np.float64], close: float
+) -> float:
+    """The difference at t; where the run has t more than once, at an event, the least."""
+    same = np.abs(times - t) <= close
+    if np.any(same):
+        return float(np.min(np.abs(run[same] - value)))
+    if not times[0] <= t <= times[-1]:
+        return float("nan")
+    return abs(float(np.interp(t, times, run)) - value)

@@ -1,0 +1,80 @@
+"""Results that FMUs of others ship by FMI-LS-REF."""
+
+from __future__ import annotations
+
+import math
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fmus.reference_results.compare import compare
+from fmus.reference_results.files import ComparisonError
+from fmus.reference_results.inside import FOLDER, MANIFEST
+from fmus.reference_results.manifest import find_results, read_results
+from tests.fmus.names import mark_long
+from tests.third_party.c_fmus import fmu
+from tests.third_party.public import public
+
+SHORT = MANIFEST.removeprefix(FOLDER + "/")
+STATED = '<fmiReferences><Related type="text/csv" source="{}" role="result"/></fmiReferences>'
+PUBLIC = ("BouncingBall", "Dahlquist", "Feedthrough", "Resource", "Stair", "StateSpace", "VanDerPol")
+
+
+@pytest.mark.parametrize("name", mark_long(PUBLIC, ["Feedthrough", "StateSpace"]))
+def test_a_public_fmu_does_what_its_own_results_say(name: str) -> None:
+    """In co-simulation, of which its makers recorded them; arrays, truth values and texts among them."""
+    (found,) = compare(public(f"reference-fmus-3/{name}.fmu"))
+    assert found.agrees
+    assert found.worst.relative < 1e-12
+
+
+@pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (1.01, False)])
+def test_results_are_compared_with_the_run(factor: float, agrees: bool, tmp_path: Path) -> None:
+    path = fmu("dahlquist", 3, tmp_path)
+    lines = [f"{t!r},{factor * math.exp(-t)!r}" for t in np.arange(0.0, 1.05, 0.1).tolist()]
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr(MANIFEST, STATED.format("decay.csv"))
+        archive.writestr(f"{FOLDER}/decay.csv", "\n".join(["time,x", *lines]))
+    (found,) = compare(path)
+    assert found.agrees == agrees
+
+
+NUMBERS = st.floats(-1e9, 1e9)
+
+
+@given(st.lists(st.tuples(NUMBERS, NUMBERS, st.booleans()), min_size=1))
+def test_numbers_arrays_and_truth_values_are_read(rows: list[tuple[float, float, bool]]) -> None:
+    lines = [f"{i},{a!r} {b!r},{str(c).lower()},text {i}" for i, (a, b, c) in enumerate(rows)]
+    table = read_results("\n".join(["time,x,on,said", *lines]), "a.csv")
+    assert list(table.columns) == ["x[1]", "x[2]", "on"]
+    assert [tuple(row) for row in zip(*table.columns.values(), strict=True)] == rows
+
+
+FAULTS = [
+    ("time,x\n0,1,2\n", "must have a line of names"),
+    ("time,x\n1,1\n0,1\n", "a time that never falls"),
+    ("time,x\n0,word\n", "a variable that is a number"),
+]
+
+
+@pytest.mark.parametrize(("text", "said"), FAULTS)
+def test_what_is_no_result_is_named(text: str, said: str) -> None:
+    with pytest.raises(ComparisonError, match=f"^a.csv: .*{said}"):
+        read_results(text, "a.csv")
+
+
+@pytest.mark.parametrize(
+    ("manifest", "said"),
+    [
+        (STATED.format("b.csv"), "names b.csv, which is not in"),
+        ("<fmiReferences>", "cannot be read"),
+        ("<!DOCTYPE a>" + STATED.format("a.csv"), "has a document type"),
+    ],
+)
+def test_what_is_wrong_with_a_manifest_is_named(manifest: str, said: str) -> None:
+    with pytest.raises(ComparisonError, match=said):
+        find_results({SHORT: manifest, "a.csv": ""})
