@@ -54,24 +54,16 @@ def find_stiffness(mechanism: Mechanism, t: float, q: Vector, multipliers: Vecto
 
 
 def find_frequencies(mechanism: Mechanism, start: Start, t: float = 0.0, *, loaded: bool = True) -> Vector:
-    """Natural frequencies (Hz, ascending) of small motions that the joints allow, without damping.
+    """Natural frequencies (Hz, ascending) of M q'' + K q + J^T lambda = 0 with J q = 0, Q (4).
 
     `loaded` includes the stiffness that loads of joints make as they turn, such as W s'' of a cam. An
     unstable motion has a negative frequency.
     """
     both = find_stiffness(mechanism, t, start.q, start.multipliers)
     e = mechanism.evaluate(t, start.q, np.zeros_like(start.q))
-    return find_modes(e.mass, both.loaded if loaded else both.elastic, e.held.jacobian)
-
-
-def find_modes(mass: Vector, stiffness: Vector, jacobian: Vector) -> Vector:
-    """Frequencies (Hz, ascending) of M q'' + K q + J^T lambda = 0 with J q = 0, Q (4).
-
-    An unstable motion has a negative frequency.
-    """
-    free = null_space(jacobian)
-    left = free.T @ stiffness @ free
-    squares = eigh(0.5 * (left + left.T), free.T @ mass @ free, eigvals_only=True)
+    free = null_space(e.held.jacobian)
+    left = free.T @ (both.loaded if loaded else both.elastic) @ free
+    squares = eigh(0.5 * (left + left.T), free.T @ e.mass @ free, eigvals_only=True)
     return np.asarray(np.sign(squares) * np.sqrt(np.abs(squares)) / (2.0 * math.pi))
 
 

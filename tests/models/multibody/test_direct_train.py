@@ -18,12 +18,12 @@ from models.multibody.direct_train import CONTACT, DRIVE, GUIDE, TrainStart, dir
 from models.multibody.ida import solve_ida
 from models.multibody.mechanism import Mechanism
 from models.multibody.motion import Motion
-from models.multibody.projected import solve_projected
 from models.valve_train.camshaft import CamshaftParameters
 from models.valve_train.valve_spring import ValveSpringParameters
 from reproduction.adherence import solve_adherence
 
 from ..systems import valve_train
+from .projected import solve_projected
 
 SOURCE = "independent constrained model, set kushwaha2000"
 POINTS = 3600

@@ -19,7 +19,8 @@ from models.multibody.ida import solve_ida
 from models.multibody.joints import Joint, cylindrical, fixed, prescribed_rotation, revolute, spherical
 from models.multibody.mechanism import Mechanism
 from models.multibody.motion import Motion
-from models.multibody.projected import solve_projected
+
+from .projected import solve_projected
 
 METHODS = {"IDA": solve_ida, "projected DOP853": solve_projected}
 Method = Callable[..., Motion]

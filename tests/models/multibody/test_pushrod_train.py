@@ -11,10 +11,10 @@ import pytest
 from models.multibody.ida import solve_ida
 from models.multibody.linear import find_frequencies, find_rest
 from models.multibody.mechanism import Mechanism
-from models.multibody.projected import solve_projected
 from models.multibody.pushrod_train import CAM, DRIVE, PIVOT, ROD_END, SEAT, TIP, pushrod_train
 from models.valve_train.cams.law import law_lift
 
+from .projected import solve_projected
 from .trains import pushrod_parts
 
 RATIO, MASS, ROD_MASS, INERTIA, ARM = 1.25, 0.1, 7850.0 * 50e-6 * 0.2, 6e-5, 32e-3

@@ -16,8 +16,9 @@ from models.multibody.forces import ContactSpring, LubricatedCam
 from models.multibody.ida import solve_ida
 from models.multibody.joints import prescribed_rotation, revolute, round_cam, translational
 from models.multibody.mechanism import Mechanism
-from models.multibody.projected import solve_projected
 from models.valve_train.cams.law import LawParameters
+
+from .projected import solve_projected
 
 CAM = Layout(LawParameters).defaults()
 BASE, RADIUS, SPEED, MASS = float(CAM.base_radius), 0.01, 100.0, 0.2

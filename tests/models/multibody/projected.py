@@ -11,11 +11,11 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import DOP853
 
-from ..core.quantities import Vector
-from .equations import FILM, turn_coordinates
-from .ida import COORDINATE, VELOCITY
-from .mechanism import Mechanism, Start
-from .motion import Motion, check_request, complete, explain_failure, explain_singular
+from models.core.quantities import Vector
+from models.multibody.equations import FILM, turn_coordinates
+from models.multibody.ida import COORDINATE, VELOCITY
+from models.multibody.mechanism import Mechanism, Start
+from models.multibody.motion import Motion, check_request, complete, explain_failure, explain_singular
 
 Flow = Callable[[float, Vector], Vector]
 
