@@ -16,9 +16,10 @@ from models.slider_crank.motions.statistics import (
     impact_spectrum,
 )
 
+from ..plots.motion.distribution import plot_profile, plot_spectrum
 from ._impacts import COUNTS, count_impacts, declare_impacts, simulate_impacts, tabulate_bins
-from ._table import draw_by, evaluate_by
-from .protocol import Analysis, Parameter, Result
+from ._table import evaluate_by
+from .protocol import Analysis, Draw, Parameter, Result
 
 PSI_RATE, APPROACH = "psi_rate", "approach"
 IMPACT, CYCLE = "impact", "cycle"
@@ -29,6 +30,7 @@ def _declare(
     description: str,
     bins: int,
     edges: tuple[str, str],
+    draw: Draw,
     distribute: Callable[[Events, Vector, Mapping[str, Any], float], Distribution],
 ) -> Analysis:
     """The analysis with this number of `bins` as default; `edges`: unit and meaning of their edges."""
@@ -64,7 +66,7 @@ def _declare(
         },
         evaluate=evaluate_by(build_table),
         table=build_table,
-        draw=draw_by("motion.distribution", f"plot_{name}"),
+        draw=draw,
     )
 
 
@@ -73,6 +75,7 @@ PROFILE = _declare(
     "Impact distribution profile: impact velocities along the walls (F 3.6)",
     100,
     ("1", "place on the wall x / l"),
+    plot_profile,
     lambda impacts, velocities, values, total: impact_profile(
         impacts, velocities, values["xi"], values["bins"], total
     ),
@@ -82,5 +85,6 @@ SPECTRUM = _declare(
     "Impact spectra: impact velocities around the crank cycle (F 3.7)",
     120,
     ("rad", "crank angle"),
+    plot_spectrum,
     lambda impacts, velocities, values, total: impact_spectrum(impacts, velocities, values["bins"], total),
 )

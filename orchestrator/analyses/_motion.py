@@ -10,9 +10,11 @@ import xarray
 
 from models.slider_crank.motions.portrait import trace_portrait
 
+from ..plots.motion.phase import plot_phase
+from ..plots.motion.trace import plot_trace
 from ._machine import MACHINE, START, declare_duration, simulate_motion
-from ._table import column, draw_by, evaluate_by
-from .protocol import Analysis, Parameter, Result
+from ._table import column, evaluate_by
+from .protocol import Analysis, Draw, Parameter, Result
 
 PARAMETERS = {
     **MACHINE,
@@ -48,7 +50,7 @@ def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
-def _declare(name: str, description: str) -> Analysis:
+def _declare(name: str, description: str, draw: Draw) -> Analysis:
     return Analysis(
         name=name,
         description=description,
@@ -56,9 +58,9 @@ def _declare(name: str, description: str) -> Analysis:
         results=RESULTS,
         evaluate=evaluate_by(build_table),
         table=build_table,
-        draw=draw_by(f"motion.{name}", f"plot_{name}"),
+        draw=draw,
     )
 
 
-PHASE = _declare("phase", "Phase portrait: rate over deviation, cut at impacts")
-TRACE = _declare("trace", "Time trace: the rod's deviation over crank angle, between its walls")
+PHASE = _declare("phase", "Phase portrait: rate over deviation, cut at impacts", plot_phase)
+TRACE = _declare("trace", "Time trace: the rod's deviation over crank angle, between its walls", plot_trace)

@@ -1,15 +1,11 @@
-"""Tables with units, and `evaluate` and `draw` of an analysis from its table."""
+"""Tables with units, and the `evaluate` of an analysis from its table."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import xarray
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def column(dimensions: str | tuple[str, ...], values: Any, unit: str, meaning: str) -> xarray.Variable:
@@ -27,13 +23,3 @@ def evaluate_by(
         return {str(name): variable.item() for name, variable in found if not variable.ndim}
 
     return evaluate
-
-
-def draw_by(module: str, function: str) -> Callable[[xarray.Dataset, Mapping[str, Any]], Figure]:
-    """The `draw` of an analysis: a function in `plots`, imported on the first call."""
-
-    def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-        figure: Figure = getattr(import_module(f"orchestrator.plots.{module}"), function)(data, values)
-        return figure
-
-    return draw

@@ -7,13 +7,17 @@ from typing import Any
 
 import numpy as np
 import xarray
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from models.slider_crank.motions.maps import exponent_map, exponent_map_on_device
 
+from ..plots.cells import LABELS, draw_cells
+from ..plots.motion.titles import create_figure, drop_varied
 from ._axes import declare_axis, read_axis, read_coordinate, report_mistakes
 from ._machine import MACHINE, build_machine, declare_duration
 from ._progress import show_progress
-from ._table import column, draw_by, evaluate_by
+from ._table import column, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
@@ -38,6 +42,34 @@ def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
+SLIDING = "#b4bac1"
+
+
+def plot_exponent_map(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    """`data` has largest (y, x), -inf where the motion slides, over x and y."""
+    title, shown = "Largest Lyapunov exponent", drop_varied(values, "x", "y")
+    figure, axes = create_figure(title, shown, width=6.4, height=4.6)
+    found = data["largest"].values
+    finite = found[np.isfinite(found)]
+    limit = float(np.abs(finite).max()) if finite.size else 1.0
+    axes.set_facecolor(SLIDING)
+    bar = draw_cells(
+        figure, axes, data["x"].values, data["y"].values, np.ma.masked_invalid(found),
+        cmap="RdBu_r", vmin=-limit, vmax=limit,
+    )  # fmt: skip
+    bar.set_label("largest Lyapunov exponent (1/rad)")
+    bar.outline.set_visible(False)
+    axes.set_xlabel(LABELS[values["x"]])
+    axes.set_ylabel(LABELS[values["y"]])
+    if finite.size < found.size:
+        figure.legend(
+            handles=[Patch(color=SLIDING, label="slides (−∞)")],
+            loc="upper right",
+            bbox_to_anchor=(0.995, 1.0),
+        )
+    return figure
+
+
 ANALYSIS = Analysis(
     name="exponent_map",
     description="Largest Lyapunov exponent over two parameters, every point from rest in the middle",
@@ -55,5 +87,5 @@ ANALYSIS = Analysis(
     },
     evaluate=evaluate_by(build_table),
     table=build_table,
-    draw=draw_by("maps.exponents", "plot_exponent_map"),
+    draw=plot_exponent_map,
 )

@@ -17,7 +17,8 @@ from models.core.quantities import Vector
 from models.core.system import ModelError
 
 from ..errors import MistakeError
-from ._table import column, draw_by
+from ..plots.finite_line import draw_finite_line
+from ._table import column
 from ._tappet import (
     ALIGNMENTS,
     COMPLIANCE,
@@ -146,5 +147,5 @@ ANALYSIS = Analysis(
     },
     evaluate=evaluate,
     table=build_table,
-    draw=draw_by("finite_line", "draw_finite_line"),
+    draw=draw_finite_line,
 )

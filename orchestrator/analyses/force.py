@@ -14,8 +14,9 @@ from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.regions import holding_intervals, region, sign_changes, wall_forces
 
 from ..errors import MistakeError
+from ..plots.motion.force import plot_force
 from ._machine import MECHANISM, build_machine
-from ._table import column, draw_by, evaluate_by
+from ._table import column, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 TURN = 2.0 * math.pi
@@ -65,5 +66,5 @@ ANALYSIS = Analysis(
     },
     evaluate=evaluate_by(build_table),
     table=build_table,
-    draw=draw_by("motion.force", "plot_force"),
+    draw=plot_force,
 )

@@ -10,9 +10,10 @@ import xarray
 
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 
+from ..plots.motion.poincare import plot_poincare
 from ._impacts import COUNTS, count_impacts, simulate_first_impacts
 from ._machine import MACHINE, START, declare_duration
-from ._table import column, draw_by, evaluate_by
+from ._table import column, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
@@ -55,5 +56,5 @@ ANALYSIS = Analysis(
     },
     evaluate=evaluate_by(build_table),
     table=build_table,
-    draw=draw_by("motion.poincare", "plot_poincare"),
+    draw=plot_poincare,
 )

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+Draw = Callable[["xarray.Dataset", Mapping[str, Any]], "Figure"]
+
+
 @dataclass(frozen=True)
 class Parameter:
     """One argument of an analysis: its default, unit (SI symbols), meaning and allowed range.
@@ -118,7 +121,7 @@ class Analysis:
     results: Mapping[str, Result]
     evaluate: Callable[[Mapping[str, Any]], Mapping[str, float | str]]
     table: Callable[[Mapping[str, Any]], xarray.Dataset] | None = None
-    draw: Callable[[xarray.Dataset, Mapping[str, Any]], Figure] | None = None
+    draw: Draw | None = None
     texts: Mapping[str, Callable[[xarray.Dataset, Mapping[str, Any]], str]] = field(default_factory=dict)
     describe: Callable[[Mapping[str, Any]], str] | None = None
 

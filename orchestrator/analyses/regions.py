@@ -11,8 +11,9 @@ import xarray
 
 from models.slider_crank.motions.regions import region, thresholds
 
+from ..plots.motion.regions import plot_regions
 from ._machine import MECHANISM, build_machine
-from ._table import column, draw_by, evaluate_by
+from ._table import column, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
@@ -54,5 +55,5 @@ ANALYSIS = Analysis(
     },
     evaluate=evaluate_by(build_table),
     table=build_table,
-    draw=draw_by("motion.regions", "plot_regions"),
+    draw=plot_regions,
 )

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import xarray
+from matplotlib.figure import Figure
 
 from models.slider_crank.motions.transients import (
     ORDINARY_TRANSIENT,
@@ -16,9 +17,11 @@ from models.slider_crank.motions.transients import (
     measure_transients,
 )
 
+from ..plots.motion.titles import add_legend, create_figure
+from ..plots.style import COUPLED, REFERENCE
 from ._machine import MACHINE, build_machine
 from ._progress import show_progress
-from ._table import column, draw_by, evaluate_by
+from ._table import column, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
@@ -44,6 +47,34 @@ def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
+def plot_transient(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    """`data` has length and period (0: not settled) of every start, mean_escape and its error."""
+    figure, axes = create_figure("Length of transients", values, width=6.0, height=3.8)
+    after, lengths = ORDINARY_TRANSIENT, data["length"].values
+    settled = np.sort(lengths[data["period"].values > 0])
+    left = 1.0 - np.arange(len(settled) + 1) / len(lengths)
+    axes.step(
+        np.concatenate([[0.0], settled, [lengths.max()]]),
+        np.append(left, left[-1]),
+        where="post", color=COUPLED, label="starts",
+    )  # fmt: skip
+    mean, error = data["mean_escape"].item(), data["error"].item()
+    if np.isfinite(mean):
+        t = np.linspace(after, max(lengths.max(), after + 1.0), 200)
+        share = np.mean(lengths > after)
+        axes.plot(
+            t, share * np.exp(-(t - after) / mean), color=REFERENCE, lw=1.0, ls=(0, (5, 3)),
+            label=f"exponential, mean {mean:.4g} ± {error:.2g}",
+        )  # fmt: skip
+    axes.set_yscale("log")
+    axes.set_ylim(0.5 / len(lengths), 1.3)
+    axes.set_xlim(left=0.0)
+    axes.set_xlabel("cycles")
+    axes.set_ylabel("part not yet on its orbit")
+    add_legend(figure, axes)
+    return figure
+
+
 ANALYSIS = Analysis(
     name="transient",
     description="Length of transient chaos: distribution over random starts, mean escape time",
@@ -63,5 +94,5 @@ ANALYSIS = Analysis(
     },
     evaluate=evaluate_by(build_table),
     table=build_table,
-    draw=draw_by("maps.escape", "plot_transient"),
+    draw=plot_transient,
 )

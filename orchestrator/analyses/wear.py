@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import xarray
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter, ScalarFormatter
 
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.motions.statistics import (
@@ -16,9 +18,12 @@ from models.slider_crank.motions.statistics import (
     uniformity,
 )
 
+from ..plots.motion.distribution import draw_profile, read_bin_edges
+from ..plots.motion.titles import add_legend, create_figure
+from ..plots.style import ACCENT, COUPLED, MUTED
 from ._impacts import COUNTS, count_impacts, declare_impacts, simulate_impacts, tabulate_bins
 from ._machine import build_machine
-from ._table import column, draw_by, evaluate_by
+from ._table import column, evaluate_by
 from .protocol import Analysis, Result
 
 # The number of bins is also taken smaller and larger, to show what depends on it.
@@ -57,6 +62,36 @@ def _results(wall: str) -> dict[str, Result]:
     }
 
 
+COLOURS = {"upper": COUPLED, "lower": ACCENT}
+
+
+def plot_wear(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    """The profile of energies, and the effective part of each wall that is worn, over the number of bins:
+    level for impacts that are spread, falling as one over it for spots (dotted)."""
+    mosaic = [["profile", "profile", "share"]]
+    figure, axes = create_figure("Wear: energy that impacts take", values, 9.2, 3.4, mosaic=mosaic)
+    profile, worn, bins = axes["profile"], axes["share"], data["bins"].values
+    draw_profile(profile, read_bin_edges(data), data["upper"].values, -data["lower"].values)
+    profile.set_ylabel("energy per cycle / (M l² Ω²)")
+    for wall, colour in COLOURS.items():
+        if data[f"{wall}_energy"] > 0.0:
+            share = data[f"{wall}_worn_share"].values
+            worn.plot(bins, share, "o-", ms=3.5, color=colour, label=f"{wall} wall")
+            worn.plot(bins, share[0] * bins[0] / bins, ls=":", lw=0.9, color=colour)
+    worn.set_xscale("log")
+    worn.set_yscale("log")
+    worn.set_ylim(top=1.3)
+    worn.set_xticks(bins)
+    worn.xaxis.set_major_formatter(ScalarFormatter())
+    worn.xaxis.set_minor_formatter(NullFormatter())
+    worn.yaxis.set_major_formatter(ScalarFormatter())
+    worn.annotate("dotted: spots", (0.06, 0.05), xycoords="axes fraction", fontsize=7.5, color=MUTED)
+    worn.set_xlabel("bins")
+    worn.set_ylabel("worn share of the wall")
+    add_legend(figure, profile)
+    return figure
+
+
 ANALYSIS = Analysis(
     name="wear",
     description="Wear: energy that impacts take along the walls, and how evenly",
@@ -64,5 +99,5 @@ ANALYSIS = Analysis(
     results={**_results("upper"), **_results("lower"), **COUNTS},
     evaluate=evaluate_by(build_table),
     table=build_table,
-    draw=draw_by("motion.wear", "plot_wear"),
+    draw=plot_wear,
 )

@@ -1,1 +1,0 @@
-"""Figures of many slider-crank motions: maps, bifurcation diagrams, basins, transients."""
