@@ -15,7 +15,7 @@ from models.core.system import suggestion
 
 NAMES = (
     "macro_steps", "reference", "start_up", "memory", "checkpoint", "slider_crank", "exponent_map",
-    "line_contact", "line_preconditioner", "multibody", "native", "own_process", "public", "report",
+    "line_contact", "multibody", "native", "own_process", "public", "report",
     "scaling", "whole_command",
 )  # fmt: skip
 PAGE = Path(__file__).parent.parent / "docs" / "reference" / "benchmarks.md"
