@@ -26,7 +26,7 @@ static void *opened(const char *path, int for_all)
     (void)for_all;
     return (void *)LoadLibraryA(path);
 }
-static void *named(void *library, const char *name) { return (void *)GetProcAddress((HMODULE)library, name); }
+static void *named(void *from, const char *name) { return (void *)GetProcAddress((HMODULE)from, name); }
 static const char *fault(void)
 {
     static char text[32];
@@ -36,7 +36,7 @@ static const char *fault(void)
 #else
 #include <dlfcn.h>
 static void *opened(const char *path, int for_all) { return dlopen(path, RTLD_NOW | (for_all ? RTLD_GLOBAL : RTLD_LOCAL)); }
-static void *named(void *library, const char *name) { return dlsym(library, name); }
+static void *named(void *from, const char *name) { return dlsym(from, name); }
 static const char *fault(void) { return dlerror(); }
 #endif
 
@@ -78,6 +78,7 @@ static void say3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3Str
 static uint64_t next(const char *format)
 {
     uint64_t value;
+    // cppcheck-suppress wrongPrintfScanfArgNum ; it does not know the macros in the format
     if (fscanf(numbers, format, &value) != 1) {
         fprintf(stderr, "the file of numbers ends too early\n");
         exit(2);
@@ -93,6 +94,16 @@ static double real(void)
     double value;
     memcpy(&value, &bits, sizeof value);
     return value;
+}
+
+static void *room(size_t count, size_t size)
+{
+    void *made = calloc(count + 1, size);
+    if (made == NULL) {
+        fprintf(stderr, "out of memory\n");
+        exit(5);
+    }
+    return made;
 }
 
 /* The instance, and what a step needs; references have the same type in both versions. */
@@ -172,8 +183,8 @@ int main(int argc, char **argv)
     fmi = (int)whole();
     const double step = real();
     const size_t inputs = whole(), outputs = whole(), steps = whole();
-    fmi2ValueReference *input = calloc(inputs + 1, sizeof *input), *output = calloc(outputs + 1, sizeof *output);
-    double *given = calloc(inputs + 1, sizeof *given), *found = calloc(outputs + 1, sizeof *found);
+    fmi2ValueReference *input = room(inputs, sizeof *input), *output = room(outputs, sizeof *output);
+    double *given = room(inputs, sizeof *given), *found = room(outputs, sizeof *found);
     for (size_t i = 0; i < inputs; i++) input[i] = (fmi2ValueReference)whole();
     for (size_t i = 0; i < outputs; i++) output[i] = (fmi2ValueReference)whole();
 

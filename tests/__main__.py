@@ -1,4 +1,4 @@
-"""Every check in order: lint, format, types, import rules, tests.
+"""Every check in order: lint, format, types, import rules, C, JavaScript (where `tsc` is installed), tests.
 
 `python -m tests` runs the default part, `python -m tests --all` also the long physics checks.
 `python -m tests --validation [WORD ...]` runs the tests that record numbers and writes docs/validation.md.
@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -24,14 +25,21 @@ PARALLEL = ["-n", "logical", "--maxprocesses", "4", "--dist", "worksteal"]
 PYTEST = [sys.executable, "-m", "pytest", "-q", "--durations=10", *PARALLEL]
 
 
+# The token is a macro that each FMU defines; conditions may be constant for some sizes of a component.
+CPPCHECK = ["cppcheck", "--quiet", "--error-exitcode=1", "--std=c11", "--inline-suppr", '-DTOKEN="token"']
+CPPCHECK += ["--enable=warning,style,performance,portability", "--suppress=knownConditionTrueFalse"]
+
+
 def checks(everything: bool) -> dict[str, list[str]]:
     """The command of each check."""
-    python = [sys.executable, "-m"]
+    python, compiler = [sys.executable, "-m"], shutil.which("tsc")
     return {
         "lint": [*python, "ruff", "check", "."],
         "format": [*python, "ruff", "format", "--check", "."],
         "types": [*python, "mypy"],
         "imports": [str(SCRIPTS / "lint-imports"), "--no-cache"],
+        "C": [*python, *CPPCHECK, "fmus", "interop"],
+        **({"JavaScript": [compiler, "-p", "jsconfig.json"]} if compiler else {}),
         "tests": [*PYTEST, *(["-m", ""] if everything else [])],
     }
 

@@ -18,11 +18,21 @@ def read(name: str) -> dict:
     return yaml.safe_load((ROOT / name).read_text("utf-8"))
 
 
+def list_commands(job: str) -> list[str]:
+    """What the steps of a job of the hosted checks run."""
+    return [step["run"] for step in read(".github/workflows/ci.yml")["jobs"][job]["steps"] if "run" in step]
+
+
 def test_the_hosted_checks_are_those_of_ci() -> None:
-    (job,) = read(".github/workflows/ci.yml")["jobs"].values()
-    assert [step["run"] for step in job["steps"] if "run" in step] == [".ci/run"]
+    assert list_commands("checks") == [".ci/run"]
+    job = read(".github/workflows/ci.yml")["jobs"]["checks"]
     (python,) = (step["with"]["python-version"] for step in job["steps"] if "with" in step)
     assert PROJECT["requires-python"] == f">={python}"  # the oldest that is promised
+
+
+def test_the_hosted_check_of_javascript_is_the_documented_command() -> None:
+    (command,) = list_commands("javascript")
+    assert f"| `{command}` |" in (ROOT / "CONTRIBUTING.md").read_text("utf-8")
 
 
 def test_the_citation_has_the_projects_name_version_and_licence() -> None:

@@ -7,7 +7,7 @@
 
 /* Model exchange */
 
-static STATUS check_size(Instance *instance, size_t count, size_t expected, const void *values)
+static STATUS check_size(const Instance *instance, size_t count, size_t expected, const void *values)
 {
     if (count == expected && (values || !count)) return FMI(OK);
     return instance_say(instance, ERROR, "%zu values: there are %zu, and a place for them must be given", count,

@@ -76,7 +76,7 @@ bool instance_event_is_due(Instance *instance)
 
 static Status perform(Instance *instance, bool *changed)
 {
-    (void)instance, (void)changed;
+    (void)instance; (void)changed;
     return OK;
 }
 

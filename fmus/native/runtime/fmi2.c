@@ -35,7 +35,7 @@ const char *fmi2GetVersion(void)
 fmi2Status fmi2SetDebugLogging(fmi2Component handle, fmi2Boolean on, size_t count, const fmi2String categories[])
 {
     if (!handle) return fmi2Error;
-    (void)count, (void)categories; /* all of them */
+    (void)count; (void)categories; /* all of them */
     INSTANCE->logging = on;
     return fmi2OK;
 }
@@ -47,7 +47,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     fmi2ComponentEnvironment environment = functions ? functions->componentEnvironment : NULL;
     const char *fault = NULL;
     Instance *instance;
-    (void)resources, (void)visible;
+    (void)resources; (void)visible;
     if (!name || !*name) fault = "the instance needs a name";
     else if (!guid || strcmp(guid, TOKEN)) fault = "the guid must be " TOKEN ", that of modelDescription.xml";
     else if (type != fmi2CoSimulation && type != fmi2ModelExchange)
@@ -71,7 +71,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component handle, fmi2Boolean tolerance_defin
                                fmi2Boolean stop_defined, fmi2Real stop)
 {
     NEEDS(INSTANTIATED, "fmi2SetupExperiment");
-    (void)tolerance_defined, (void)tolerance; /* the component keeps its own, which is tighter */
+    (void)tolerance_defined; (void)tolerance; /* the component keeps its own, which is tighter */
     return instance_set_times(INSTANCE, start, stop_defined, stop);
 }
 
@@ -121,7 +121,7 @@ fmi2Status fmi2SetReal(fmi2Component handle, const fmi2ValueReference vr[], size
 
 static Status get_whole(Instance *instance, Kind kind, const fmi2ValueReference vr[], size_t count, int value[])
 {
-    double some[SOME];
+    double some[SOME] = {0.0};
     for (size_t i = 0; i < count; i += SOME) {
         size_t n = count - i < SOME ? count - i : SOME;
         Status status = instance_get(instance, kind, vr ? vr + i : NULL, n, value ? some : NULL);
@@ -179,14 +179,14 @@ static Status no_strings(const Instance *instance, size_t count)
 fmi2Status fmi2GetString(fmi2Component handle, const fmi2ValueReference vr[], size_t count, fmi2String value[])
 {
     NEEDS(READABLE, "fmi2GetString");
-    (void)vr, (void)value;
+    (void)vr; (void)value;
     return no_strings(INSTANCE, count);
 }
 
 fmi2Status fmi2SetString(fmi2Component handle, const fmi2ValueReference vr[], size_t count, const fmi2String value[])
 {
     NEEDS(SETTABLE, "fmi2SetString");
-    (void)vr, (void)value;
+    (void)vr; (void)value;
     return no_strings(INSTANCE, count);
 }
 
@@ -249,7 +249,7 @@ fmi2Status fmi2CancelStep(fmi2Component handle)
 
 fmi2Status fmi2GetStatus(fmi2Component handle, const fmi2StatusKind kind, fmi2Status *value)
 {
-    (void)kind, (void)value;
+    (void)kind; (void)value;
     if (!handle) return fmi2Error;
     return instance_say(INSTANCE, DISCARD, "fmi2GetStatus: steps are never pending");
 }
@@ -265,7 +265,7 @@ fmi2Status fmi2GetRealStatus(fmi2Component handle, const fmi2StatusKind kind, fm
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component handle, const fmi2StatusKind kind, fmi2Integer *value)
 {
-    (void)kind, (void)value;
+    (void)kind; (void)value;
     if (!handle) return fmi2Error;
     return instance_say(INSTANCE, DISCARD, "fmi2GetIntegerStatus: there is no such status");
 }
@@ -281,7 +281,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component handle, const fmi2StatusKind kind,
 
 fmi2Status fmi2GetStringStatus(fmi2Component handle, const fmi2StatusKind kind, fmi2String *value)
 {
-    (void)kind, (void)value;
+    (void)kind; (void)value;
     if (!handle) return fmi2Error;
     return instance_say(INSTANCE, DISCARD, "fmi2GetStringStatus: steps are never pending");
 }

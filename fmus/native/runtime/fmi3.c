@@ -25,7 +25,7 @@ const char *fmi3GetVersion(void)
 fmi3Status fmi3SetDebugLogging(fmi3Instance handle, fmi3Boolean on, size_t count, const fmi3String categories[])
 {
     if (!handle) return fmi3Error;
-    (void)count, (void)categories; /* all of them */
+    (void)count; (void)categories; /* all of them */
     INSTANCE->logging = on;
     return fmi3OK;
 }
@@ -57,7 +57,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
                                           fmi3LogMessageCallback say)
 {
     Session *made = new_instance(name, token, logging, environment, say);
-    (void)resources, (void)visible;
+    (void)resources; (void)visible;
     if (made) made->instance->now.exchange = true;
     return made;
 }
@@ -69,7 +69,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          fmi3IntermediateUpdateCallback update)
 {
     Session *made = new_instance(name, token, logging, environment, say);
-    (void)resources, (void)visible;
+    (void)resources; (void)visible;
     if (!made) return NULL;
     made->event_mode = event_mode;
     made->early_return = early_return;
@@ -95,7 +95,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token
                                                fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
                                                fmi3UnlockPreemptionCallback unlock)
 {
-    (void)name, (void)token, (void)resources, (void)visible, (void)logging, (void)update, (void)lock, (void)unlock;
+    (void)name; (void)token; (void)resources; (void)visible; (void)logging; (void)update; (void)lock; (void)unlock;
     return refused(environment, say,
                    "scheduled execution: this FMU has no clocks; it is for co-simulation and model exchange");
 }
@@ -111,7 +111,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance handle, fmi3Boolean toleranc
                                        fmi3Float64 start, fmi3Boolean stop_defined, fmi3Float64 stop)
 {
     NEEDS(INSTANTIATED, "fmi3EnterInitializationMode");
-    (void)tolerance_defined, (void)tolerance; /* the component keeps its own, which is tighter */
+    (void)tolerance_defined; (void)tolerance; /* the component keeps its own, which is tighter */
     if (instance_set_times(INSTANCE, start, stop_defined, stop) != OK) return fmi3Error;
     INSTANCE->now.phase = INITIALIZING;
     return fmi3OK;

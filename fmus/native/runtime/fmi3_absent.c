@@ -5,13 +5,13 @@
     fmi3Status fmi3Get##Type(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, fmi3##Type values[],    \
                              size_t size)                                                                              \
     {                                                                                                                  \
-        (void)vr, (void)values, (void)size;                                                                            \
+        (void)vr; (void)values; (void)size;                                                                            \
         return none(handle, "fmi3Get" #Type, READABLE, count, "variables of type " #Type);                             \
     }                                                                                                                  \
     fmi3Status fmi3Set##Type(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,                         \
                              const fmi3##Type values[], size_t size)                                                   \
     {                                                                                                                  \
-        (void)vr, (void)values, (void)size;                                                                            \
+        (void)vr; (void)values; (void)size;                                                                            \
         return none(handle, "fmi3Set" #Type, SETTABLE, count, "variables of type " #Type);                             \
     }
 
@@ -33,14 +33,14 @@ NONE_OF(String)
 fmi3Status fmi3GetBinary(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, size_t sizes[],
                          fmi3Binary values[], size_t size)
 {
-    (void)vr, (void)sizes, (void)values, (void)size;
+    (void)vr; (void)sizes; (void)values; (void)size;
     return none(handle, "fmi3GetBinary", READABLE, count, "variables of type Binary");
 }
 
 fmi3Status fmi3SetBinary(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, const size_t sizes[],
                          const fmi3Binary values[], size_t size)
 {
-    (void)vr, (void)sizes, (void)values, (void)size;
+    (void)vr; (void)sizes; (void)values; (void)size;
     return none(handle, "fmi3SetBinary", SETTABLE, count, "variables of type Binary");
 }
 
@@ -50,74 +50,74 @@ fmi3Status fmi3SetBinary(fmi3Instance handle, const fmi3ValueReference vr[], siz
 
 fmi3Status fmi3GetClock(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, fmi3Clock values[])
 {
-    (void)vr, (void)values;
+    (void)vr; (void)values;
     return CLOCKS("fmi3GetClock");
 }
 
 fmi3Status fmi3SetClock(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, const fmi3Clock values[])
 {
-    (void)vr, (void)values;
+    (void)vr; (void)values;
     return CLOCKS("fmi3SetClock");
 }
 
 fmi3Status fmi3GetIntervalDecimal(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
                                   fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
 {
-    (void)vr, (void)intervals, (void)qualifiers;
+    (void)vr; (void)intervals; (void)qualifiers;
     return CLOCKS("fmi3GetIntervalDecimal");
 }
 
 fmi3Status fmi3GetIntervalFraction(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
                                    fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
 {
-    (void)vr, (void)counters, (void)resolutions, (void)qualifiers;
+    (void)vr; (void)counters; (void)resolutions; (void)qualifiers;
     return CLOCKS("fmi3GetIntervalFraction");
 }
 
 fmi3Status fmi3GetShiftDecimal(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, fmi3Float64 shifts[])
 {
-    (void)vr, (void)shifts;
+    (void)vr; (void)shifts;
     return CLOCKS("fmi3GetShiftDecimal");
 }
 
 fmi3Status fmi3GetShiftFraction(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, fmi3UInt64 counters[],
                                 fmi3UInt64 resolutions[])
 {
-    (void)vr, (void)counters, (void)resolutions;
+    (void)vr; (void)counters; (void)resolutions;
     return CLOCKS("fmi3GetShiftFraction");
 }
 
 fmi3Status fmi3SetIntervalDecimal(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
                                   const fmi3Float64 intervals[])
 {
-    (void)vr, (void)intervals;
+    (void)vr; (void)intervals;
     return CLOCKS("fmi3SetIntervalDecimal");
 }
 
 fmi3Status fmi3SetIntervalFraction(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
                                    const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 {
-    (void)vr, (void)counters, (void)resolutions;
+    (void)vr; (void)counters; (void)resolutions;
     return CLOCKS("fmi3SetIntervalFraction");
 }
 
 fmi3Status fmi3SetShiftDecimal(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
                                const fmi3Float64 shifts[])
 {
-    (void)vr, (void)shifts;
+    (void)vr; (void)shifts;
     return CLOCKS("fmi3SetShiftDecimal");
 }
 
 fmi3Status fmi3SetShiftFraction(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
                                 const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 {
-    (void)vr, (void)counters, (void)resolutions;
+    (void)vr; (void)counters; (void)resolutions;
     return CLOCKS("fmi3SetShiftFraction");
 }
 
 fmi3Status fmi3ActivateModelPartition(fmi3Instance handle, fmi3ValueReference clock, fmi3Float64 time)
 {
-    (void)clock, (void)time;
+    (void)clock; (void)time;
     return none(handle, "fmi3ActivateModelPartition", ANY, 1, "clocks");
 }
 
@@ -141,7 +141,7 @@ fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance handle)
 
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance handle, fmi3ValueReference vr, size_t *count)
 {
-    (void)vr, (void)count;
+    (void)vr; (void)count;
     return none(handle, "fmi3GetNumberOfVariableDependencies", ANY, 1,
                 "dependencies but those in modelDescription.xml");
 }
@@ -150,6 +150,6 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance handle, fmi3ValueReference d
                                        fmi3ValueReference independents[], size_t of[], fmi3DependencyKind kinds_of[],
                                        size_t count)
 {
-    (void)dependent, (void)elements, (void)independents, (void)of, (void)kinds_of, (void)count;
+    (void)dependent; (void)elements; (void)independents; (void)of; (void)kinds_of; (void)count;
     return none(handle, "fmi3GetVariableDependencies", ANY, 1, "dependencies but those in modelDescription.xml");
 }

@@ -56,7 +56,7 @@ static void update(Session *one, double time, bool setting, bool finished, doubl
     one->instance->now.phase = INTERMEDIATE;
     one->update(one->instance->environment, time, setting, finished, finished, possible, &requested, &wanted);
     one->instance->now.phase = phase;
-    if (possible && requested && wanted < *end) *end = fmax(wanted, one->before.data[T_AT]);
+    if (end && possible && requested && wanted < *end) *end = fmax(wanted, one->before.data[T_AT]);
 }
 
 /* Taylor coefficients of the cubic polynomial through u at 0, h, 2h, 3h. */

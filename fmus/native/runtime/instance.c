@@ -194,7 +194,7 @@ static Status refused(Instance *instance, int status, double time, double step)
     const double *data = instance->now.data;
     char message[1024] = "";
     for (int end = 0; end < 2; end++) {
-        double u[INPUTS + 1], s = end ? step : 0.0;
+        double u[INPUTS + 1] = {0.0}, s = end ? step : 0.0;
         const double *U = data + INPUTS_AT;
         for (int i = 0; i < INPUTS; i++)
             u[i] = U[i] + s * (U[INPUTS + i] + s * (U[2 * INPUTS + i] / 2.0 + s * U[3 * INPUTS + i] / 6.0));
@@ -332,7 +332,7 @@ void instance_indicators(Instance *instance, double *g)
     instance_ready(instance, OUTPUTS_AT);
     CALL(guards, data[T_AT], data + X_AT, data + U_AT, data, g);
 #else
-    (void)instance, (void)g;
+    (void)instance; (void)g;
 #endif
 }
 

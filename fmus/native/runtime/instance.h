@@ -97,7 +97,7 @@ Status instance_say(const Instance *instance, Status status, const char *format,
 /* Whether a call is allowed in this phase; a message if not. */
 bool instance_may(const Instance *instance, int phases, const char *call);
 /* Adds unmet requirements to the message; false if all are met. */
-bool instance_unmet(const Instance *instance, const Requirement *requirements, char *message, size_t size);
+bool instance_unmet(const Instance *instance, const Requirement *list, char *message, size_t size);
 /* Whether parameters set after the initialisation are wrong; then a message with that status. */
 bool instance_refuses_parameters(Instance *instance, Status status);
 

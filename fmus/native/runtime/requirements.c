@@ -10,7 +10,6 @@ static void tell(const Requirement *requirement, const double *told, char *messa
     const char *text = requirement->says;
     while (*text && used + 1 < size) {
         const char *end = strchr(text, '}');
-        char format[16];
         if (*text != '{') {
             message[used++] = *text++;
             message[used] = '\0';
@@ -19,6 +18,7 @@ static void tell(const Requirement *requirement, const double *told, char *messa
         if (!strncmp(text, "{word}", 6)) {
             snprintf(message + used, size - used, "%s", requirement->words[(int)told[0]]);
         } else { /* such as {0:.9g} */
+            char format[16];
             snprintf(format, sizeof format, "%%%.*s", (int)(end - text - 3), text + 3);
             snprintf(message + used, size - used, format, told[text[1] - '0']);
         }
@@ -27,18 +27,18 @@ static void tell(const Requirement *requirement, const double *told, char *messa
     }
 }
 
-bool instance_unmet(const Instance *instance, const Requirement *requirements, char *message, size_t size)
+bool instance_unmet(const Instance *instance, const Requirement *list, char *message, size_t size)
 {
     const double *data = instance->now.data;
     bool any = false;
-    for (; requirements->met; requirements++) {
+    for (; list->met; list++) {
         double told[PLACES] = {0.0};
         int64_t met = 0;
         size_t used = strlen(message);
-        requirements->met(&met, &(void *){NULL}, data + X_AT, data + INPUTS_AT, data, told);
+        list->met(&met, &(void *){NULL}, data + X_AT, data + INPUTS_AT, data, told);
         if (met) continue;
         if (used) used += (size_t)snprintf(message + used, size - used, "; ");
-        tell(requirements, told, message, used, size);
+        tell(list, told, message, used, size);
         any = true;
     }
     return any;

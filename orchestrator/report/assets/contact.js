@@ -36,7 +36,9 @@ class Profiles {
 
   async start() {
     this.times = await unpack(this.packed.time, Float64Array);
-    for (const key of ["position", "pressure", "film"]) this[key] = await unpack(this.packed[key], Float32Array);
+    this.position = await unpack(this.packed.position, Float32Array);
+    this.pressure = await unpack(this.packed.pressure, Float32Array);
+    this.film = await unpack(this.packed.film, Float32Array);
   }
 
   // The instant nearest to a time.

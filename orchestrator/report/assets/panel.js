@@ -9,10 +9,10 @@ class Panel {
       '<label><input type="checkbox"> error</label><button type="button" aria-label="Save this plot as PNG">PNG</button>' +
       '<button type="button" aria-label="Remove this plot">×</button><span class="reading"></span></div>' +
       '<canvas role="img" tabindex="0"></canvas>';
-    [this.choice] = this.root.getElementsByTagName("select");
-    [this.wantsError] = this.root.getElementsByTagName("input");
-    [this.canvas] = this.root.getElementsByTagName("canvas");
-    [this.reading] = this.root.getElementsByClassName("reading");
+    this.choice = this.root.querySelector("select");
+    this.wantsError = this.root.querySelector("input");
+    this.canvas = this.root.querySelector("canvas");
+    this.reading = this.root.querySelector(".reading");
     this.back = document.createElement("canvas");
     fillChoice(this.choice, this.records.variables, name);
     this.choice.onchange = this.wantsError.onchange = () => this.load();
@@ -27,7 +27,7 @@ class Panel {
     const name = this.choice.value, v = this.records.variables.get(name);
     const [values, error] = [await this.records.series(name), v.data.error ? await this.records.series(name, "error") : null];
     if (name !== this.choice.value) return;
-    [this.name, this.variable, this.values, this.error, this.detail] = [name, v, values, error, null];
+    this.name = name; this.variable = v; this.values = values; this.error = error; this.detail = null;
     this.root.querySelector("label").hidden = !error;
     this.choice.title = v.description;
     this.canvas.setAttribute("aria-label", "Plot of " + name + ": " + v.description);
@@ -90,11 +90,11 @@ class Panel {
   findDetail(rows, width) { return this.detail && this.shown === this.values && rows <= width ? this.detail : null; }
 
   reference() {
-    if (!this.ownReference || this.ownReference.of !== this.values) {
+    if (this.referenceOf !== this.values) {
       const a = this.values.levels[0].low, b = this.error.levels[0].low;
       const values = Float32Array.from(a, (n, i) => n - b[i]);
       this.ownReference = new Series(values, values);
-      this.ownReference.of = this.values;
+      this.referenceOf = this.values;
     }
     return this.ownReference;
   }

@@ -4,7 +4,7 @@
 class Phase {
   constructor(report) {
     this.report = report; this.records = report.records; this.view = report.view;
-    [this.canvas, this.x, this.y] = ["phase", "phase-x", "phase-y"].map((id) => document.getElementById(id));
+    this.canvas = get("phase"); this.x = get("phase-x"); this.y = get("phase-y");
     const coupled = new Map([...this.records.variables].filter(([, v]) => v.base === 0)), names = [...coupled.keys()];
     const pick = (endings, other) => names.find((name) => endings.some((one) => name.endsWith(one))) || other;
     fillChoice(this.x, coupled, pick([".position", ".piston_offset", ".psi"], names[0]));

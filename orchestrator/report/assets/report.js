@@ -1,9 +1,10 @@
 // The page: mechanism, contacts and plots over one instant.
 "use strict";
 
+/** @type {(id: string) => any} */
 const get = (id) => document.getElementById(id);
 
-class Report {
+class ReportPage {
   constructor(content) {
     this.content = content;
     this.records = content.sweep ? new SweepRecords(content) : new Records(content);
@@ -72,7 +73,7 @@ class Report {
     const span = this.base.end - this.base.times[0];
     for (const seconds of [2, 5, 10, 20, 60]) {
       const option = document.createElement("option");
-      option.value = span / seconds;
+      option.value = String(span / seconds);
       option.textContent = readable(seconds) + " s (1 : " + readable(+(seconds / span).toPrecision(2)) + ")";
       get("speed").append(option);
     }
@@ -85,7 +86,9 @@ class Report {
     get("before").onclick = () => this.goToEvent(false);
     get("after").onclick = () => this.goToEvent(true);
     get("events").hidden = !this.marks.events.length;
-    for (const button of document.querySelectorAll("button[data-plot]"))
+    /** @type {NodeListOf<HTMLButtonElement>} */
+    const plotButtons = document.querySelectorAll("button[data-plot]");
+    for (const button of plotButtons)
       if (this.records.variables.has(button.dataset.plot)) button.onclick = () => { this.add(button.dataset.plot); get("panels").lastChild.scrollIntoView(); };
       else button.hidden = true;
     const source = get("save-scenario");
@@ -234,5 +237,6 @@ class Report {
   }
 }
 
-window.report = new Report(JSON.parse(get("data").textContent));
-window.report.start();
+const page = new ReportPage(JSON.parse(get("data").textContent));
+Object.assign(window, { report: page });
+page.start();

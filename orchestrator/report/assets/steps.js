@@ -18,7 +18,9 @@ class Steps {
   }
 
   async start() {
-    [this.length, this.reason, this.source] = await Promise.all(["macro_step", "reason", "source"].map((n) => this.records.series("steps: " + n)));
+    this.length = await this.records.series("steps: macro_step");
+    this.reason = await this.records.series("steps: reason");
+    this.source = await this.records.series("steps: source");
   }
 
   kind(i) { return this.kinds.get(this.reason.at(i) + "," + this.source.at(i)) ?? this.kinds.get(this.reason.at(i) + ",*") ?? 0; }

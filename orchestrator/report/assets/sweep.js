@@ -87,26 +87,28 @@ function shade(share) {
 }
 
 // The frame of a chart with a choice of variables and a button for PNG.
-function makeChart(parent, variables, name, words) {
-  const root = document.createElement("figure");
-  root.innerHTML = '<div class="bar"><select></select><button type="button">PNG</button><span class="reading"></span></div>' +
-    '<canvas role="img" tabindex="0"></canvas>';
-  const [choice, canvas, reading, png] = ["select", "canvas", ".reading", "button"].map((one) => root.querySelector(one));
-  choice.setAttribute("aria-label", "Variable of this " + words);
-  png.setAttribute("aria-label", "Save this " + words + " as PNG");
-  fillChoice(choice, variables, name);
-  get(parent).append(root);
-  return { choice, canvas, reading, png };
+class Chart {
+  constructor(parent, variables, name, words) {
+    const root = document.createElement("figure");
+    root.innerHTML = '<div class="bar"><select></select><button type="button">PNG</button><span class="reading"></span></div>' +
+      '<canvas role="img" tabindex="0"></canvas>';
+    this.choice = root.querySelector("select"); this.canvas = root.querySelector("canvas");
+    this.reading = root.querySelector(".reading"); this.png = root.querySelector("button");
+    this.choice.setAttribute("aria-label", "Variable of this " + words);
+    this.png.setAttribute("aria-label", "Save this " + words + " as PNG");
+    fillChoice(this.choice, variables, name);
+    get(parent).append(root);
+  }
 }
 
-class AngleSpeedMap {
+class AngleSpeedMap extends Chart {
   constructor(sweep, name) {
+    super("maps", sweep.records.variables, name, "map");
     this.sweep = sweep; this.records = sweep.records;
-    Object.assign(this, makeChart("maps", this.records.variables, name, "map"));
     this.choice.onchange = () => this.load();
     this.png.onclick = () => savePicture(this.canvas, label(this.choice.value, this.variable) + " over angle and speed");
     this.canvas.onclick = (e) => {
-      const box = this.canvas.getBoundingClientRect(), f = this.frame, back = (at, a, b, [p, q]) => p + (at - a) / (b - a) * (q - p);
+      const box = this.canvas.getBoundingClientRect(), f = this.frame, back = (at, a, b, ends) => ends[0] + (at - a) / (b - a) * (ends[1] - ends[0]);
       const rpm = back(e.clientY - box.top, f.bottom, f.top, this.speeds), k = sweep.nearest(rpm);
       sweep.point(k, back(e.clientX - box.left, f.left, f.right, this.degrees));
     };
@@ -176,11 +178,11 @@ class AngleSpeedMap {
 }
 
 // A number of all cycles over speed.
-class Curve {
+class Curve extends Chart {
   constructor(sweep, name) {
-    this.sweep = sweep;
-    this.numbers = new Map(sweep.told.numbers.map((one) => [one.name, one]));
-    Object.assign(this, makeChart("curves", this.numbers, name, "curve"));
+    const numbers = new Map(sweep.told.numbers.map((one) => [one.name, one]));
+    super("curves", numbers, name, "curve");
+    this.sweep = sweep; this.numbers = numbers;
     this.choice.onchange = () => { this.load(); sweep.report.refresh(); };
     this.png.onclick = () => savePicture(this.canvas, label(this.choice.value, this.number) + " over speed");
     this.canvas.onclick = (e) => {
