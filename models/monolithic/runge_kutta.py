@@ -10,12 +10,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853, Radau
+from scipy.integrate import Radau
 from scipy.optimize import brentq, minimize_scalar
 
 from ..core.quantities import Vector
 from ..core.system import ModelError
-from .dop853 import CompiledDop853
+from .dop853 import CompiledDop853, JudgedDop853
 from .problem import Problem, SystemProblem
 
 # Where a step's guards are sampled, as fractions of it.
@@ -28,7 +28,7 @@ class RungeKutta:
     def __init__(self, problem: Problem, tolerance: float, stiff: bool, longest_step: float) -> None:
         self.name = f"scipy {'Radau' if stiff else 'DOP853'}, relative tolerance {tolerance:g}"
         self._problem = problem
-        self._class: Any = Radau if stiff else DOP853
+        self._class: Any = Radau if stiff else JudgedDop853
         if not stiff and isinstance(problem, SystemProblem):
             self._class = partial(CompiledDop853, problem)
         self._options = {"rtol": tolerance, "atol": tolerance * problem.nominal, "max_step": longest_step}

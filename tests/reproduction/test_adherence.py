@@ -168,6 +168,18 @@ def test_two_methods_agree():
     assert found.uncertainty["contact.film_thickness"].relative_rms < 1e-7
 
 
+def test_uncertainty_scales_with_the_tolerance_and_is_the_error():
+    """The second method's error is below the first's, whose steps add up to 1 to 2 tolerances."""
+    times = np.linspace(0.5, 1.0, 361) * turn(1000)
+    sharp = solve_adherence(valve_train(1000), times, tolerance=1e-10)["contact.film_thickness"]
+    for tolerance in (1e-6, 1e-7, 1e-8):
+        found = solve_adherence(valve_train(1000), times, tolerance=tolerance)
+        stated = found.uncertainty["contact.film_thickness"]
+        assert stated.relative_rms < 3.0 * tolerance
+        error = difference(found["contact.film_thickness"], sharp)
+        assert error.rms < 1.5 * stated.rms
+
+
 @pytest.mark.long
 def test_drive_work_is_what_the_spring_dissipates_and_stores():
     times = np.linspace(0.0, turn(1000), 181)
