@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
 
 from models.compile.kernel import kernel
 from models.core.component import Component
@@ -46,54 +45,48 @@ OPENING = 1.0 / (1.0 + math.sqrt((PUMP - PRESSURE_1) / (PRESSURE_1 - TANK)))
 
 @dataclass
 class LinksParameters:
-    load: Annotated[float, Quantity("kg", "mass m_h at the end of the second link", positive=True)] = (
-        SECOND_MASS
-    )
+    load: float = Quantity("kg", "mass m_h at the end of the second link", positive=True).default(SECOND_MASS)
 
 
 @dataclass
 class CylinderParameters:
-    friction: Annotated[float, Quantity("N.s/m", "friction c of the piston", minimum=0.0)] = FRICTION
+    friction: float = Quantity("N.s/m", "friction c of the piston", minimum=0.0).default(FRICTION)
 
 
 @dataclass
 class Links:
-    angle_1: Annotated[float, Quantity("rad", "angle theta_1 of the first link")] = math.pi / 6
-    angle_2: Annotated[float, Quantity("rad", "angle theta_2 of the second link")] = 3.0 * math.pi / 2
-    speed_1: Annotated[float, Quantity("rad/s", "angular velocity of the first link")] = 0.0
-    speed_2: Annotated[float, Quantity("rad/s", "angular velocity of the second link")] = 0.0
+    angle_1: float = Quantity("rad", "angle theta_1 of the first link").default(math.pi / 6)
+    angle_2: float = Quantity("rad", "angle theta_2 of the second link").default(3.0 * math.pi / 2)
+    speed_1: float = Quantity("rad/s", "angular velocity of the first link").default(0.0)
+    speed_2: float = Quantity("rad/s", "angular velocity of the second link").default(0.0)
 
 
 @dataclass
 class Force:
-    force: Annotated[float, Quantity("N", "force f_h of the cylinder, which lengthens it", nominal=1e4)] = (
-        WEIGHT
-    )
+    force: float = Quantity("N", "force f_h of the cylinder, which lengthens it", nominal=1e4).default(WEIGHT)
 
 
 @dataclass
 class Motion:
-    length: Annotated[float, Quantity("m", "length s of the cylinder", nominal=0.5)] = LENGTH_0
-    rate: Annotated[float, Quantity("m/s", "rate of that length", nominal=0.01)] = 0.0
+    length: float = Quantity("m", "length s of the cylinder", nominal=0.5).default(LENGTH_0)
+    rate: float = Quantity("m/s", "rate of that length", nominal=0.01).default(0.0)
 
 
 @dataclass
 class Pressures:
-    pressure_1: Annotated[float, Quantity("Pa", "pressure p_1 of the chamber that shortens", nominal=1e6)] = (
+    pressure_1: float = Quantity("Pa", "pressure p_1 of the chamber that shortens", nominal=1e6).default(
         PRESSURE_1
     )
-    pressure_2: Annotated[
-        float, Quantity("Pa", "pressure p_2 of the chamber that lengthens", nominal=1e6)
-    ] = PRESSURE_2
+    pressure_2: float = Quantity("Pa", "pressure p_2 of the chamber that lengthens", nominal=1e6).default(
+        PRESSURE_2
+    )
 
 
 @dataclass
 class Cylinder:
-    force: Annotated[float, Quantity("N", "force f_h of the cylinder, which lengthens it", nominal=1e4)] = (
-        WEIGHT
-    )
-    pressure_1: Annotated[float, Quantity("Pa", "pressure p_1", nominal=1e6)] = PRESSURE_1
-    pressure_2: Annotated[float, Quantity("Pa", "pressure p_2", nominal=1e6)] = PRESSURE_2
+    force: float = Quantity("N", "force f_h of the cylinder, which lengthens it", nominal=1e4).default(WEIGHT)
+    pressure_1: float = Quantity("Pa", "pressure p_1", nominal=1e6).default(PRESSURE_1)
+    pressure_2: float = Quantity("Pa", "pressure p_2", nominal=1e6).default(PRESSURE_2)
 
 
 @kernel

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
 
 from .compile.kernel import kernel
 from .core.bonds import counts_energies
 from .core.component import NO_EVENT, Component, PowerBond, check_sizes
 from .core.integrator import TOLERANCE
-from .core.quantities import Layout, Quantity, Vector, per_element
+from .core.quantities import Layout, Quantity, Vector
 from .plausible import ANGLE, RAMP, SPEED
 
 FREE, PRESCRIBED = 0.0, 1.0
@@ -19,85 +18,68 @@ LINEAR, SMOOTH = 0.0, 1.0
 
 @dataclass
 class FlywheelParameters:
-    motion: Annotated[
-        float,
-        Quantity("1", "free under its torques, or turning as prescribed", choices=("free", "prescribed")),
-    ] = PRESCRIBED
-    inertia: Annotated[float, Quantity("kg.m2", "moment of inertia", nominal=0.1, positive=True)] = 0.1
-    initial_speed: Annotated[
-        float,
-        Quantity(
-            "rad/s", "prescribed speed before the ramp", nominal=100.0, display_unit="rpm", plausible=SPEED
-        ),
-    ] = 1000.0 * math.pi / 30.0
-    final_speed: Annotated[
-        float,
-        Quantity(
-            "rad/s",
-            "prescribed speed after the ramp",
-            nominal=100.0,
-            display_unit="rpm",
-            same_as="initial_speed",
-            plausible=SPEED,
-        ),
-    ] = 1000.0 * math.pi / 30.0
-    ramp_start: Annotated[float, Quantity("s", "time at which the ramp begins", plausible=RAMP)] = 0.0
-    ramp_duration: Annotated[float, Quantity("s", "length of the ramp", positive=True, plausible=RAMP)] = 1.0
-    ramp_shape: Annotated[
-        float,
-        Quantity("1", "linear in time, or smooth (3 r^2 - 2 r^3)", choices=("linear", "smooth")),
-    ] = LINEAR
-    throw: Annotated[
-        Vector,
-        Quantity(
-            "rad",
-            "angle by which a crank throw lags the shaft",
-            display_unit="deg",
-            size="throws",
-            plausible=ANGLE,
-        ),
-    ] = per_element()
+    motion: float = Quantity(
+        "1", "free under its torques, or turning as prescribed", choices=("free", "prescribed")
+    ).default(PRESCRIBED)
+    inertia: float = Quantity("kg.m2", "moment of inertia", nominal=0.1, positive=True).default(0.1)
+    initial_speed: float = Quantity(
+        "rad/s", "prescribed speed before the ramp", nominal=100.0, display_unit="rpm", plausible=SPEED
+    ).default(1000.0 * math.pi / 30.0)
+    final_speed: float = Quantity(
+        "rad/s",
+        "prescribed speed after the ramp",
+        nominal=100.0,
+        display_unit="rpm",
+        same_as="initial_speed",
+        plausible=SPEED,
+    ).default(1000.0 * math.pi / 30.0)
+    ramp_start: float = Quantity("s", "time at which the ramp begins", plausible=RAMP).default(0.0)
+    ramp_duration: float = Quantity("s", "length of the ramp", positive=True, plausible=RAMP).default(1.0)
+    ramp_shape: float = Quantity(
+        "1", "linear in time, or smooth (3 r^2 - 2 r^3)", choices=("linear", "smooth")
+    ).default(LINEAR)
+    throw: Vector = Quantity(
+        "rad",
+        "angle by which a crank throw lags the shaft",
+        display_unit="deg",
+        size="throws",
+        plausible=ANGLE,
+    ).per_element()
 
 
 @dataclass
 class FlywheelState:
-    angle: Annotated[float, Quantity("rad", "angle of the shaft", display_unit="deg")] = 0.0
-    speed: Annotated[
-        float,
-        Quantity("rad/s", "speed of the free shaft", nominal=100.0, display_unit="rpm", plausible=SPEED),
-    ] = 1000.0 * math.pi / 30.0
+    angle: float = Quantity("rad", "angle of the shaft", display_unit="deg").default(0.0)
+    speed: float = Quantity(
+        "rad/s", "speed of the free shaft", nominal=100.0, display_unit="rpm", plausible=SPEED
+    ).default(1000.0 * math.pi / 30.0)
 
 
 @dataclass
 class FlywheelInputs:
-    drive_torque: Annotated[float, Quantity("N.m", "torque on the free shaft", nominal=10.0)] = 0.0
-    load_torque: Annotated[
-        Vector, Quantity("N.m", "torque taken by a driven mechanism", nominal=10.0, size="loads")
-    ] = per_element()
-    load_impulse: Annotated[
-        Vector,
-        Quantity(
-            "N.m.s", "sum of the angular impulses taken in impacts by a mechanism", nominal=0.1, size="loads"
-        ),
-    ] = per_element()
+    drive_torque: float = Quantity("N.m", "torque on the free shaft", nominal=10.0).default(0.0)
+    load_torque: Vector = Quantity(
+        "N.m", "torque taken by a driven mechanism", nominal=10.0, size="loads"
+    ).per_element()
+    load_impulse: Vector = Quantity(
+        "N.m.s", "sum of the angular impulses taken in impacts by a mechanism", nominal=0.1, size="loads"
+    ).per_element()
 
 
 @dataclass
 class FlywheelOutputs:
-    angle: Annotated[float, Quantity("rad", "angle of the shaft", display_unit="deg")] = 0.0
-    speed: Annotated[float, Quantity("rad/s", "speed of the shaft", nominal=100.0, display_unit="rpm")] = 0.0
-    acceleration: Annotated[float, Quantity("rad/s2", "angular acceleration of the shaft", nominal=100.0)] = (
-        0.0
-    )
-    supplied_torque: Annotated[
-        float, Quantity("N.m", "torque that the drive gives (what the prescribed motion needs)", nominal=10.0)
-    ] = 0.0
-    throw_angle: Annotated[
-        Vector, Quantity("rad", "angle of a crank throw", display_unit="deg", size="throws")
-    ] = per_element()
-    next_event: Annotated[
-        float, Quantity("s", "time at which the ramp next begins or ends; 1e30 if it does not")
-    ] = NO_EVENT
+    angle: float = Quantity("rad", "angle of the shaft", display_unit="deg").default(0.0)
+    speed: float = Quantity("rad/s", "speed of the shaft", nominal=100.0, display_unit="rpm").default(0.0)
+    acceleration: float = Quantity("rad/s2", "angular acceleration of the shaft", nominal=100.0).default(0.0)
+    supplied_torque: float = Quantity(
+        "N.m", "torque that the drive gives (what the prescribed motion needs)", nominal=10.0
+    ).default(0.0)
+    throw_angle: Vector = Quantity(
+        "rad", "angle of a crank throw", display_unit="deg", size="throws"
+    ).per_element()
+    next_event: float = Quantity(
+        "s", "time at which the ramp next begins or ends; 1e30 if it does not"
+    ).default(NO_EVENT)
 
 
 @kernel

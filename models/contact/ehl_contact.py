@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -54,27 +54,25 @@ FILM_IS_DRY = float(list(FILMS).index("dry"))
 class ContactParameters(SharedParameters):
     """Defaults: the set `kushwaha2000`; damping ratio 0.05 of the 6.7 kHz contact mode at 450 N."""
 
-    film_model: Annotated[float, Quantity("1", "film thickness formula", choices=tuple(FILMS))] = 0.0
-    squeeze_constant: Annotated[
-        float, Quantity("1", "constant C of the squeeze term (K 10)", nominal=100.0, positive=True)
-    ] = SQUEEZE_CONSTANT
-    contact_damping: Annotated[
-        float, Quantity("N.s/m", "damping c of the contact at the reference load", nominal=1e3, minimum=0.0)
-    ] = 920.0
-    damping_reference_load: Annotated[
-        float,
-        Quantity("N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True),
-    ] = 450.0
-    inlet_heating: Annotated[
-        float, Quantity("1", "heat of shear in the inlet thins the film", boolean=True)
-    ] = 0.0
-    temperature_viscosity: Annotated[
-        float,
-        Quantity("1/K", "fall beta of the viscosity with the temperature", nominal=0.03, minimum=0.0),
-    ] = 0.03
-    oil_conductivity: Annotated[
-        float, Quantity("W/m.K", "heat conductivity k of the oil", nominal=0.1, positive=True)
-    ] = 0.14
+    film_model: float = Quantity("1", "film thickness formula", choices=tuple(FILMS)).default(0.0)
+    squeeze_constant: float = Quantity(
+        "1", "constant C of the squeeze term (K 10)", nominal=100.0, positive=True
+    ).default(SQUEEZE_CONSTANT)
+    contact_damping: float = Quantity(
+        "N.s/m", "damping c of the contact at the reference load", nominal=1e3, minimum=0.0
+    ).default(920.0)
+    damping_reference_load: float = Quantity(
+        "N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True
+    ).default(450.0)
+    inlet_heating: float = Quantity("1", "heat of shear in the inlet thins the film", boolean=True).default(
+        0.0
+    )
+    temperature_viscosity: float = Quantity(
+        "1/K", "fall beta of the viscosity with the temperature", nominal=0.03, minimum=0.0
+    ).default(0.03)
+    oil_conductivity: float = Quantity(
+        "W/m.K", "heat conductivity k of the oil", nominal=0.1, positive=True
+    ).default(0.14)
 
 
 @dataclass
@@ -84,17 +82,17 @@ class ContactState:
 
 @dataclass
 class ContactOutputs(SharedOutputs):
-    damping_margin: Annotated[
-        float, Quantity("1", "1 + c delta'/W_ref: where it is negative the damping takes the whole load")
-    ] = 0.0
-    separated: Annotated[float, Quantity("1", "the contact carries no load", boolean=True)] = 0.0
-    material_in_range: Annotated[float, Quantity("1", "G inside K Table 3", boolean=True)] = 0.0
-    squeeze_in_range: Annotated[float, Quantity("1", "w_s inside K Table 3", boolean=True)] = 0.0
-    load_in_range: Annotated[float, Quantity("1", "W inside K Table 3", boolean=True)] = 0.0
-    speed_in_range: Annotated[float, Quantity("1", "U inside K Table 3", boolean=True)] = 0.0
-    thermal_reduction: Annotated[
-        float, Quantity("1", "share phi_T of the film that heat in the inlet leaves")
-    ] = 1.0
+    damping_margin: float = Quantity(
+        "1", "1 + c delta'/W_ref: where it is negative the damping takes the whole load"
+    ).default(0.0)
+    separated: float = Quantity("1", "the contact carries no load", boolean=True).default(0.0)
+    material_in_range: float = Quantity("1", "G inside K Table 3", boolean=True).default(0.0)
+    squeeze_in_range: float = Quantity("1", "w_s inside K Table 3", boolean=True).default(0.0)
+    load_in_range: float = Quantity("1", "W inside K Table 3", boolean=True).default(0.0)
+    speed_in_range: float = Quantity("1", "U inside K Table 3", boolean=True).default(0.0)
+    thermal_reduction: float = Quantity("1", "share phi_T of the film that heat in the inlet leaves").default(
+        1.0
+    )
 
 
 class Contact(NamedTuple):

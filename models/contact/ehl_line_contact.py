@@ -11,7 +11,7 @@ relaxes to Moes' and Venner's steady film: an equilibrium at the start has that 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -40,21 +40,15 @@ MOES_VENNER = float(list(FILMS).index("moes_venner"))
 class LineContactParameters(SharedParameters):
     """Defaults: the set `kushwaha2000`."""
 
-    density_law: Annotated[float, Quantity("1", "density under pressure", choices=DENSITY_LAWS)] = 0.0
-    field_tolerance: Annotated[
-        float,
-        Quantity(
-            "1",
-            "error of load and film per micro-step",
-            minimum=LEAST_FIELD_TOLERANCE,
-            maximum=0.1,
-        ),
-    ] = 1e-4
+    density_law: float = Quantity("1", "density under pressure", choices=DENSITY_LAWS).default(0.0)
+    field_tolerance: float = Quantity(
+        "1", "error of load and film per micro-step", minimum=LEAST_FIELD_TOLERANCE, maximum=0.1
+    ).default(1e-4)
 
 
 @dataclass
 class LineContactOutputs(SharedOutputs):
-    separated: Annotated[float, Quantity("1", "the contact carries no load", boolean=True)] = 0.0
+    separated: float = Quantity("1", "the contact carries no load", boolean=True).default(0.0)
 
 
 @kernel

@@ -61,78 +61,62 @@ def _force(meaning: str) -> Quantity:
 class SharedParameters:
     """Bodies, lubricant, surfaces and friction. Defaults: the set `kushwaha2000`."""
 
-    load_is_given: Annotated[float, Quantity("1", "adherence form: the load is an input", boolean=True)] = 0.0
-    length: Annotated[
-        float,
-        Quantity("m", "contact length L_c", nominal=1e-2, positive=True, maximum=LONGEST, display_unit="mm"),
-    ] = 12e-3
+    load_is_given: float = Quantity("1", "adherence form: the load is an input", boolean=True).default(0.0)
+    length: float = Quantity(
+        "m", "contact length L_c", nominal=1e-2, positive=True, maximum=LONGEST, display_unit="mm"
+    ).default(12e-3)
 
-    youngs_modulus_1: Annotated[float, _modulus("1 (cam)")] = 207e9
-    poissons_ratio_1: Annotated[float, _poissons_ratio(1)] = 0.3
-    youngs_modulus_2: Annotated[float, _modulus("2 (follower)")] = 207e9
-    poissons_ratio_2: Annotated[float, _poissons_ratio(2)] = 0.3
-    elastic_limit: Annotated[
-        float, _yield_pressure("pressure at which the bodies yield: a warning", nominal=1e9)
-    ] = ELASTIC_LIMIT
-    viscosity: Annotated[
-        float,
-        Quantity(
-            "Pa.s",
-            "viscosity eta0 of the lubricant",
-            nominal=1e-2,
-            positive=True,
-            maximum=THICKEST,
-            plausible=VISCOSITY,
-        ),
-    ] = 0.036
-    pressure_viscosity: Annotated[
-        float,
-        Quantity(
-            "1/Pa",
-            "pressure-viscosity coefficient alpha",
-            nominal=1e-8,
-            positive=True,
-            plausible=PRESSURE_VISCOSITY,
-        ),
-    ] = 1.8e-8
-    film_load_floor: Annotated[
-        float, Quantity("N", "least load that the film is computed for", positive=True)
-    ] = 1.0
-    viscosity_law: Annotated[float, Quantity("1", "viscosity under pressure ", choices=VISCOSITY_LAWS)] = 0.0
-    roelands_exponent: Annotated[
-        float, Quantity("1", "exponent z of Roelands' law", positive=True, maximum=1.0)
-    ] = 0.68
-    roelands_pressure: Annotated[float, _yield_pressure("pressure p_r of Roelands' law", nominal=1e8)] = (
-        1.96e8
+    youngs_modulus_1: float = _modulus("1 (cam)").default(207e9)
+    poissons_ratio_1: float = _poissons_ratio(1).default(0.3)
+    youngs_modulus_2: float = _modulus("2 (follower)").default(207e9)
+    poissons_ratio_2: float = _poissons_ratio(2).default(0.3)
+    elastic_limit: float = _yield_pressure(
+        "pressure at which the bodies yield: a warning", nominal=1e9
+    ).default(ELASTIC_LIMIT)
+    viscosity: float = Quantity(
+        "Pa.s",
+        "viscosity eta0 of the lubricant",
+        nominal=1e-2,
+        positive=True,
+        maximum=THICKEST,
+        plausible=VISCOSITY,
+    ).default(0.036)
+    pressure_viscosity: float = Quantity(
+        "1/Pa",
+        "pressure-viscosity coefficient alpha",
+        nominal=1e-8,
+        positive=True,
+        plausible=PRESSURE_VISCOSITY,
+    ).default(1.8e-8)
+    film_load_floor: float = Quantity("N", "least load that the film is computed for", positive=True).default(
+        1.0
     )
-    eyring_stress: Annotated[float, _shear_stress("Eyring stress tau_0 of the film; 0: Newtonian")] = 0.0
-    roughness: Annotated[
-        float,
-        Quantity(
-            "m",
-            "composite rms roughness; 0: smooth",
-            nominal=1e-7,
-            minimum=0.0,
-            maximum=ROUGHEST,
-            display_unit="um",
-        ),
-    ] = 0.2e-6
-    roughness_parameter: Annotated[
-        float, Quantity("1", "density x radius x rms of asperities", nominal=0.05, positive=True)
-    ] = 0.05
-    asperity_slope: Annotated[
-        float, Quantity("1", "rms over radius of asperities", nominal=1e-3, positive=True)
-    ] = 1e-3
-    boundary_friction_coefficient: Annotated[
-        float, _coefficient("friction coefficient mu_b of asperities")
-    ] = 0.1
-    boundary_shear_stress: Annotated[float, _shear_stress("shear stress tau_b of real contact besides")] = 0.0
-    limiting_shear_stress: Annotated[float, _shear_stress("limiting shear stress tau_L0 at no pressure")] = (
-        2e6
+    viscosity_law: float = Quantity("1", "viscosity under pressure ", choices=VISCOSITY_LAWS).default(0.0)
+    roelands_exponent: float = Quantity(
+        "1", "exponent z of Roelands' law", positive=True, maximum=1.0
+    ).default(0.68)
+    roelands_pressure: float = _yield_pressure("pressure p_r of Roelands' law", nominal=1e8).default(1.96e8)
+    eyring_stress: float = _shear_stress("Eyring stress tau_0 of the film; 0: Newtonian").default(0.0)
+    roughness: float = Quantity(
+        "m",
+        "composite rms roughness; 0: smooth",
+        nominal=1e-7,
+        minimum=0.0,
+        maximum=ROUGHEST,
+        display_unit="um",
+    ).default(0.2e-6)
+    roughness_parameter: float = Quantity(
+        "1", "density x radius x rms of asperities", nominal=0.05, positive=True
+    ).default(0.05)
+    asperity_slope: float = Quantity(
+        "1", "rms over radius of asperities", nominal=1e-3, positive=True
+    ).default(1e-3)
+    boundary_friction_coefficient: float = _coefficient("friction coefficient mu_b of asperities").default(
+        0.1
     )
-    limiting_shear_coefficient: Annotated[float, _coefficient("growth gamma of the limit with pressure")] = (
-        0.07
-    )
+    boundary_shear_stress: float = _shear_stress("shear stress tau_b of real contact besides").default(0.0)
+    limiting_shear_stress: float = _shear_stress("limiting shear stress tau_L0 at no pressure").default(2e6)
+    limiting_shear_coefficient: float = _coefficient("growth gamma of the limit with pressure").default(0.07)
 
 
 FilmThickness = Annotated[
@@ -145,53 +129,46 @@ FilmThickness = Annotated[
 
 @dataclass
 class ContactInputs:
-    approach: Annotated[
-        float,
-        Quantity(
-            "m", "position of surface 1 towards surface 2, overlap positive", nominal=1e-3, display_unit="mm"
-        ),
-    ] = 0.0
-    approach_rate: Annotated[float, Quantity("m/s", "velocity of surface 1 towards surface 2")] = 0.0
-    retreat: Annotated[
-        float,
-        Quantity("m", "position of surface 2 away from surface 1", nominal=1e-3, display_unit="mm"),
-    ] = 0.0
-    retreat_rate: Annotated[float, Quantity("m/s", "velocity of surface 2 away from surface 1")] = 0.0
-    applied_load: Annotated[float, Quantity("N", "load of the adherence form", nominal=500.0)] = 0.0
-    entraining_velocity: Annotated[float, Quantity("m/s", "mean surface velocity u")] = 0.0
-    sliding_velocity: Annotated[float, Quantity("m/s", "velocity of surface 1 over surface 2")] = 0.0
-    radius_of_curvature: Annotated[
-        float,
-        Quantity(
-            "m",
-            "reduced radius R of the contact",
-            nominal=1e-2,
-            positive=True,
-            display_unit="mm",
-            plausible=CURVATURE,
-        ),
-    ] = 0.02
+    approach: float = Quantity(
+        "m", "position of surface 1 towards surface 2, overlap positive", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    approach_rate: float = Quantity("m/s", "velocity of surface 1 towards surface 2").default(0.0)
+    retreat: float = Quantity(
+        "m", "position of surface 2 away from surface 1", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    retreat_rate: float = Quantity("m/s", "velocity of surface 2 away from surface 1").default(0.0)
+    applied_load: float = Quantity("N", "load of the adherence form", nominal=500.0).default(0.0)
+    entraining_velocity: float = Quantity("m/s", "mean surface velocity u").default(0.0)
+    sliding_velocity: float = Quantity("m/s", "velocity of surface 1 over surface 2").default(0.0)
+    radius_of_curvature: float = Quantity(
+        "m",
+        "reduced radius R of the contact",
+        nominal=1e-2,
+        positive=True,
+        display_unit="mm",
+        plausible=CURVATURE,
+    ).default(0.02)
 
 
 @dataclass
 class SharedOutputs:
-    load: Annotated[float, Quantity("N", "contact load W", nominal=500.0)] = 0.0
-    film_thickness: Annotated[float, _micrometres("lubricant film thickness h")] = 0.0
-    minimum_film_thickness: Annotated[
-        float, _micrometres("smallest film thickness (of a formula: its film)")
-    ] = 0.0
-    squeeze_velocity: Annotated[float, Quantity("m/s", "dh/dt, positive when separating", nominal=1e-3)] = 0.0
-    steady_film_thickness: Annotated[float, _micrometres("film thickness h_ss of the formula")] = 0.0
-    deflection: Annotated[float, _micrometres("elastic approach of the bodies")] = 0.0
-    half_width: Annotated[float, _micrometres("half width b of the contact", nominal=1e-4)] = 0.0
-    maximum_pressure: Annotated[
-        float, Quantity("Pa", "largest Hertz pressure p0", nominal=1e8, display_unit="MPa")
-    ] = 0.0
-    friction_force: Annotated[float, _force("friction of surface 2 on 1, against its sliding")] = 0.0
-    viscous_friction: Annotated[float, _force("viscous share of the friction")] = 0.0
-    boundary_friction: Annotated[float, _force("boundary share of the friction")] = 0.0
-    asperity_load: Annotated[float, _force("load W_a on asperities")] = 0.0
-    film_ratio: Annotated[float, Quantity("1", "film of the fluid's share over roughness; 0: smooth")] = 0.0
+    load: float = Quantity("N", "contact load W", nominal=500.0).default(0.0)
+    film_thickness: float = _micrometres("lubricant film thickness h").default(0.0)
+    minimum_film_thickness: float = _micrometres("smallest film thickness (of a formula: its film)").default(
+        0.0
+    )
+    squeeze_velocity: float = Quantity("m/s", "dh/dt, positive when separating", nominal=1e-3).default(0.0)
+    steady_film_thickness: float = _micrometres("film thickness h_ss of the formula").default(0.0)
+    deflection: float = _micrometres("elastic approach of the bodies").default(0.0)
+    half_width: float = _micrometres("half width b of the contact", nominal=1e-4).default(0.0)
+    maximum_pressure: float = Quantity(
+        "Pa", "largest Hertz pressure p0", nominal=1e8, display_unit="MPa"
+    ).default(0.0)
+    friction_force: float = _force("friction of surface 2 on 1, against its sliding").default(0.0)
+    viscous_friction: float = _force("viscous share of the friction").default(0.0)
+    boundary_friction: float = _force("boundary share of the friction").default(0.0)
+    asperity_load: float = _force("load W_a on asperities").default(0.0)
+    film_ratio: float = Quantity("1", "film of the fluid's share over roughness; 0: smooth").default(0.0)
 
 
 # The components that are lubricated contacts.

@@ -1,8 +1,9 @@
 """Physical quantities: the metadata of every parameter, state, input and output, and their layout.
 
-A *record* is a dataclass whose fields are annotated with a `Quantity`. A `Layout` turns a record type
-into a flat vector of doubles and back; compiled kernels see the same memory as a structured record
-(`record_of(x, layout.dtype).velocity`), integrators and FMI see the vector.
+A *record* is a dataclass whose fields have a `Quantity`: `mass: float = Quantity(...).default(1.0)`, or that
+of their annotation where several share a type, `Mass = Annotated[float, Quantity(...)]`. A `Layout` turns a
+record type into a flat vector of doubles and back; compiled kernels see the same memory as a structured
+record (`record_of(x, layout.dtype).velocity`), integrators and FMI see the vector.
 """
 
 from __future__ import annotations
@@ -74,6 +75,16 @@ class Quantity:
         """True for what has no values in between, or changes at events only."""
         return self.stepwise or self.discrete
 
+    def default(self, value: float) -> float:
+        """A record's field of this quantity with this value, which states begin with."""
+        made: float = field(default=value, metadata={"quantity": self})
+        return made
+
+    def per_element(self, start: float = 0.0) -> Vector:
+        """A vector-valued field of this quantity; every element begins with `start`."""
+        made: Vector = field(default_factory=lambda: np.zeros(0), metadata={"quantity": self, "start": start})
+        return made
+
     @property
     def discrete(self) -> bool:
         """True for truth values, counts and choices."""
@@ -125,14 +136,10 @@ class Quantity:
 
 def pick_fields(record: type, *names: str) -> list[tuple[str, Any, Any]]:
     """Fields of a record as `make_dataclass` takes them, for one that shares these quantities."""
-    hints, starts = get_type_hints(record, include_extras=True), {f.name: f.default for f in fields(record)}
-    return [(name, hints[name], field(default=starts[name])) for name in names]
-
-
-def per_element(start: float = 0.0) -> Vector:
-    """Default of a vector-valued field: every element begins with `start`."""
-    default: Vector = field(default_factory=lambda: np.zeros(0), metadata={"start": start})
-    return default
+    hints, own = get_type_hints(record, include_extras=True), {f.name: f for f in fields(record)}
+    return [
+        (name, hints[name], field(default=own[name].default, metadata=own[name].metadata)) for name in names
+    ]
 
 
 @dataclass(frozen=True)
@@ -162,7 +169,7 @@ class Layout:
         formats: list[tuple[str, str, tuple[int, ...]]] = []
         scalars: list[Field] = []
         for item in fields(record):
-            quantity = _quantity_of(record, item.name, hints[item.name])
+            quantity = _quantity_of(record, item, hints[item.name])
             start = float(item.metadata["start"] if item.default is MISSING else item.default)
             if quantity.size:
                 count = self.sizes[quantity.size]
@@ -227,9 +234,9 @@ class Layout:
         return [message for message in found if message]
 
 
-def _quantity_of(record: type, name: str, hint: Any) -> Quantity:
-    if get_origin(hint) is Annotated:
-        for note in get_args(hint)[1:]:
-            if isinstance(note, Quantity):
-                return note
-    raise TypeError(f"{record.__name__}.{name} has no Quantity")
+def _quantity_of(record: type, item: Any, hint: Any) -> Quantity:
+    notes = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+    for note in (item.metadata.get("quantity"), *notes):
+        if isinstance(note, Quantity):
+            return note
+    raise TypeError(f"{record.__name__}.{item.name} has no Quantity")

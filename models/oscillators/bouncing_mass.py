@@ -25,8 +25,8 @@ Velocity = Annotated[float, Quantity("m/s", "upward velocity of the mass")]
 
 @dataclass
 class FallingMassParameters:
-    mass: Annotated[float, Quantity("kg", "mass", positive=True)] = 1.0
-    gravity: Annotated[float, Quantity("m/s2", "gravity", nominal=10.0, minimum=0.0)] = 9.81
+    mass: float = Quantity("kg", "mass", positive=True).default(1.0)
+    gravity: float = Quantity("m/s2", "gravity", nominal=10.0, minimum=0.0).default(9.81)
 
 
 @dataclass
@@ -37,7 +37,7 @@ class FallingMassState:
 
 @dataclass
 class FallingMassInputs:
-    force: Annotated[float, Quantity("N", "upward force on the mass", nominal=100.0)] = 0.0
+    force: float = Quantity("N", "upward force on the mass", nominal=100.0).default(0.0)
 
 
 @dataclass
@@ -48,14 +48,14 @@ class FallingMassOutputs:
 
 @dataclass
 class SpringStopParameters:
-    stiffness: Annotated[float, Quantity("N/m", "stiffness k", nominal=1e4, positive=True)] = 1e4
-    damping: Annotated[float, Quantity("N.s/m", "damping d", nominal=10.0, minimum=0.0)] = 0.0
-    stop_position: Annotated[float, Quantity("m", "height y_s of the free stop", nominal=0.1)] = 0.0
+    stiffness: float = Quantity("N/m", "stiffness k", nominal=1e4, positive=True).default(1e4)
+    damping: float = Quantity("N.s/m", "damping d", nominal=10.0, minimum=0.0).default(0.0)
+    stop_position: float = Quantity("m", "height y_s of the free stop", nominal=0.1).default(0.0)
 
 
 @dataclass
 class SpringStopState:
-    impulse: Annotated[float, Quantity("N.s", "integral of the force")] = 0.0
+    impulse: float = Quantity("N.s", "integral of the force").default(0.0)
 
 
 @dataclass
@@ -66,20 +66,17 @@ class SpringStopInputs:
 
 @dataclass
 class SpringStopOutputs:
-    force: Annotated[float, Quantity("N", "upward force on the mass", nominal=100.0)] = 0.0
-    compression: Annotated[
-        float, Quantity("m", "compression c of the stop; negative: the gap", nominal=1e-2, display_unit="mm")
-    ] = 0.0
-    contact_margin: Annotated[
-        float,
-        Quantity(
-            "m",
-            "lesser of c and c - d y'/k: the stop pushes where it is positive",
-            nominal=1e-2,
-            display_unit="mm",
-        ),
-    ] = 0.0
-    impulse: Annotated[float, Quantity("N.s", "integral of the force")] = 0.0
+    force: float = Quantity("N", "upward force on the mass", nominal=100.0).default(0.0)
+    compression: float = Quantity(
+        "m", "compression c of the stop; negative: the gap", nominal=1e-2, display_unit="mm"
+    ).default(0.0)
+    contact_margin: float = Quantity(
+        "m",
+        "lesser of c and c - d y'/k: the stop pushes where it is positive",
+        nominal=1e-2,
+        display_unit="mm",
+    ).default(0.0)
+    impulse: float = Quantity("N.s", "integral of the force").default(0.0)
 
 
 @kernel

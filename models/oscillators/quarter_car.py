@@ -29,9 +29,9 @@ Force = Annotated[float, Quantity("N", "force of the suspension, upwards on the 
 class QuarterCarChassisParameters:
     """Defaults: the published benchmark."""
 
-    chassis_mass: Annotated[
-        float, Quantity("kg", "mass m_c of the chassis", nominal=100.0, positive=True)
-    ] = 400.0
+    chassis_mass: float = Quantity("kg", "mass m_c of the chassis", nominal=100.0, positive=True).default(
+        400.0
+    )
     suspension_stiffness: Stiffness = 15e3
     suspension_damping: Damping = 1e3
 
@@ -40,34 +40,32 @@ class QuarterCarChassisParameters:
 class QuarterCarWheelParameters:
     """Defaults: the published benchmark."""
 
-    wheel_mass: Annotated[float, Quantity("kg", "mass m_w of the wheel", nominal=10.0, positive=True)] = 40.0
+    wheel_mass: float = Quantity("kg", "mass m_w of the wheel", nominal=10.0, positive=True).default(40.0)
     suspension_stiffness: Stiffness = 15e3
     suspension_damping: Damping = 1e3
-    tyre_stiffness: Annotated[
-        float, Quantity("N/m", "stiffness k_w of the tyre", nominal=1e5, minimum=0.0)
-    ] = 150e3
-    tyre_damping: Annotated[float, Quantity("N.s/m", "damping d_w of the tyre", nominal=1e3, minimum=0.0)] = (
-        0.0
+    tyre_stiffness: float = Quantity("N/m", "stiffness k_w of the tyre", nominal=1e5, minimum=0.0).default(
+        150e3
     )
-    road_step: Annotated[float, Quantity("m", "height z to which the road has stepped", nominal=0.1)] = 0.1
+    tyre_damping: float = Quantity("N.s/m", "damping d_w of the tyre", nominal=1e3, minimum=0.0).default(0.0)
+    road_step: float = Quantity("m", "height z to which the road has stepped", nominal=0.1).default(0.1)
 
 
 @dataclass
 class QuarterCarState:
-    position: Annotated[float, Quantity("m", "height over its rest before the step", nominal=0.1)] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "upward velocity")] = 0.0
+    position: float = Quantity("m", "height over its rest before the step", nominal=0.1).default(0.0)
+    velocity: float = Quantity("m/s", "upward velocity").default(0.0)
 
 
 @dataclass
 class QuarterCarChassisInputs:
-    wheel_position: Annotated[float, Quantity("m", "height of the wheel", nominal=0.1)] = 0.0
-    wheel_velocity: Annotated[float, Quantity("m/s", "upward velocity of the wheel")] = 0.0
+    wheel_position: float = Quantity("m", "height of the wheel", nominal=0.1).default(0.0)
+    wheel_velocity: float = Quantity("m/s", "upward velocity of the wheel").default(0.0)
 
 
 @dataclass
 class QuarterCarWheelInputs:
-    chassis_position: Annotated[float, Quantity("m", "height of the chassis", nominal=0.1)] = 0.0
-    chassis_velocity: Annotated[float, Quantity("m/s", "upward velocity of the chassis")] = 0.0
+    chassis_position: float = Quantity("m", "height of the chassis", nominal=0.1).default(0.0)
+    chassis_velocity: float = Quantity("m/s", "upward velocity of the chassis").default(0.0)
 
 
 @dataclass
@@ -78,7 +76,7 @@ class QuarterCarChassisOutputs(QuarterCarState):
 @dataclass
 class QuarterCarWheelOutputs(QuarterCarState):
     suspension_force: Force = 0.0
-    tyre_force: Annotated[float, Quantity("N", "force of the tyre, upwards on the wheel", nominal=1e3)] = 0.0
+    tyre_force: float = Quantity("N", "force of the tyre, upwards on the wheel", nominal=1e3).default(0.0)
 
 
 @kernel

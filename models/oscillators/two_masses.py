@@ -36,10 +36,10 @@ class CoupledMassParameters:
     mass: Mass = 1.0
     stiffness: Stiffness = 10.0
     damping: Damping = 0.5
-    coupling_stiffness: Annotated[
-        float, Quantity("N/m", "spring to the other mass", nominal=10.0, minimum=0.0)
-    ] = 40.0
-    coupling_damping: Annotated[float, Quantity("N.s/m", "damper to the other mass", minimum=0.0)] = 1.0
+    coupling_stiffness: float = Quantity(
+        "N/m", "spring to the other mass", nominal=10.0, minimum=0.0
+    ).default(40.0)
+    coupling_damping: float = Quantity("N.s/m", "damper to the other mass", minimum=0.0).default(1.0)
 
 
 @dataclass
@@ -50,18 +50,18 @@ class MassState:
 
 @dataclass
 class SprungMassInputs:
-    force: Annotated[float, Quantity("N", "force on the mass", nominal=10.0)] = 0.0
+    force: float = Quantity("N", "force on the mass", nominal=10.0).default(0.0)
 
 
 @dataclass
 class CoupledMassInputs:
-    other_position: Annotated[float, Quantity("m", "position of the other mass")] = 0.0
-    other_velocity: Annotated[float, Quantity("m/s", "velocity of the other mass")] = 0.0
+    other_position: float = Quantity("m", "position of the other mass").default(0.0)
+    other_velocity: float = Quantity("m/s", "velocity of the other mass").default(0.0)
 
 
 @dataclass
 class CoupledMassOutputs:
-    force: Annotated[float, Quantity("N", "force on the other mass", nominal=10.0)] = 0.0
+    force: float = Quantity("N", "force on the other mass", nominal=10.0).default(0.0)
     position: Position = 0.0
     velocity: Velocity = 0.0
 

@@ -33,91 +33,65 @@ FILM_LAG = 50e-6
 class SliderCrankParameters:
     """Defaults: the engine of F section 4.1. The roller's radius is chosen here, F gives none."""
 
-    form: Annotated[
-        float,
-        Quantity(
-            "1",
-            "equation of motion: F's own, with +beta, or without the small-angle step",
-            choices=("as_published", "corrected", "nonlinear"),
-        ),
-    ] = CORRECTED
-    crank_radius: Annotated[
-        float,
-        Quantity("m", "crank radius r", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH),
-    ] = THESIS_XI * _ROD_LENGTH
-    rod_length: Annotated[
-        float,
-        Quantity(
-            "m",
-            "length l of the connecting rod",
-            nominal=0.1,
-            positive=True,
-            display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = _ROD_LENGTH
-    rod_mass: Annotated[
-        float,
-        Quantity(
-            "kg", "mass m of the connecting rod, centre in its middle", minimum=0.0, plausible=PART_MASS
-        ),
-    ] = THESIS_ALPHA * _PISTON_MASS
-    rod_inertia: Annotated[
-        float,
-        Quantity("kg.m2", "inertia J_r of the connecting rod about its centre", nominal=1e-3, minimum=0.0),
-    ] = THESIS_BETA * _PISTON_MASS * _ROD_LENGTH**2
-    piston_mass: Annotated[
-        float, Quantity("kg", "mass M of the piston (roller)", positive=True, plausible=PART_MASS)
-    ] = _PISTON_MASS
-    joint_friction: Annotated[
-        float,
-        Quantity("N.m.s", "friction moment c2 of the crank pin per relative speed", nominal=0.1, minimum=0.0),
-    ] = _FRICTION
-    clearance: Annotated[
-        float,
-        Quantity(
-            "m",
-            "travel d - r* from the centre to either wall",
-            nominal=1e-3,
-            minimum=0.0,
-            display_unit="mm",
-            plausible=PLAY,
-        ),
-    ] = _CLEARANCE
-    restitution: Annotated[float, Quantity("1", "coefficient of restitution e", minimum=0.0, maximum=1.0)] = (
-        0.9
-    )
+    form: float = Quantity(
+        "1",
+        "equation of motion: F's own, with +beta, or without the small-angle step",
+        choices=("as_published", "corrected", "nonlinear"),
+    ).default(CORRECTED)
+    crank_radius: float = Quantity(
+        "m", "crank radius r", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH
+    ).default(THESIS_XI * _ROD_LENGTH)
+    rod_length: float = Quantity(
+        "m",
+        "length l of the connecting rod",
+        nominal=0.1,
+        positive=True,
+        display_unit="mm",
+        plausible=PART_LENGTH,
+    ).default(_ROD_LENGTH)
+    rod_mass: float = Quantity(
+        "kg", "mass m of the connecting rod, centre in its middle", minimum=0.0, plausible=PART_MASS
+    ).default(THESIS_ALPHA * _PISTON_MASS)
+    rod_inertia: float = Quantity(
+        "kg.m2", "inertia J_r of the connecting rod about its centre", nominal=1e-3, minimum=0.0
+    ).default(THESIS_BETA * _PISTON_MASS * _ROD_LENGTH**2)
+    piston_mass: float = Quantity(
+        "kg", "mass M of the piston (roller)", positive=True, plausible=PART_MASS
+    ).default(_PISTON_MASS)
+    joint_friction: float = Quantity(
+        "N.m.s", "friction moment c2 of the crank pin per relative speed", nominal=0.1, minimum=0.0
+    ).default(_FRICTION)
+    clearance: float = Quantity(
+        "m",
+        "travel d - r* from the centre to either wall",
+        nominal=1e-3,
+        minimum=0.0,
+        display_unit="mm",
+        plausible=PLAY,
+    ).default(_CLEARANCE)
+    restitution: float = Quantity("1", "coefficient of restitution e", minimum=0.0, maximum=1.0).default(0.9)
     # F used 0.005; chatter ends by itself without it (see `slider_crank`).
-    sliding_threshold: Annotated[
-        float,
-        Quantity(
-            "1",
-            "rebound rate of psi per crank speed, relative to the wall, below which a pressed slider slides",
-            nominal=1e-3,
-            minimum=0.0,
-        ),
-    ] = 0.0
-    film_lag: Annotated[
-        float,
-        Quantity(
-            "s",
-            "time constant of walls that follow their films: T^2 h'' + 2 T h' + h = film thickness",
-            nominal=1e-5,
-            positive=True,
-            display_unit="us",
-        ),
-    ] = FILM_LAG
-    roller_radius: Annotated[
-        float,
-        Quantity(
-            "m",
-            "radius r* of the roller on the liner",
-            nominal=0.1,
-            positive=True,
-            display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 0.040
+    sliding_threshold: float = Quantity(
+        "1",
+        "rebound rate of psi per crank speed, relative to the wall, below which a pressed slider slides",
+        nominal=1e-3,
+        minimum=0.0,
+    ).default(0.0)
+    film_lag: float = Quantity(
+        "s",
+        "time constant of walls that follow their films: T^2 h'' + 2 T h' + h = film thickness",
+        nominal=1e-5,
+        positive=True,
+        display_unit="us",
+    ).default(FILM_LAG)
+    roller_radius: float = Quantity(
+        "m",
+        "radius r* of the roller on the liner",
+        nominal=0.1,
+        positive=True,
+        display_unit="mm",
+        plausible=PART_LENGTH,
+    ).default(0.040)
 
 
 WallMode = Annotated[
@@ -130,46 +104,38 @@ WallMode = Annotated[
 
 @dataclass
 class SliderCrankState:
-    psi: Annotated[
-        float, Quantity("rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2)
-    ] = 0.0
-    psi_rate: Annotated[float, Quantity("rad/s", "rate of psi")] = 0.0
+    psi: float = Quantity(
+        "rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2
+    ).default(0.0)
+    psi_rate: float = Quantity("rad/s", "rate of psi").default(0.0)
     mode: WallMode = 0.0
-    upper_impact_count: Annotated[float, Quantity("1", "impacts on the upper wall", count=True)] = 0.0
-    lower_impact_count: Annotated[float, Quantity("1", "impacts on the lower wall", count=True)] = 0.0
-    upper_impact_impulse: Annotated[float, Quantity("N.s", "sum of the impulses given by the upper wall")] = (
+    upper_impact_count: float = Quantity("1", "impacts on the upper wall", count=True).default(0.0)
+    lower_impact_count: float = Quantity("1", "impacts on the lower wall", count=True).default(0.0)
+    upper_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the upper wall").default(0.0)
+    lower_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the lower wall").default(0.0)
+    upper_force_integral: float = Quantity("N.s", "time integral of the upper wall's sliding force").default(
         0.0
     )
-    lower_impact_impulse: Annotated[float, Quantity("N.s", "sum of the impulses given by the lower wall")] = (
+    lower_force_integral: float = Quantity("N.s", "time integral of the lower wall's sliding force").default(
         0.0
     )
-    upper_force_integral: Annotated[
-        float, Quantity("N.s", "time integral of the upper wall's sliding force")
-    ] = 0.0
-    lower_force_integral: Annotated[
-        float, Quantity("N.s", "time integral of the lower wall's sliding force")
-    ] = 0.0
     crank_impact_impulse: CrankImpulse = 0.0
-    last_impact_time: Annotated[float, Quantity("s", "time of the last impact")] = 0.0
-    last_impact_velocity: Annotated[
-        float, Quantity("m/s", "velocity towards the wall just before the last impact")
-    ] = 0.0
-    impact_loss: Annotated[float, Quantity("J", "energy lost in impacts")] = 0.0
-    impact_work: Annotated[float, Quantity("J", "energy given in impacts by crank and moving film")] = 0.0
-    upper_wall_film: Annotated[
-        float, Quantity("m", "film by which the upper wall stands in", nominal=1e-6, display_unit="um")
-    ] = 0.0
-    upper_wall_film_rate: Annotated[float, Quantity("m/s", "rate of the upper wall's film", nominal=1e-3)] = (
-        0.0
-    )
-    lower_wall_film: Annotated[
-        float, Quantity("m", "film by which the lower wall stands in", nominal=1e-6, display_unit="um")
-    ] = 0.0
-    lower_wall_film_rate: Annotated[float, Quantity("m/s", "rate of the lower wall's film", nominal=1e-3)] = (
-        0.0
-    )
-    event_count: Annotated[float, Quantity("1", "impacts and releases", count=True)] = 0.0
-    last_event_time: Annotated[float, Quantity("s", "time of the last impact or release")] = 0.0
+    last_impact_time: float = Quantity("s", "time of the last impact").default(0.0)
+    last_impact_velocity: float = Quantity(
+        "m/s", "velocity towards the wall just before the last impact"
+    ).default(0.0)
+    impact_loss: float = Quantity("J", "energy lost in impacts").default(0.0)
+    impact_work: float = Quantity("J", "energy given in impacts by crank and moving film").default(0.0)
+    upper_wall_film: float = Quantity(
+        "m", "film by which the upper wall stands in", nominal=1e-6, display_unit="um"
+    ).default(0.0)
+    upper_wall_film_rate: float = Quantity("m/s", "rate of the upper wall's film", nominal=1e-3).default(0.0)
+    lower_wall_film: float = Quantity(
+        "m", "film by which the lower wall stands in", nominal=1e-6, display_unit="um"
+    ).default(0.0)
+    lower_wall_film_rate: float = Quantity("m/s", "rate of the lower wall's film", nominal=1e-3).default(0.0)
+    event_count: float = Quantity("1", "impacts and releases", count=True).default(0.0)
+    last_event_time: float = Quantity("s", "time of the last impact or release").default(0.0)
 
 
 # The states by which the walls follow their films.
@@ -180,71 +146,67 @@ WALL_FILMS = ("upper_wall_film", "upper_wall_film_rate", "lower_wall_film", "low
 class SliderCrankInputs:
     """The films narrow the clearance; the walls follow them with `film_lag`."""
 
-    crank_angle: Annotated[
-        float, Quantity("rad", "crank angle theta, zero at top dead centre", display_unit="deg")
-    ] = 0.0
+    crank_angle: float = Quantity(
+        "rad", "crank angle theta, zero at top dead centre", display_unit="deg"
+    ).default(0.0)
     crank_speed: CrankSpeed = 0.0
     crank_acceleration: CrankAcceleration = 0.0
-    upper_film_thickness: Annotated[
-        float, Quantity("m", "lubricant film on the upper wall", nominal=1e-6, display_unit="um")
-    ] = 0.0
-    lower_film_thickness: Annotated[
-        float, Quantity("m", "lubricant film on the lower wall", nominal=1e-6, display_unit="um")
-    ] = 0.0
+    upper_film_thickness: float = Quantity(
+        "m", "lubricant film on the upper wall", nominal=1e-6, display_unit="um"
+    ).default(0.0)
+    lower_film_thickness: float = Quantity(
+        "m", "lubricant film on the lower wall", nominal=1e-6, display_unit="um"
+    ).default(0.0)
 
 
 @dataclass
 class SliderCrankOutputs:
-    psi: Annotated[
-        float, Quantity("rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2)
-    ] = 0.0
-    psi_rate: Annotated[float, Quantity("rad/s", "rate of psi")] = 0.0
-    piston_position: Annotated[
-        float, Quantity("m", "piston position from the crank's centre along the cylinder", nominal=0.1)
-    ] = 0.0
-    piston_velocity: Annotated[float, Quantity("m/s", "piston velocity along the cylinder")] = 0.0
-    piston_offset: Annotated[
-        float, Quantity("m", "piston position across the cylinder, upwards", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    upper_wall_force: Annotated[
-        float, Quantity("N", "force of the upper wall on the sliding piston", nominal=100.0)
-    ] = 0.0
-    lower_wall_force: Annotated[
-        float, Quantity("N", "force of the lower wall on the sliding piston", nominal=100.0)
-    ] = 0.0
-    crank_torque: Annotated[
-        float, Quantity("N.m", "torque taken from the crank, between impacts", nominal=10.0)
-    ] = 0.0
-    wall_entraining_velocity: Annotated[
-        float, Quantity("m/s", "mean surface velocity of roller and liner relative to their contact")
-    ] = 0.0
-    wall_sliding_velocity: Annotated[float, Quantity("m/s", "velocity of the roller over the liner")] = 0.0
-    wall_radius: Annotated[
-        float, Quantity("m", "reduced radius of roller and liner", nominal=0.1, display_unit="mm")
-    ] = 0.0
+    psi: float = Quantity(
+        "rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2
+    ).default(0.0)
+    psi_rate: float = Quantity("rad/s", "rate of psi").default(0.0)
+    piston_position: float = Quantity(
+        "m", "piston position from the crank's centre along the cylinder", nominal=0.1
+    ).default(0.0)
+    piston_velocity: float = Quantity("m/s", "piston velocity along the cylinder").default(0.0)
+    piston_offset: float = Quantity(
+        "m", "piston position across the cylinder, upwards", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    upper_wall_force: float = Quantity(
+        "N", "force of the upper wall on the sliding piston", nominal=100.0
+    ).default(0.0)
+    lower_wall_force: float = Quantity(
+        "N", "force of the lower wall on the sliding piston", nominal=100.0
+    ).default(0.0)
+    crank_torque: float = Quantity(
+        "N.m", "torque taken from the crank, between impacts", nominal=10.0
+    ).default(0.0)
+    wall_entraining_velocity: float = Quantity(
+        "m/s", "mean surface velocity of roller and liner relative to their contact"
+    ).default(0.0)
+    wall_sliding_velocity: float = Quantity("m/s", "velocity of the roller over the liner").default(0.0)
+    wall_radius: float = Quantity(
+        "m", "reduced radius of roller and liner", nominal=0.1, display_unit="mm"
+    ).default(0.0)
     sliding: WallMode = 0.0
-    impact_count: Annotated[float, Quantity("1", "impacts on both walls", count=True)] = 0.0
-    upper_impact_count: Annotated[float, Quantity("1", "impacts on the upper wall", count=True)] = 0.0
-    lower_impact_count: Annotated[float, Quantity("1", "impacts on the lower wall", count=True)] = 0.0
-    upper_impact_impulse: Annotated[float, Quantity("N.s", "sum of the impulses given by the upper wall")] = (
-        0.0
-    )
-    lower_impact_impulse: Annotated[float, Quantity("N.s", "sum of the impulses given by the lower wall")] = (
-        0.0
-    )
-    upper_wall_impulse: Annotated[
-        float, Quantity("N.s", "upper wall's impulses and integral of its force: differences give means")
-    ] = 0.0
-    lower_wall_impulse: Annotated[
-        float, Quantity("N.s", "lower wall's impulses and integral of its force: differences give means")
-    ] = 0.0
+    impact_count: float = Quantity("1", "impacts on both walls", count=True).default(0.0)
+    upper_impact_count: float = Quantity("1", "impacts on the upper wall", count=True).default(0.0)
+    lower_impact_count: float = Quantity("1", "impacts on the lower wall", count=True).default(0.0)
+    upper_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the upper wall").default(0.0)
+    lower_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the lower wall").default(0.0)
+    upper_wall_impulse: float = Quantity(
+        "N.s", "upper wall's impulses and integral of its force: differences give means"
+    ).default(0.0)
+    lower_wall_impulse: float = Quantity(
+        "N.s", "lower wall's impulses and integral of its force: differences give means"
+    ).default(0.0)
     crank_impact_impulse: CrankImpulse = 0.0
-    last_impact_time: Annotated[float, Quantity("s", "time of the last impact")] = 0.0
-    last_impact_velocity: Annotated[
-        float, Quantity("m/s", "velocity towards the wall just before the last impact")
-    ] = 0.0
-    event_count: Annotated[float, Quantity("1", "impacts and releases", count=True)] = 0.0
-    last_event_time: Annotated[float, Quantity("s", "time of the last impact or release")] = 0.0
+    last_impact_time: float = Quantity("s", "time of the last impact").default(0.0)
+    last_impact_velocity: float = Quantity(
+        "m/s", "velocity towards the wall just before the last impact"
+    ).default(0.0)
+    event_count: float = Quantity("1", "impacts and releases", count=True).default(0.0)
+    last_event_time: float = Quantity("s", "time of the last impact or release").default(0.0)
 
 
 @kernel

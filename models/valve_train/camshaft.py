@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -48,53 +48,42 @@ from .shared import DriveInputs
 class ShaftParameters:
     """Defaults: the set `kushwaha2000`."""
 
-    drive_ratio: Annotated[
-        float, Quantity("1", "cam angle over drive angle (0.5 behind a four-stroke crankshaft)")
-    ] = 1.0
-    phase: Annotated[
-        float,
-        Quantity(
-            "rad", "cam angle at drive angle zero; the nose is at pi", display_unit="deg", plausible=ANGLE
-        ),
-    ] = 0.0
-    flexible: Annotated[float, Quantity("1", "the shaft bends and twists; false: rigid", boolean=True)] = 0.0
-    mass: Annotated[
-        float, Quantity("kg", "mass at the cam", nominal=0.4, positive=True, plausible=PART_MASS)
-    ] = 0.425
-    polar_inertia: Annotated[
-        float, Quantity("kg.m2", "moment of inertia about the shaft", nominal=1e-4, positive=True)
-    ] = 3.00e-4
-    transverse_inertia: Annotated[
-        float, Quantity("kg.m2", "moment of inertia about a diameter", nominal=1e-4, positive=True)
-    ] = 1.42e-4
-    shaft_length: Annotated[
-        float,
-        Quantity(
-            "m",
-            "length l of the field element",
-            nominal=0.1,
-            positive=True,
-            display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 0.1
-    shaft_diameter: Annotated[
-        float,
-        Quantity(
-            "m", "diameter of the shaft", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
-        ),
-    ] = 0.02
-    youngs_modulus: Annotated[
-        float,
-        Quantity("Pa", "Young's modulus of the shaft", nominal=1e11, positive=True, plausible=YOUNGS_MODULUS),
-    ] = 207e9
-    poissons_ratio: Annotated[
-        float, Quantity("1", "Poisson's ratio of the shaft", minimum=0.0, maximum=0.5)
-    ] = 0.3
-    shaft_damping_ratio: Annotated[
-        float,
-        Quantity("1", "damping ratio of every mode of the shaft", nominal=1e-2, minimum=0.0, maximum=1.0),
-    ] = 0.02
+    drive_ratio: float = Quantity(
+        "1", "cam angle over drive angle (0.5 behind a four-stroke crankshaft)"
+    ).default(1.0)
+    phase: float = Quantity(
+        "rad", "cam angle at drive angle zero; the nose is at pi", display_unit="deg", plausible=ANGLE
+    ).default(0.0)
+    flexible: float = Quantity("1", "the shaft bends and twists; false: rigid", boolean=True).default(0.0)
+    mass: float = Quantity("kg", "mass at the cam", nominal=0.4, positive=True, plausible=PART_MASS).default(
+        0.425
+    )
+    polar_inertia: float = Quantity(
+        "kg.m2", "moment of inertia about the shaft", nominal=1e-4, positive=True
+    ).default(3.00e-4)
+    transverse_inertia: float = Quantity(
+        "kg.m2", "moment of inertia about a diameter", nominal=1e-4, positive=True
+    ).default(1.42e-4)
+    shaft_length: float = Quantity(
+        "m",
+        "length l of the field element",
+        nominal=0.1,
+        positive=True,
+        display_unit="mm",
+        plausible=PART_LENGTH,
+    ).default(0.1)
+    shaft_diameter: float = Quantity(
+        "m", "diameter of the shaft", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
+    ).default(0.02)
+    youngs_modulus: float = Quantity(
+        "Pa", "Young's modulus of the shaft", nominal=1e11, positive=True, plausible=YOUNGS_MODULUS
+    ).default(207e9)
+    poissons_ratio: float = Quantity("1", "Poisson's ratio of the shaft", minimum=0.0, maximum=0.5).default(
+        0.3
+    )
+    shaft_damping_ratio: float = Quantity(
+        "1", "damping ratio of every mode of the shaft", nominal=1e-2, minimum=0.0, maximum=1.0
+    ).default(0.02)
 
 
 @dataclass
@@ -111,79 +100,60 @@ class TableCamshaftParameters(ShaftParameters, TableParameters):
 class CamshaftState:
     """All stay at zero when the shaft is rigid."""
 
-    twist: Annotated[
-        float, Quantity("rad", "cam angle less driven angle", nominal=1e-4, display_unit="deg")
-    ] = 0.0
-    twist_rate: Annotated[float, Quantity("rad/s", "rate of twist")] = 0.0
-    bending: Annotated[
-        float, Quantity("m", "cam axis displacement towards the follower", nominal=1e-4, display_unit="mm")
-    ] = 0.0
-    bending_rate: Annotated[float, Quantity("m/s", "cam axis velocity towards the follower", nominal=0.1)] = (
+    twist: float = Quantity("rad", "cam angle less driven angle", nominal=1e-4, display_unit="deg").default(
         0.0
     )
-    slope: Annotated[float, Quantity("rad", "slope of the shaft at the cam", nominal=1e-3)] = 0.0
-    slope_rate: Annotated[float, Quantity("rad/s", "rate of the slope at the cam")] = 0.0
-    bending_across: Annotated[
-        float,
-        Quantity(
-            "m",
-            "cam axis displacement across the follower's path, against the cam's surface",
-            nominal=1e-5,
-            display_unit="um",
-        ),
-    ] = 0.0
-    bending_across_rate: Annotated[
-        float, Quantity("m/s", "its rate, the axis's drift along the follower", nominal=1e-2)
-    ] = 0.0
-    slope_across: Annotated[
-        float, Quantity("rad", "slope of the shaft at the cam across the follower's path", nominal=1e-4)
-    ] = 0.0
-    slope_across_rate: Annotated[float, Quantity("rad/s", "its rate", nominal=0.1)] = 0.0
+    twist_rate: float = Quantity("rad/s", "rate of twist").default(0.0)
+    bending: float = Quantity(
+        "m", "cam axis displacement towards the follower", nominal=1e-4, display_unit="mm"
+    ).default(0.0)
+    bending_rate: float = Quantity("m/s", "cam axis velocity towards the follower", nominal=0.1).default(0.0)
+    slope: float = Quantity("rad", "slope of the shaft at the cam", nominal=1e-3).default(0.0)
+    slope_rate: float = Quantity("rad/s", "rate of the slope at the cam").default(0.0)
+    bending_across: float = Quantity(
+        "m",
+        "cam axis displacement across the follower's path, against the cam's surface",
+        nominal=1e-5,
+        display_unit="um",
+    ).default(0.0)
+    bending_across_rate: float = Quantity(
+        "m/s", "its rate, the axis's drift along the follower", nominal=1e-2
+    ).default(0.0)
+    slope_across: float = Quantity(
+        "rad", "slope of the shaft at the cam across the follower's path", nominal=1e-4
+    ).default(0.0)
+    slope_across_rate: float = Quantity("rad/s", "its rate", nominal=0.1).default(0.0)
 
 
 @dataclass
 class CamshaftInputs(DriveInputs):
-    contact_load: Annotated[float, Quantity("N", "load W of the follower on the cam", nominal=500.0)] = 0.0
-    friction_force: Annotated[
-        float, Quantity("N", "friction on the cam against its sliding", nominal=10.0)
-    ] = 0.0
+    contact_load: float = Quantity("N", "load W of the follower on the cam", nominal=500.0).default(0.0)
+    friction_force: float = Quantity("N", "friction on the cam against its sliding", nominal=10.0).default(
+        0.0
+    )
 
 
 @dataclass
 class CamshaftOutputs:
-    surface_position: Annotated[
-        float, Quantity("m", "cam surface towards the follower, s + bending", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    surface_velocity: Annotated[
-        float, Quantity("m/s", "velocity of the cam surface towards the follower")
-    ] = 0.0
-    radius_of_curvature: Annotated[
-        float, Quantity("m", "radius of the cam at the contact", nominal=1e-2, display_unit="mm")
-    ] = 0.0
-    entraining_velocity: Annotated[
-        float, Quantity("m/s", "mean surface velocity relative to the contact")
-    ] = 0.0
-    sliding_velocity: Annotated[float, Quantity("m/s", "velocity of cam over follower surface")] = 0.0
-    drive_torque: Annotated[float, Quantity("N.m", "torque taken from the drive", nominal=10.0)] = 0.0
-    cam_angle: Annotated[
-        float, Quantity("rad", "angle of the cam; the nose is at pi", display_unit="deg")
-    ] = 0.0
-    cam_speed: Annotated[float, Quantity("rad/s", "speed of the cam", nominal=100.0, display_unit="rpm")] = (
-        0.0
-    )
-    cam_lift: Annotated[float, Quantity("m", "lift s of the profile", nominal=1e-3, display_unit="mm")] = 0.0
-    contact_offset: Annotated[
-        float,
-        Quantity(
-            "m",
-            "offset of the contact along the follower, s' + bending across",
-            nominal=1e-2,
-            display_unit="mm",
-        ),
-    ] = 0.0
-    next_event: Annotated[
-        float, Quantity("s", "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests")
-    ] = NO_EVENT
+    surface_position: float = Quantity(
+        "m", "cam surface towards the follower, s + bending", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    surface_velocity: float = Quantity("m/s", "velocity of the cam surface towards the follower").default(0.0)
+    radius_of_curvature: float = Quantity(
+        "m", "radius of the cam at the contact", nominal=1e-2, display_unit="mm"
+    ).default(0.0)
+    entraining_velocity: float = Quantity("m/s", "mean surface velocity relative to the contact").default(0.0)
+    sliding_velocity: float = Quantity("m/s", "velocity of cam over follower surface").default(0.0)
+    drive_torque: float = Quantity("N.m", "torque taken from the drive", nominal=10.0).default(0.0)
+    cam_angle: float = Quantity("rad", "angle of the cam; the nose is at pi", display_unit="deg").default(0.0)
+    cam_speed: float = Quantity("rad/s", "speed of the cam", nominal=100.0, display_unit="rpm").default(0.0)
+    cam_lift: float = Quantity("m", "lift s of the profile", nominal=1e-3, display_unit="mm").default(0.0)
+    contact_offset: float = Quantity(
+        "m", "offset of the contact along the follower, s' + bending across", nominal=1e-2, display_unit="mm"
+    ).default(0.0)
+    next_event: float = Quantity(
+        "s", "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests"
+    ).default(NO_EVENT)
 
 
 @kernel

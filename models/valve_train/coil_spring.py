@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector, per_element
+from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import SEAT_STIFFNESS, SPRING_RATE
 from .shared import SurgeDamping, SurgeFrequency
 
@@ -24,65 +23,54 @@ from .shared import SurgeDamping, SurgeFrequency
 class CoilSpringParameters:
     """Defaults: the spring of the set `kushwaha2000`, whose coils do not close within 20 mm."""
 
-    spring_rate: Annotated[
-        float,
-        Quantity(
-            "N/m", "static rate k0 while no coil is closed", nominal=3e4, positive=True, plausible=SPRING_RATE
-        ),
-    ] = 35e3
+    spring_rate: float = Quantity(
+        "N/m", "static rate k0 while no coil is closed", nominal=3e4, positive=True, plausible=SPRING_RATE
+    ).default(35e3)
     surge_frequency: SurgeFrequency = 504.5
     damping_ratio: SurgeDamping = 0.02
-    preload: Annotated[float, Quantity("N", "force f_p at position zero", nominal=300.0, minimum=0.0)] = 330.0
-    gap: Annotated[
-        Vector,
-        Quantity(
-            "m",
-            "compression of a segment at which its coils close, from the moving end",
-            nominal=1e-3,
-            display_unit="mm",
-            positive=True,
-            size="segments",
-        ),
-    ] = per_element(2e-3)
-    stop_stiffness: Annotated[
-        float,
-        Quantity("N/m", "stiffness of closed coils", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS),
-    ] = 5e6
-    stop_damping: Annotated[
-        float, Quantity("N.s/m", "damping of closed coils", nominal=10.0, minimum=0.0)
-    ] = 20.0
-
-
-@dataclass
-class CoilSpringState:
-    coil_position: Annotated[
-        Vector,
-        Quantity("m", "displacement of a coil mass", nominal=1e-3, display_unit="mm", size="coil_masses"),
-    ] = per_element()
-    coil_velocity: Annotated[Vector, Quantity("m/s", "velocity of a coil mass", size="coil_masses")] = (
-        per_element()
+    preload: float = Quantity("N", "force f_p at position zero", nominal=300.0, minimum=0.0).default(330.0)
+    gap: Vector = Quantity(
+        "m",
+        "compression of a segment at which its coils close, from the moving end",
+        nominal=1e-3,
+        display_unit="mm",
+        positive=True,
+        size="segments",
+    ).per_element(2e-3)
+    stop_stiffness: float = Quantity(
+        "N/m", "stiffness of closed coils", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS
+    ).default(5e6)
+    stop_damping: float = Quantity("N.s/m", "damping of closed coils", nominal=10.0, minimum=0.0).default(
+        20.0
     )
 
 
 @dataclass
+class CoilSpringState:
+    coil_position: Vector = Quantity(
+        "m", "displacement of a coil mass", nominal=1e-3, display_unit="mm", size="coil_masses"
+    ).per_element()
+    coil_velocity: Vector = Quantity("m/s", "velocity of a coil mass", size="coil_masses").per_element()
+
+
+@dataclass
 class CoilSpringInputs:
-    position: Annotated[
-        float, Quantity("m", "position of the moving end", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "velocity of the moving end")] = 0.0
+    position: float = Quantity("m", "position of the moving end", nominal=1e-3, display_unit="mm").default(
+        0.0
+    )
+    velocity: float = Quantity("m/s", "velocity of the moving end").default(0.0)
 
 
 @dataclass
 class CoilSpringOutputs:
-    force: Annotated[float, Quantity("N", "force on the moving end, preload included", nominal=500.0)] = 0.0
-    least_gap: Annotated[
-        float, Quantity("m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    clash_force: Annotated[float, Quantity("N", "largest force of a stop", nominal=10.0)] = 0.0
-    coil_position: Annotated[
-        Vector,
-        Quantity("m", "displacement of a coil mass", nominal=1e-3, display_unit="mm", size="coil_masses"),
-    ] = per_element()
+    force: float = Quantity("N", "force on the moving end, preload included", nominal=500.0).default(0.0)
+    least_gap: float = Quantity(
+        "m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    clash_force: float = Quantity("N", "largest force of a stop", nominal=10.0).default(0.0)
+    coil_position: Vector = Quantity(
+        "m", "displacement of a coil mass", nominal=1e-3, display_unit="mm", size="coil_masses"
+    ).per_element()
 
 
 @kernel

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -53,69 +53,51 @@ class LeverParameters(TipParameters):
     """Defaults: a finger of 28 and 40 mm with a pad. The lift of the profile is the valve's."""
 
     phase: Phase = 0.0
-    rolls: Annotated[
-        float, Quantity("1", "a roller on the cam; false: a pad, which slides", boolean=True)
-    ] = 0.0
+    rolls: float = Quantity("1", "a roller on the cam; false: a pad, which slides", boolean=True).default(0.0)
     follower_radius: FollowerRadius = 20e-3
-    cam_arm: Annotated[
-        float,
-        Quantity(
-            "m",
-            "distance from the pivot to the centre of roller or pad; the cam's surface moves towards it, "
-            "away from it where this is negative",
-            nominal=1e-2,
-            display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 28e-3
-    pivot_angle: Annotated[
-        float,
-        Quantity(
-            "rad", "angle by which that line falls, valve closed", display_unit="deg", plausible=LEVER_ANGLE
-        ),
-    ] = math.radians(8.0)
-    valve_arm: Annotated[
-        float,
-        Quantity(
-            "m",
-            "distance from the pivot to the centre of the pad on the valve; the sign of cam_arm",
-            nominal=1e-2,
-            display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 40e-3
-    valve_angle: Annotated[
-        float,
-        Quantity("rad", "angle by which that line falls further", display_unit="deg", plausible=LEVER_ANGLE),
-    ] = math.radians(2.0)
-    mass: Annotated[
-        float, Quantity("kg", "mass of the finger", nominal=0.1, positive=True, plausible=PART_MASS)
-    ] = 0.05
-    inertia: Annotated[
-        float, Quantity("kg.m2", "moment of inertia about the pivot", nominal=1e-5, positive=True)
-    ] = 3e-5
-    mass_arm: Annotated[
-        float,
-        Quantity(
-            "m",
-            "distance from the pivot to the centre of mass, on the line to roller or pad",
-            nominal=1e-2,
-            display_unit="mm",
-        ),
-    ] = 18e-3
-    pivot_stiffness: Annotated[
-        float,
-        Quantity(
-            "N/m",
-            "stiffness of the pivot's support; 0: a lash adjuster bears it",
-            nominal=1e8,
-            minimum=0.0,
-            plausible=SEAT_STIFFNESS,
-        ),
-    ] = 0.0
-    pivot_damping: Annotated[
-        float, Quantity("N.s/m", "damping of the pivot's support", nominal=1e2, minimum=0.0)
-    ] = 0.0
+    cam_arm: float = Quantity(
+        "m",
+        "distance from the pivot to the centre of roller or pad; the cam's surface moves towards it, "
+        "away from it where this is negative",
+        nominal=1e-2,
+        display_unit="mm",
+        plausible=PART_LENGTH,
+    ).default(28e-3)
+    pivot_angle: float = Quantity(
+        "rad", "angle by which that line falls, valve closed", display_unit="deg", plausible=LEVER_ANGLE
+    ).default(math.radians(8.0))
+    valve_arm: float = Quantity(
+        "m",
+        "distance from the pivot to the centre of the pad on the valve; the sign of cam_arm",
+        nominal=1e-2,
+        display_unit="mm",
+        plausible=PART_LENGTH,
+    ).default(40e-3)
+    valve_angle: float = Quantity(
+        "rad", "angle by which that line falls further", display_unit="deg", plausible=LEVER_ANGLE
+    ).default(math.radians(2.0))
+    mass: float = Quantity(
+        "kg", "mass of the finger", nominal=0.1, positive=True, plausible=PART_MASS
+    ).default(0.05)
+    inertia: float = Quantity(
+        "kg.m2", "moment of inertia about the pivot", nominal=1e-5, positive=True
+    ).default(3e-5)
+    mass_arm: float = Quantity(
+        "m",
+        "distance from the pivot to the centre of mass, on the line to roller or pad",
+        nominal=1e-2,
+        display_unit="mm",
+    ).default(18e-3)
+    pivot_stiffness: float = Quantity(
+        "N/m",
+        "stiffness of the pivot's support; 0: a lash adjuster bears it",
+        nominal=1e8,
+        minimum=0.0,
+        plausible=SEAT_STIFFNESS,
+    ).default(0.0)
+    pivot_damping: float = Quantity(
+        "N.s/m", "damping of the pivot's support", nominal=1e2, minimum=0.0
+    ).default(0.0)
 
 
 @dataclass
@@ -130,29 +112,29 @@ class TableFingerParameters(LeverParameters, TableParameters):
 
 @dataclass
 class FingerState(LeverMotion):
-    pivot_position: Annotated[
-        float, Quantity("m", "position of the pivot away from the cam", nominal=1e-5, display_unit="um")
-    ] = 0.0
-    pivot_velocity: Annotated[float, Quantity("m/s", "velocity of the pivot", nominal=1e-2)] = 0.0
+    pivot_position: float = Quantity(
+        "m", "position of the pivot away from the cam", nominal=1e-5, display_unit="um"
+    ).default(0.0)
+    pivot_velocity: float = Quantity("m/s", "velocity of the pivot", nominal=1e-2).default(0.0)
 
 
 @dataclass
 class FingerInputs(CamInputs, TipInputs):
-    pivot_force: Annotated[
-        float, Quantity("N", "force of a lash adjuster on the pivot, towards the cam", nominal=500.0)
-    ] = 0.0
-    pivot_torque: Annotated[
-        float, Quantity("N.m", "torque of the pivot's friction against the rotation", nominal=0.1)
-    ] = 0.0
-    roller_torque: Annotated[
-        float, Quantity("N.m", "torque of a roller that may slip, against the rotation", nominal=0.1)
-    ] = 0.0
+    pivot_force: float = Quantity(
+        "N", "force of a lash adjuster on the pivot, towards the cam", nominal=500.0
+    ).default(0.0)
+    pivot_torque: float = Quantity(
+        "N.m", "torque of the pivot's friction against the rotation", nominal=0.1
+    ).default(0.0)
+    roller_torque: float = Quantity(
+        "N.m", "torque of a roller that may slip, against the rotation", nominal=0.1
+    ).default(0.0)
 
 
 @dataclass
 class FingerOutputs(FingerState, CamOutputs, TipOutputs):
-    ratio: Annotated[float, Quantity("1", "load on the cam over that on the valve, slowly turned")] = 1.0
-    support_force: Annotated[float, Quantity("N", "force of the pivot on its support", nominal=500.0)] = 0.0
+    ratio: float = Quantity("1", "load on the cam over that on the valve, slowly turned").default(1.0)
+    support_force: float = Quantity("N", "force of the pivot on its support", nominal=500.0).default(0.0)
 
 
 class Arm(NamedTuple):

@@ -52,60 +52,48 @@ Displacement = Annotated[
 class JournalBearingParameters:
     """Defaults: a bearing of a camshaft, 25 mm, with hot engine oil."""
 
-    diameter: Annotated[
-        float,
-        Quantity(
-            "m", "diameter of the journal", nominal=1e-2, positive=True, display_unit="mm",
-            plausible=CAM_RADIUS,
-        ),
-    ] = 25e-3  # fmt: skip
-    width: Annotated[
-        float,
-        Quantity(
-            "m", "width of the bearing", nominal=1e-2, positive=True, display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 12e-3  # fmt: skip
-    radial_clearance: Annotated[
-        float,
-        Quantity(
-            "m", "radius of the bush less that of the journal", nominal=1e-5, positive=True,
-            display_unit="um", plausible=PLAY,
-        ),
-    ] = 25e-6  # fmt: skip
-    viscosity: Annotated[
-        float, Quantity("Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY)
-    ] = 0.01
-    film_model: Annotated[
-        float,
-        Quantity("1", "Ocvirk's film, or one that also flows round the journal", choices=("short", "finite")),
-    ] = FINITE
-    support_stiffness: Annotated[
-        float,
-        Quantity(
-            "N/m", "radial stiffness of bush and housing", nominal=1e8, positive=True,
-            plausible=SEAT_STIFFNESS,
-        ),
-    ] = 2e8  # fmt: skip
-    roughness: Annotated[
-        float, Quantity("m", "composite rms roughness", nominal=1e-7, positive=True, display_unit="um")
-    ] = 0.4e-6
-    roughness_parameter: Annotated[
-        float, Quantity("1", "density x radius x rms of asperities", nominal=0.05, positive=True)
-    ] = 0.05
-    asperity_slope: Annotated[
-        float, Quantity("1", "rms over radius of asperities", nominal=1e-3, positive=True)
-    ] = 1e-3
-    contact_modulus: Annotated[
-        float,
-        Quantity(
-            "Pa", "modulus E of the contact, 1/E = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", nominal=1e11,
-            positive=True, plausible=YOUNGS_MODULUS,
-        ),
-    ] = 58e9  # fmt: skip
-    boundary_friction_coefficient: Annotated[
-        float, Quantity("1", "friction coefficient of asperities", nominal=0.1, minimum=0.0)
-    ] = 0.1
+    diameter: float = Quantity(
+        "m", "diameter of the journal", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
+    ).default(25e-3)
+    width: float = Quantity(
+        "m", "width of the bearing", nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH
+    ).default(12e-3)
+    radial_clearance: float = Quantity(
+        "m",
+        "radius of the bush less that of the journal",
+        nominal=1e-5,
+        positive=True,
+        display_unit="um",
+        plausible=PLAY,
+    ).default(25e-6)
+    viscosity: float = Quantity(
+        "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
+    ).default(0.01)
+    film_model: float = Quantity(
+        "1", "Ocvirk's film, or one that also flows round the journal", choices=("short", "finite")
+    ).default(FINITE)
+    support_stiffness: float = Quantity(
+        "N/m", "radial stiffness of bush and housing", nominal=1e8, positive=True, plausible=SEAT_STIFFNESS
+    ).default(2e8)
+    roughness: float = Quantity(
+        "m", "composite rms roughness", nominal=1e-7, positive=True, display_unit="um"
+    ).default(0.4e-6)
+    roughness_parameter: float = Quantity(
+        "1", "density x radius x rms of asperities", nominal=0.05, positive=True
+    ).default(0.05)
+    asperity_slope: float = Quantity(
+        "1", "rms over radius of asperities", nominal=1e-3, positive=True
+    ).default(1e-3)
+    contact_modulus: float = Quantity(
+        "Pa",
+        "modulus E of the contact, 1/E = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
+        nominal=1e11,
+        positive=True,
+        plausible=YOUNGS_MODULUS,
+    ).default(58e9)
+    boundary_friction_coefficient: float = Quantity(
+        "1", "friction coefficient of asperities", nominal=0.1, minimum=0.0
+    ).default(0.1)
 
 
 @dataclass
@@ -116,35 +104,35 @@ class JournalBearingState:
 
 @dataclass
 class JournalBearingInputs:
-    shaft_speed: Annotated[
-        float, Quantity("rad/s", "speed of the journal, anticlockwise", nominal=100.0, display_unit="rpm")
-    ] = 0.0
+    shaft_speed: float = Quantity(
+        "rad/s", "speed of the journal, anticlockwise", nominal=100.0, display_unit="rpm"
+    ).default(0.0)
     axis_x: Displacement = 0.0
     axis_y: Displacement = 0.0
-    axis_velocity_x: Annotated[float, Quantity("m/s", "rate of axis_x", nominal=1e-2)] = 0.0
-    axis_velocity_y: Annotated[float, Quantity("m/s", "rate of axis_y", nominal=1e-2)] = 0.0
+    axis_velocity_x: float = Quantity("m/s", "rate of axis_x", nominal=1e-2).default(0.0)
+    axis_velocity_y: float = Quantity("m/s", "rate of axis_y", nominal=1e-2).default(0.0)
 
 
 @dataclass
 class JournalBearingOutputs:
-    force_x: Annotated[float, Quantity("N", "force on the journal", nominal=500.0)] = 0.0
-    force_y: Annotated[float, Quantity("N", "force on the journal", nominal=500.0)] = 0.0
-    friction_torque: Annotated[
-        float, Quantity("N.m", "torque that film and asperities take from the shaft", nominal=0.1)
-    ] = 0.0
-    load: Annotated[float, Quantity("N", "force on the bush", nominal=500.0)] = 0.0
+    force_x: float = Quantity("N", "force on the journal", nominal=500.0).default(0.0)
+    force_y: float = Quantity("N", "force on the journal", nominal=500.0).default(0.0)
+    friction_torque: float = Quantity(
+        "N.m", "torque that film and asperities take from the shaft", nominal=0.1
+    ).default(0.0)
+    load: float = Quantity("N", "force on the bush", nominal=500.0).default(0.0)
     eccentricity_x: Eccentricity = 0.0
     eccentricity_y: Eccentricity = 0.0
-    eccentricity_ratio: Annotated[float, Quantity("1", "eccentricity over the radial clearance")] = 0.0
-    minimum_film_thickness: Annotated[
-        float, Quantity("m", "least thickness of the film", nominal=1e-6, display_unit="um")
-    ] = 0.0
-    film_ratio: Annotated[float, Quantity("1", "least film over roughness")] = 0.0
-    maximum_pressure: Annotated[
-        float, Quantity("Pa", "highest pressure of the film", nominal=1e6, display_unit="MPa")
-    ] = 0.0
-    asperity_load: Annotated[float, Quantity("N", "load on the asperities", nominal=500.0)] = 0.0
-    power_loss: Annotated[float, Quantity("W", "power lost to friction and squeeze", nominal=10.0)] = 0.0
+    eccentricity_ratio: float = Quantity("1", "eccentricity over the radial clearance").default(0.0)
+    minimum_film_thickness: float = Quantity(
+        "m", "least thickness of the film", nominal=1e-6, display_unit="um"
+    ).default(0.0)
+    film_ratio: float = Quantity("1", "least film over roughness").default(0.0)
+    maximum_pressure: float = Quantity(
+        "Pa", "highest pressure of the film", nominal=1e6, display_unit="MPa"
+    ).default(0.0)
+    asperity_load: float = Quantity("N", "load on the asperities", nominal=500.0).default(0.0)
+    power_loss: float = Quantity("W", "power lost to friction and squeeze", nominal=10.0).default(0.0)
 
 
 class Film(NamedTuple):

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -27,93 +26,71 @@ STEPS, CLOSE = 60, 1e-15
 class LashAdjusterParameters:
     """Defaults: an adjuster of 9 mm with a chamber of 600 mm3, without air."""
 
-    plunger_diameter: Annotated[
-        float,
-        Quantity(
-            "m",
-            "diameter of the plunger",
-            nominal=1e-2,
-            positive=True,
-            display_unit="mm",
-            plausible=CAM_RADIUS,
-        ),
-    ] = 9e-3
-    chamber_volume: Annotated[
-        float,
-        Quantity(
-            "m3", "volume of the chamber", nominal=1e-6, positive=True, display_unit="mm3", plausible=VOLUME
-        ),
-    ] = 600e-9
-    bulk_modulus: Annotated[
-        float, Quantity("Pa", "bulk modulus of the oil", nominal=1e9, positive=True, display_unit="MPa")
-    ] = 1.5e9
-    air_content: Annotated[
-        float, Quantity("1", "volume of air in the oil at supply pressure", minimum=0.0, maximum=0.5)
-    ] = 0.0
-    air_exponent: Annotated[
-        float, Quantity("1", "polytropic exponent of the air", minimum=1.0, maximum=2.0)
-    ] = 1.4
-    supply_pressure: Annotated[
-        float,
-        Quantity(
-            "Pa", "absolute pressure of the oil supply", nominal=1e5, positive=True, display_unit="MPa",
-            plausible=GAS_PRESSURE,
-        ),
-    ] = 5e5  # fmt: skip
-    leak_clearance: Annotated[
-        float,
-        Quantity(
-            "m",
-            "radial clearance of the plunger",
-            nominal=1e-6,
-            minimum=0.0,
-            display_unit="um",
-            plausible=PLAY,
-        ),
-    ] = 6e-6
-    leak_length: Annotated[
-        float,
-        Quantity(
-            "m", "length of the clearance", nominal=1e-3, positive=True, display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 5e-3  # fmt: skip
-    viscosity: Annotated[
-        float, Quantity("Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY)
-    ] = 0.01
-    valve_opening_pressure: Annotated[
-        float, Quantity("Pa", "pressure below the supply's at which the check valve opens", minimum=0.0)
-    ] = 3e3
-    valve_conductance: Annotated[
-        float, Quantity("m3/s.Pa", "flow through the check valve over pressure", nominal=1e-10, minimum=0.0)
-    ] = 1e-10
-    spring_force: Annotated[
-        float, Quantity("N", "force of the plunger's spring", nominal=10.0, minimum=0.0)
-    ] = 20.0
+    plunger_diameter: float = Quantity(
+        "m", "diameter of the plunger", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
+    ).default(9e-3)
+    chamber_volume: float = Quantity(
+        "m3", "volume of the chamber", nominal=1e-6, positive=True, display_unit="mm3", plausible=VOLUME
+    ).default(600e-9)
+    bulk_modulus: float = Quantity(
+        "Pa", "bulk modulus of the oil", nominal=1e9, positive=True, display_unit="MPa"
+    ).default(1.5e9)
+    air_content: float = Quantity(
+        "1", "volume of air in the oil at supply pressure", minimum=0.0, maximum=0.5
+    ).default(0.0)
+    air_exponent: float = Quantity("1", "polytropic exponent of the air", minimum=1.0, maximum=2.0).default(
+        1.4
+    )
+    supply_pressure: float = Quantity(
+        "Pa",
+        "absolute pressure of the oil supply",
+        nominal=1e5,
+        positive=True,
+        display_unit="MPa",
+        plausible=GAS_PRESSURE,
+    ).default(5e5)
+    leak_clearance: float = Quantity(
+        "m", "radial clearance of the plunger", nominal=1e-6, minimum=0.0, display_unit="um", plausible=PLAY
+    ).default(6e-6)
+    leak_length: float = Quantity(
+        "m", "length of the clearance", nominal=1e-3, positive=True, display_unit="mm", plausible=PART_LENGTH
+    ).default(5e-3)
+    viscosity: float = Quantity(
+        "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
+    ).default(0.01)
+    valve_opening_pressure: float = Quantity(
+        "Pa", "pressure below the supply's at which the check valve opens", minimum=0.0
+    ).default(3e3)
+    valve_conductance: float = Quantity(
+        "m3/s.Pa", "flow through the check valve over pressure", nominal=1e-10, minimum=0.0
+    ).default(1e-10)
+    spring_force: float = Quantity("N", "force of the plunger's spring", nominal=10.0, minimum=0.0).default(
+        20.0
+    )
 
 
 @dataclass
 class LashAdjusterState:
-    leaked_volume: Annotated[
-        float, Quantity("m3", "oil that has left the chamber, less what came in", nominal=1e-9)
-    ] = 0.0
+    leaked_volume: float = Quantity(
+        "m3", "oil that has left the chamber, less what came in", nominal=1e-9
+    ).default(0.0)
 
 
 @dataclass
 class LashAdjusterOutputs:
-    force: Annotated[float, Quantity("N", "force that parts both bodies", nominal=500.0)] = 0.0
-    pressure: Annotated[
-        float, Quantity("Pa", "pressure of the chamber over the supply's", nominal=1e6, display_unit="MPa")
-    ] = 0.0
-    extension: Annotated[
-        float, Quantity("m", "length over that of the start", nominal=1e-5, display_unit="um")
-    ] = 0.0
-    leak_flow: Annotated[float, Quantity("m3/s", "flow out by the clearance", nominal=1e-7)] = 0.0
-    valve_flow: Annotated[float, Quantity("m3/s", "flow in through the check valve", nominal=1e-7)] = 0.0
-    valve_excess: Annotated[
-        float, Quantity("Pa", "pressure above that at which the check valve opens", nominal=1e6)
-    ] = 0.0
-    cavitates: Annotated[float, Quantity("1", "the oil is torn, at no absolute pressure", boolean=True)] = 0.0
+    force: float = Quantity("N", "force that parts both bodies", nominal=500.0).default(0.0)
+    pressure: float = Quantity(
+        "Pa", "pressure of the chamber over the supply's", nominal=1e6, display_unit="MPa"
+    ).default(0.0)
+    extension: float = Quantity(
+        "m", "length over that of the start", nominal=1e-5, display_unit="um"
+    ).default(0.0)
+    leak_flow: float = Quantity("m3/s", "flow out by the clearance", nominal=1e-7).default(0.0)
+    valve_flow: float = Quantity("m3/s", "flow in through the check valve", nominal=1e-7).default(0.0)
+    valve_excess: float = Quantity(
+        "Pa", "pressure above that at which the check valve opens", nominal=1e6
+    ).default(0.0)
+    cavitates: float = Quantity("1", "the oil is torn, at no absolute pressure", boolean=True).default(0.0)
 
 
 @kernel

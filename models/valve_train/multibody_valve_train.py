@@ -9,7 +9,7 @@ those of `camshaft` and `valve_spring`.
 from __future__ import annotations
 
 from dataclasses import dataclass, make_dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from ..compile.kernel import kernel
 from ..contact.ehl_contact import ContactParameters
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
-from ..core.quantities import Layout, Quantity, Vector, per_element, pick_fields
+from ..core.quantities import Layout, Quantity, Vector, pick_fields
 from ..core.requirements import Requirement
 from ..multibody.coils import COIL_INERTIA, SPRING_LENGTH
 from ..multibody.fill import fill_tables
@@ -77,20 +77,14 @@ class MultibodyState:
     """Three of each body: shaft, cam, follower, spring masses. Of shaft and cam the turn about z counts from
     the drive, all else from the place at zero lift."""
 
-    position: Annotated[
-        Vector,
-        Quantity(
-            "m", "displacement of a body: x, y, z of the first ...", nominal=1e-3, display_unit="mm",
-            size="axes",
-        ),
-    ] = per_element()  # fmt: skip
-    angle: Annotated[
-        Vector, Quantity("rad", "Cardan angles of a body", nominal=1e-3, display_unit="deg", size="axes")
-    ] = per_element()
-    velocity: Annotated[Vector, Quantity("m/s", "velocity of a body", size="axes")] = per_element()
-    angular_velocity: Annotated[Vector, Quantity("rad/s", "angular velocity of a body", size="axes")] = (
-        per_element()
-    )
+    position: Vector = Quantity(
+        "m", "displacement of a body: x, y, z of the first ...", nominal=1e-3, display_unit="mm", size="axes"
+    ).per_element()
+    angle: Vector = Quantity(
+        "rad", "Cardan angles of a body", nominal=1e-3, display_unit="deg", size="axes"
+    ).per_element()
+    velocity: Vector = Quantity("m/s", "velocity of a body", size="axes").per_element()
+    angular_velocity: Vector = Quantity("rad/s", "angular velocity of a body", size="axes").per_element()
 
 
 MultibodyInputs = make_dataclass(
@@ -99,61 +93,44 @@ MultibodyInputs = make_dataclass(
         *pick_fields(CamshaftInputs, "drive_angle", "drive_speed", "drive_acceleration"),
         (
             "film_thickness",
-            Annotated[float, Quantity("m", "film between cam and follower", nominal=1e-6, display_unit="um")],
-            1e-6,
+            float,
+            Quantity("m", "film between cam and follower", nominal=1e-6, display_unit="um").default(1e-6),
         ),
-        (
-            "film_rate",
-            Annotated[float, Quantity("m/s", "its rate, which the contact damps", nominal=1e-3)],
-            0.0,
-        ),
+        ("film_rate", float, Quantity("m/s", "its rate, which the contact damps", nominal=1e-3).default(0.0)),
     ],
 )
 
-_OWN_OUTPUTS = [
-    ("load", Annotated[float, Quantity("N", "contact load W", nominal=500.0)], 0.0),
-    ("elastic_load", Annotated[float, Quantity("N", "contact load without its damping", nominal=500.0)], 0.0),
-    (
-        "deflection",
-        Annotated[float, Quantity("m", "elastic approach of the bodies", nominal=1e-6, display_unit="um")],
-        0.0,
-    ),
-    (
-        "guide_moment",
-        Annotated[float, Quantity("N.m", "moment of the follower on its guide", nominal=10.0)],
-        0.0,
-    ),
-    ("twist", Annotated[float, Quantity("rad", "cam angle less driven angle", nominal=1e-4)], 0.0),
-    (
-        "axis_x",
-        Annotated[
-            float, Quantity("m", "displacement of the cam across the valve", nominal=1e-5, display_unit="um")
-        ],
-        0.0,
-    ),
-    (
-        "axis_y",
-        Annotated[
-            float, Quantity("m", "displacement of the cam towards the valve", nominal=1e-5, display_unit="um")
-        ],
-        0.0,
-    ),
-    (
-        "constraint_violation",
-        Annotated[float, Quantity("1", "largest violation of a constraint (m or rad)", nominal=1e-9)],
-        0.0,
-    ),
-]
+
+@dataclass
+class _OwnOutputs:
+    load: float = Quantity("N", "contact load W", nominal=500.0).default(0.0)
+    elastic_load: float = Quantity("N", "contact load without its damping", nominal=500.0).default(0.0)
+    deflection: float = Quantity(
+        "m", "elastic approach of the bodies", nominal=1e-6, display_unit="um"
+    ).default(0.0)
+    guide_moment: float = Quantity("N.m", "moment of the follower on its guide", nominal=10.0).default(0.0)
+    twist: float = Quantity("rad", "cam angle less driven angle", nominal=1e-4).default(0.0)
+    axis_x: float = Quantity(
+        "m", "displacement of the cam across the valve", nominal=1e-5, display_unit="um"
+    ).default(0.0)
+    axis_y: float = Quantity(
+        "m", "displacement of the cam towards the valve", nominal=1e-5, display_unit="um"
+    ).default(0.0)
+    constraint_violation: float = Quantity(
+        "1", "largest violation of a constraint (m or rad)", nominal=1e-9
+    ).default(0.0)
+
+
 MultibodyOutputs = make_dataclass(
     "MultibodyOutputs",
     [
-        *_OWN_OUTPUTS,
         *pick_fields(ValveSpringOutputs, "position", "velocity", "acceleration", "spring_force"),
         *pick_fields(
             CamshaftOutputs, "entraining_velocity", "sliding_velocity", "radius_of_curvature",
             "drive_torque", "cam_angle", "cam_speed", "cam_lift", "contact_offset", "next_event",
         ),
     ],
+    bases=(_OwnOutputs,),
 )  # fmt: skip
 
 

@@ -7,7 +7,6 @@ surfaces give elastically. Its dry part has the limit mu W under the load W; the
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -21,12 +20,12 @@ from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, l
 class PadFrictionParameters:
     """Defaults: mixed lubrication; under 500 N the surfaces give by 5 um before they slide."""
 
-    friction_coefficient: Annotated[
-        float, Quantity("1", "Coulomb's coefficient of friction mu", nominal=0.1, minimum=0.0)
-    ] = 0.1
-    viscous_coefficient: Annotated[
-        float, Quantity("N.s/m", "viscous friction c over velocity", nominal=1.0, minimum=0.0)
-    ] = 0.0
+    friction_coefficient: float = Quantity(
+        "1", "Coulomb's coefficient of friction mu", nominal=0.1, minimum=0.0
+    ).default(0.1)
+    viscous_coefficient: float = Quantity(
+        "N.s/m", "viscous friction c over velocity", nominal=1.0, minimum=0.0
+    ).default(0.0)
     sticking_stiffness: StickingStiffness = 1e7
     relaxation_time: RelaxationTime = 3e-5
 
@@ -38,18 +37,18 @@ class PadFrictionState:
 
 @dataclass
 class PadFrictionInputs:
-    sliding_velocity: Annotated[float, Quantity("m/s", "velocity v_s of one surface on the other")] = 0.0
-    load: Annotated[float, Quantity("N", "load W of the contact", nominal=500.0)] = 0.0
+    sliding_velocity: float = Quantity("m/s", "velocity v_s of one surface on the other").default(0.0)
+    load: float = Quantity("N", "load W of the contact", nominal=500.0).default(0.0)
 
 
 @dataclass
 class PadFrictionOutputs:
-    friction_force: Annotated[float, Quantity("N", "friction against the sliding", nominal=10.0)] = 0.0
-    sticking_margin: Annotated[
-        float, Quantity("N", "limit less what sticking would take; negative: it slides", nominal=10.0)
-    ] = 0.0
-    slip: Annotated[float, Quantity("m/s", "velocity by which the surfaces slide")] = 0.0
-    power_loss: Annotated[float, Quantity("W", "power lost to friction", nominal=1.0)] = 0.0
+    friction_force: float = Quantity("N", "friction against the sliding", nominal=10.0).default(0.0)
+    sticking_margin: float = Quantity(
+        "N", "limit less what sticking would take; negative: it slides", nominal=10.0
+    ).default(0.0)
+    slip: float = Quantity("m/s", "velocity by which the surfaces slide").default(0.0)
+    power_loss: float = Quantity("W", "power lost to friction", nominal=1.0).default(0.0)
 
 
 @kernel

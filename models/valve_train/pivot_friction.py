@@ -7,7 +7,6 @@ T + c omega.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -22,56 +21,57 @@ from .slider import Slip, find_slip, lost_power
 class PivotFrictionParameters:
     """Defaults: a pin of 16 mm in mixed lubrication, which twists by 1.3 um under 1000 N before it slides."""
 
-    friction_coefficient: Annotated[
-        float, Quantity("1", "Coulomb's coefficient of friction mu", nominal=0.1, minimum=0.0)
-    ] = 0.1
-    radius: Annotated[
-        float,
-        Quantity(
-            "m", "radius of the pivot's pin or ball", nominal=1e-2, positive=True, display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 8e-3  # fmt: skip
-    preload_torque: Annotated[
-        float, Quantity("N.m", "limit T_0 of the dry friction without load", nominal=0.1, minimum=0.0)
-    ] = 0.0
-    viscous_coefficient: Annotated[
-        float, Quantity("N.m.s", "viscous friction c over speed", nominal=1e-3, minimum=0.0)
-    ] = 0.0
-    sticking_stiffness: Annotated[
-        float, Quantity("N.m/rad", "stiffness k of the sticking surfaces", nominal=1e3, positive=True)
-    ] = 5e3
-    relaxation_time: Annotated[
-        float, Quantity("s", "damping of their twist over the stiffness, tau", nominal=1e-5, positive=True)
-    ] = 3e-5
+    friction_coefficient: float = Quantity(
+        "1", "Coulomb's coefficient of friction mu", nominal=0.1, minimum=0.0
+    ).default(0.1)
+    radius: float = Quantity(
+        "m",
+        "radius of the pivot's pin or ball",
+        nominal=1e-2,
+        positive=True,
+        display_unit="mm",
+        plausible=PART_LENGTH,
+    ).default(8e-3)
+    preload_torque: float = Quantity(
+        "N.m", "limit T_0 of the dry friction without load", nominal=0.1, minimum=0.0
+    ).default(0.0)
+    viscous_coefficient: float = Quantity(
+        "N.m.s", "viscous friction c over speed", nominal=1e-3, minimum=0.0
+    ).default(0.0)
+    sticking_stiffness: float = Quantity(
+        "N.m/rad", "stiffness k of the sticking surfaces", nominal=1e3, positive=True
+    ).default(5e3)
+    relaxation_time: float = Quantity(
+        "s", "damping of their twist over the stiffness, tau", nominal=1e-5, positive=True
+    ).default(3e-5)
 
 
 @dataclass
 class PivotFrictionState:
-    twist: Annotated[float, Quantity("rad", "elastic twist z of the sticking surfaces", nominal=1e-4)] = 0.0
+    twist: float = Quantity("rad", "elastic twist z of the sticking surfaces", nominal=1e-4).default(0.0)
 
 
 @dataclass
 class PivotFrictionInputs:
-    rotation_rate: Annotated[float, Quantity("rad/s", "speed omega of the lever", nominal=10.0)] = 0.0
-    load: Annotated[float, Quantity("N", "force F on the pivot", nominal=500.0)] = 0.0
+    rotation_rate: float = Quantity("rad/s", "speed omega of the lever", nominal=10.0).default(0.0)
+    load: float = Quantity("N", "force F on the pivot", nominal=500.0).default(0.0)
 
 
 @dataclass
 class PivotFrictionOutputs:
-    friction_torque: Annotated[
-        float, Quantity("N.m", "torque T against the lever's rotation", nominal=0.1)
-    ] = 0.0
-    sliding_torque: Annotated[
-        float, Quantity("N.m", "limit T_c of the dry friction under this load", nominal=0.1)
-    ] = 0.0
-    sticking_margin: Annotated[
-        float, Quantity("N.m", "limit less what sticking would take; negative: it slides", nominal=0.1)
-    ] = 0.0
-    sliding_rate: Annotated[
-        float, Quantity("rad/s", "part of the speed by which the surfaces slide", nominal=10.0)
-    ] = 0.0
-    power_loss: Annotated[float, Quantity("W", "power lost to friction", nominal=1.0)] = 0.0
+    friction_torque: float = Quantity("N.m", "torque T against the lever's rotation", nominal=0.1).default(
+        0.0
+    )
+    sliding_torque: float = Quantity(
+        "N.m", "limit T_c of the dry friction under this load", nominal=0.1
+    ).default(0.0)
+    sticking_margin: float = Quantity(
+        "N.m", "limit less what sticking would take; negative: it slides", nominal=0.1
+    ).default(0.0)
+    sliding_rate: float = Quantity(
+        "rad/s", "part of the speed by which the surfaces slide", nominal=10.0
+    ).default(0.0)
+    power_loss: float = Quantity("W", "power lost to friction", nominal=1.0).default(0.0)
 
 
 @kernel

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -28,64 +28,55 @@ from .followers.tip import (
 class RockerParameters(TipParameters):
     """Angles are those of the closed valve. An arm at angle zero is normal to the motion of its end."""
 
-    rod_arm: Annotated[
-        float,
-        Quantity(
-            "m",
-            "distance from the pivot to the pushrod's end",
-            nominal=1e-2,
-            positive=True,
-            display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 32e-3
-    rod_angle: Annotated[
-        float,
-        Quantity("rad", "angle by which the pushrod's arm falls", display_unit="deg", plausible=LEVER_ANGLE),
-    ] = 0.0
-    valve_arm: Annotated[
-        float,
-        Quantity(
-            "m",
-            "distance from the pivot to the centre of the pad",
-            nominal=1e-2,
-            positive=True,
-            display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 40e-3
-    valve_angle: Annotated[
-        float,
-        Quantity("rad", "angle by which the valve's arm falls", display_unit="deg", plausible=LEVER_ANGLE),
-    ] = 0.0
-    small_motion: Annotated[
-        float,
-        Quantity("1", "constant lever ratio, that of the closed valve; false: true geometry", boolean=True),
-    ] = 0.0
-    inertia: Annotated[
-        float, Quantity("kg.m2", "moment of inertia about the pivot", nominal=1e-4, positive=True)
-    ] = 6e-5
-    pivot_damping: Annotated[
-        float, Quantity("N.m.s", "viscous friction of the pivot", nominal=1e-3, minimum=0.0)
-    ] = 0.0
+    rod_arm: float = Quantity(
+        "m",
+        "distance from the pivot to the pushrod's end",
+        nominal=1e-2,
+        positive=True,
+        display_unit="mm",
+        plausible=PART_LENGTH,
+    ).default(32e-3)
+    rod_angle: float = Quantity(
+        "rad", "angle by which the pushrod's arm falls", display_unit="deg", plausible=LEVER_ANGLE
+    ).default(0.0)
+    valve_arm: float = Quantity(
+        "m",
+        "distance from the pivot to the centre of the pad",
+        nominal=1e-2,
+        positive=True,
+        display_unit="mm",
+        plausible=PART_LENGTH,
+    ).default(40e-3)
+    valve_angle: float = Quantity(
+        "rad", "angle by which the valve's arm falls", display_unit="deg", plausible=LEVER_ANGLE
+    ).default(0.0)
+    small_motion: float = Quantity(
+        "1", "constant lever ratio, that of the closed valve; false: true geometry", boolean=True
+    ).default(0.0)
+    inertia: float = Quantity(
+        "kg.m2", "moment of inertia about the pivot", nominal=1e-4, positive=True
+    ).default(6e-5)
+    pivot_damping: float = Quantity(
+        "N.m.s", "viscous friction of the pivot", nominal=1e-3, minimum=0.0
+    ).default(0.0)
 
 
 @dataclass
 class RockerInputs(TipInputs):
-    rod_force: Annotated[float, Quantity("N", "force of the pushrod", nominal=500.0)] = 0.0
-    pivot_torque: Annotated[
-        float, Quantity("N.m", "torque of the pivot's friction against the rotation", nominal=0.1)
-    ] = 0.0
+    rod_force: float = Quantity("N", "force of the pushrod", nominal=500.0).default(0.0)
+    pivot_torque: float = Quantity(
+        "N.m", "torque of the pivot's friction against the rotation", nominal=0.1
+    ).default(0.0)
 
 
 @dataclass
 class RockerOutputs(LeverMotion, TipOutputs):
-    rod_position: Annotated[
-        float, Quantity("m", "position of the pushrod's end", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    rod_velocity: Annotated[float, Quantity("m/s", "velocity of the pushrod's end")] = 0.0
-    ratio: Annotated[float, Quantity("1", "velocity of the pad over that of the pushrod's end")] = 1.0
-    pivot_force: Annotated[float, Quantity("N", "force on the pivot, along the rod", nominal=500.0)] = 0.0
+    rod_position: float = Quantity(
+        "m", "position of the pushrod's end", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    rod_velocity: float = Quantity("m/s", "velocity of the pushrod's end").default(0.0)
+    ratio: float = Quantity("1", "velocity of the pad over that of the pushrod's end").default(1.0)
+    pivot_force: float = Quantity("N", "force on the pivot, along the rod", nominal=500.0).default(0.0)
 
 
 class Ends(NamedTuple):

@@ -7,13 +7,12 @@ distance l, and springs of twice that rate at both ends. So the static rate A E/
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector, per_element
+from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import AREA, PART_LENGTH, YOUNGS_MODULUS
 from .shared import EndMotions
 
@@ -22,60 +21,49 @@ from .shared import EndMotions
 class RodParameters:
     """Defaults: a steel pushrod of 200 mm."""
 
-    length: Annotated[
-        float,
-        Quantity(
-            "m", "length of the rod", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH
-        ),
-    ] = 0.2
-    area: Annotated[
-        float,
-        Quantity(
-            "m2", "cross-section of the rod", nominal=5e-5, positive=True, display_unit="mm2", plausible=AREA
-        ),
-    ] = 50e-6
-    youngs_modulus: Annotated[
-        float,
-        Quantity("Pa", "Young's modulus of the rod", nominal=1e11, positive=True, plausible=YOUNGS_MODULUS),
-    ] = 207e9
-    density: Annotated[float, Quantity("kg/m3", "density of the rod", nominal=7850.0, positive=True)] = 7850.0
-    damping_time: Annotated[
-        float, Quantity("s", "damping of the rod over its stiffness", nominal=5e-6, minimum=0.0)
-    ] = 5e-6
-    bonded: Annotated[
-        float, Quantity("1", "the ends also pull; false: they only push, and may part", boolean=True)
-    ] = 0.0
-    clearance: Annotated[
-        float, Quantity("m", "gap at the upper end, at rest", nominal=1e-4, minimum=0.0, display_unit="mm")
-    ] = 0.0
+    length: float = Quantity(
+        "m", "length of the rod", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH
+    ).default(0.2)
+    area: float = Quantity(
+        "m2", "cross-section of the rod", nominal=5e-5, positive=True, display_unit="mm2", plausible=AREA
+    ).default(50e-6)
+    youngs_modulus: float = Quantity(
+        "Pa", "Young's modulus of the rod", nominal=1e11, positive=True, plausible=YOUNGS_MODULUS
+    ).default(207e9)
+    density: float = Quantity("kg/m3", "density of the rod", nominal=7850.0, positive=True).default(7850.0)
+    damping_time: float = Quantity(
+        "s", "damping of the rod over its stiffness", nominal=5e-6, minimum=0.0
+    ).default(5e-6)
+    bonded: float = Quantity(
+        "1", "the ends also pull; false: they only push, and may part", boolean=True
+    ).default(0.0)
+    clearance: float = Quantity(
+        "m", "gap at the upper end, at rest", nominal=1e-4, minimum=0.0, display_unit="mm"
+    ).default(0.0)
 
 
 @dataclass
 class RodState:
-    displacement: Annotated[
-        Vector,
-        Quantity(
-            "m", "displacement of a segment, from the lower end", nominal=1e-3, size="segments",
-            display_unit="mm",
-        ),
-    ] = per_element()  # fmt: skip
-    velocity: Annotated[Vector, Quantity("m/s", "velocity of a segment", size="segments")] = per_element()
+    displacement: Vector = Quantity(
+        "m", "displacement of a segment, from the lower end", nominal=1e-3, size="segments", display_unit="mm"
+    ).per_element()
+    velocity: Vector = Quantity("m/s", "velocity of a segment", size="segments").per_element()
 
 
 @dataclass
 class RodOutputs:
-    lower_force: Annotated[
-        float, Quantity("N", "force on the body below, which it presses down", nominal=500.0)
-    ] = 0.0
-    upper_force: Annotated[
-        float, Quantity("N", "force on the body above, which it presses up", nominal=500.0)
-    ] = 0.0
-    lower_compression: Annotated[
-        float, Quantity("m", "compression of the lower end", nominal=1e-5, display_unit="um")
-    ] = 0.0
-    upper_compression: Annotated[
-        float, Quantity("m", "compression of the upper end", nominal=1e-5, display_unit="um")
-    ] = 0.0
+    lower_force: float = Quantity(
+        "N", "force on the body below, which it presses down", nominal=500.0
+    ).default(0.0)
+    upper_force: float = Quantity("N", "force on the body above, which it presses up", nominal=500.0).default(
+        0.0
+    )
+    lower_compression: float = Quantity(
+        "m", "compression of the lower end", nominal=1e-5, display_unit="um"
+    ).default(0.0)
+    upper_compression: float = Quantity(
+        "m", "compression of the upper end", nominal=1e-5, display_unit="um"
+    ).default(0.0)
 
 
 @kernel

@@ -12,7 +12,6 @@ rotation of the carrier against the spin, T_p + c omega the friction of the pin.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -27,63 +26,57 @@ from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, l
 class RollerParameters:
     """Defaults: a steel ring of 9 mm and 12 mm length on its pin."""
 
-    radius: Annotated[
-        float,
-        Quantity(
-            "m", "radius r of the roller", nominal=1e-2, positive=True, display_unit="mm",
-            plausible=CURVATURE,
-        ),
-    ] = 9e-3  # fmt: skip
-    inertia: Annotated[
-        float, Quantity("kg.m2", "moment of inertia J about the pin", nominal=1e-6, positive=True)
-    ] = 8e-7
-    traction_coefficient: Annotated[
-        float, Quantity("1", "largest traction over load, mu", nominal=0.05, minimum=0.0)
-    ] = 0.05
-    pin_damping: Annotated[
-        float, Quantity("N.m.s", "viscous friction c of the pin over speed", nominal=1e-5, minimum=0.0)
-    ] = 1e-5
+    radius: float = Quantity(
+        "m", "radius r of the roller", nominal=1e-2, positive=True, display_unit="mm", plausible=CURVATURE
+    ).default(9e-3)
+    inertia: float = Quantity(
+        "kg.m2", "moment of inertia J about the pin", nominal=1e-6, positive=True
+    ).default(8e-7)
+    traction_coefficient: float = Quantity(
+        "1", "largest traction over load, mu", nominal=0.05, minimum=0.0
+    ).default(0.05)
+    pin_damping: float = Quantity(
+        "N.m.s", "viscous friction c of the pin over speed", nominal=1e-5, minimum=0.0
+    ).default(1e-5)
     sticking_stiffness: StickingStiffness = 1e7
     relaxation_time: RelaxationTime = 3e-5
 
 
 @dataclass
 class RollerState:
-    absolute_spin: Annotated[
-        float, Quantity("rad/s", "spin in space, omega - beta'", nominal=100.0, display_unit="rpm")
-    ] = 0.0
+    absolute_spin: float = Quantity(
+        "rad/s", "spin in space, omega - beta'", nominal=100.0, display_unit="rpm"
+    ).default(0.0)
     creep: Creep = 0.0
 
 
 @dataclass
 class RollerInputs:
-    rolling_velocity: Annotated[float, Quantity("m/s", "surface speed v at which nothing would slide")] = 0.0
-    load: Annotated[float, Quantity("N", "load W of the contact", nominal=500.0)] = 0.0
-    pin_torque: Annotated[
-        float, Quantity("N.m", "further friction T_p of the pin, against the spin", nominal=0.01)
-    ] = 0.0
-    rotation_rate: Annotated[
-        float, Quantity("rad/s", "rotation beta' of the carrier, against the spin", nominal=10.0)
-    ] = 0.0
+    rolling_velocity: float = Quantity("m/s", "surface speed v at which nothing would slide").default(0.0)
+    load: float = Quantity("N", "load W of the contact", nominal=500.0).default(0.0)
+    pin_torque: float = Quantity(
+        "N.m", "further friction T_p of the pin, against the spin", nominal=0.01
+    ).default(0.0)
+    rotation_rate: float = Quantity(
+        "rad/s", "rotation beta' of the carrier, against the spin", nominal=10.0
+    ).default(0.0)
 
 
 @dataclass
 class RollerOutputs:
-    surface_speed: Annotated[float, Quantity("m/s", "r omega along the carrier")] = 0.0
-    spin: Annotated[
-        float, Quantity("rad/s", "spin omega about the carrier", nominal=100.0, display_unit="rpm")
-    ] = 0.0
-    traction: Annotated[float, Quantity("N", "traction T of the cam", nominal=10.0)] = 0.0
-    traction_margin: Annotated[
-        float,
-        Quantity("N", "largest traction less what sticking would take; negative: it slides", nominal=10.0),
-    ] = 0.0
-    slip: Annotated[float, Quantity("m/s", "velocity by which the surfaces slide")] = 0.0
-    carrier_torque: Annotated[
-        float,
-        Quantity("N.m", "torque on the carrier, with the spin, beyond that of a fixed pad", nominal=0.01),
-    ] = 0.0
-    power_loss: Annotated[float, Quantity("W", "power lost to slip, and to the pin's damping")] = 0.0
+    surface_speed: float = Quantity("m/s", "r omega along the carrier").default(0.0)
+    spin: float = Quantity(
+        "rad/s", "spin omega about the carrier", nominal=100.0, display_unit="rpm"
+    ).default(0.0)
+    traction: float = Quantity("N", "traction T of the cam", nominal=10.0).default(0.0)
+    traction_margin: float = Quantity(
+        "N", "largest traction less what sticking would take; negative: it slides", nominal=10.0
+    ).default(0.0)
+    slip: float = Quantity("m/s", "velocity by which the surfaces slide").default(0.0)
+    carrier_torque: float = Quantity(
+        "N.m", "torque on the carrier, with the spin, beyond that of a fixed pad", nominal=0.01
+    ).default(0.0)
+    power_loss: float = Quantity("W", "power lost to slip, and to the pin's damping").default(0.0)
 
 
 @kernel

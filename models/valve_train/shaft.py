@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector, per_element
+from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import ANGLE
 from .shared import DriveInputs
 
@@ -23,145 +23,113 @@ from .shared import DriveInputs
 class ShaftParameters:
     """Defaults: one mode of torsion and one of bending, of the size of those of the set `kushwaha2000`."""
 
-    drive_ratio: Annotated[
-        float, Quantity("1", "shaft angle over drive angle (0.5 behind a four-stroke crankshaft)")
-    ] = 1.0
-    inertia: Annotated[
-        float, Quantity("kg.m2", "moment of inertia of the whole shaft", nominal=1e-4, positive=True)
-    ] = 3e-4
-    torsion_frequency: Annotated[
-        Vector,
-        Quantity("Hz", "frequency of a mode of torsion", nominal=1e3, positive=True, size="torsion_modes"),
-    ] = per_element(1000.0)
-    torsion_damping: Annotated[
-        Vector,
-        Quantity("1", "damping ratio of a mode of torsion", nominal=0.01, minimum=0.0, size="torsion_modes"),
-    ] = per_element(0.02)
-    torsion_inertia: Annotated[
-        Vector,
-        Quantity(
-            "kg.m2", "modal inertia of a mode of torsion", nominal=1e-4, positive=True, size="torsion_modes"
-        ),
-    ] = per_element(3e-4)
-    torsion_share: Annotated[
-        Vector,
-        Quantity(
-            "kg.m2",
-            "part of a mode of torsion in turning the whole shaft, phi^T M 1",
-            nominal=1e-4,
-            size="torsion_modes",
-        ),
-    ] = per_element(3e-4)
-    torsion_shape: Annotated[
-        Vector,
-        Quantity(
-            "1",
-            "twist at the cams in a mode of torsion: all cams in the first mode, then in the second ...",
-            size="torsion_shapes",
-        ),
-    ] = per_element(1.0)
-    bending_frequency: Annotated[
-        Vector,
-        Quantity(
-            "Hz",
-            "frequency of a mode of bending; 0: rigid motion",
-            nominal=1e3,
-            minimum=0.0,
-            size="bending_modes",
-        ),
-    ] = per_element(540.0)
-    bending_damping: Annotated[
-        Vector,
-        Quantity("1", "damping ratio of a mode of bending", nominal=0.01, minimum=0.0, size="bending_modes"),
-    ] = per_element(0.02)
-    bending_mass: Annotated[
-        Vector,
-        Quantity("kg", "modal mass of a mode of bending", nominal=0.1, positive=True, size="bending_modes"),
-    ] = per_element(0.425)
-    bending_shape: Annotated[
-        Vector,
-        Quantity(
-            "1",
-            "displacement of the cams in a mode of bending: all cams in the first, then in the second ...",
-            size="bending_shapes",
-        ),
-    ] = per_element(1.0)
-    gyroscopic: Annotated[
-        Vector,
-        Quantity("kg", "gyroscopic coupling of two modes of bending, row by row", size="bending_pairs"),
-    ] = per_element()
-    direction: Annotated[
-        Vector,
-        Quantity(
-            "rad",
-            "direction of a cam's follower, anticlockwise from y",
-            display_unit="deg",
-            size="cams",
-            plausible=ANGLE,
-        ),
-    ] = per_element()
+    drive_ratio: float = Quantity(
+        "1", "shaft angle over drive angle (0.5 behind a four-stroke crankshaft)"
+    ).default(1.0)
+    inertia: float = Quantity(
+        "kg.m2", "moment of inertia of the whole shaft", nominal=1e-4, positive=True
+    ).default(3e-4)
+    torsion_frequency: Vector = Quantity(
+        "Hz", "frequency of a mode of torsion", nominal=1e3, positive=True, size="torsion_modes"
+    ).per_element(1000.0)
+    torsion_damping: Vector = Quantity(
+        "1", "damping ratio of a mode of torsion", nominal=0.01, minimum=0.0, size="torsion_modes"
+    ).per_element(0.02)
+    torsion_inertia: Vector = Quantity(
+        "kg.m2", "modal inertia of a mode of torsion", nominal=1e-4, positive=True, size="torsion_modes"
+    ).per_element(3e-4)
+    torsion_share: Vector = Quantity(
+        "kg.m2",
+        "part of a mode of torsion in turning the whole shaft, phi^T M 1",
+        nominal=1e-4,
+        size="torsion_modes",
+    ).per_element(3e-4)
+    torsion_shape: Vector = Quantity(
+        "1",
+        "twist at the cams in a mode of torsion: all cams in the first mode, then in the second ...",
+        size="torsion_shapes",
+    ).per_element(1.0)
+    bending_frequency: Vector = Quantity(
+        "Hz",
+        "frequency of a mode of bending; 0: rigid motion",
+        nominal=1e3,
+        minimum=0.0,
+        size="bending_modes",
+    ).per_element(540.0)
+    bending_damping: Vector = Quantity(
+        "1", "damping ratio of a mode of bending", nominal=0.01, minimum=0.0, size="bending_modes"
+    ).per_element(0.02)
+    bending_mass: Vector = Quantity(
+        "kg", "modal mass of a mode of bending", nominal=0.1, positive=True, size="bending_modes"
+    ).per_element(0.425)
+    bending_shape: Vector = Quantity(
+        "1",
+        "displacement of the cams in a mode of bending: all cams in the first, then in the second ...",
+        size="bending_shapes",
+    ).per_element(1.0)
+    gyroscopic: Vector = Quantity(
+        "kg", "gyroscopic coupling of two modes of bending, row by row", size="bending_pairs"
+    ).per_element()
+    direction: Vector = Quantity(
+        "rad",
+        "direction of a cam's follower, anticlockwise from y",
+        display_unit="deg",
+        size="cams",
+        plausible=ANGLE,
+    ).per_element()
 
 
 @dataclass
 class ShaftState:
     """Coordinates of the modes."""
 
-    torsion: Annotated[
-        Vector, Quantity("rad", "coordinate of a mode of torsion", nominal=1e-4, size="torsion_modes")
-    ] = per_element()
-    torsion_rate: Annotated[Vector, Quantity("rad/s", "its rate", size="torsion_modes")] = per_element()
-    bending_x: Annotated[
-        Vector, Quantity("m", "coordinate of a mode of bending along x", nominal=1e-5, size="bending_modes")
-    ] = per_element()
-    bending_x_rate: Annotated[Vector, Quantity("m/s", "its rate", nominal=1e-2, size="bending_modes")] = (
-        per_element()
-    )
-    bending_y: Annotated[
-        Vector, Quantity("m", "coordinate of a mode of bending along y", nominal=1e-5, size="bending_modes")
-    ] = per_element()
-    bending_y_rate: Annotated[Vector, Quantity("m/s", "its rate", nominal=1e-2, size="bending_modes")] = (
-        per_element()
-    )
+    torsion: Vector = Quantity(
+        "rad", "coordinate of a mode of torsion", nominal=1e-4, size="torsion_modes"
+    ).per_element()
+    torsion_rate: Vector = Quantity("rad/s", "its rate", size="torsion_modes").per_element()
+    bending_x: Vector = Quantity(
+        "m", "coordinate of a mode of bending along x", nominal=1e-5, size="bending_modes"
+    ).per_element()
+    bending_x_rate: Vector = Quantity("m/s", "its rate", nominal=1e-2, size="bending_modes").per_element()
+    bending_y: Vector = Quantity(
+        "m", "coordinate of a mode of bending along y", nominal=1e-5, size="bending_modes"
+    ).per_element()
+    bending_y_rate: Vector = Quantity("m/s", "its rate", nominal=1e-2, size="bending_modes").per_element()
 
 
 @dataclass
 class ShaftInputs(DriveInputs):
-    cam_torque: Annotated[
-        Vector, Quantity("N.m", "torque taken by a follower", nominal=10.0, size="cams")
-    ] = per_element()
-    cam_force_x: Annotated[
-        Vector, Quantity("N", "force on a cam across its follower's path", nominal=500.0, size="cams")
-    ] = per_element()
-    cam_force_y: Annotated[
-        Vector, Quantity("N", "force on a cam towards its follower", nominal=500.0, size="cams")
-    ] = per_element()
+    cam_torque: Vector = Quantity(
+        "N.m", "torque taken by a follower", nominal=10.0, size="cams"
+    ).per_element()
+    cam_force_x: Vector = Quantity(
+        "N", "force on a cam across its follower's path", nominal=500.0, size="cams"
+    ).per_element()
+    cam_force_y: Vector = Quantity(
+        "N", "force on a cam towards its follower", nominal=500.0, size="cams"
+    ).per_element()
 
 
 @dataclass
 class ShaftOutputs:
-    cam_angle: Annotated[
-        Vector, Quantity("rad", "angle of the shaft at a cam", display_unit="deg", size="cams")
-    ] = per_element()
-    cam_speed: Annotated[
-        Vector,
-        Quantity("rad/s", "speed of the shaft at a cam", nominal=100.0, display_unit="rpm", size="cams"),
-    ] = per_element()
-    twist: Annotated[
-        Vector, Quantity("rad", "twist of the shaft at a cam", nominal=1e-3, display_unit="deg", size="cams")
-    ] = per_element()
-    axis_x: Annotated[
-        Vector, Quantity("m", "displacement of a cam across its follower's path", nominal=1e-5, size="cams")
-    ] = per_element()
-    axis_y: Annotated[
-        Vector, Quantity("m", "displacement of a cam towards its follower", nominal=1e-5, size="cams")
-    ] = per_element()
-    axis_velocity_x: Annotated[Vector, Quantity("m/s", "rate of axis_x", nominal=0.1, size="cams")] = (
-        per_element()
-    )
-    axis_velocity_y: Annotated[Vector, Quantity("m/s", "rate of axis_y", nominal=0.1, size="cams")] = (
-        per_element()
-    )
-    drive_torque: Annotated[float, Quantity("N.m", "torque taken from the drive", nominal=10.0)] = 0.0
+    cam_angle: Vector = Quantity(
+        "rad", "angle of the shaft at a cam", display_unit="deg", size="cams"
+    ).per_element()
+    cam_speed: Vector = Quantity(
+        "rad/s", "speed of the shaft at a cam", nominal=100.0, display_unit="rpm", size="cams"
+    ).per_element()
+    twist: Vector = Quantity(
+        "rad", "twist of the shaft at a cam", nominal=1e-3, display_unit="deg", size="cams"
+    ).per_element()
+    axis_x: Vector = Quantity(
+        "m", "displacement of a cam across its follower's path", nominal=1e-5, size="cams"
+    ).per_element()
+    axis_y: Vector = Quantity(
+        "m", "displacement of a cam towards its follower", nominal=1e-5, size="cams"
+    ).per_element()
+    axis_velocity_x: Vector = Quantity("m/s", "rate of axis_x", nominal=0.1, size="cams").per_element()
+    axis_velocity_y: Vector = Quantity("m/s", "rate of axis_y", nominal=0.1, size="cams").per_element()
+    drive_torque: float = Quantity("N.m", "torque taken from the drive", nominal=10.0).default(0.0)
 
 
 class Plane(NamedTuple):

@@ -25,24 +25,24 @@ SurgeDamping = Annotated[
 class DriveInputs:
     """Motion of what drives a shaft."""
 
-    drive_angle: Annotated[float, Quantity("rad", "angle of the drive", display_unit="deg")] = 0.0
-    drive_speed: Annotated[
-        float, Quantity("rad/s", "speed of the drive", nominal=100.0, display_unit="rpm")
-    ] = 0.0
-    drive_acceleration: Annotated[
-        float, Quantity("rad/s2", "angular acceleration of the drive", nominal=100.0)
-    ] = 0.0
+    drive_angle: float = Quantity("rad", "angle of the drive", display_unit="deg").default(0.0)
+    drive_speed: float = Quantity("rad/s", "speed of the drive", nominal=100.0, display_unit="rpm").default(
+        0.0
+    )
+    drive_acceleration: float = Quantity(
+        "rad/s2", "angular acceleration of the drive", nominal=100.0
+    ).default(0.0)
 
 
 @dataclass
 class EndMotions:
     """Motions of the bodies at both ends of a rod or a lash adjuster."""
 
-    lower_position: Annotated[
-        float, Quantity("m", "position of the body below", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    lower_velocity: Annotated[float, Quantity("m/s", "velocity of the body below")] = 0.0
-    upper_position: Annotated[
-        float, Quantity("m", "position of the body above", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    upper_velocity: Annotated[float, Quantity("m/s", "velocity of the body above")] = 0.0
+    lower_position: float = Quantity(
+        "m", "position of the body below", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    lower_velocity: float = Quantity("m/s", "velocity of the body below").default(0.0)
+    upper_position: float = Quantity(
+        "m", "position of the body above", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    upper_velocity: float = Quantity("m/s", "velocity of the body above").default(0.0)

@@ -7,7 +7,7 @@ with the cam is another component, which takes the overlap and gives the load ba
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -43,31 +43,29 @@ FLAT, ROLLER, PAD = 0.0, 1.0, 2.0
 @dataclass
 class FollowerParameters:
     phase: Phase = 0.0
-    follower: Annotated[float, Quantity("1", "surface on the cam", choices=("flat", "roller", "pad"))] = FLAT
+    follower: float = Quantity("1", "surface on the cam", choices=("flat", "roller", "pad")).default(FLAT)
     follower_radius: FollowerRadius = 10e-3
-    offset: Annotated[
-        float,
-        Quantity(
-            "m",
-            "offset of the path of roller or pad from the cam's axis, along axis_x",
-            nominal=1e-3,
-            display_unit="mm",
-            plausible=OFFSET,
-        ),
-    ] = 0.0
-    tilt: Annotated[
-        float,
-        Quantity(
-            "rad", "tilt of a flat face: of its normal from the path towards axis_x", nominal=0.1,
-            minimum=-1.0, maximum=1.0, display_unit="deg",
-        ),
-    ] = 0.0  # fmt: skip
-    mass: Annotated[
-        float, Quantity("kg", "mass of the follower", nominal=0.1, positive=True, plausible=PART_MASS)
-    ] = 0.1
-    guide_damping: Annotated[
-        float, Quantity("N.s/m", "viscous friction in the guide", nominal=10.0, minimum=0.0)
-    ] = 0.0
+    offset: float = Quantity(
+        "m",
+        "offset of the path of roller or pad from the cam's axis, along axis_x",
+        nominal=1e-3,
+        display_unit="mm",
+        plausible=OFFSET,
+    ).default(0.0)
+    tilt: float = Quantity(
+        "rad",
+        "tilt of a flat face: of its normal from the path towards axis_x",
+        nominal=0.1,
+        minimum=-1.0,
+        maximum=1.0,
+        display_unit="deg",
+    ).default(0.0)
+    mass: float = Quantity(
+        "kg", "mass of the follower", nominal=0.1, positive=True, plausible=PART_MASS
+    ).default(0.1)
+    guide_damping: float = Quantity(
+        "N.s/m", "viscous friction in the guide", nominal=10.0, minimum=0.0
+    ).default(0.0)
 
 
 @dataclass
@@ -82,23 +80,23 @@ class TableTappetParameters(FollowerParameters, TableParameters):
 
 @dataclass
 class TappetState:
-    position: Annotated[
-        float, Quantity("m", "position y, zero on the base circle", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "velocity of the follower")] = 0.0
+    position: float = Quantity(
+        "m", "position y, zero on the base circle", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    velocity: float = Quantity("m/s", "velocity of the follower").default(0.0)
 
 
 @dataclass
 class TappetInputs(CamInputs):
-    load: Annotated[float, Quantity("N", "force of the train on the follower", nominal=500.0)] = 0.0
+    load: float = Quantity("N", "force of the train on the follower", nominal=500.0).default(0.0)
 
 
 @dataclass
 class TappetOutputs(TappetState, CamOutputs):
-    acceleration: Annotated[float, Quantity("m/s2", "acceleration of the follower", nominal=1e3)] = 0.0
-    side_force: Annotated[
-        float, Quantity("N", "force of the follower on its guide along axis_x", nominal=100.0)
-    ] = 0.0
+    acceleration: float = Quantity("m/s2", "acceleration of the follower", nominal=1e3).default(0.0)
+    side_force: float = Quantity(
+        "N", "force of the follower on its guide along axis_x", nominal=100.0
+    ).default(0.0)
 
 
 @kernel

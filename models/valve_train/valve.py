@@ -3,76 +3,68 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector, per_element
+from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import LASH, SEAT_STIFFNESS, VALVE_MASS
 from .valve_spring import seat_force
 
 
 @dataclass
 class ValveParameters:
-    mass: Annotated[
-        float,
-        Quantity(
-            "kg", "mass of valve, retainer and what moves with them", nominal=0.1, positive=True,
-            plausible=VALVE_MASS,
-        ),
-    ] = 0.1  # fmt: skip
-    lash: Annotated[
-        float,
-        Quantity(
-            "m",
-            "position at which the valve sits on its seat",
-            nominal=1e-4,
-            display_unit="mm",
-            plausible=LASH,
-        ),
-    ] = 0.0
-    seat_stiffness: Annotated[
-        float, Quantity("N/m", "stiffness of the seat", nominal=1e7, positive=True, plausible=SEAT_STIFFNESS)
-    ] = 2e7
-    seat_damping: Annotated[
-        float, Quantity("N.s/m", "damping of the seat while touching", nominal=1e2, minimum=0.0)
-    ] = 300.0
-    guide_damping: Annotated[
-        float, Quantity("N.s/m", "viscous friction in the guide", nominal=10.0, minimum=0.0)
-    ] = 0.0
+    mass: float = Quantity(
+        "kg",
+        "mass of valve, retainer and what moves with them",
+        nominal=0.1,
+        positive=True,
+        plausible=VALVE_MASS,
+    ).default(0.1)
+    lash: float = Quantity(
+        "m", "position at which the valve sits on its seat", nominal=1e-4, display_unit="mm", plausible=LASH
+    ).default(0.0)
+    seat_stiffness: float = Quantity(
+        "N/m", "stiffness of the seat", nominal=1e7, positive=True, plausible=SEAT_STIFFNESS
+    ).default(2e7)
+    seat_damping: float = Quantity(
+        "N.s/m", "damping of the seat while touching", nominal=1e2, minimum=0.0
+    ).default(300.0)
+    guide_damping: float = Quantity(
+        "N.s/m", "viscous friction in the guide", nominal=10.0, minimum=0.0
+    ).default(0.0)
 
 
 @dataclass
 class ValveState:
-    position: Annotated[
-        float, Quantity("m", "position towards the open valve", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "velocity of the valve")] = 0.0
+    position: float = Quantity(
+        "m", "position towards the open valve", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    velocity: float = Quantity("m/s", "velocity of the valve").default(0.0)
 
 
 @dataclass
 class ValveInputs:
-    load: Annotated[float, Quantity("N", "load of the train, opening the valve", nominal=500.0)] = 0.0
-    spring_force: Annotated[
-        Vector, Quantity("N", "force of a spring, closing the valve", nominal=500.0, size="springs")
-    ] = per_element()
-    gas_force: Annotated[
-        float, Quantity("N", "force of the gas on the valve's head, closing it", nominal=500.0)
-    ] = 0.0
+    load: float = Quantity("N", "load of the train, opening the valve", nominal=500.0).default(0.0)
+    spring_force: Vector = Quantity(
+        "N", "force of a spring, closing the valve", nominal=500.0, size="springs"
+    ).per_element()
+    gas_force: float = Quantity(
+        "N", "force of the gas on the valve's head, closing it", nominal=500.0
+    ).default(0.0)
 
 
 @dataclass
 class ValveOutputs(ValveState):
-    acceleration: Annotated[float, Quantity("m/s2", "acceleration of the valve", nominal=1e3)] = 0.0
-    valve_lift: Annotated[
-        float, Quantity("m", "lift: position less lash", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    seat_force: Annotated[float, Quantity("N", "force of the seat on the valve", nominal=500.0)] = 0.0
-    seat_dip: Annotated[
-        float, Quantity("m", "dip of the valve into its seat", nominal=1e-5, display_unit="um")
-    ] = 0.0
+    acceleration: float = Quantity("m/s2", "acceleration of the valve", nominal=1e3).default(0.0)
+    valve_lift: float = Quantity("m", "lift: position less lash", nominal=1e-3, display_unit="mm").default(
+        0.0
+    )
+    seat_force: float = Quantity("N", "force of the seat on the valve", nominal=500.0).default(0.0)
+    seat_dip: float = Quantity(
+        "m", "dip of the valve into its seat", nominal=1e-5, display_unit="um"
+    ).default(0.0)
 
 
 @kernel

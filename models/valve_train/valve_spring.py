@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector, per_element
+from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
 from ..plausible import CAM_LIFT, LASH, SEAT_STIFFNESS, SPRING_RATE, VALVE_MASS
 from .shared import SurgeDamping, SurgeFrequency
@@ -24,110 +24,87 @@ from .shared import SurgeDamping, SurgeFrequency
 # A dip that is far from any event.
 NO_SEAT = -1.0
 
-CoilPosition = Annotated[
-    Vector, Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
-]
+COIL_POSITION = Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
 
 
 @dataclass
 class ValveSpringParameters:
     """Defaults: the set `kushwaha2000`, whose follower rides on the cam at all times (no seat)."""
 
-    valve_mass: Annotated[
-        float,
-        Quantity("kg", "mass m3 of valve and follower", nominal=0.2, positive=True, plausible=VALVE_MASS),
-    ] = 0.22
-    spring_rate: Annotated[
-        float,
-        Quantity("N/m", "static rate k0 of the spring", nominal=3e4, positive=True, plausible=SPRING_RATE),
-    ] = 35e3
+    valve_mass: float = Quantity(
+        "kg", "mass m3 of valve and follower", nominal=0.2, positive=True, plausible=VALVE_MASS
+    ).default(0.22)
+    spring_rate: float = Quantity(
+        "N/m", "static rate k0 of the spring", nominal=3e4, positive=True, plausible=SPRING_RATE
+    ).default(35e3)
     surge_frequency: SurgeFrequency = 504.5
     damping_ratio: SurgeDamping = 0.02
-    preload: Annotated[float, Quantity("N", "spring force f_p at zero lift", nominal=300.0, minimum=0.0)] = (
-        330.0
-    )
-    lash: Annotated[
-        float,
-        Quantity(
-            "m",
-            "follower position at which the valve sits on its seat",
-            nominal=1e-4,
-            display_unit="mm",
-            plausible=LASH,
-        ),
-    ] = 0.0
-    seat_stiffness: Annotated[
-        float,
-        Quantity(
-            "N/m",
-            "stiffness of the valve seat; 0: no seat",
-            nominal=1e7,
-            minimum=0.0,
-            plausible=SEAT_STIFFNESS,
-        ),
-    ] = 0.0
-    seat_damping: Annotated[
-        float, Quantity("N.s/m", "damping of the valve seat while touching", nominal=1e2, minimum=0.0)
-    ] = 0.0
-    clash_clearance: Annotated[
-        float,
-        Quantity(
-            "m",
-            "travel after which all coils touch",
-            nominal=1e-2,
-            positive=True,
-            display_unit="mm",
-            plausible=CAM_LIFT,
-        ),
-    ] = 0.02
-    clash_stiffness: Annotated[
-        float,
-        Quantity(
-            "N/m", "added rate between coils that touch", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS
-        ),
-    ] = 0.0
+    preload: float = Quantity("N", "spring force f_p at zero lift", nominal=300.0, minimum=0.0).default(330.0)
+    lash: float = Quantity(
+        "m",
+        "follower position at which the valve sits on its seat",
+        nominal=1e-4,
+        display_unit="mm",
+        plausible=LASH,
+    ).default(0.0)
+    seat_stiffness: float = Quantity(
+        "N/m", "stiffness of the valve seat; 0: no seat", nominal=1e7, minimum=0.0, plausible=SEAT_STIFFNESS
+    ).default(0.0)
+    seat_damping: float = Quantity(
+        "N.s/m", "damping of the valve seat while touching", nominal=1e2, minimum=0.0
+    ).default(0.0)
+    clash_clearance: float = Quantity(
+        "m",
+        "travel after which all coils touch",
+        nominal=1e-2,
+        positive=True,
+        display_unit="mm",
+        plausible=CAM_LIFT,
+    ).default(0.02)
+    clash_stiffness: float = Quantity(
+        "N/m", "added rate between coils that touch", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS
+    ).default(0.0)
 
 
 @dataclass
 class FollowerMotion:
-    position: Annotated[
-        float, Quantity("m", "follower position y3, zero on the base circle", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "follower velocity")] = 0.0
+    position: float = Quantity(
+        "m", "follower position y3, zero on the base circle", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    velocity: float = Quantity("m/s", "follower velocity").default(0.0)
 
 
 @dataclass
 class ValveSpringState(FollowerMotion):
-    coil_position: CoilPosition = per_element()
-    coil_velocity: Annotated[Vector, Quantity("m/s", "coil velocity", size="coil_masses")] = per_element()
+    coil_position: Vector = COIL_POSITION.per_element()
+    coil_velocity: Vector = Quantity("m/s", "coil velocity", size="coil_masses").per_element()
 
 
 @dataclass
 class ValveSpringInputs:
-    load: Annotated[float, Quantity("N", "contact load W on the follower", nominal=500.0)] = 0.0
-    gas_force: Annotated[
-        float, Quantity("N", "force of the gas on the valve's head, closing it", nominal=500.0)
-    ] = 0.0
+    load: float = Quantity("N", "contact load W on the follower", nominal=500.0).default(0.0)
+    gas_force: float = Quantity(
+        "N", "force of the gas on the valve's head, closing it", nominal=500.0
+    ).default(0.0)
 
 
 @dataclass
 class ValveSpringOutputs(FollowerMotion):
-    acceleration: Annotated[float, Quantity("m/s2", "follower acceleration", nominal=1e3)] = 0.0
-    valve_lift: Annotated[
-        float, Quantity("m", "valve lift: follower position less lash", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    spring_force: Annotated[
-        float, Quantity("N", "force of the spring on the follower, preload included", nominal=500.0)
-    ] = 0.0
-    seat_force: Annotated[float, Quantity("N", "force of the seat on the valve", nominal=500.0)] = 0.0
-    seat_dip: Annotated[
-        float,
-        Quantity("m", "dip of the valve into its seat; -1 m without a seat", nominal=1e-5, display_unit="um"),
-    ] = NO_SEAT
-    least_gap: Annotated[
-        float, Quantity("m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    coil_position: CoilPosition = per_element()
+    acceleration: float = Quantity("m/s2", "follower acceleration", nominal=1e3).default(0.0)
+    valve_lift: float = Quantity(
+        "m", "valve lift: follower position less lash", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    spring_force: float = Quantity(
+        "N", "force of the spring on the follower, preload included", nominal=500.0
+    ).default(0.0)
+    seat_force: float = Quantity("N", "force of the seat on the valve", nominal=500.0).default(0.0)
+    seat_dip: float = Quantity(
+        "m", "dip of the valve into its seat; -1 m without a seat", nominal=1e-5, display_unit="um"
+    ).default(NO_SEAT)
+    least_gap: float = Quantity(
+        "m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    coil_position: Vector = COIL_POSITION.per_element()
 
 
 @kernel

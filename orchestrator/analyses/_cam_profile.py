@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, NamedTuple, get_args, get_type_hints
+from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
 from models.core.component import Component
-from models.core.quantities import Quantity
+from models.core.quantities import Layout, Quantity
 from models.plausible import CURVATURE, LEVER_ANGLE, OFFSET, PART_LENGTH
 from models.valve_train.cams.law import LAW, LawParameters, law_lift
 from models.valve_train.cams.lift import Lift
@@ -63,10 +63,7 @@ FIELDS = {name: tuple(get_type_hints(one.geometry)) for name, one in FOLLOWERS.i
 
 def list_law_parameters() -> dict[str, Parameter]:
     """The parameters of a cam by a law, as those of an analysis."""
-    hints = get_type_hints(LawParameters, include_extras=True)
-    return {
-        field.name: _convert(get_args(hints[field.name])[1], field.default) for field in fields(LawParameters)
-    }
+    return {field.name: _convert(field.quantity, field.start) for field in Layout(LawParameters).fields}
 
 
 def _convert(quantity: Quantity, default: Any) -> Parameter:

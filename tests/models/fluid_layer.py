@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from models.compile.kernel import kernel, record_of
 from models.core.bonds import counts_energies
 from models.core.component import Component, PowerBond
 from models.core.integrator import NOT_CONVERGED, OK, taylor, work_size
-from models.core.quantities import Layout, Quantity, Vector, per_element
+from models.core.quantities import Layout, Quantity, Vector
 
 # Newton's last change over the velocities' nominal size: ten thousand roundings; the next is its square.
 CONVERGED = 1e-12
@@ -26,34 +26,30 @@ CONVERGED = 1e-12
 class Parameters:
     """A bath of oil, 10 cm deep below 1 dm2, whose thousandth is crossed by momentum in 0.2 ms."""
 
-    area: Annotated[float, Quantity("m2", "area A", nominal=1e-2, positive=True)] = 1e-2
-    thickness: Annotated[float, Quantity("m", "thickness of the layer", nominal=0.1, positive=True)] = 0.1
-    density: Annotated[float, Quantity("kg/m3", "density", nominal=1e3, positive=True)] = 870.0
-    viscosity: Annotated[float, Quantity("Pa.s", "viscosity eta", nominal=1e-2, positive=True)] = 0.036
-    eyring_stress: Annotated[float, Quantity("Pa", "Eyring stress tau_0", nominal=100.0, positive=True)] = (
-        100.0
-    )
-    iterations: Annotated[float, Quantity("1", "Newton iterations allowed", count=True, minimum=1)] = 30.0
+    area: float = Quantity("m2", "area A", nominal=1e-2, positive=True).default(1e-2)
+    thickness: float = Quantity("m", "thickness of the layer", nominal=0.1, positive=True).default(0.1)
+    density: float = Quantity("kg/m3", "density", nominal=1e3, positive=True).default(870.0)
+    viscosity: float = Quantity("Pa.s", "viscosity eta", nominal=1e-2, positive=True).default(0.036)
+    eyring_stress: float = Quantity("Pa", "Eyring stress tau_0", nominal=100.0, positive=True).default(100.0)
+    iterations: float = Quantity("1", "Newton iterations allowed", count=True, minimum=1).default(30.0)
 
 
 @dataclass
 class State:
-    sheet_velocity: Annotated[Vector, Quantity("m/s", "velocity", size="sheets", internal=True)] = (
-        per_element()
-    )
-    impulse: Annotated[float, Quantity("N.s", "integral of the force on the plate", nominal=1e-3)] = 0.0
+    sheet_velocity: Vector = Quantity("m/s", "velocity", size="sheets", internal=True).per_element()
+    impulse: float = Quantity("N.s", "integral of the force on the plate", nominal=1e-3).default(0.0)
 
 
 @dataclass
 class Inputs:
-    velocity: Annotated[float, Quantity("m/s", "velocity of the plate")] = 0.0
+    velocity: float = Quantity("m/s", "velocity of the plate").default(0.0)
 
 
 @dataclass
 class Outputs:
-    force: Annotated[float, Quantity("N", "force on the plate")] = 0.0
-    wall_force: Annotated[float, Quantity("N", "force on the wall")] = 0.0
-    impulse: Annotated[float, Quantity("N.s", "integral of the force on the plate", nominal=1e-3)] = 0.0
+    force: float = Quantity("N", "force on the plate").default(0.0)
+    wall_force: float = Quantity("N", "force on the wall").default(0.0)
+    impulse: float = Quantity("N.s", "integral of the force on the plate", nominal=1e-3).default(0.0)
 
 
 @kernel

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 import pytest
@@ -20,33 +19,33 @@ EXACT = 1e-9
 
 @dataclass
 class Parameters:
-    spring: Annotated[float, Quantity("N/m", "spring rate")] = 1.0
-    amplitude: Annotated[float, Quantity("N", "excitation")] = 1.0
-    frequency: Annotated[float, Quantity("rad/s", "its frequency")] = 2.8
-    weight: Annotated[float, Quantity("N", "constant force towards the wall")] = 0.0
-    wall: Annotated[float, Quantity("m", "position of the wall")] = 0.0
-    restitution: Annotated[float, Quantity("1", "coefficient of restitution")] = 0.8
-    threshold: Annotated[float, Quantity("m/s", "rebound below which it rests")] = 1e-12
+    spring: float = Quantity("N/m", "spring rate").default(1.0)
+    amplitude: float = Quantity("N", "excitation").default(1.0)
+    frequency: float = Quantity("rad/s", "its frequency").default(2.8)
+    weight: float = Quantity("N", "constant force towards the wall").default(0.0)
+    wall: float = Quantity("m", "position of the wall").default(0.0)
+    restitution: float = Quantity("1", "coefficient of restitution").default(0.8)
+    threshold: float = Quantity("m/s", "rebound below which it rests").default(1e-12)
 
 
 @dataclass
 class State:
-    position: Annotated[float, Quantity("m", "position")] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "velocity")] = 0.0
-    impacts: Annotated[float, Quantity("1", "impacts", count=True)] = 0.0
-    time: Annotated[float, Quantity("s", "time of the last impact")] = 0.0
-    approach: Annotated[float, Quantity("m/s", "velocity before it")] = 0.0
-    resting: Annotated[float, Quantity("1", "at rest on the wall", boolean=True)] = 0.0
+    position: float = Quantity("m", "position").default(0.0)
+    velocity: float = Quantity("m/s", "velocity").default(0.0)
+    impacts: float = Quantity("1", "impacts", count=True).default(0.0)
+    time: float = Quantity("s", "time of the last impact").default(0.0)
+    approach: float = Quantity("m/s", "velocity before it").default(0.0)
+    resting: float = Quantity("1", "at rest on the wall", boolean=True).default(0.0)
 
 
 @dataclass
 class Inputs:
-    push: Annotated[float, Quantity("N", "added force")] = 0.0
+    push: float = Quantity("N", "added force").default(0.0)
 
 
 @dataclass
 class Outputs:
-    position: Annotated[float, Quantity("m", "position")] = 0.0
+    position: float = Quantity("m", "position").default(0.0)
 
 
 def impact_oscillator() -> Component:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 import pytest
@@ -24,25 +23,25 @@ G = 9.81
 
 @dataclass
 class BallParameters:
-    restitution: Annotated[float, Quantity("1", "velocity after over before")] = 0.8
-    stays_fallen: Annotated[float, Quantity("1", "a faulty transition", boolean=True)] = 0.0
+    restitution: float = Quantity("1", "velocity after over before").default(0.8)
+    stays_fallen: float = Quantity("1", "a faulty transition", boolean=True).default(0.0)
 
 
 @dataclass
 class BallState:
-    height: Annotated[float, Quantity("m", "height")] = 1.0
-    velocity: Annotated[float, Quantity("m/s", "velocity")] = 0.0
+    height: float = Quantity("m", "height").default(1.0)
+    velocity: float = Quantity("m/s", "velocity").default(0.0)
 
 
 @dataclass
 class BallInputs:
-    wind: Annotated[float, Quantity("m/s2", "acceleration upwards")] = 0.0
+    wind: float = Quantity("m/s2", "acceleration upwards").default(0.0)
 
 
 @dataclass
 class BallOutputs:
-    height: Annotated[float, Quantity("m", "height")] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "velocity")] = 0.0
+    height: float = Quantity("m", "height").default(0.0)
+    velocity: float = Quantity("m/s", "velocity").default(0.0)
 
 
 @kernel

@@ -6,10 +6,10 @@ Outputs have their rates from `differences` of what is seen at the ends of micro
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
-from ...core.quantities import Layout, Quantity, per_element
+from ...core.quantities import Layout, Quantity
 from ..asperities import dry_separation, pressure_scale
 from ..fluid import build_lubricant
 from ..friction import profile_friction
@@ -36,49 +36,41 @@ def field_layout(nodes: int) -> Layout:
     @dataclass
     class FieldState:
         film_thickness: FilmThickness = 1e-6
-        field_load: Annotated[
-            float, Quantity("N", "load of the pressure field", nominal=500.0, internal=True)
-        ] = 0.0
-        least_film: Annotated[float, Quantity("m", "smallest film", nominal=1e-6, internal=True)] = 0.0
-        highest_pressure: Annotated[float, Quantity("Pa", "largest pressure", nominal=1e8, internal=True)] = (
+        field_load: float = Quantity("N", "load of the pressure field", nominal=500.0, internal=True).default(
             0.0
         )
-        film_rate: Annotated[
-            float, Quantity("m/s", "rate of the central film", nominal=1e-3, internal=True)
-        ] = 0.0
-        field_asperity_load: Annotated[
-            float, Quantity("N", "load on asperities", nominal=500.0, internal=True)
-        ] = 0.0
-        field_shear: Annotated[float, Quantity("N", "shear of the film", nominal=20.0, internal=True)] = 0.0
-        field_boundary_friction: Annotated[
-            float, Quantity("N", "friction of asperities", nominal=20.0, internal=True)
-        ] = 0.0
-        rigid_approach: Annotated[float, Quantity("m", "approach of the bodies", internal=True)] = 0.0
-        approach_rate: Annotated[
-            float, Quantity("m/s", "its rate where the load is given", internal=True)
-        ] = 0.0
-        curvature: Annotated[float, Quantity("1/m", "1/R of the gap", nominal=50.0, internal=True)] = 0.0
-        curvature_rate: Annotated[float, Quantity("1/(m.s)", "its rate", nominal=50.0, internal=True)] = 0.0
-        grid_scale: Annotated[float, Quantity("m", "scale of the grid; 0: not begun", internal=True)] = 0.0
-        pressure: Annotated[
-            Any, Quantity("Pa", "pressure over the nodes", nominal=1e8, internal=True, size="nodes")
-        ] = per_element()
-        film: Annotated[
-            Any, Quantity("m", "film over the nodes", nominal=1e-6, internal=True, size="nodes")
-        ] = per_element()
-        slope: Annotated[
-            Any,
-            Quantity("Pa/s", "rate of pressure in the last step", nominal=1e12, internal=True, size="nodes"),
-        ] = per_element()
-
-        history: Annotated[
-            Any,
-            Quantity("1", "divided differences of what outputs show (SI)", internal=True, size="history"),
-        ] = per_element()
-        ages: Annotated[Any, Quantity("s", "ages of the instants in history", internal=True, size="ages")] = (
-            per_element()
+        least_film: float = Quantity("m", "smallest film", nominal=1e-6, internal=True).default(0.0)
+        highest_pressure: float = Quantity("Pa", "largest pressure", nominal=1e8, internal=True).default(0.0)
+        film_rate: float = Quantity("m/s", "rate of the central film", nominal=1e-3, internal=True).default(
+            0.0
         )
-        waited: Annotated[float, Quantity("s", "time since the last of them", internal=True)] = 0.0
+        field_asperity_load: float = Quantity(
+            "N", "load on asperities", nominal=500.0, internal=True
+        ).default(0.0)
+        field_shear: float = Quantity("N", "shear of the film", nominal=20.0, internal=True).default(0.0)
+        field_boundary_friction: float = Quantity(
+            "N", "friction of asperities", nominal=20.0, internal=True
+        ).default(0.0)
+        rigid_approach: float = Quantity("m", "approach of the bodies", internal=True).default(0.0)
+        approach_rate: float = Quantity("m/s", "its rate where the load is given", internal=True).default(0.0)
+        curvature: float = Quantity("1/m", "1/R of the gap", nominal=50.0, internal=True).default(0.0)
+        curvature_rate: float = Quantity("1/(m.s)", "its rate", nominal=50.0, internal=True).default(0.0)
+        grid_scale: float = Quantity("m", "scale of the grid; 0: not begun", internal=True).default(0.0)
+        pressure: Any = Quantity(
+            "Pa", "pressure over the nodes", nominal=1e8, internal=True, size="nodes"
+        ).per_element()
+        film: Any = Quantity(
+            "m", "film over the nodes", nominal=1e-6, internal=True, size="nodes"
+        ).per_element()
+        slope: Any = Quantity(
+            "Pa/s", "rate of pressure in the last step", nominal=1e12, internal=True, size="nodes"
+        ).per_element()
+
+        history: Any = Quantity(
+            "1", "divided differences of what outputs show (SI)", internal=True, size="history"
+        ).per_element()
+        ages: Any = Quantity("s", "ages of the instants in history", internal=True, size="ages").per_element()
+        waited: float = Quantity("s", "time since the last of them", internal=True).default(0.0)
 
     sizes = {"nodes": nodes, "history": INSTANTS * FOLLOWED, "ages": INSTANTS - 1}
     return Layout(FieldState, sizes)

@@ -16,13 +16,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from ...compile.kernel import kernel
 from ...core.bonds import counts_energies
 from ...core.component import Component, check_sizes
 from ...core.points import find_segment
-from ...core.quantities import Layout, Quantity, Vector, per_element
+from ...core.quantities import Layout, Quantity, Vector
 from ...core.requirements import Requirement
 from ...plausible import ANGLE, AREA, GAS_PRESSURE
 from ..crank import CrankAngle, CrankRadius, CrankSpeed, GasPressure, RodLength, crank_turns
@@ -41,122 +41,103 @@ class CylinderParameters:
 
     crank_radius: CrankRadius = 0.043
     rod_length: RodLength = 0.143
-    bore_area: Annotated[float, Quantity("m2", "area of the bore", nominal=1e-2, positive=True)] = (
+    bore_area: float = Quantity("m2", "area of the bore", nominal=1e-2, positive=True).default(
         0.25 * math.pi * 0.086**2
     )
-    crankcase_pressure: Annotated[
-        float,
-        Quantity(
-            "Pa",
-            "pressure under the piston",
-            nominal=1e5,
-            minimum=0.0,
-            display_unit="kPa",
-            plausible=GAS_PRESSURE,
-        ),
-    ] = 100e3
-    firing_angle: Annotated[
-        float, Quantity("rad", "crank angle of the firing dead centre", display_unit="deg", plausible=ANGLE)
-    ] = 0.0
-    valve_area: Annotated[
-        Vector,
-        Quantity(
-            "m2",
-            "area of a valve's head",
-            nominal=1e-3,
-            positive=True,
-            display_unit="mm2",
-            plausible=AREA,
-            size="valves",
-        ),
-    ] = per_element(0.25 * math.pi * 0.030**2)
+    crankcase_pressure: float = Quantity(
+        "Pa",
+        "pressure under the piston",
+        nominal=1e5,
+        minimum=0.0,
+        display_unit="kPa",
+        plausible=GAS_PRESSURE,
+    ).default(100e3)
+    firing_angle: float = Quantity(
+        "rad", "crank angle of the firing dead centre", display_unit="deg", plausible=ANGLE
+    ).default(0.0)
+    valve_area: Vector = Quantity(
+        "m2",
+        "area of a valve's head",
+        nominal=1e-3,
+        positive=True,
+        display_unit="mm2",
+        plausible=AREA,
+        size="valves",
+    ).per_element(0.25 * math.pi * 0.030**2)
 
 
 @dataclass
 class CylinderGasParameters(CylinderParameters):
     """Defaults chosen here: full load of a petrol engine at 2000 r/min (4.9 MPa at most)."""
 
-    compression_ratio: Annotated[
-        float, Quantity("1", "largest over smallest volume", nominal=10.0, minimum=1.1)
-    ] = 10.0
-    intake_pressure: Annotated[
-        float,
-        Quantity(
-            "Pa",
-            "pressure in the intake stroke",
-            nominal=1e5,
-            positive=True,
-            display_unit="kPa",
-            plausible=GAS_PRESSURE,
-        ),
-    ] = 95e3
-    exhaust_pressure: Annotated[
-        float,
-        Quantity(
-            "Pa",
-            "pressure in the exhaust stroke",
-            nominal=1e5,
-            positive=True,
-            display_unit="kPa",
-            plausible=GAS_PRESSURE,
-        ),
-    ] = 108e3
-    compression_exponent: Annotated[
-        float, Quantity("1", "polytropic exponent n_c of the compression", minimum=1.0)
-    ] = 1.3
-    expansion_exponent: Annotated[
-        float, Quantity("1", "polytropic exponent n_e of the expansion", minimum=1.0)
-    ] = 1.27
-    pressure_ratio: Annotated[
-        float, Quantity("1", "rise R by heat release at constant volume; 1: motored", minimum=1.0)
-    ] = 4.0
-    burn_start: Annotated[
-        float, Quantity("rad", "begin of heat release before dead centre", minimum=0.0, display_unit="deg")
-    ] = 25.0 * _DEGREE
-    burn_duration: Annotated[
-        float, Quantity("rad", "duration of the heat release", positive=True, display_unit="deg")
-    ] = 60.0 * _DEGREE
-    exhaust_opening: Annotated[
-        float, Quantity("rad", "begin of the blowdown after dead centre", minimum=0.0, display_unit="deg")
-    ] = 130.0 * _DEGREE
-    blowdown_duration: Annotated[
-        float, Quantity("rad", "duration of the blowdown", positive=True, display_unit="deg")
-    ] = 60.0 * _DEGREE
-    overlap_duration: Annotated[
-        float,
-        Quantity("rad", "change to intake pressure, about dead centre", positive=True, display_unit="deg"),
-    ] = 30.0 * _DEGREE
+    compression_ratio: float = Quantity(
+        "1", "largest over smallest volume", nominal=10.0, minimum=1.1
+    ).default(10.0)
+    intake_pressure: float = Quantity(
+        "Pa",
+        "pressure in the intake stroke",
+        nominal=1e5,
+        positive=True,
+        display_unit="kPa",
+        plausible=GAS_PRESSURE,
+    ).default(95e3)
+    exhaust_pressure: float = Quantity(
+        "Pa",
+        "pressure in the exhaust stroke",
+        nominal=1e5,
+        positive=True,
+        display_unit="kPa",
+        plausible=GAS_PRESSURE,
+    ).default(108e3)
+    compression_exponent: float = Quantity(
+        "1", "polytropic exponent n_c of the compression", minimum=1.0
+    ).default(1.3)
+    expansion_exponent: float = Quantity(
+        "1", "polytropic exponent n_e of the expansion", minimum=1.0
+    ).default(1.27)
+    pressure_ratio: float = Quantity(
+        "1", "rise R by heat release at constant volume; 1: motored", minimum=1.0
+    ).default(4.0)
+    burn_start: float = Quantity(
+        "rad", "begin of heat release before dead centre", minimum=0.0, display_unit="deg"
+    ).default(25.0 * _DEGREE)
+    burn_duration: float = Quantity(
+        "rad", "duration of the heat release", positive=True, display_unit="deg"
+    ).default(60.0 * _DEGREE)
+    exhaust_opening: float = Quantity(
+        "rad", "begin of the blowdown after dead centre", minimum=0.0, display_unit="deg"
+    ).default(130.0 * _DEGREE)
+    blowdown_duration: float = Quantity(
+        "rad", "duration of the blowdown", positive=True, display_unit="deg"
+    ).default(60.0 * _DEGREE)
+    overlap_duration: float = Quantity(
+        "rad", "change to intake pressure, about dead centre", positive=True, display_unit="deg"
+    ).default(30.0 * _DEGREE)
 
 
 @dataclass
 class GasTableParameters(CylinderParameters):
     """Absolute pressure at crank angles after the firing dead centre, which ascend within a cycle."""
 
-    cycle_turns: Annotated[
-        float, Quantity("1", "turns of the crank in a cycle: 2 of a four-stroke engine", minimum=1.0)
-    ] = 2.0
-    pressure_angle: Annotated[
-        Vector,
-        Quantity(
-            "rad", "crank angle of a point after dead centre", display_unit="deg", size="pressure_points"
-        ),
-    ] = per_element()
-    point_pressure: Annotated[
-        Vector,
-        Quantity(
-            "Pa", "absolute pressure at a point", nominal=1e5, display_unit="kPa", size="pressure_points"
-        ),
-    ] = per_element()
-    pressure_slope: Annotated[
-        Vector, Quantity("Pa", "dp/dtheta at a point, by radian", nominal=1e5, size="pressure_points")
-    ] = per_element()
+    cycle_turns: float = Quantity(
+        "1", "turns of the crank in a cycle: 2 of a four-stroke engine", minimum=1.0
+    ).default(2.0)
+    pressure_angle: Vector = Quantity(
+        "rad", "crank angle of a point after dead centre", display_unit="deg", size="pressure_points"
+    ).per_element()
+    point_pressure: Vector = Quantity(
+        "Pa", "absolute pressure at a point", nominal=1e5, display_unit="kPa", size="pressure_points"
+    ).per_element()
+    pressure_slope: Vector = Quantity(
+        "Pa", "dp/dtheta at a point, by radian", nominal=1e5, size="pressure_points"
+    ).per_element()
 
 
 @dataclass
 class CylinderGasState:
-    indicated_work: Annotated[
-        float, Quantity("J", "work given to a piston without clearance and pin offset", nominal=100.0)
-    ] = 0.0
+    indicated_work: float = Quantity(
+        "J", "work given to a piston without clearance and pin offset", nominal=100.0
+    ).default(0.0)
 
 
 @dataclass
@@ -168,12 +149,12 @@ class CylinderGasInputs:
 @dataclass
 class CylinderGasOutputs:
     gas_pressure: GasPressure = 0.0
-    indicated_work: Annotated[
-        float, Quantity("J", "work given to a piston without clearance and pin offset", nominal=100.0)
-    ] = 0.0
-    valve_force: Annotated[
-        Vector, Quantity("N", "force of the gas that closes a valve", nominal=500.0, size="valves")
-    ] = per_element()
+    indicated_work: float = Quantity(
+        "J", "work given to a piston without clearance and pin offset", nominal=100.0
+    ).default(0.0)
+    valve_force: Vector = Quantity(
+        "N", "force of the gas that closes a valve", nominal=500.0, size="valves"
+    ).per_element()
 
 
 @kernel

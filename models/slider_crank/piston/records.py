@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated
 
-from ...core.quantities import Quantity, Vector, per_element
+from ...core.quantities import Quantity, Vector
 from ...plausible import OFFSET, PART_LENGTH, PART_MASS, PLAY
 from ..crank import (
     CrankAcceleration,
@@ -56,199 +55,161 @@ class PistonParameters:
 
     crank_radius: CrankRadius = 0.5 * _BORE
     rod_length: RodLength = 0.143
-    crank_mass: Annotated[float, Quantity("kg", "mass of the crank", minimum=0.0)] = 0.0
-    crank_centre: Annotated[
-        float,
-        Quantity(
-            "m", "distance of the crank's centre of mass from the shaft", nominal=0.1, display_unit="mm"
-        ),
-    ] = 0.0
-    crank_inertia: Annotated[
-        float, Quantity("kg.m2", "inertia of the crank about its centre of mass", nominal=1e-3, minimum=0.0)
-    ] = 0.0
-    rod_mass: Annotated[
-        float, Quantity("kg", "mass of the connecting rod", minimum=0.0, plausible=PART_MASS)
-    ] = 0.55
-    rod_centre: Annotated[
-        float,
-        Quantity(
-            "m",
-            "distance of the rod's centre of mass from the crank pin",
-            nominal=0.1,
-            minimum=0.0,
-            display_unit="mm",
-        ),
-    ] = 0.042
-    rod_inertia: Annotated[
-        float, Quantity("kg.m2", "inertia of the rod about its centre of mass", nominal=1e-3, minimum=0.0)
-    ] = 2.0e-3
-    piston_mass: Annotated[
-        float, Quantity("kg", "mass of the piston with its pin", positive=True, plausible=PART_MASS)
-    ] = 0.42
-    piston_inertia: Annotated[
-        float,
-        Quantity("kg.m2", "inertia of the piston about its centre of mass", nominal=1e-4, positive=True),
-    ] = 3.5e-4
-    half_length: Annotated[
-        float,
-        Quantity(
-            "m",
-            "half the length of the skirt; 0: a roller, which touches each wall at one point",
-            nominal=0.1,
-            minimum=0.0,
-            display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 0.025
-    half_height: Annotated[
-        float,
-        Quantity(
-            "m",
-            "half the width of the piston across the bore",
-            nominal=0.1,
-            minimum=0.0,
-            display_unit="mm",
-            plausible=PART_LENGTH,
-        ),
-    ] = 0.5 * _BORE
-    clearance: Annotated[
-        float,
-        Quantity(
-            "m",
-            "play of the middle piston to either wall",
-            nominal=1e-4,
-            minimum=1e-7,
-            display_unit="um",
-            plausible=PLAY,
-        ),
-    ] = 40e-6
-    pin_height: Annotated[
-        float,
-        Quantity(
-            "m", "pin ahead of the skirt's middle, along", nominal=1e-2, display_unit="mm", plausible=OFFSET
-        ),
-    ] = 4e-3
-    pin_offset: Annotated[
-        float,
-        Quantity(
-            "m",
-            "pin above the piston's middle line (to the upper wall)",
-            nominal=1e-3,
-            display_unit="mm",
-            plausible=OFFSET,
-        ),
-    ] = 0.0
-    mass_height: Annotated[
-        float,
-        Quantity(
-            "m",
-            "centre of mass ahead of the skirt's middle, along",
-            nominal=1e-2,
-            display_unit="mm",
-            plausible=OFFSET,
-        ),
-    ] = 8e-3
-    mass_offset: Annotated[
-        float,
-        Quantity(
-            "m",
-            "centre of mass above the piston's middle line",
-            nominal=1e-3,
-            display_unit="mm",
-            plausible=OFFSET,
-        ),
-    ] = 0.0
-    crank_pin_friction: Annotated[
-        float,
-        Quantity("N.m.s", "friction moment of the crank pin per relative speed", nominal=1e-2, minimum=0.0),
-    ] = 1e-2
-    piston_pin_friction: Annotated[
-        float,
-        Quantity("N.m.s", "friction moment of the piston pin per relative speed", nominal=1e-2, minimum=0.0),
-    ] = 2e-3
-    wall_friction: Annotated[
-        float, Quantity("1", "coefficient of Coulomb friction mu at the walls", minimum=0.0, maximum=1.0)
-    ] = 0.05
+    crank_mass: float = Quantity("kg", "mass of the crank", minimum=0.0).default(0.0)
+    crank_centre: float = Quantity(
+        "m", "distance of the crank's centre of mass from the shaft", nominal=0.1, display_unit="mm"
+    ).default(0.0)
+    crank_inertia: float = Quantity(
+        "kg.m2", "inertia of the crank about its centre of mass", nominal=1e-3, minimum=0.0
+    ).default(0.0)
+    rod_mass: float = Quantity("kg", "mass of the connecting rod", minimum=0.0, plausible=PART_MASS).default(
+        0.55
+    )
+    rod_centre: float = Quantity(
+        "m",
+        "distance of the rod's centre of mass from the crank pin",
+        nominal=0.1,
+        minimum=0.0,
+        display_unit="mm",
+    ).default(0.042)
+    rod_inertia: float = Quantity(
+        "kg.m2", "inertia of the rod about its centre of mass", nominal=1e-3, minimum=0.0
+    ).default(2.0e-3)
+    piston_mass: float = Quantity(
+        "kg", "mass of the piston with its pin", positive=True, plausible=PART_MASS
+    ).default(0.42)
+    piston_inertia: float = Quantity(
+        "kg.m2", "inertia of the piston about its centre of mass", nominal=1e-4, positive=True
+    ).default(3.5e-4)
+    half_length: float = Quantity(
+        "m",
+        "half the length of the skirt; 0: a roller, which touches each wall at one point",
+        nominal=0.1,
+        minimum=0.0,
+        display_unit="mm",
+        plausible=PART_LENGTH,
+    ).default(0.025)
+    half_height: float = Quantity(
+        "m",
+        "half the width of the piston across the bore",
+        nominal=0.1,
+        minimum=0.0,
+        display_unit="mm",
+        plausible=PART_LENGTH,
+    ).default(0.5 * _BORE)
+    clearance: float = Quantity(
+        "m",
+        "play of the middle piston to either wall",
+        nominal=1e-4,
+        minimum=1e-7,
+        display_unit="um",
+        plausible=PLAY,
+    ).default(40e-6)
+    pin_height: float = Quantity(
+        "m", "pin ahead of the skirt's middle, along", nominal=1e-2, display_unit="mm", plausible=OFFSET
+    ).default(4e-3)
+    pin_offset: float = Quantity(
+        "m",
+        "pin above the piston's middle line (to the upper wall)",
+        nominal=1e-3,
+        display_unit="mm",
+        plausible=OFFSET,
+    ).default(0.0)
+    mass_height: float = Quantity(
+        "m",
+        "centre of mass ahead of the skirt's middle, along",
+        nominal=1e-2,
+        display_unit="mm",
+        plausible=OFFSET,
+    ).default(8e-3)
+    mass_offset: float = Quantity(
+        "m",
+        "centre of mass above the piston's middle line",
+        nominal=1e-3,
+        display_unit="mm",
+        plausible=OFFSET,
+    ).default(0.0)
+    crank_pin_friction: float = Quantity(
+        "N.m.s", "friction moment of the crank pin per relative speed", nominal=1e-2, minimum=0.0
+    ).default(1e-2)
+    piston_pin_friction: float = Quantity(
+        "N.m.s", "friction moment of the piston pin per relative speed", nominal=1e-2, minimum=0.0
+    ).default(2e-3)
+    wall_friction: float = Quantity(
+        "1", "coefficient of Coulomb friction mu at the walls", minimum=0.0, maximum=1.0
+    ).default(0.05)
     # A piston passes 1 mm/s within a microsecond of its dead centre, so that this rounding off moves
     # nothing visible, and a piston at rest creeps instead of sticking.
-    creep_velocity: Annotated[
-        float,
-        Quantity(
-            "m/s",
-            "sliding velocity below which lasting friction falls to zero (as tanh)",
-            nominal=1e-3,
-            positive=True,
-        ),
-    ] = 1e-3
-    restitution: Annotated[
-        float, Quantity("1", "coefficient of restitution e normal to the walls", minimum=0.0, maximum=1.0)
-    ] = 0.3
+    creep_velocity: float = Quantity(
+        "m/s",
+        "sliding velocity below which lasting friction falls to zero (as tanh)",
+        nominal=1e-3,
+        positive=True,
+    ).default(1e-3)
+    restitution: float = Quantity(
+        "1", "coefficient of restitution e normal to the walls", minimum=0.0, maximum=1.0
+    ).default(0.3)
     # Bounces of rebound v under a pressing acceleration a end after another 2 v / ((1 - e) a). Ended
     # early, the piston misses excursions of v^2/(2 a), at most a (1 - e)^2 time^2 / 8 (some 1e-12 m
     # here), and keeps its momentum: an impact gives at once what the bounces would have given.
-    chatter_time: Annotated[
-        float,
-        Quantity(
-            "s", "bounces that would end within this time end at once, in contact", nominal=1e-7, minimum=0.0
-        ),
-    ] = 1e-7
-    gravity_along: Annotated[
-        float, Quantity("m/s2", "gravity along the cylinder, + away from the crank", nominal=10.0)
-    ] = 0.0
-    gravity_across: Annotated[
-        float, Quantity("m/s2", "gravity across the cylinder, + to the upper wall", nominal=10.0)
-    ] = 0.0
-    bore_area: Annotated[
-        float, Quantity("m2", "area that the gas pressure acts on", nominal=1e-2, minimum=0.0)
-    ] = 0.25 * math.pi * _BORE**2
+    chatter_time: float = Quantity(
+        "s", "bounces that would end within this time end at once, in contact", nominal=1e-7, minimum=0.0
+    ).default(1e-7)
+    gravity_along: float = Quantity(
+        "m/s2", "gravity along the cylinder, + away from the crank", nominal=10.0
+    ).default(0.0)
+    gravity_across: float = Quantity(
+        "m/s2", "gravity across the cylinder, + to the upper wall", nominal=10.0
+    ).default(0.0)
+    bore_area: float = Quantity(
+        "m2", "area that the gas pressure acts on", nominal=1e-2, minimum=0.0
+    ).default(0.25 * math.pi * _BORE**2)
 
 
 @dataclass
 class FreePistonParameters(PistonParameters):
     """As the other, with the inertia of a small flywheel on the crank."""
 
-    crank_inertia: Annotated[
-        float, Quantity("kg.m2", "inertia of the crank about its centre of mass", nominal=1e-3, minimum=0.0)
-    ] = 0.05
+    crank_inertia: float = Quantity(
+        "kg.m2", "inertia of the crank about its centre of mass", nominal=1e-3, minimum=0.0
+    ).default(0.05)
 
 
 @dataclass
 class PistonState:
     """Corners in the order upper front, upper rear, lower front, lower rear; front is away from the crank."""
 
-    offset: Annotated[
-        float, Quantity("m", "the piston's middle above the cylinder's axis", nominal=1e-4, display_unit="um")
-    ] = 0.0
-    offset_rate: Annotated[float, Quantity("m/s", "rate of offset", nominal=1e-1)] = 0.0
-    tilt: Annotated[
-        float, Quantity("rad", "tilt of the piston, front towards the upper wall", nominal=1e-3)
-    ] = 0.0
-    tilt_rate: Annotated[float, Quantity("rad/s", "rate of tilt")] = 0.0
-    closed: Annotated[
-        Vector, Quantity("1", "corner in lasting contact with its wall", boolean=True, size="corners")
-    ] = per_element()
-    impact_count: Annotated[Vector, Quantity("1", "impacts of a corner", count=True, size="corners")] = (
-        per_element()
+    offset: float = Quantity(
+        "m", "the piston's middle above the cylinder's axis", nominal=1e-4, display_unit="um"
+    ).default(0.0)
+    offset_rate: float = Quantity("m/s", "rate of offset", nominal=1e-1).default(0.0)
+    tilt: float = Quantity("rad", "tilt of the piston, front towards the upper wall", nominal=1e-3).default(
+        0.0
     )
-    impact_impulse: Annotated[
-        Vector, Quantity("N.s", "sum of the normal impulses on a corner", size="corners")
-    ] = per_element()
-    force_integral: Annotated[
-        Vector, Quantity("N.s", "time integral of the lasting wall force on a corner", size="corners")
-    ] = per_element()
-    last_impact_time: Annotated[float, Quantity("s", "time of the last impact")] = 0.0
-    last_impact_velocity: Annotated[
-        float, Quantity("m/s", "velocity towards the wall just before the last impact", nominal=0.1)
-    ] = 0.0
-    event_count: Annotated[float, Quantity("1", "impacts and releases", count=True)] = 0.0
-    last_event_time: Annotated[float, Quantity("s", "time of the last impact or release")] = 0.0
-    impact_loss: Annotated[float, Quantity("J", "energy lost in impacts")] = 0.0
+    tilt_rate: float = Quantity("rad/s", "rate of tilt").default(0.0)
+    closed: Vector = Quantity(
+        "1", "corner in lasting contact with its wall", boolean=True, size="corners"
+    ).per_element()
+    impact_count: Vector = Quantity("1", "impacts of a corner", count=True, size="corners").per_element()
+    impact_impulse: Vector = Quantity(
+        "N.s", "sum of the normal impulses on a corner", size="corners"
+    ).per_element()
+    force_integral: Vector = Quantity(
+        "N.s", "time integral of the lasting wall force on a corner", size="corners"
+    ).per_element()
+    last_impact_time: float = Quantity("s", "time of the last impact").default(0.0)
+    last_impact_velocity: float = Quantity(
+        "m/s", "velocity towards the wall just before the last impact", nominal=0.1
+    ).default(0.0)
+    event_count: float = Quantity("1", "impacts and releases", count=True).default(0.0)
+    last_event_time: float = Quantity("s", "time of the last impact or release").default(0.0)
+    impact_loss: float = Quantity("J", "energy lost in impacts").default(0.0)
 
 
 @dataclass
 class PistonCrankState(PistonState):
     crank_impact_impulse: CrankImpulse = 0.0
-    impact_work: Annotated[float, Quantity("J", "energy given in impacts by the crank")] = 0.0
+    impact_work: float = Quantity("J", "energy given in impacts by the crank").default(0.0)
 
 
 @dataclass
@@ -267,96 +228,93 @@ class PistonCrankInputs:
 
 @dataclass
 class FreePistonCrankInputs:
-    crank_drive: Annotated[float, Quantity("N.m", "torque that drives the crank", nominal=10.0)] = 0.0
+    crank_drive: float = Quantity("N.m", "torque that drives the crank", nominal=10.0).default(0.0)
     gas_pressure: GasPressure = 0.0
 
 
 @dataclass
 class PistonOutputs:
-    piston_position: Annotated[
-        float, Quantity("m", "the skirt's middle from the shaft, along the cylinder", nominal=0.1)
-    ] = 0.0
-    piston_velocity: Annotated[float, Quantity("m/s", "its velocity along the cylinder")] = 0.0
-    piston_offset: Annotated[
-        float, Quantity("m", "the skirt's middle above the cylinder's axis", nominal=1e-4, display_unit="um")
-    ] = 0.0
-    piston_offset_rate: Annotated[float, Quantity("m/s", "its velocity across", nominal=0.1)] = 0.0
-    piston_tilt: Annotated[
-        float, Quantity("rad", "tilt of the piston, front towards the upper wall", nominal=1e-3)
-    ] = 0.0
-    piston_tilt_rate: Annotated[float, Quantity("rad/s", "rate of the tilt")] = 0.0
-    rod_angle: Annotated[
-        float, Quantity("rad", "angle of the connecting rod, piston end below", nominal=0.1)
-    ] = 0.0
-    upper_front_gap: Annotated[
-        float, Quantity("m", "gap of the upper front corner", nominal=1e-4, display_unit="um")
-    ] = 0.0
-    upper_rear_gap: Annotated[
-        float, Quantity("m", "gap of the upper rear corner", nominal=1e-4, display_unit="um")
-    ] = 0.0
-    lower_front_gap: Annotated[
-        float, Quantity("m", "gap of the lower front corner", nominal=1e-4, display_unit="um")
-    ] = 0.0
-    lower_rear_gap: Annotated[
-        float, Quantity("m", "gap of the lower rear corner", nominal=1e-4, display_unit="um")
-    ] = 0.0
-    upper_front_force: Annotated[
-        float, Quantity("N", "lasting wall force on the upper front corner", nominal=1e3)
-    ] = 0.0
-    upper_rear_force: Annotated[
-        float, Quantity("N", "lasting wall force on the upper rear corner", nominal=1e3)
-    ] = 0.0
-    lower_front_force: Annotated[
-        float, Quantity("N", "lasting wall force on the lower front corner", nominal=1e3)
-    ] = 0.0
-    lower_rear_force: Annotated[
-        float, Quantity("N", "lasting wall force on the lower rear corner", nominal=1e3)
-    ] = 0.0
-    wall_friction_force: Annotated[
-        float, Quantity("N", "lasting friction of the walls on the piston, along", nominal=100.0)
-    ] = 0.0
-    pin_force_along: Annotated[
-        float, Quantity("N", "force of the rod on the piston pin, along, between impacts", nominal=1e3)
-    ] = 0.0
-    pin_force_across: Annotated[
-        float, Quantity("N", "force of the rod on the piston pin, across, between impacts", nominal=1e3)
-    ] = 0.0
-    upper_wall_impulse: Annotated[
-        float, Quantity("N.s", "upper wall's impulses and integral of its forces: differences give means")
-    ] = 0.0
-    lower_wall_impulse: Annotated[
-        float, Quantity("N.s", "lower wall's impulses and integral of its forces: differences give means")
-    ] = 0.0
-    corner_impact_count: Annotated[
-        Vector,
-        Quantity(
-            "1",
-            "impacts of a corner (upper front, upper rear, lower front, lower rear)",
-            count=True,
-            size="corners",
-        ),
-    ] = per_element()
-    corner_impact_impulse: Annotated[
-        Vector, Quantity("N.s", "sum of the normal impulses on a corner", size="corners")
-    ] = per_element()
-    impact_count: Annotated[float, Quantity("1", "impacts of all corners", count=True)] = 0.0
-    last_impact_time: Annotated[float, Quantity("s", "time of the last impact")] = 0.0
-    last_impact_velocity: Annotated[
-        float, Quantity("m/s", "velocity towards the wall just before the last impact", nominal=0.1)
-    ] = 0.0
-    event_count: Annotated[float, Quantity("1", "impacts and releases", count=True)] = 0.0
-    last_event_time: Annotated[float, Quantity("s", "time of the last impact or release")] = 0.0
-    friction_power: Annotated[
-        float, Quantity("W", "power taken by friction at pins and walls, between impacts", nominal=100.0)
-    ] = 0.0
-    impact_loss: Annotated[float, Quantity("J", "energy lost in impacts")] = 0.0
+    piston_position: float = Quantity(
+        "m", "the skirt's middle from the shaft, along the cylinder", nominal=0.1
+    ).default(0.0)
+    piston_velocity: float = Quantity("m/s", "its velocity along the cylinder").default(0.0)
+    piston_offset: float = Quantity(
+        "m", "the skirt's middle above the cylinder's axis", nominal=1e-4, display_unit="um"
+    ).default(0.0)
+    piston_offset_rate: float = Quantity("m/s", "its velocity across", nominal=0.1).default(0.0)
+    piston_tilt: float = Quantity(
+        "rad", "tilt of the piston, front towards the upper wall", nominal=1e-3
+    ).default(0.0)
+    piston_tilt_rate: float = Quantity("rad/s", "rate of the tilt").default(0.0)
+    rod_angle: float = Quantity("rad", "angle of the connecting rod, piston end below", nominal=0.1).default(
+        0.0
+    )
+    upper_front_gap: float = Quantity(
+        "m", "gap of the upper front corner", nominal=1e-4, display_unit="um"
+    ).default(0.0)
+    upper_rear_gap: float = Quantity(
+        "m", "gap of the upper rear corner", nominal=1e-4, display_unit="um"
+    ).default(0.0)
+    lower_front_gap: float = Quantity(
+        "m", "gap of the lower front corner", nominal=1e-4, display_unit="um"
+    ).default(0.0)
+    lower_rear_gap: float = Quantity(
+        "m", "gap of the lower rear corner", nominal=1e-4, display_unit="um"
+    ).default(0.0)
+    upper_front_force: float = Quantity(
+        "N", "lasting wall force on the upper front corner", nominal=1e3
+    ).default(0.0)
+    upper_rear_force: float = Quantity(
+        "N", "lasting wall force on the upper rear corner", nominal=1e3
+    ).default(0.0)
+    lower_front_force: float = Quantity(
+        "N", "lasting wall force on the lower front corner", nominal=1e3
+    ).default(0.0)
+    lower_rear_force: float = Quantity(
+        "N", "lasting wall force on the lower rear corner", nominal=1e3
+    ).default(0.0)
+    wall_friction_force: float = Quantity(
+        "N", "lasting friction of the walls on the piston, along", nominal=100.0
+    ).default(0.0)
+    pin_force_along: float = Quantity(
+        "N", "force of the rod on the piston pin, along, between impacts", nominal=1e3
+    ).default(0.0)
+    pin_force_across: float = Quantity(
+        "N", "force of the rod on the piston pin, across, between impacts", nominal=1e3
+    ).default(0.0)
+    upper_wall_impulse: float = Quantity(
+        "N.s", "upper wall's impulses and integral of its forces: differences give means"
+    ).default(0.0)
+    lower_wall_impulse: float = Quantity(
+        "N.s", "lower wall's impulses and integral of its forces: differences give means"
+    ).default(0.0)
+    corner_impact_count: Vector = Quantity(
+        "1",
+        "impacts of a corner (upper front, upper rear, lower front, lower rear)",
+        count=True,
+        size="corners",
+    ).per_element()
+    corner_impact_impulse: Vector = Quantity(
+        "N.s", "sum of the normal impulses on a corner", size="corners"
+    ).per_element()
+    impact_count: float = Quantity("1", "impacts of all corners", count=True).default(0.0)
+    last_impact_time: float = Quantity("s", "time of the last impact").default(0.0)
+    last_impact_velocity: float = Quantity(
+        "m/s", "velocity towards the wall just before the last impact", nominal=0.1
+    ).default(0.0)
+    event_count: float = Quantity("1", "impacts and releases", count=True).default(0.0)
+    last_event_time: float = Quantity("s", "time of the last impact or release").default(0.0)
+    friction_power: float = Quantity(
+        "W", "power taken by friction at pins and walls, between impacts", nominal=100.0
+    ).default(0.0)
+    impact_loss: float = Quantity("J", "energy lost in impacts").default(0.0)
 
 
 @dataclass
 class PistonCrankOutputs(PistonOutputs):
-    crank_torque: Annotated[
-        float, Quantity("N.m", "torque taken from the crank, between impacts", nominal=10.0)
-    ] = 0.0
+    crank_torque: float = Quantity(
+        "N.m", "torque taken from the crank, between impacts", nominal=10.0
+    ).default(0.0)
     crank_impact_impulse: CrankImpulse = 0.0
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from ...compile.kernel import kernel
 from ...core.quantities import Quantity, Vector
@@ -24,43 +24,37 @@ def _share(description: str, **limits: Any) -> Quantity:
 class RiseParameters:
     """Defaults: the set `kushwaha2000`."""
 
-    law: Annotated[float, Quantity("1", "law of rise and fall", choices=tuple(RISES))] = 0.0
-    lift: Annotated[
-        float,
-        Quantity(
-            "m",
-            "lift S of the law, without ramps",
-            nominal=1e-2,
-            positive=True,
-            display_unit="mm",
-            plausible=CAM_LIFT,
-        ),
-    ] = 8e-3
-    base_radius: Annotated[
-        float,
-        Quantity(
-            "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
-        ),
-    ] = 2.610272395869072 * 8e-3
-    rise_angle: Annotated[float, angle_below_pi("cam angle of the rise B", positive=True)] = math.radians(
-        88.66608103115016
+    law: float = Quantity("1", "law of rise and fall", choices=tuple(RISES)).default(0.0)
+    lift: float = Quantity(
+        "m",
+        "lift S of the law, without ramps",
+        nominal=1e-2,
+        positive=True,
+        display_unit="mm",
+        plausible=CAM_LIFT,
+    ).default(8e-3)
+    base_radius: float = Quantity(
+        "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
+    ).default(2.610272395869072 * 8e-3)
+    rise_angle: float = angle_below_pi("cam angle of the rise B", positive=True).default(
+        math.radians(88.66608103115016)
     )
-    fall_angle: Annotated[float, angle_below_pi("cam angle of the fall; 0: as the rise", minimum=0.0)] = 0.0
-    dwell_half_width: Annotated[
-        float, angle_below_pi("half width d of the dwell at the nose", minimum=0.0)
-    ] = math.radians(1.333918968849847)
-    power_p: Annotated[float, Quantity("1", "power p of the law high_powers", minimum=4.0)] = 8.0
-    power_q: Annotated[float, Quantity("1", "power q of the law high_powers", minimum=4.0)] = 14.0
-    power_r: Annotated[float, Quantity("1", "power r of the law high_powers", minimum=4.0)] = 20.0
-    power_t: Annotated[float, Quantity("1", "power t of the law high_powers", minimum=4.0)] = 26.0
-    onset_share: Annotated[
-        float, _share("in which the acceleration of the law modified_trapezoid grows", positive=True)
-    ] = 0.125
-    flank_share: Annotated[float, _share("in which this acceleration stays", minimum=0.0)] = 0.25
-    reversal_share: Annotated[float, _share("in which it turns into the deceleration", positive=True)] = 0.25
-    nose_share: Annotated[
-        float, _share("in which the deceleration stays; in what is left it fades", minimum=0.0)
-    ] = 0.25
+    fall_angle: float = angle_below_pi("cam angle of the fall; 0: as the rise", minimum=0.0).default(0.0)
+    dwell_half_width: float = angle_below_pi("half width d of the dwell at the nose", minimum=0.0).default(
+        math.radians(1.333918968849847)
+    )
+    power_p: float = Quantity("1", "power p of the law high_powers", minimum=4.0).default(8.0)
+    power_q: float = Quantity("1", "power q of the law high_powers", minimum=4.0).default(14.0)
+    power_r: float = Quantity("1", "power r of the law high_powers", minimum=4.0).default(20.0)
+    power_t: float = Quantity("1", "power t of the law high_powers", minimum=4.0).default(26.0)
+    onset_share: float = _share(
+        "in which the acceleration of the law modified_trapezoid grows", positive=True
+    ).default(0.125)
+    flank_share: float = _share("in which this acceleration stays", minimum=0.0).default(0.25)
+    reversal_share: float = _share("in which it turns into the deceleration", positive=True).default(0.25)
+    nose_share: float = _share(
+        "in which the deceleration stays; in what is left it fades", minimum=0.0
+    ).default(0.25)
 
 
 @dataclass

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from ...compile.kernel import kernel
 from ...core.quantities import Quantity
@@ -26,21 +26,18 @@ def angle_below_pi(description: str, **limits: Any) -> Quantity:
 class RampParameters:
     """Defaults: no ramps."""
 
-    ramp_height: Annotated[
-        float,
-        Quantity(
-            "m", "lift of the ramps; 0: none", nominal=1e-4, minimum=0.0, display_unit="mm", plausible=LASH
-        ),
-    ] = 0.0
-    opening_ramp_angle: Annotated[
-        float, angle_below_pi("cam angle of constant velocity before the rise", minimum=0.0)
-    ] = math.radians(20.0)
-    closing_ramp_angle: Annotated[
-        float, angle_below_pi("cam angle of constant velocity after the fall", minimum=0.0)
-    ] = math.radians(20.0)
-    ramp_blend_angle: Annotated[
-        float, angle_below_pi("cam angle in which a ramp's velocity blends", positive=True)
-    ] = math.radians(5.0)
+    ramp_height: float = Quantity(
+        "m", "lift of the ramps; 0: none", nominal=1e-4, minimum=0.0, display_unit="mm", plausible=LASH
+    ).default(0.0)
+    opening_ramp_angle: float = angle_below_pi(
+        "cam angle of constant velocity before the rise", minimum=0.0
+    ).default(math.radians(20.0))
+    closing_ramp_angle: float = angle_below_pi(
+        "cam angle of constant velocity after the fall", minimum=0.0
+    ).default(math.radians(20.0))
+    ramp_blend_angle: float = angle_below_pi(
+        "cam angle in which a ramp's velocity blends", positive=True
+    ).default(math.radians(5.0))
 
 
 @kernel

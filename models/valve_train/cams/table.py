@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from ...compile.kernel import kernel
 from ...core.points import find_segment
-from ...core.quantities import Quantity, Vector, per_element
+from ...core.quantities import Quantity, Vector
 from ...core.requirements import Requirement
 from ...plausible import CAM_RADIUS
 from .lift import Lift
@@ -28,38 +28,30 @@ LEAST_POINTS, MOST_POINTS = 3, 2000
 class PointParameters:
     """Angles ascend within one turn. After the last point the profile goes on to the first one."""
 
-    base_radius: Annotated[
-        float,
-        Quantity(
-            "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
-        ),
-    ] = 20e-3
-    smooth: Annotated[
-        float,
-        Quantity("1", "s''' is continuous, as of a spline; false: it jumps at every point", boolean=True),
-    ] = 1.0
-    table_angle: Annotated[
-        Vector, Quantity("rad", "cam angle of a point", display_unit="deg", size="table_points")
-    ] = per_element()
-    table_lift: Annotated[
-        Vector, Quantity("m", "lift s at a point", nominal=1e-3, display_unit="mm", size="table_points")
-    ] = per_element()
-    table_slope: Annotated[
-        Vector,
-        Quantity("m", "s' at a point, by radian", nominal=1e-2, display_unit="mm", size="table_points"),
-    ] = per_element()
-    table_curvature: Annotated[
-        Vector,
-        Quantity(
-            "m", "s'' at a point, by radian squared", nominal=1e-2, display_unit="mm", size="table_points"
-        ),
-    ] = per_element()
-    event_begin: Annotated[
-        float, Quantity("rad", "cam angle at which the opening ramp joins the event", display_unit="deg")
-    ] = 0.5 * math.pi
-    event_end: Annotated[
-        float, Quantity("rad", "cam angle at which the closing ramp joins the event", display_unit="deg")
-    ] = 1.5 * math.pi
+    base_radius: float = Quantity(
+        "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
+    ).default(20e-3)
+    smooth: float = Quantity(
+        "1", "s''' is continuous, as of a spline; false: it jumps at every point", boolean=True
+    ).default(1.0)
+    table_angle: Vector = Quantity(
+        "rad", "cam angle of a point", display_unit="deg", size="table_points"
+    ).per_element()
+    table_lift: Vector = Quantity(
+        "m", "lift s at a point", nominal=1e-3, display_unit="mm", size="table_points"
+    ).per_element()
+    table_slope: Vector = Quantity(
+        "m", "s' at a point, by radian", nominal=1e-2, display_unit="mm", size="table_points"
+    ).per_element()
+    table_curvature: Vector = Quantity(
+        "m", "s'' at a point, by radian squared", nominal=1e-2, display_unit="mm", size="table_points"
+    ).per_element()
+    event_begin: float = Quantity(
+        "rad", "cam angle at which the opening ramp joins the event", display_unit="deg"
+    ).default(0.5 * math.pi)
+    event_end: float = Quantity(
+        "rad", "cam angle at which the closing ramp joins the event", display_unit="deg"
+    ).default(1.5 * math.pi)
 
 
 @dataclass

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
 from ...core.component import PowerBond
@@ -17,48 +17,45 @@ from ...plausible import CURVATURE
 
 @dataclass
 class TipParameters:
-    tip_radius: Annotated[
-        float,
-        Quantity(
-            "m",
-            "radius of the lever's pad on the valve",
-            nominal=1e-2,
-            positive=True,
-            display_unit="mm",
-            plausible=CURVATURE,
-        ),
-    ] = 10e-3
+    tip_radius: float = Quantity(
+        "m",
+        "radius of the lever's pad on the valve",
+        nominal=1e-2,
+        positive=True,
+        display_unit="mm",
+        plausible=CURVATURE,
+    ).default(10e-3)
 
 
 @dataclass
 class TipInputs:
-    tip_load: Annotated[float, Quantity("N", "load of the lever on the valve", nominal=500.0)] = 0.0
-    tip_friction: Annotated[
-        float, Quantity("N", "friction on the lever's pad against its sliding", nominal=10.0)
-    ] = 0.0
+    tip_load: float = Quantity("N", "load of the lever on the valve", nominal=500.0).default(0.0)
+    tip_friction: float = Quantity(
+        "N", "friction on the lever's pad against its sliding", nominal=10.0
+    ).default(0.0)
 
 
 @dataclass
 class TipOutputs:
-    tip_position: Annotated[
-        float, Quantity("m", "position of the pad towards the valve", nominal=1e-3, display_unit="mm")
-    ] = 0.0
-    tip_velocity: Annotated[float, Quantity("m/s", "velocity of the pad towards the valve")] = 0.0
-    tip_entraining_velocity: Annotated[
-        float, Quantity("m/s", "mean surface velocity relative to the contact on the valve")
-    ] = 0.0
-    tip_sliding_velocity: Annotated[float, Quantity("m/s", "velocity of the pad over the valve's tip")] = 0.0
-    tip_contact_radius: Annotated[
-        float, Quantity("m", "reduced radius of pad and tip", nominal=1e-2, display_unit="mm")
-    ] = 10e-3
+    tip_position: float = Quantity(
+        "m", "position of the pad towards the valve", nominal=1e-3, display_unit="mm"
+    ).default(0.0)
+    tip_velocity: float = Quantity("m/s", "velocity of the pad towards the valve").default(0.0)
+    tip_entraining_velocity: float = Quantity(
+        "m/s", "mean surface velocity relative to the contact on the valve"
+    ).default(0.0)
+    tip_sliding_velocity: float = Quantity("m/s", "velocity of the pad over the valve's tip").default(0.0)
+    tip_contact_radius: float = Quantity(
+        "m", "reduced radius of pad and tip", nominal=1e-2, display_unit="mm"
+    ).default(10e-3)
 
 
 @dataclass
 class LeverMotion:
-    rotation: Annotated[
-        float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
-    ] = 0.0
-    rotation_rate: Annotated[float, Quantity("rad/s", "rate of the rotation", nominal=10.0)] = 0.0
+    rotation: float = Quantity(
+        "rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg"
+    ).default(0.0)
+    rotation_rate: float = Quantity("rad/s", "rate of the rotation", nominal=10.0).default(0.0)
 
 
 TIP_BONDS = (PowerBond("tip_load", "tip_velocity", -1), PowerBond("tip_friction", "tip_sliding_velocity", -1))

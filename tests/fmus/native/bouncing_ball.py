@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
 
 from models.compile.kernel import kernel
 from models.core.component import Component, Events
@@ -15,31 +14,31 @@ GRAVITY, HEIGHT = 10.0, 1.0  # m/s^2, m
 
 @dataclass
 class Parameters:
-    restitution: Annotated[float, Quantity("1", "velocity after over before", minimum=0.0)] = 0.5
-    threshold: Annotated[float, Quantity("m/s", "rebound below which it rests", minimum=0.0)] = 1e-6
+    restitution: float = Quantity("1", "velocity after over before", minimum=0.0).default(0.5)
+    threshold: float = Quantity("m/s", "rebound below which it rests", minimum=0.0).default(1e-6)
 
 
 @dataclass
 class State:
-    height: Annotated[float, Quantity("m", "height")] = HEIGHT
-    velocity: Annotated[float, Quantity("m/s", "velocity")] = 0.0
-    bounces: Annotated[float, Quantity("1", "bounces", count=True, internal=True)] = 0.0
-    last_bounce: Annotated[float, Quantity("s", "time of the last bounce", internal=True)] = 0.0
-    resting: Annotated[float, Quantity("1", "at rest", boolean=True, internal=True)] = 0.0
+    height: float = Quantity("m", "height").default(HEIGHT)
+    velocity: float = Quantity("m/s", "velocity").default(0.0)
+    bounces: float = Quantity("1", "bounces", count=True, internal=True).default(0.0)
+    last_bounce: float = Quantity("s", "time of the last bounce", internal=True).default(0.0)
+    resting: float = Quantity("1", "at rest", boolean=True, internal=True).default(0.0)
 
 
 @dataclass
 class Inputs:
-    push: Annotated[float, Quantity("m/s2", "acceleration upwards")] = 0.0
+    push: float = Quantity("m/s2", "acceleration upwards").default(0.0)
 
 
 @dataclass
 class Outputs:
-    height: Annotated[float, Quantity("m", "height")] = 0.0
-    velocity: Annotated[float, Quantity("m/s", "velocity")] = 0.0
-    bounces: Annotated[float, Quantity("1", "bounces", count=True)] = 0.0
-    last_bounce: Annotated[float, Quantity("s", "time of the last bounce")] = 0.0
-    resting: Annotated[float, Quantity("1", "at rest", boolean=True)] = 0.0
+    height: float = Quantity("m", "height").default(0.0)
+    velocity: float = Quantity("m/s", "velocity").default(0.0)
+    bounces: float = Quantity("1", "bounces", count=True).default(0.0)
+    last_bounce: float = Quantity("s", "time of the last bounce").default(0.0)
+    resting: float = Quantity("1", "at rest", boolean=True).default(0.0)
 
 
 @kernel
