@@ -2,6 +2,7 @@
 
 from ..fmi.description import Experiment
 from ..fmi.terminals import Terminal
+from ..reference_results.stimulus import Stimulus
 
 # Two cycles at 2000 rpm.
 EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
@@ -11,3 +12,17 @@ TERMINALS = {
     "gas": Terminal("gas", "pressure on the piston", {"pressure": "gas_pressure"}),
     "valve[*]": Terminal("gas_force", "force on a valve's head", {"force": "valve_force[*]"}),
 }
+
+SPEED, STOP = 200.0, 0.064
+
+STIMULUS = Stimulus(
+    says=(
+        "One four-stroke cycle at 200 rad/s, from the firing dead centre: expansion, blowdown, "
+        "exhaust, intake, compression."
+    ),
+    corners=[0.0, STOP],
+    inputs={"crank_angle": [0.0, SPEED * STOP], "crank_speed": [SPEED, SPEED]},
+    step_size=1e-4,
+    interval=5e-4,
+    outputs=("gas_pressure", "indicated_work", "valve_force[1]"),
+)

@@ -72,7 +72,7 @@ class Stimulus:
 
 def load_stimulus(name: str) -> Stimulus:
     """The stimulus of the FMU `name`."""
-    found: Stimulus = importlib.import_module(f"fmus.{name}.stimulus").STIMULUS
+    found: Stimulus = importlib.import_module(f"fmus.{name}").STIMULUS
     return found
 
 

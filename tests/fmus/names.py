@@ -6,8 +6,13 @@ from collections.abc import Iterable
 
 import pytest
 
+from fmus.build import NAMES, find_extra
+
 # Those with impacts, vectors, events in time and plain motion among them.
 ALWAYS = ("valve_spring", "slider_crank", "flywheel")
+
+# Those with reference results.
+REFERENCED = tuple(name for name in NAMES if find_extra(name, "STIMULUS", None) is not None)
 
 
 def mark_long(names: Iterable[str], always: Iterable[str] = ALWAYS) -> list:

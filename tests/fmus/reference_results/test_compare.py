@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.build import REFERENCED
 from fmus.reference_results.apart import compare_in_process
 from fmus.reference_results.compare import compare
 from fmus.reference_results.files import ComparisonError, Options, csv_text, read_csv
@@ -17,7 +16,7 @@ from fmus.reference_results.results import compute_results
 from tests.archives import repack, replace_text
 from tests.third_party.c_fmus import fmu as third_party
 
-from ..names import mark_long
+from ..names import REFERENCED, mark_long
 
 
 @pytest.mark.parametrize("name", mark_long(REFERENCED, ["valve_spring", "flywheel"]))

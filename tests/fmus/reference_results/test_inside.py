@@ -9,10 +9,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from fmus.build import REFERENCED, build
+from fmus.build import build
 from fmus.reference_results.inside import FOLDER, MANIFEST
 
-from ..names import mark_long
+from ..names import REFERENCED, mark_long
 
 # The standard's roles, version 1.0.0-alpha.1, of those that are used.
 ROLES = {"testcase", "result", "document"}

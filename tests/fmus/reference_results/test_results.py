@@ -9,7 +9,6 @@ import fmpy.util
 import numpy as np
 import pytest
 
-from fmus.build import REFERENCED
 from fmus.reference_results.files import Table, csv_text, read_csv, read_options
 from fmus.reference_results.results import (
     LEAST,
@@ -22,7 +21,7 @@ from fmus.reference_results.results import (
 from fmus.reference_results.stimulus import load_stimulus
 from models.catalogue import CATALOGUE
 
-from ..names import mark_long
+from ..names import REFERENCED, mark_long
 
 # What the files are written with (5e-10), and what two solvers of 1e-12 a step leave (3e-9 in the
 # slider-crank, more in loads of stiff contacts; by other compilers and libraries perhaps twice that), over an
