@@ -57,8 +57,8 @@ class CylinderParameters:
 class Links:
     angle_1: float = Quantity("rad", "angle theta_1 of the first link").default(math.pi / 6)
     angle_2: float = Quantity("rad", "angle theta_2 of the second link").default(3.0 * math.pi / 2)
-    speed_1: float = Quantity("rad/s", "angular velocity of the first link").default(0.0)
-    speed_2: float = Quantity("rad/s", "angular velocity of the second link").default(0.0)
+    speed_1: float = Quantity("rad/s", "angular velocity of the first link").default()
+    speed_2: float = Quantity("rad/s", "angular velocity of the second link").default()
 
 
 @dataclass
@@ -69,7 +69,7 @@ class Force:
 @dataclass
 class Motion:
     length: float = Quantity("m", "length s of the cylinder", nominal=0.5).default(LENGTH_0)
-    rate: float = Quantity("m/s", "rate of that length", nominal=0.01).default(0.0)
+    rate: float = Quantity("m/s", "rate of that length", nominal=0.01).default()
 
 
 @dataclass

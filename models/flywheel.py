@@ -33,7 +33,7 @@ class FlywheelParameters:
         same_as="initial_speed",
         plausible=SPEED,
     ).default(1000.0 * math.pi / 30.0)
-    ramp_start: float = Quantity("s", "time at which the ramp begins", plausible=RAMP).default(0.0)
+    ramp_start: float = Quantity("s", "time at which the ramp begins", plausible=RAMP).default()
     ramp_duration: float = Quantity("s", "length of the ramp", positive=True, plausible=RAMP).default(1.0)
     ramp_shape: float = Quantity(
         "1", "linear in time, or smooth (3 r^2 - 2 r^3)", choices=("linear", "smooth")
@@ -49,7 +49,7 @@ class FlywheelParameters:
 
 @dataclass
 class FlywheelState:
-    angle: float = Quantity("rad", "angle of the shaft", display_unit="deg").default(0.0)
+    angle: float = Quantity("rad", "angle of the shaft", display_unit="deg").default()
     speed: float = Quantity(
         "rad/s", "speed of the free shaft", nominal=100.0, display_unit="rpm", plausible=SPEED
     ).default(1000.0 * math.pi / 30.0)
@@ -57,7 +57,7 @@ class FlywheelState:
 
 @dataclass
 class FlywheelInputs:
-    drive_torque: float = Quantity("N.m", "torque on the free shaft", nominal=10.0).default(0.0)
+    drive_torque: float = Quantity("N.m", "torque on the free shaft", nominal=10.0).default()
     load_torque: Vector = Quantity(
         "N.m", "torque taken by a driven mechanism", nominal=10.0, size="loads"
     ).per_element()
@@ -68,12 +68,12 @@ class FlywheelInputs:
 
 @dataclass
 class FlywheelOutputs:
-    angle: float = Quantity("rad", "angle of the shaft", display_unit="deg").default(0.0)
-    speed: float = Quantity("rad/s", "speed of the shaft", nominal=100.0, display_unit="rpm").default(0.0)
-    acceleration: float = Quantity("rad/s2", "angular acceleration of the shaft", nominal=100.0).default(0.0)
+    angle: float = Quantity("rad", "angle of the shaft", display_unit="deg").default()
+    speed: float = Quantity("rad/s", "speed of the shaft", nominal=100.0, display_unit="rpm").default()
+    acceleration: float = Quantity("rad/s2", "angular acceleration of the shaft", nominal=100.0).default()
     supplied_torque: float = Quantity(
         "N.m", "torque that the drive gives (what the prescribed motion needs)", nominal=10.0
-    ).default(0.0)
+    ).default()
     throw_angle: Vector = Quantity(
         "rad", "angle of a crank throw", display_unit="deg", size="throws"
     ).per_element()

@@ -54,7 +54,7 @@ FILM_IS_DRY = float(list(FILMS).index("dry"))
 class ContactParameters(SharedParameters):
     """Defaults: the set `kushwaha2000`; damping ratio 0.05 of the 6.7 kHz contact mode at 450 N."""
 
-    film_model: float = Quantity("1", "film thickness formula", choices=tuple(FILMS)).default(0.0)
+    film_model: float = Quantity("1", "film thickness formula", choices=tuple(FILMS)).default()
     squeeze_constant: float = Quantity(
         "1", "constant C of the squeeze term (K 10)", nominal=100.0, positive=True
     ).default(SQUEEZE_CONSTANT)
@@ -64,9 +64,7 @@ class ContactParameters(SharedParameters):
     damping_reference_load: float = Quantity(
         "N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True
     ).default(450.0)
-    inlet_heating: float = Quantity("1", "heat of shear in the inlet thins the film", boolean=True).default(
-        0.0
-    )
+    inlet_heating: float = Quantity("1", "heat of shear in the inlet thins the film", boolean=True).default()
     temperature_viscosity: float = Quantity(
         "1/K", "fall beta of the viscosity with the temperature", nominal=0.03, minimum=0.0
     ).default(0.03)
@@ -84,12 +82,12 @@ class ContactState:
 class ContactOutputs(SharedOutputs):
     damping_margin: float = Quantity(
         "1", "1 + c delta'/W_ref: where it is negative the damping takes the whole load"
-    ).default(0.0)
-    separated: float = Quantity("1", "the contact carries no load", boolean=True).default(0.0)
-    material_in_range: float = Quantity("1", "G inside K Table 3", boolean=True).default(0.0)
-    squeeze_in_range: float = Quantity("1", "w_s inside K Table 3", boolean=True).default(0.0)
-    load_in_range: float = Quantity("1", "W inside K Table 3", boolean=True).default(0.0)
-    speed_in_range: float = Quantity("1", "U inside K Table 3", boolean=True).default(0.0)
+    ).default()
+    separated: float = Quantity("1", "the contact carries no load", boolean=True).default()
+    material_in_range: float = Quantity("1", "G inside K Table 3", boolean=True).default()
+    squeeze_in_range: float = Quantity("1", "w_s inside K Table 3", boolean=True).default()
+    load_in_range: float = Quantity("1", "W inside K Table 3", boolean=True).default()
+    speed_in_range: float = Quantity("1", "U inside K Table 3", boolean=True).default()
     thermal_reduction: float = Quantity("1", "share phi_T of the film that heat in the inlet leaves").default(
         1.0
     )

@@ -40,7 +40,7 @@ MOES_VENNER = float(list(FILMS).index("moes_venner"))
 class LineContactParameters(SharedParameters):
     """Defaults: the set `kushwaha2000`."""
 
-    density_law: float = Quantity("1", "density under pressure", choices=DENSITY_LAWS).default(0.0)
+    density_law: float = Quantity("1", "density under pressure", choices=DENSITY_LAWS).default()
     field_tolerance: float = Quantity(
         "1", "error of load and film per micro-step", minimum=LEAST_FIELD_TOLERANCE, maximum=0.1
     ).default(1e-4)
@@ -48,7 +48,7 @@ class LineContactParameters(SharedParameters):
 
 @dataclass
 class LineContactOutputs(SharedOutputs):
-    separated: float = Quantity("1", "the contact carries no load", boolean=True).default(0.0)
+    separated: float = Quantity("1", "the contact carries no load", boolean=True).default()
 
 
 @kernel

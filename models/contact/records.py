@@ -61,7 +61,7 @@ def _force(meaning: str) -> Quantity:
 class SharedParameters:
     """Bodies, lubricant, surfaces and friction. Defaults: the set `kushwaha2000`."""
 
-    load_is_given: float = Quantity("1", "adherence form: the load is an input", boolean=True).default(0.0)
+    load_is_given: float = Quantity("1", "adherence form: the load is an input", boolean=True).default()
     length: float = Quantity(
         "m", "contact length L_c", nominal=1e-2, positive=True, maximum=LONGEST, display_unit="mm"
     ).default(12e-3)
@@ -91,12 +91,12 @@ class SharedParameters:
     film_load_floor: float = Quantity("N", "least load that the film is computed for", positive=True).default(
         1.0
     )
-    viscosity_law: float = Quantity("1", "viscosity under pressure ", choices=VISCOSITY_LAWS).default(0.0)
+    viscosity_law: float = Quantity("1", "viscosity under pressure ", choices=VISCOSITY_LAWS).default()
     roelands_exponent: float = Quantity(
         "1", "exponent z of Roelands' law", positive=True, maximum=1.0
     ).default(0.68)
     roelands_pressure: float = _yield_pressure("pressure p_r of Roelands' law", nominal=1e8).default(1.96e8)
-    eyring_stress: float = _shear_stress("Eyring stress tau_0 of the film; 0: Newtonian").default(0.0)
+    eyring_stress: float = _shear_stress("Eyring stress tau_0 of the film; 0: Newtonian").default()
     roughness: float = Quantity(
         "m",
         "composite rms roughness; 0: smooth",
@@ -114,7 +114,7 @@ class SharedParameters:
     boundary_friction_coefficient: float = _coefficient("friction coefficient mu_b of asperities").default(
         0.1
     )
-    boundary_shear_stress: float = _shear_stress("shear stress tau_b of real contact besides").default(0.0)
+    boundary_shear_stress: float = _shear_stress("shear stress tau_b of real contact besides").default()
     limiting_shear_stress: float = _shear_stress("limiting shear stress tau_L0 at no pressure").default(2e6)
     limiting_shear_coefficient: float = _coefficient("growth gamma of the limit with pressure").default(0.07)
 
@@ -131,15 +131,15 @@ FilmThickness = Annotated[
 class ContactInputs:
     approach: float = Quantity(
         "m", "position of surface 1 towards surface 2, overlap positive", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
-    approach_rate: float = Quantity("m/s", "velocity of surface 1 towards surface 2").default(0.0)
+    ).default()
+    approach_rate: float = Quantity("m/s", "velocity of surface 1 towards surface 2").default()
     retreat: float = Quantity(
         "m", "position of surface 2 away from surface 1", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
-    retreat_rate: float = Quantity("m/s", "velocity of surface 2 away from surface 1").default(0.0)
-    applied_load: float = Quantity("N", "load of the adherence form", nominal=500.0).default(0.0)
-    entraining_velocity: float = Quantity("m/s", "mean surface velocity u").default(0.0)
-    sliding_velocity: float = Quantity("m/s", "velocity of surface 1 over surface 2").default(0.0)
+    ).default()
+    retreat_rate: float = Quantity("m/s", "velocity of surface 2 away from surface 1").default()
+    applied_load: float = Quantity("N", "load of the adherence form", nominal=500.0).default()
+    entraining_velocity: float = Quantity("m/s", "mean surface velocity u").default()
+    sliding_velocity: float = Quantity("m/s", "velocity of surface 1 over surface 2").default()
     radius_of_curvature: float = Quantity(
         "m",
         "reduced radius R of the contact",
@@ -152,23 +152,21 @@ class ContactInputs:
 
 @dataclass
 class SharedOutputs:
-    load: float = Quantity("N", "contact load W", nominal=500.0).default(0.0)
-    film_thickness: float = _micrometres("lubricant film thickness h").default(0.0)
-    minimum_film_thickness: float = _micrometres("smallest film thickness (of a formula: its film)").default(
-        0.0
-    )
-    squeeze_velocity: float = Quantity("m/s", "dh/dt, positive when separating", nominal=1e-3).default(0.0)
-    steady_film_thickness: float = _micrometres("film thickness h_ss of the formula").default(0.0)
-    deflection: float = _micrometres("elastic approach of the bodies").default(0.0)
-    half_width: float = _micrometres("half width b of the contact", nominal=1e-4).default(0.0)
+    load: float = Quantity("N", "contact load W", nominal=500.0).default()
+    film_thickness: float = _micrometres("lubricant film thickness h").default()
+    minimum_film_thickness: float = _micrometres("smallest film thickness (of a formula: its film)").default()
+    squeeze_velocity: float = Quantity("m/s", "dh/dt, positive when separating", nominal=1e-3).default()
+    steady_film_thickness: float = _micrometres("film thickness h_ss of the formula").default()
+    deflection: float = _micrometres("elastic approach of the bodies").default()
+    half_width: float = _micrometres("half width b of the contact", nominal=1e-4).default()
     maximum_pressure: float = Quantity(
         "Pa", "largest Hertz pressure p0", nominal=1e8, display_unit="MPa"
-    ).default(0.0)
-    friction_force: float = _force("friction of surface 2 on 1, against its sliding").default(0.0)
-    viscous_friction: float = _force("viscous share of the friction").default(0.0)
-    boundary_friction: float = _force("boundary share of the friction").default(0.0)
-    asperity_load: float = _force("load W_a on asperities").default(0.0)
-    film_ratio: float = Quantity("1", "film of the fluid's share over roughness; 0: smooth").default(0.0)
+    ).default()
+    friction_force: float = _force("friction of surface 2 on 1, against its sliding").default()
+    viscous_friction: float = _force("viscous share of the friction").default()
+    boundary_friction: float = _force("boundary share of the friction").default()
+    asperity_load: float = _force("load W_a on asperities").default()
+    film_ratio: float = Quantity("1", "film of the fluid's share over roughness; 0: smooth").default()
 
 
 # The components that are lubricated contacts.

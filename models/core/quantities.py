@@ -75,7 +75,7 @@ class Quantity:
         """True for what has no values in between, or changes at events only."""
         return self.stepwise or self.discrete
 
-    def default(self, value: float) -> float:
+    def default(self, value: float = 0.0) -> float:
         """A record's field of this quantity with this value, which states begin with."""
         made: float = field(default=value, metadata={"quantity": self})
         return made

@@ -37,7 +37,7 @@ class FallingMassState:
 
 @dataclass
 class FallingMassInputs:
-    force: float = Quantity("N", "upward force on the mass", nominal=100.0).default(0.0)
+    force: float = Quantity("N", "upward force on the mass", nominal=100.0).default()
 
 
 @dataclass
@@ -49,13 +49,13 @@ class FallingMassOutputs:
 @dataclass
 class SpringStopParameters:
     stiffness: float = Quantity("N/m", "stiffness k", nominal=1e4, positive=True).default(1e4)
-    damping: float = Quantity("N.s/m", "damping d", nominal=10.0, minimum=0.0).default(0.0)
-    stop_position: float = Quantity("m", "height y_s of the free stop", nominal=0.1).default(0.0)
+    damping: float = Quantity("N.s/m", "damping d", nominal=10.0, minimum=0.0).default()
+    stop_position: float = Quantity("m", "height y_s of the free stop", nominal=0.1).default()
 
 
 @dataclass
 class SpringStopState:
-    impulse: float = Quantity("N.s", "integral of the force").default(0.0)
+    impulse: float = Quantity("N.s", "integral of the force").default()
 
 
 @dataclass
@@ -66,17 +66,17 @@ class SpringStopInputs:
 
 @dataclass
 class SpringStopOutputs:
-    force: float = Quantity("N", "upward force on the mass", nominal=100.0).default(0.0)
+    force: float = Quantity("N", "upward force on the mass", nominal=100.0).default()
     compression: float = Quantity(
         "m", "compression c of the stop; negative: the gap", nominal=1e-2, display_unit="mm"
-    ).default(0.0)
+    ).default()
     contact_margin: float = Quantity(
         "m",
         "lesser of c and c - d y'/k: the stop pushes where it is positive",
         nominal=1e-2,
         display_unit="mm",
-    ).default(0.0)
-    impulse: float = Quantity("N.s", "integral of the force").default(0.0)
+    ).default()
+    impulse: float = Quantity("N.s", "integral of the force").default()
 
 
 @kernel

@@ -46,26 +46,26 @@ class QuarterCarWheelParameters:
     tyre_stiffness: float = Quantity("N/m", "stiffness k_w of the tyre", nominal=1e5, minimum=0.0).default(
         150e3
     )
-    tyre_damping: float = Quantity("N.s/m", "damping d_w of the tyre", nominal=1e3, minimum=0.0).default(0.0)
+    tyre_damping: float = Quantity("N.s/m", "damping d_w of the tyre", nominal=1e3, minimum=0.0).default()
     road_step: float = Quantity("m", "height z to which the road has stepped", nominal=0.1).default(0.1)
 
 
 @dataclass
 class QuarterCarState:
-    position: float = Quantity("m", "height over its rest before the step", nominal=0.1).default(0.0)
-    velocity: float = Quantity("m/s", "upward velocity").default(0.0)
+    position: float = Quantity("m", "height over its rest before the step", nominal=0.1).default()
+    velocity: float = Quantity("m/s", "upward velocity").default()
 
 
 @dataclass
 class QuarterCarChassisInputs:
-    wheel_position: float = Quantity("m", "height of the wheel", nominal=0.1).default(0.0)
-    wheel_velocity: float = Quantity("m/s", "upward velocity of the wheel").default(0.0)
+    wheel_position: float = Quantity("m", "height of the wheel", nominal=0.1).default()
+    wheel_velocity: float = Quantity("m/s", "upward velocity of the wheel").default()
 
 
 @dataclass
 class QuarterCarWheelInputs:
-    chassis_position: float = Quantity("m", "height of the chassis", nominal=0.1).default(0.0)
-    chassis_velocity: float = Quantity("m/s", "upward velocity of the chassis").default(0.0)
+    chassis_position: float = Quantity("m", "height of the chassis", nominal=0.1).default()
+    chassis_velocity: float = Quantity("m/s", "upward velocity of the chassis").default()
 
 
 @dataclass
@@ -76,7 +76,7 @@ class QuarterCarChassisOutputs(QuarterCarState):
 @dataclass
 class QuarterCarWheelOutputs(QuarterCarState):
     suspension_force: Force = 0.0
-    tyre_force: float = Quantity("N", "force of the tyre, upwards on the wheel", nominal=1e3).default(0.0)
+    tyre_force: float = Quantity("N", "force of the tyre, upwards on the wheel", nominal=1e3).default()
 
 
 @kernel

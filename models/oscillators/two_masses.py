@@ -50,18 +50,18 @@ class MassState:
 
 @dataclass
 class SprungMassInputs:
-    force: float = Quantity("N", "force on the mass", nominal=10.0).default(0.0)
+    force: float = Quantity("N", "force on the mass", nominal=10.0).default()
 
 
 @dataclass
 class CoupledMassInputs:
-    other_position: float = Quantity("m", "position of the other mass").default(0.0)
-    other_velocity: float = Quantity("m/s", "velocity of the other mass").default(0.0)
+    other_position: float = Quantity("m", "position of the other mass").default()
+    other_velocity: float = Quantity("m/s", "velocity of the other mass").default()
 
 
 @dataclass
 class CoupledMassOutputs:
-    force: float = Quantity("N", "force on the other mass", nominal=10.0).default(0.0)
+    force: float = Quantity("N", "force on the other mass", nominal=10.0).default()
     position: Position = 0.0
     velocity: Velocity = 0.0
 

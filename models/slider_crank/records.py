@@ -76,7 +76,7 @@ class SliderCrankParameters:
         "rebound rate of psi per crank speed, relative to the wall, below which a pressed slider slides",
         nominal=1e-3,
         minimum=0.0,
-    ).default(0.0)
+    ).default()
     film_lag: float = Quantity(
         "s",
         "time constant of walls that follow their films: T^2 h'' + 2 T h' + h = film thickness",
@@ -106,36 +106,32 @@ WallMode = Annotated[
 class SliderCrankState:
     psi: float = Quantity(
         "rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2
-    ).default(0.0)
-    psi_rate: float = Quantity("rad/s", "rate of psi").default(0.0)
+    ).default()
+    psi_rate: float = Quantity("rad/s", "rate of psi").default()
     mode: WallMode = 0.0
-    upper_impact_count: float = Quantity("1", "impacts on the upper wall", count=True).default(0.0)
-    lower_impact_count: float = Quantity("1", "impacts on the lower wall", count=True).default(0.0)
-    upper_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the upper wall").default(0.0)
-    lower_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the lower wall").default(0.0)
-    upper_force_integral: float = Quantity("N.s", "time integral of the upper wall's sliding force").default(
-        0.0
-    )
-    lower_force_integral: float = Quantity("N.s", "time integral of the lower wall's sliding force").default(
-        0.0
-    )
+    upper_impact_count: float = Quantity("1", "impacts on the upper wall", count=True).default()
+    lower_impact_count: float = Quantity("1", "impacts on the lower wall", count=True).default()
+    upper_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the upper wall").default()
+    lower_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the lower wall").default()
+    upper_force_integral: float = Quantity("N.s", "time integral of the upper wall's sliding force").default()
+    lower_force_integral: float = Quantity("N.s", "time integral of the lower wall's sliding force").default()
     crank_impact_impulse: CrankImpulse = 0.0
-    last_impact_time: float = Quantity("s", "time of the last impact").default(0.0)
+    last_impact_time: float = Quantity("s", "time of the last impact").default()
     last_impact_velocity: float = Quantity(
         "m/s", "velocity towards the wall just before the last impact"
-    ).default(0.0)
-    impact_loss: float = Quantity("J", "energy lost in impacts").default(0.0)
-    impact_work: float = Quantity("J", "energy given in impacts by crank and moving film").default(0.0)
+    ).default()
+    impact_loss: float = Quantity("J", "energy lost in impacts").default()
+    impact_work: float = Quantity("J", "energy given in impacts by crank and moving film").default()
     upper_wall_film: float = Quantity(
         "m", "film by which the upper wall stands in", nominal=1e-6, display_unit="um"
-    ).default(0.0)
-    upper_wall_film_rate: float = Quantity("m/s", "rate of the upper wall's film", nominal=1e-3).default(0.0)
+    ).default()
+    upper_wall_film_rate: float = Quantity("m/s", "rate of the upper wall's film", nominal=1e-3).default()
     lower_wall_film: float = Quantity(
         "m", "film by which the lower wall stands in", nominal=1e-6, display_unit="um"
-    ).default(0.0)
-    lower_wall_film_rate: float = Quantity("m/s", "rate of the lower wall's film", nominal=1e-3).default(0.0)
-    event_count: float = Quantity("1", "impacts and releases", count=True).default(0.0)
-    last_event_time: float = Quantity("s", "time of the last impact or release").default(0.0)
+    ).default()
+    lower_wall_film_rate: float = Quantity("m/s", "rate of the lower wall's film", nominal=1e-3).default()
+    event_count: float = Quantity("1", "impacts and releases", count=True).default()
+    last_event_time: float = Quantity("s", "time of the last impact or release").default()
 
 
 # The states by which the walls follow their films.
@@ -148,65 +144,65 @@ class SliderCrankInputs:
 
     crank_angle: float = Quantity(
         "rad", "crank angle theta, zero at top dead centre", display_unit="deg"
-    ).default(0.0)
+    ).default()
     crank_speed: CrankSpeed = 0.0
     crank_acceleration: CrankAcceleration = 0.0
     upper_film_thickness: float = Quantity(
         "m", "lubricant film on the upper wall", nominal=1e-6, display_unit="um"
-    ).default(0.0)
+    ).default()
     lower_film_thickness: float = Quantity(
         "m", "lubricant film on the lower wall", nominal=1e-6, display_unit="um"
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
 class SliderCrankOutputs:
     psi: float = Quantity(
         "rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2
-    ).default(0.0)
-    psi_rate: float = Quantity("rad/s", "rate of psi").default(0.0)
+    ).default()
+    psi_rate: float = Quantity("rad/s", "rate of psi").default()
     piston_position: float = Quantity(
         "m", "piston position from the crank's centre along the cylinder", nominal=0.1
-    ).default(0.0)
-    piston_velocity: float = Quantity("m/s", "piston velocity along the cylinder").default(0.0)
+    ).default()
+    piston_velocity: float = Quantity("m/s", "piston velocity along the cylinder").default()
     piston_offset: float = Quantity(
         "m", "piston position across the cylinder, upwards", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
+    ).default()
     upper_wall_force: float = Quantity(
         "N", "force of the upper wall on the sliding piston", nominal=100.0
-    ).default(0.0)
+    ).default()
     lower_wall_force: float = Quantity(
         "N", "force of the lower wall on the sliding piston", nominal=100.0
-    ).default(0.0)
+    ).default()
     crank_torque: float = Quantity(
         "N.m", "torque taken from the crank, between impacts", nominal=10.0
-    ).default(0.0)
+    ).default()
     wall_entraining_velocity: float = Quantity(
         "m/s", "mean surface velocity of roller and liner relative to their contact"
-    ).default(0.0)
-    wall_sliding_velocity: float = Quantity("m/s", "velocity of the roller over the liner").default(0.0)
+    ).default()
+    wall_sliding_velocity: float = Quantity("m/s", "velocity of the roller over the liner").default()
     wall_radius: float = Quantity(
         "m", "reduced radius of roller and liner", nominal=0.1, display_unit="mm"
-    ).default(0.0)
+    ).default()
     sliding: WallMode = 0.0
-    impact_count: float = Quantity("1", "impacts on both walls", count=True).default(0.0)
-    upper_impact_count: float = Quantity("1", "impacts on the upper wall", count=True).default(0.0)
-    lower_impact_count: float = Quantity("1", "impacts on the lower wall", count=True).default(0.0)
-    upper_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the upper wall").default(0.0)
-    lower_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the lower wall").default(0.0)
+    impact_count: float = Quantity("1", "impacts on both walls", count=True).default()
+    upper_impact_count: float = Quantity("1", "impacts on the upper wall", count=True).default()
+    lower_impact_count: float = Quantity("1", "impacts on the lower wall", count=True).default()
+    upper_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the upper wall").default()
+    lower_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the lower wall").default()
     upper_wall_impulse: float = Quantity(
         "N.s", "upper wall's impulses and integral of its force: differences give means"
-    ).default(0.0)
+    ).default()
     lower_wall_impulse: float = Quantity(
         "N.s", "lower wall's impulses and integral of its force: differences give means"
-    ).default(0.0)
+    ).default()
     crank_impact_impulse: CrankImpulse = 0.0
-    last_impact_time: float = Quantity("s", "time of the last impact").default(0.0)
+    last_impact_time: float = Quantity("s", "time of the last impact").default()
     last_impact_velocity: float = Quantity(
         "m/s", "velocity towards the wall just before the last impact"
-    ).default(0.0)
-    event_count: float = Quantity("1", "impacts and releases", count=True).default(0.0)
-    last_event_time: float = Quantity("s", "time of the last impact or release").default(0.0)
+    ).default()
+    event_count: float = Quantity("1", "impacts and releases", count=True).default()
+    last_event_time: float = Quantity("s", "time of the last impact or release").default()
 
 
 @kernel

@@ -53,8 +53,8 @@ class ShaftParameters:
     ).default(1.0)
     phase: float = Quantity(
         "rad", "cam angle at drive angle zero; the nose is at pi", display_unit="deg", plausible=ANGLE
-    ).default(0.0)
-    flexible: float = Quantity("1", "the shaft bends and twists; false: rigid", boolean=True).default(0.0)
+    ).default()
+    flexible: float = Quantity("1", "the shaft bends and twists; false: rigid", boolean=True).default()
     mass: float = Quantity("kg", "mass at the cam", nominal=0.4, positive=True, plausible=PART_MASS).default(
         0.425
     )
@@ -100,57 +100,53 @@ class TableCamshaftParameters(ShaftParameters, TableParameters):
 class CamshaftState:
     """All stay at zero when the shaft is rigid."""
 
-    twist: float = Quantity("rad", "cam angle less driven angle", nominal=1e-4, display_unit="deg").default(
-        0.0
-    )
-    twist_rate: float = Quantity("rad/s", "rate of twist").default(0.0)
+    twist: float = Quantity("rad", "cam angle less driven angle", nominal=1e-4, display_unit="deg").default()
+    twist_rate: float = Quantity("rad/s", "rate of twist").default()
     bending: float = Quantity(
         "m", "cam axis displacement towards the follower", nominal=1e-4, display_unit="mm"
-    ).default(0.0)
-    bending_rate: float = Quantity("m/s", "cam axis velocity towards the follower", nominal=0.1).default(0.0)
-    slope: float = Quantity("rad", "slope of the shaft at the cam", nominal=1e-3).default(0.0)
-    slope_rate: float = Quantity("rad/s", "rate of the slope at the cam").default(0.0)
+    ).default()
+    bending_rate: float = Quantity("m/s", "cam axis velocity towards the follower", nominal=0.1).default()
+    slope: float = Quantity("rad", "slope of the shaft at the cam", nominal=1e-3).default()
+    slope_rate: float = Quantity("rad/s", "rate of the slope at the cam").default()
     bending_across: float = Quantity(
         "m",
         "cam axis displacement across the follower's path, against the cam's surface",
         nominal=1e-5,
         display_unit="um",
-    ).default(0.0)
+    ).default()
     bending_across_rate: float = Quantity(
         "m/s", "its rate, the axis's drift along the follower", nominal=1e-2
-    ).default(0.0)
+    ).default()
     slope_across: float = Quantity(
         "rad", "slope of the shaft at the cam across the follower's path", nominal=1e-4
-    ).default(0.0)
-    slope_across_rate: float = Quantity("rad/s", "its rate", nominal=0.1).default(0.0)
+    ).default()
+    slope_across_rate: float = Quantity("rad/s", "its rate", nominal=0.1).default()
 
 
 @dataclass
 class CamshaftInputs(DriveInputs):
-    contact_load: float = Quantity("N", "load W of the follower on the cam", nominal=500.0).default(0.0)
-    friction_force: float = Quantity("N", "friction on the cam against its sliding", nominal=10.0).default(
-        0.0
-    )
+    contact_load: float = Quantity("N", "load W of the follower on the cam", nominal=500.0).default()
+    friction_force: float = Quantity("N", "friction on the cam against its sliding", nominal=10.0).default()
 
 
 @dataclass
 class CamshaftOutputs:
     surface_position: float = Quantity(
         "m", "cam surface towards the follower, s + bending", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
-    surface_velocity: float = Quantity("m/s", "velocity of the cam surface towards the follower").default(0.0)
+    ).default()
+    surface_velocity: float = Quantity("m/s", "velocity of the cam surface towards the follower").default()
     radius_of_curvature: float = Quantity(
         "m", "radius of the cam at the contact", nominal=1e-2, display_unit="mm"
-    ).default(0.0)
-    entraining_velocity: float = Quantity("m/s", "mean surface velocity relative to the contact").default(0.0)
-    sliding_velocity: float = Quantity("m/s", "velocity of cam over follower surface").default(0.0)
-    drive_torque: float = Quantity("N.m", "torque taken from the drive", nominal=10.0).default(0.0)
-    cam_angle: float = Quantity("rad", "angle of the cam; the nose is at pi", display_unit="deg").default(0.0)
-    cam_speed: float = Quantity("rad/s", "speed of the cam", nominal=100.0, display_unit="rpm").default(0.0)
-    cam_lift: float = Quantity("m", "lift s of the profile", nominal=1e-3, display_unit="mm").default(0.0)
+    ).default()
+    entraining_velocity: float = Quantity("m/s", "mean surface velocity relative to the contact").default()
+    sliding_velocity: float = Quantity("m/s", "velocity of cam over follower surface").default()
+    drive_torque: float = Quantity("N.m", "torque taken from the drive", nominal=10.0).default()
+    cam_angle: float = Quantity("rad", "angle of the cam; the nose is at pi", display_unit="deg").default()
+    cam_speed: float = Quantity("rad/s", "speed of the cam", nominal=100.0, display_unit="rpm").default()
+    cam_lift: float = Quantity("m", "lift s of the profile", nominal=1e-3, display_unit="mm").default()
     contact_offset: float = Quantity(
         "m", "offset of the contact along the follower, s' + bending across", nominal=1e-2, display_unit="mm"
-    ).default(0.0)
+    ).default()
     next_event: float = Quantity(
         "s", "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests"
     ).default(NO_EVENT)

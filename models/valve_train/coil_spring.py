@@ -55,19 +55,17 @@ class CoilSpringState:
 
 @dataclass
 class CoilSpringInputs:
-    position: float = Quantity("m", "position of the moving end", nominal=1e-3, display_unit="mm").default(
-        0.0
-    )
-    velocity: float = Quantity("m/s", "velocity of the moving end").default(0.0)
+    position: float = Quantity("m", "position of the moving end", nominal=1e-3, display_unit="mm").default()
+    velocity: float = Quantity("m/s", "velocity of the moving end").default()
 
 
 @dataclass
 class CoilSpringOutputs:
-    force: float = Quantity("N", "force on the moving end, preload included", nominal=500.0).default(0.0)
+    force: float = Quantity("N", "force on the moving end, preload included", nominal=500.0).default()
     least_gap: float = Quantity(
         "m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
-    clash_force: float = Quantity("N", "largest force of a stop", nominal=10.0).default(0.0)
+    ).default()
+    clash_force: float = Quantity("N", "largest force of a stop", nominal=10.0).default()
     coil_position: Vector = Quantity(
         "m", "displacement of a coil mass", nominal=1e-3, display_unit="mm", size="coil_masses"
     ).per_element()

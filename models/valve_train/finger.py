@@ -53,7 +53,7 @@ class LeverParameters(TipParameters):
     """Defaults: a finger of 28 and 40 mm with a pad. The lift of the profile is the valve's."""
 
     phase: Phase = 0.0
-    rolls: float = Quantity("1", "a roller on the cam; false: a pad, which slides", boolean=True).default(0.0)
+    rolls: float = Quantity("1", "a roller on the cam; false: a pad, which slides", boolean=True).default()
     follower_radius: FollowerRadius = 20e-3
     cam_arm: float = Quantity(
         "m",
@@ -94,10 +94,10 @@ class LeverParameters(TipParameters):
         nominal=1e8,
         minimum=0.0,
         plausible=SEAT_STIFFNESS,
-    ).default(0.0)
+    ).default()
     pivot_damping: float = Quantity(
         "N.s/m", "damping of the pivot's support", nominal=1e2, minimum=0.0
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
@@ -114,27 +114,27 @@ class TableFingerParameters(LeverParameters, TableParameters):
 class FingerState(LeverMotion):
     pivot_position: float = Quantity(
         "m", "position of the pivot away from the cam", nominal=1e-5, display_unit="um"
-    ).default(0.0)
-    pivot_velocity: float = Quantity("m/s", "velocity of the pivot", nominal=1e-2).default(0.0)
+    ).default()
+    pivot_velocity: float = Quantity("m/s", "velocity of the pivot", nominal=1e-2).default()
 
 
 @dataclass
 class FingerInputs(CamInputs, TipInputs):
     pivot_force: float = Quantity(
         "N", "force of a lash adjuster on the pivot, towards the cam", nominal=500.0
-    ).default(0.0)
+    ).default()
     pivot_torque: float = Quantity(
         "N.m", "torque of the pivot's friction against the rotation", nominal=0.1
-    ).default(0.0)
+    ).default()
     roller_torque: float = Quantity(
         "N.m", "torque of a roller that may slip, against the rotation", nominal=0.1
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
 class FingerOutputs(FingerState, CamOutputs, TipOutputs):
     ratio: float = Quantity("1", "load on the cam over that on the valve, slowly turned").default(1.0)
-    support_force: float = Quantity("N", "force of the pivot on its support", nominal=500.0).default(0.0)
+    support_force: float = Quantity("N", "force of the pivot on its support", nominal=500.0).default()
 
 
 class Arm(NamedTuple):

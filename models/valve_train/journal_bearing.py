@@ -106,33 +106,33 @@ class JournalBearingState:
 class JournalBearingInputs:
     shaft_speed: float = Quantity(
         "rad/s", "speed of the journal, anticlockwise", nominal=100.0, display_unit="rpm"
-    ).default(0.0)
+    ).default()
     axis_x: Displacement = 0.0
     axis_y: Displacement = 0.0
-    axis_velocity_x: float = Quantity("m/s", "rate of axis_x", nominal=1e-2).default(0.0)
-    axis_velocity_y: float = Quantity("m/s", "rate of axis_y", nominal=1e-2).default(0.0)
+    axis_velocity_x: float = Quantity("m/s", "rate of axis_x", nominal=1e-2).default()
+    axis_velocity_y: float = Quantity("m/s", "rate of axis_y", nominal=1e-2).default()
 
 
 @dataclass
 class JournalBearingOutputs:
-    force_x: float = Quantity("N", "force on the journal", nominal=500.0).default(0.0)
-    force_y: float = Quantity("N", "force on the journal", nominal=500.0).default(0.0)
+    force_x: float = Quantity("N", "force on the journal", nominal=500.0).default()
+    force_y: float = Quantity("N", "force on the journal", nominal=500.0).default()
     friction_torque: float = Quantity(
         "N.m", "torque that film and asperities take from the shaft", nominal=0.1
-    ).default(0.0)
-    load: float = Quantity("N", "force on the bush", nominal=500.0).default(0.0)
+    ).default()
+    load: float = Quantity("N", "force on the bush", nominal=500.0).default()
     eccentricity_x: Eccentricity = 0.0
     eccentricity_y: Eccentricity = 0.0
-    eccentricity_ratio: float = Quantity("1", "eccentricity over the radial clearance").default(0.0)
+    eccentricity_ratio: float = Quantity("1", "eccentricity over the radial clearance").default()
     minimum_film_thickness: float = Quantity(
         "m", "least thickness of the film", nominal=1e-6, display_unit="um"
-    ).default(0.0)
-    film_ratio: float = Quantity("1", "least film over roughness").default(0.0)
+    ).default()
+    film_ratio: float = Quantity("1", "least film over roughness").default()
     maximum_pressure: float = Quantity(
         "Pa", "highest pressure of the film", nominal=1e6, display_unit="MPa"
-    ).default(0.0)
-    asperity_load: float = Quantity("N", "load on the asperities", nominal=500.0).default(0.0)
-    power_loss: float = Quantity("W", "power lost to friction and squeeze", nominal=10.0).default(0.0)
+    ).default()
+    asperity_load: float = Quantity("N", "load on the asperities", nominal=500.0).default()
+    power_loss: float = Quantity("W", "power lost to friction and squeeze", nominal=10.0).default()
 
 
 class Film(NamedTuple):

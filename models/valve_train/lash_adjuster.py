@@ -37,7 +37,7 @@ class LashAdjusterParameters:
     ).default(1.5e9)
     air_content: float = Quantity(
         "1", "volume of air in the oil at supply pressure", minimum=0.0, maximum=0.5
-    ).default(0.0)
+    ).default()
     air_exponent: float = Quantity("1", "polytropic exponent of the air", minimum=1.0, maximum=2.0).default(
         1.4
     )
@@ -73,24 +73,24 @@ class LashAdjusterParameters:
 class LashAdjusterState:
     leaked_volume: float = Quantity(
         "m3", "oil that has left the chamber, less what came in", nominal=1e-9
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
 class LashAdjusterOutputs:
-    force: float = Quantity("N", "force that parts both bodies", nominal=500.0).default(0.0)
+    force: float = Quantity("N", "force that parts both bodies", nominal=500.0).default()
     pressure: float = Quantity(
         "Pa", "pressure of the chamber over the supply's", nominal=1e6, display_unit="MPa"
-    ).default(0.0)
+    ).default()
     extension: float = Quantity(
         "m", "length over that of the start", nominal=1e-5, display_unit="um"
-    ).default(0.0)
-    leak_flow: float = Quantity("m3/s", "flow out by the clearance", nominal=1e-7).default(0.0)
-    valve_flow: float = Quantity("m3/s", "flow in through the check valve", nominal=1e-7).default(0.0)
+    ).default()
+    leak_flow: float = Quantity("m3/s", "flow out by the clearance", nominal=1e-7).default()
+    valve_flow: float = Quantity("m3/s", "flow in through the check valve", nominal=1e-7).default()
     valve_excess: float = Quantity(
         "Pa", "pressure above that at which the check valve opens", nominal=1e6
-    ).default(0.0)
-    cavitates: float = Quantity("1", "the oil is torn, at no absolute pressure", boolean=True).default(0.0)
+    ).default()
+    cavitates: float = Quantity("1", "the oil is torn, at no absolute pressure", boolean=True).default()
 
 
 @kernel

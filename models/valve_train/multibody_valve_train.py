@@ -96,29 +96,29 @@ MultibodyInputs = make_dataclass(
             float,
             Quantity("m", "film between cam and follower", nominal=1e-6, display_unit="um").default(1e-6),
         ),
-        ("film_rate", float, Quantity("m/s", "its rate, which the contact damps", nominal=1e-3).default(0.0)),
+        ("film_rate", float, Quantity("m/s", "its rate, which the contact damps", nominal=1e-3).default()),
     ],
 )
 
 
 @dataclass
 class _OwnOutputs:
-    load: float = Quantity("N", "contact load W", nominal=500.0).default(0.0)
-    elastic_load: float = Quantity("N", "contact load without its damping", nominal=500.0).default(0.0)
+    load: float = Quantity("N", "contact load W", nominal=500.0).default()
+    elastic_load: float = Quantity("N", "contact load without its damping", nominal=500.0).default()
     deflection: float = Quantity(
         "m", "elastic approach of the bodies", nominal=1e-6, display_unit="um"
-    ).default(0.0)
-    guide_moment: float = Quantity("N.m", "moment of the follower on its guide", nominal=10.0).default(0.0)
-    twist: float = Quantity("rad", "cam angle less driven angle", nominal=1e-4).default(0.0)
+    ).default()
+    guide_moment: float = Quantity("N.m", "moment of the follower on its guide", nominal=10.0).default()
+    twist: float = Quantity("rad", "cam angle less driven angle", nominal=1e-4).default()
     axis_x: float = Quantity(
         "m", "displacement of the cam across the valve", nominal=1e-5, display_unit="um"
-    ).default(0.0)
+    ).default()
     axis_y: float = Quantity(
         "m", "displacement of the cam towards the valve", nominal=1e-5, display_unit="um"
-    ).default(0.0)
+    ).default()
     constraint_violation: float = Quantity(
         "1", "largest violation of a constraint (m or rad)", nominal=1e-9
-    ).default(0.0)
+    ).default()
 
 
 MultibodyOutputs = make_dataclass(

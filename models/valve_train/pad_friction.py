@@ -25,7 +25,7 @@ class PadFrictionParameters:
     ).default(0.1)
     viscous_coefficient: float = Quantity(
         "N.s/m", "viscous friction c over velocity", nominal=1.0, minimum=0.0
-    ).default(0.0)
+    ).default()
     sticking_stiffness: StickingStiffness = 1e7
     relaxation_time: RelaxationTime = 3e-5
 
@@ -37,18 +37,18 @@ class PadFrictionState:
 
 @dataclass
 class PadFrictionInputs:
-    sliding_velocity: float = Quantity("m/s", "velocity v_s of one surface on the other").default(0.0)
-    load: float = Quantity("N", "load W of the contact", nominal=500.0).default(0.0)
+    sliding_velocity: float = Quantity("m/s", "velocity v_s of one surface on the other").default()
+    load: float = Quantity("N", "load W of the contact", nominal=500.0).default()
 
 
 @dataclass
 class PadFrictionOutputs:
-    friction_force: float = Quantity("N", "friction against the sliding", nominal=10.0).default(0.0)
+    friction_force: float = Quantity("N", "friction against the sliding", nominal=10.0).default()
     sticking_margin: float = Quantity(
         "N", "limit less what sticking would take; negative: it slides", nominal=10.0
-    ).default(0.0)
-    slip: float = Quantity("m/s", "velocity by which the surfaces slide").default(0.0)
-    power_loss: float = Quantity("W", "power lost to friction", nominal=1.0).default(0.0)
+    ).default()
+    slip: float = Quantity("m/s", "velocity by which the surfaces slide").default()
+    power_loss: float = Quantity("W", "power lost to friction", nominal=1.0).default()
 
 
 @kernel

@@ -34,10 +34,10 @@ class PivotFrictionParameters:
     ).default(8e-3)
     preload_torque: float = Quantity(
         "N.m", "limit T_0 of the dry friction without load", nominal=0.1, minimum=0.0
-    ).default(0.0)
+    ).default()
     viscous_coefficient: float = Quantity(
         "N.m.s", "viscous friction c over speed", nominal=1e-3, minimum=0.0
-    ).default(0.0)
+    ).default()
     sticking_stiffness: float = Quantity(
         "N.m/rad", "stiffness k of the sticking surfaces", nominal=1e3, positive=True
     ).default(5e3)
@@ -48,30 +48,28 @@ class PivotFrictionParameters:
 
 @dataclass
 class PivotFrictionState:
-    twist: float = Quantity("rad", "elastic twist z of the sticking surfaces", nominal=1e-4).default(0.0)
+    twist: float = Quantity("rad", "elastic twist z of the sticking surfaces", nominal=1e-4).default()
 
 
 @dataclass
 class PivotFrictionInputs:
-    rotation_rate: float = Quantity("rad/s", "speed omega of the lever", nominal=10.0).default(0.0)
-    load: float = Quantity("N", "force F on the pivot", nominal=500.0).default(0.0)
+    rotation_rate: float = Quantity("rad/s", "speed omega of the lever", nominal=10.0).default()
+    load: float = Quantity("N", "force F on the pivot", nominal=500.0).default()
 
 
 @dataclass
 class PivotFrictionOutputs:
-    friction_torque: float = Quantity("N.m", "torque T against the lever's rotation", nominal=0.1).default(
-        0.0
-    )
+    friction_torque: float = Quantity("N.m", "torque T against the lever's rotation", nominal=0.1).default()
     sliding_torque: float = Quantity(
         "N.m", "limit T_c of the dry friction under this load", nominal=0.1
-    ).default(0.0)
+    ).default()
     sticking_margin: float = Quantity(
         "N.m", "limit less what sticking would take; negative: it slides", nominal=0.1
-    ).default(0.0)
+    ).default()
     sliding_rate: float = Quantity(
         "rad/s", "part of the speed by which the surfaces slide", nominal=10.0
-    ).default(0.0)
-    power_loss: float = Quantity("W", "power lost to friction", nominal=1.0).default(0.0)
+    ).default()
+    power_loss: float = Quantity("W", "power lost to friction", nominal=1.0).default()
 
 
 @kernel

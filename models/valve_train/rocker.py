@@ -38,7 +38,7 @@ class RockerParameters(TipParameters):
     ).default(32e-3)
     rod_angle: float = Quantity(
         "rad", "angle by which the pushrod's arm falls", display_unit="deg", plausible=LEVER_ANGLE
-    ).default(0.0)
+    ).default()
     valve_arm: float = Quantity(
         "m",
         "distance from the pivot to the centre of the pad",
@@ -49,34 +49,34 @@ class RockerParameters(TipParameters):
     ).default(40e-3)
     valve_angle: float = Quantity(
         "rad", "angle by which the valve's arm falls", display_unit="deg", plausible=LEVER_ANGLE
-    ).default(0.0)
+    ).default()
     small_motion: float = Quantity(
         "1", "constant lever ratio, that of the closed valve; false: true geometry", boolean=True
-    ).default(0.0)
+    ).default()
     inertia: float = Quantity(
         "kg.m2", "moment of inertia about the pivot", nominal=1e-4, positive=True
     ).default(6e-5)
     pivot_damping: float = Quantity(
         "N.m.s", "viscous friction of the pivot", nominal=1e-3, minimum=0.0
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
 class RockerInputs(TipInputs):
-    rod_force: float = Quantity("N", "force of the pushrod", nominal=500.0).default(0.0)
+    rod_force: float = Quantity("N", "force of the pushrod", nominal=500.0).default()
     pivot_torque: float = Quantity(
         "N.m", "torque of the pivot's friction against the rotation", nominal=0.1
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
 class RockerOutputs(LeverMotion, TipOutputs):
     rod_position: float = Quantity(
         "m", "position of the pushrod's end", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
-    rod_velocity: float = Quantity("m/s", "velocity of the pushrod's end").default(0.0)
+    ).default()
+    rod_velocity: float = Quantity("m/s", "velocity of the pushrod's end").default()
     ratio: float = Quantity("1", "velocity of the pad over that of the pushrod's end").default(1.0)
-    pivot_force: float = Quantity("N", "force on the pivot, along the rod", nominal=500.0).default(0.0)
+    pivot_force: float = Quantity("N", "force on the pivot, along the rod", nominal=500.0).default()
 
 
 class Ends(NamedTuple):

@@ -36,10 +36,10 @@ class RodParameters:
     ).default(5e-6)
     bonded: float = Quantity(
         "1", "the ends also pull; false: they only push, and may part", boolean=True
-    ).default(0.0)
+    ).default()
     clearance: float = Quantity(
         "m", "gap at the upper end, at rest", nominal=1e-4, minimum=0.0, display_unit="mm"
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
@@ -54,16 +54,16 @@ class RodState:
 class RodOutputs:
     lower_force: float = Quantity(
         "N", "force on the body below, which it presses down", nominal=500.0
-    ).default(0.0)
-    upper_force: float = Quantity("N", "force on the body above, which it presses up", nominal=500.0).default(
-        0.0
-    )
+    ).default()
+    upper_force: float = Quantity(
+        "N", "force on the body above, which it presses up", nominal=500.0
+    ).default()
     lower_compression: float = Quantity(
         "m", "compression of the lower end", nominal=1e-5, display_unit="um"
-    ).default(0.0)
+    ).default()
     upper_compression: float = Quantity(
         "m", "compression of the upper end", nominal=1e-5, display_unit="um"
-    ).default(0.0)
+    ).default()
 
 
 @kernel

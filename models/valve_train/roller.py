@@ -46,37 +46,37 @@ class RollerParameters:
 class RollerState:
     absolute_spin: float = Quantity(
         "rad/s", "spin in space, omega - beta'", nominal=100.0, display_unit="rpm"
-    ).default(0.0)
+    ).default()
     creep: Creep = 0.0
 
 
 @dataclass
 class RollerInputs:
-    rolling_velocity: float = Quantity("m/s", "surface speed v at which nothing would slide").default(0.0)
-    load: float = Quantity("N", "load W of the contact", nominal=500.0).default(0.0)
+    rolling_velocity: float = Quantity("m/s", "surface speed v at which nothing would slide").default()
+    load: float = Quantity("N", "load W of the contact", nominal=500.0).default()
     pin_torque: float = Quantity(
         "N.m", "further friction T_p of the pin, against the spin", nominal=0.01
-    ).default(0.0)
+    ).default()
     rotation_rate: float = Quantity(
         "rad/s", "rotation beta' of the carrier, against the spin", nominal=10.0
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
 class RollerOutputs:
-    surface_speed: float = Quantity("m/s", "r omega along the carrier").default(0.0)
+    surface_speed: float = Quantity("m/s", "r omega along the carrier").default()
     spin: float = Quantity(
         "rad/s", "spin omega about the carrier", nominal=100.0, display_unit="rpm"
-    ).default(0.0)
-    traction: float = Quantity("N", "traction T of the cam", nominal=10.0).default(0.0)
+    ).default()
+    traction: float = Quantity("N", "traction T of the cam", nominal=10.0).default()
     traction_margin: float = Quantity(
         "N", "largest traction less what sticking would take; negative: it slides", nominal=10.0
-    ).default(0.0)
-    slip: float = Quantity("m/s", "velocity by which the surfaces slide").default(0.0)
+    ).default()
+    slip: float = Quantity("m/s", "velocity by which the surfaces slide").default()
     carrier_torque: float = Quantity(
         "N.m", "torque on the carrier, with the spin, beyond that of a fixed pad", nominal=0.01
-    ).default(0.0)
-    power_loss: float = Quantity("W", "power lost to slip, and to the pin's damping").default(0.0)
+    ).default()
+    power_loss: float = Quantity("W", "power lost to slip, and to the pin's damping").default()
 
 
 @kernel

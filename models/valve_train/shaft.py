@@ -129,7 +129,7 @@ class ShaftOutputs:
     ).per_element()
     axis_velocity_x: Vector = Quantity("m/s", "rate of axis_x", nominal=0.1, size="cams").per_element()
     axis_velocity_y: Vector = Quantity("m/s", "rate of axis_y", nominal=0.1, size="cams").per_element()
-    drive_torque: float = Quantity("N.m", "torque taken from the drive", nominal=10.0).default(0.0)
+    drive_torque: float = Quantity("N.m", "torque taken from the drive", nominal=10.0).default()
 
 
 class Plane(NamedTuple):

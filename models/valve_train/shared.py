@@ -25,13 +25,11 @@ SurgeDamping = Annotated[
 class DriveInputs:
     """Motion of what drives a shaft."""
 
-    drive_angle: float = Quantity("rad", "angle of the drive", display_unit="deg").default(0.0)
-    drive_speed: float = Quantity("rad/s", "speed of the drive", nominal=100.0, display_unit="rpm").default(
-        0.0
-    )
+    drive_angle: float = Quantity("rad", "angle of the drive", display_unit="deg").default()
+    drive_speed: float = Quantity("rad/s", "speed of the drive", nominal=100.0, display_unit="rpm").default()
     drive_acceleration: float = Quantity(
         "rad/s2", "angular acceleration of the drive", nominal=100.0
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
@@ -40,9 +38,9 @@ class EndMotions:
 
     lower_position: float = Quantity(
         "m", "position of the body below", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
-    lower_velocity: float = Quantity("m/s", "velocity of the body below").default(0.0)
+    ).default()
+    lower_velocity: float = Quantity("m/s", "velocity of the body below").default()
     upper_position: float = Quantity(
         "m", "position of the body above", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
-    upper_velocity: float = Quantity("m/s", "velocity of the body above").default(0.0)
+    ).default()
+    upper_velocity: float = Quantity("m/s", "velocity of the body above").default()

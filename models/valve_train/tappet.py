@@ -51,7 +51,7 @@ class FollowerParameters:
         nominal=1e-3,
         display_unit="mm",
         plausible=OFFSET,
-    ).default(0.0)
+    ).default()
     tilt: float = Quantity(
         "rad",
         "tilt of a flat face: of its normal from the path towards axis_x",
@@ -59,13 +59,13 @@ class FollowerParameters:
         minimum=-1.0,
         maximum=1.0,
         display_unit="deg",
-    ).default(0.0)
+    ).default()
     mass: float = Quantity(
         "kg", "mass of the follower", nominal=0.1, positive=True, plausible=PART_MASS
     ).default(0.1)
     guide_damping: float = Quantity(
         "N.s/m", "viscous friction in the guide", nominal=10.0, minimum=0.0
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
@@ -82,21 +82,21 @@ class TableTappetParameters(FollowerParameters, TableParameters):
 class TappetState:
     position: float = Quantity(
         "m", "position y, zero on the base circle", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
-    velocity: float = Quantity("m/s", "velocity of the follower").default(0.0)
+    ).default()
+    velocity: float = Quantity("m/s", "velocity of the follower").default()
 
 
 @dataclass
 class TappetInputs(CamInputs):
-    load: float = Quantity("N", "force of the train on the follower", nominal=500.0).default(0.0)
+    load: float = Quantity("N", "force of the train on the follower", nominal=500.0).default()
 
 
 @dataclass
 class TappetOutputs(TappetState, CamOutputs):
-    acceleration: float = Quantity("m/s2", "acceleration of the follower", nominal=1e3).default(0.0)
+    acceleration: float = Quantity("m/s2", "acceleration of the follower", nominal=1e3).default()
     side_force: float = Quantity(
         "N", "force of the follower on its guide along axis_x", nominal=100.0
-    ).default(0.0)
+    ).default()
 
 
 @kernel

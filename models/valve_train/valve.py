@@ -24,7 +24,7 @@ class ValveParameters:
     ).default(0.1)
     lash: float = Quantity(
         "m", "position at which the valve sits on its seat", nominal=1e-4, display_unit="mm", plausible=LASH
-    ).default(0.0)
+    ).default()
     seat_stiffness: float = Quantity(
         "N/m", "stiffness of the seat", nominal=1e7, positive=True, plausible=SEAT_STIFFNESS
     ).default(2e7)
@@ -33,38 +33,36 @@ class ValveParameters:
     ).default(300.0)
     guide_damping: float = Quantity(
         "N.s/m", "viscous friction in the guide", nominal=10.0, minimum=0.0
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
 class ValveState:
     position: float = Quantity(
         "m", "position towards the open valve", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
-    velocity: float = Quantity("m/s", "velocity of the valve").default(0.0)
+    ).default()
+    velocity: float = Quantity("m/s", "velocity of the valve").default()
 
 
 @dataclass
 class ValveInputs:
-    load: float = Quantity("N", "load of the train, opening the valve", nominal=500.0).default(0.0)
+    load: float = Quantity("N", "load of the train, opening the valve", nominal=500.0).default()
     spring_force: Vector = Quantity(
         "N", "force of a spring, closing the valve", nominal=500.0, size="springs"
     ).per_element()
     gas_force: float = Quantity(
         "N", "force of the gas on the valve's head, closing it", nominal=500.0
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
 class ValveOutputs(ValveState):
-    acceleration: float = Quantity("m/s2", "acceleration of the valve", nominal=1e3).default(0.0)
-    valve_lift: float = Quantity("m", "lift: position less lash", nominal=1e-3, display_unit="mm").default(
-        0.0
-    )
-    seat_force: float = Quantity("N", "force of the seat on the valve", nominal=500.0).default(0.0)
+    acceleration: float = Quantity("m/s2", "acceleration of the valve", nominal=1e3).default()
+    valve_lift: float = Quantity("m", "lift: position less lash", nominal=1e-3, display_unit="mm").default()
+    seat_force: float = Quantity("N", "force of the seat on the valve", nominal=500.0).default()
     seat_dip: float = Quantity(
         "m", "dip of the valve into its seat", nominal=1e-5, display_unit="um"
-    ).default(0.0)
+    ).default()
 
 
 @kernel

@@ -46,13 +46,13 @@ class ValveSpringParameters:
         nominal=1e-4,
         display_unit="mm",
         plausible=LASH,
-    ).default(0.0)
+    ).default()
     seat_stiffness: float = Quantity(
         "N/m", "stiffness of the valve seat; 0: no seat", nominal=1e7, minimum=0.0, plausible=SEAT_STIFFNESS
-    ).default(0.0)
+    ).default()
     seat_damping: float = Quantity(
         "N.s/m", "damping of the valve seat while touching", nominal=1e2, minimum=0.0
-    ).default(0.0)
+    ).default()
     clash_clearance: float = Quantity(
         "m",
         "travel after which all coils touch",
@@ -63,15 +63,15 @@ class ValveSpringParameters:
     ).default(0.02)
     clash_stiffness: float = Quantity(
         "N/m", "added rate between coils that touch", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
 class FollowerMotion:
     position: float = Quantity(
         "m", "follower position y3, zero on the base circle", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
-    velocity: float = Quantity("m/s", "follower velocity").default(0.0)
+    ).default()
+    velocity: float = Quantity("m/s", "follower velocity").default()
 
 
 @dataclass
@@ -82,28 +82,28 @@ class ValveSpringState(FollowerMotion):
 
 @dataclass
 class ValveSpringInputs:
-    load: float = Quantity("N", "contact load W on the follower", nominal=500.0).default(0.0)
+    load: float = Quantity("N", "contact load W on the follower", nominal=500.0).default()
     gas_force: float = Quantity(
         "N", "force of the gas on the valve's head, closing it", nominal=500.0
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
 class ValveSpringOutputs(FollowerMotion):
-    acceleration: float = Quantity("m/s2", "follower acceleration", nominal=1e3).default(0.0)
+    acceleration: float = Quantity("m/s2", "follower acceleration", nominal=1e3).default()
     valve_lift: float = Quantity(
         "m", "valve lift: follower position less lash", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
+    ).default()
     spring_force: float = Quantity(
         "N", "force of the spring on the follower, preload included", nominal=500.0
-    ).default(0.0)
-    seat_force: float = Quantity("N", "force of the seat on the valve", nominal=500.0).default(0.0)
+    ).default()
+    seat_force: float = Quantity("N", "force of the seat on the valve", nominal=500.0).default()
     seat_dip: float = Quantity(
         "m", "dip of the valve into its seat; -1 m without a seat", nominal=1e-5, display_unit="um"
     ).default(NO_SEAT)
     least_gap: float = Quantity(
         "m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
+    ).default()
     coil_position: Vector = COIL_POSITION.per_element()
 
 

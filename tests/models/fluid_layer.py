@@ -37,19 +37,19 @@ class Parameters:
 @dataclass
 class State:
     sheet_velocity: Vector = Quantity("m/s", "velocity", size="sheets", internal=True).per_element()
-    impulse: float = Quantity("N.s", "integral of the force on the plate", nominal=1e-3).default(0.0)
+    impulse: float = Quantity("N.s", "integral of the force on the plate", nominal=1e-3).default()
 
 
 @dataclass
 class Inputs:
-    velocity: float = Quantity("m/s", "velocity of the plate").default(0.0)
+    velocity: float = Quantity("m/s", "velocity of the plate").default()
 
 
 @dataclass
 class Outputs:
-    force: float = Quantity("N", "force on the plate").default(0.0)
-    wall_force: float = Quantity("N", "force on the wall").default(0.0)
-    impulse: float = Quantity("N.s", "integral of the force on the plate", nominal=1e-3).default(0.0)
+    force: float = Quantity("N", "force on the plate").default()
+    wall_force: float = Quantity("N", "force on the wall").default()
+    impulse: float = Quantity("N.s", "integral of the force on the plate", nominal=1e-3).default()
 
 
 @kernel

@@ -22,30 +22,30 @@ class Parameters:
     spring: float = Quantity("N/m", "spring rate").default(1.0)
     amplitude: float = Quantity("N", "excitation").default(1.0)
     frequency: float = Quantity("rad/s", "its frequency").default(2.8)
-    weight: float = Quantity("N", "constant force towards the wall").default(0.0)
-    wall: float = Quantity("m", "position of the wall").default(0.0)
+    weight: float = Quantity("N", "constant force towards the wall").default()
+    wall: float = Quantity("m", "position of the wall").default()
     restitution: float = Quantity("1", "coefficient of restitution").default(0.8)
     threshold: float = Quantity("m/s", "rebound below which it rests").default(1e-12)
 
 
 @dataclass
 class State:
-    position: float = Quantity("m", "position").default(0.0)
-    velocity: float = Quantity("m/s", "velocity").default(0.0)
-    impacts: float = Quantity("1", "impacts", count=True).default(0.0)
-    time: float = Quantity("s", "time of the last impact").default(0.0)
-    approach: float = Quantity("m/s", "velocity before it").default(0.0)
-    resting: float = Quantity("1", "at rest on the wall", boolean=True).default(0.0)
+    position: float = Quantity("m", "position").default()
+    velocity: float = Quantity("m/s", "velocity").default()
+    impacts: float = Quantity("1", "impacts", count=True).default()
+    time: float = Quantity("s", "time of the last impact").default()
+    approach: float = Quantity("m/s", "velocity before it").default()
+    resting: float = Quantity("1", "at rest on the wall", boolean=True).default()
 
 
 @dataclass
 class Inputs:
-    push: float = Quantity("N", "added force").default(0.0)
+    push: float = Quantity("N", "added force").default()
 
 
 @dataclass
 class Outputs:
-    position: float = Quantity("m", "position").default(0.0)
+    position: float = Quantity("m", "position").default()
 
 
 def impact_oscillator() -> Component:

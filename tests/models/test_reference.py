@@ -24,24 +24,24 @@ G = 9.81
 @dataclass
 class BallParameters:
     restitution: float = Quantity("1", "velocity after over before").default(0.8)
-    stays_fallen: float = Quantity("1", "a faulty transition", boolean=True).default(0.0)
+    stays_fallen: float = Quantity("1", "a faulty transition", boolean=True).default()
 
 
 @dataclass
 class BallState:
     height: float = Quantity("m", "height").default(1.0)
-    velocity: float = Quantity("m/s", "velocity").default(0.0)
+    velocity: float = Quantity("m/s", "velocity").default()
 
 
 @dataclass
 class BallInputs:
-    wind: float = Quantity("m/s2", "acceleration upwards").default(0.0)
+    wind: float = Quantity("m/s2", "acceleration upwards").default()
 
 
 @dataclass
 class BallOutputs:
-    height: float = Quantity("m", "height").default(0.0)
-    velocity: float = Quantity("m/s", "velocity").default(0.0)
+    height: float = Quantity("m", "height").default()
+    velocity: float = Quantity("m/s", "velocity").default()
 
 
 @kernel

@@ -36,26 +36,24 @@ def field_layout(nodes: int) -> Layout:
     @dataclass
     class FieldState:
         film_thickness: FilmThickness = 1e-6
-        field_load: float = Quantity("N", "load of the pressure field", nominal=500.0, internal=True).default(
-            0.0
-        )
-        least_film: float = Quantity("m", "smallest film", nominal=1e-6, internal=True).default(0.0)
-        highest_pressure: float = Quantity("Pa", "largest pressure", nominal=1e8, internal=True).default(0.0)
-        film_rate: float = Quantity("m/s", "rate of the central film", nominal=1e-3, internal=True).default(
-            0.0
-        )
+        field_load: float = Quantity(
+            "N", "load of the pressure field", nominal=500.0, internal=True
+        ).default()
+        least_film: float = Quantity("m", "smallest film", nominal=1e-6, internal=True).default()
+        highest_pressure: float = Quantity("Pa", "largest pressure", nominal=1e8, internal=True).default()
+        film_rate: float = Quantity("m/s", "rate of the central film", nominal=1e-3, internal=True).default()
         field_asperity_load: float = Quantity(
             "N", "load on asperities", nominal=500.0, internal=True
-        ).default(0.0)
-        field_shear: float = Quantity("N", "shear of the film", nominal=20.0, internal=True).default(0.0)
+        ).default()
+        field_shear: float = Quantity("N", "shear of the film", nominal=20.0, internal=True).default()
         field_boundary_friction: float = Quantity(
             "N", "friction of asperities", nominal=20.0, internal=True
-        ).default(0.0)
-        rigid_approach: float = Quantity("m", "approach of the bodies", internal=True).default(0.0)
-        approach_rate: float = Quantity("m/s", "its rate where the load is given", internal=True).default(0.0)
-        curvature: float = Quantity("1/m", "1/R of the gap", nominal=50.0, internal=True).default(0.0)
-        curvature_rate: float = Quantity("1/(m.s)", "its rate", nominal=50.0, internal=True).default(0.0)
-        grid_scale: float = Quantity("m", "scale of the grid; 0: not begun", internal=True).default(0.0)
+        ).default()
+        rigid_approach: float = Quantity("m", "approach of the bodies", internal=True).default()
+        approach_rate: float = Quantity("m/s", "its rate where the load is given", internal=True).default()
+        curvature: float = Quantity("1/m", "1/R of the gap", nominal=50.0, internal=True).default()
+        curvature_rate: float = Quantity("1/(m.s)", "its rate", nominal=50.0, internal=True).default()
+        grid_scale: float = Quantity("m", "scale of the grid; 0: not begun", internal=True).default()
         pressure: Any = Quantity(
             "Pa", "pressure over the nodes", nominal=1e8, internal=True, size="nodes"
         ).per_element()
@@ -70,7 +68,7 @@ def field_layout(nodes: int) -> Layout:
             "1", "divided differences of what outputs show (SI)", internal=True, size="history"
         ).per_element()
         ages: Any = Quantity("s", "ages of the instants in history", internal=True, size="ages").per_element()
-        waited: float = Quantity("s", "time since the last of them", internal=True).default(0.0)
+        waited: float = Quantity("s", "time since the last of them", internal=True).default()
 
     sizes = {"nodes": nodes, "history": INSTANTS * FOLLOWED, "ages": INSTANTS - 1}
     return Layout(FieldState, sizes)

@@ -54,7 +54,7 @@ class CylinderParameters:
     ).default(100e3)
     firing_angle: float = Quantity(
         "rad", "crank angle of the firing dead centre", display_unit="deg", plausible=ANGLE
-    ).default(0.0)
+    ).default()
     valve_area: Vector = Quantity(
         "m2",
         "area of a valve's head",
@@ -137,7 +137,7 @@ class GasTableParameters(CylinderParameters):
 class CylinderGasState:
     indicated_work: float = Quantity(
         "J", "work given to a piston without clearance and pin offset", nominal=100.0
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
@@ -151,7 +151,7 @@ class CylinderGasOutputs:
     gas_pressure: GasPressure = 0.0
     indicated_work: float = Quantity(
         "J", "work given to a piston without clearance and pin offset", nominal=100.0
-    ).default(0.0)
+    ).default()
     valve_force: Vector = Quantity(
         "N", "force of the gas that closes a valve", nominal=500.0, size="valves"
     ).per_element()

@@ -55,13 +55,13 @@ class PistonParameters:
 
     crank_radius: CrankRadius = 0.5 * _BORE
     rod_length: RodLength = 0.143
-    crank_mass: float = Quantity("kg", "mass of the crank", minimum=0.0).default(0.0)
+    crank_mass: float = Quantity("kg", "mass of the crank", minimum=0.0).default()
     crank_centre: float = Quantity(
         "m", "distance of the crank's centre of mass from the shaft", nominal=0.1, display_unit="mm"
-    ).default(0.0)
+    ).default()
     crank_inertia: float = Quantity(
         "kg.m2", "inertia of the crank about its centre of mass", nominal=1e-3, minimum=0.0
-    ).default(0.0)
+    ).default()
     rod_mass: float = Quantity("kg", "mass of the connecting rod", minimum=0.0, plausible=PART_MASS).default(
         0.55
     )
@@ -114,7 +114,7 @@ class PistonParameters:
         nominal=1e-3,
         display_unit="mm",
         plausible=OFFSET,
-    ).default(0.0)
+    ).default()
     mass_height: float = Quantity(
         "m",
         "centre of mass ahead of the skirt's middle, along",
@@ -128,7 +128,7 @@ class PistonParameters:
         nominal=1e-3,
         display_unit="mm",
         plausible=OFFSET,
-    ).default(0.0)
+    ).default()
     crank_pin_friction: float = Quantity(
         "N.m.s", "friction moment of the crank pin per relative speed", nominal=1e-2, minimum=0.0
     ).default(1e-2)
@@ -157,10 +157,10 @@ class PistonParameters:
     ).default(1e-7)
     gravity_along: float = Quantity(
         "m/s2", "gravity along the cylinder, + away from the crank", nominal=10.0
-    ).default(0.0)
+    ).default()
     gravity_across: float = Quantity(
         "m/s2", "gravity across the cylinder, + to the upper wall", nominal=10.0
-    ).default(0.0)
+    ).default()
     bore_area: float = Quantity(
         "m2", "area that the gas pressure acts on", nominal=1e-2, minimum=0.0
     ).default(0.25 * math.pi * _BORE**2)
@@ -181,12 +181,10 @@ class PistonState:
 
     offset: float = Quantity(
         "m", "the piston's middle above the cylinder's axis", nominal=1e-4, display_unit="um"
-    ).default(0.0)
-    offset_rate: float = Quantity("m/s", "rate of offset", nominal=1e-1).default(0.0)
-    tilt: float = Quantity("rad", "tilt of the piston, front towards the upper wall", nominal=1e-3).default(
-        0.0
-    )
-    tilt_rate: float = Quantity("rad/s", "rate of tilt").default(0.0)
+    ).default()
+    offset_rate: float = Quantity("m/s", "rate of offset", nominal=1e-1).default()
+    tilt: float = Quantity("rad", "tilt of the piston, front towards the upper wall", nominal=1e-3).default()
+    tilt_rate: float = Quantity("rad/s", "rate of tilt").default()
     closed: Vector = Quantity(
         "1", "corner in lasting contact with its wall", boolean=True, size="corners"
     ).per_element()
@@ -197,19 +195,19 @@ class PistonState:
     force_integral: Vector = Quantity(
         "N.s", "time integral of the lasting wall force on a corner", size="corners"
     ).per_element()
-    last_impact_time: float = Quantity("s", "time of the last impact").default(0.0)
+    last_impact_time: float = Quantity("s", "time of the last impact").default()
     last_impact_velocity: float = Quantity(
         "m/s", "velocity towards the wall just before the last impact", nominal=0.1
-    ).default(0.0)
-    event_count: float = Quantity("1", "impacts and releases", count=True).default(0.0)
-    last_event_time: float = Quantity("s", "time of the last impact or release").default(0.0)
-    impact_loss: float = Quantity("J", "energy lost in impacts").default(0.0)
+    ).default()
+    event_count: float = Quantity("1", "impacts and releases", count=True).default()
+    last_event_time: float = Quantity("s", "time of the last impact or release").default()
+    impact_loss: float = Quantity("J", "energy lost in impacts").default()
 
 
 @dataclass
 class PistonCrankState(PistonState):
     crank_impact_impulse: CrankImpulse = 0.0
-    impact_work: float = Quantity("J", "energy given in impacts by the crank").default(0.0)
+    impact_work: float = Quantity("J", "energy given in impacts by the crank").default()
 
 
 @dataclass
@@ -228,7 +226,7 @@ class PistonCrankInputs:
 
 @dataclass
 class FreePistonCrankInputs:
-    crank_drive: float = Quantity("N.m", "torque that drives the crank", nominal=10.0).default(0.0)
+    crank_drive: float = Quantity("N.m", "torque that drives the crank", nominal=10.0).default()
     gas_pressure: GasPressure = 0.0
 
 
@@ -236,58 +234,56 @@ class FreePistonCrankInputs:
 class PistonOutputs:
     piston_position: float = Quantity(
         "m", "the skirt's middle from the shaft, along the cylinder", nominal=0.1
-    ).default(0.0)
-    piston_velocity: float = Quantity("m/s", "its velocity along the cylinder").default(0.0)
+    ).default()
+    piston_velocity: float = Quantity("m/s", "its velocity along the cylinder").default()
     piston_offset: float = Quantity(
         "m", "the skirt's middle above the cylinder's axis", nominal=1e-4, display_unit="um"
-    ).default(0.0)
-    piston_offset_rate: float = Quantity("m/s", "its velocity across", nominal=0.1).default(0.0)
+    ).default()
+    piston_offset_rate: float = Quantity("m/s", "its velocity across", nominal=0.1).default()
     piston_tilt: float = Quantity(
         "rad", "tilt of the piston, front towards the upper wall", nominal=1e-3
-    ).default(0.0)
-    piston_tilt_rate: float = Quantity("rad/s", "rate of the tilt").default(0.0)
-    rod_angle: float = Quantity("rad", "angle of the connecting rod, piston end below", nominal=0.1).default(
-        0.0
-    )
+    ).default()
+    piston_tilt_rate: float = Quantity("rad/s", "rate of the tilt").default()
+    rod_angle: float = Quantity("rad", "angle of the connecting rod, piston end below", nominal=0.1).default()
     upper_front_gap: float = Quantity(
         "m", "gap of the upper front corner", nominal=1e-4, display_unit="um"
-    ).default(0.0)
+    ).default()
     upper_rear_gap: float = Quantity(
         "m", "gap of the upper rear corner", nominal=1e-4, display_unit="um"
-    ).default(0.0)
+    ).default()
     lower_front_gap: float = Quantity(
         "m", "gap of the lower front corner", nominal=1e-4, display_unit="um"
-    ).default(0.0)
+    ).default()
     lower_rear_gap: float = Quantity(
         "m", "gap of the lower rear corner", nominal=1e-4, display_unit="um"
-    ).default(0.0)
+    ).default()
     upper_front_force: float = Quantity(
         "N", "lasting wall force on the upper front corner", nominal=1e3
-    ).default(0.0)
+    ).default()
     upper_rear_force: float = Quantity(
         "N", "lasting wall force on the upper rear corner", nominal=1e3
-    ).default(0.0)
+    ).default()
     lower_front_force: float = Quantity(
         "N", "lasting wall force on the lower front corner", nominal=1e3
-    ).default(0.0)
+    ).default()
     lower_rear_force: float = Quantity(
         "N", "lasting wall force on the lower rear corner", nominal=1e3
-    ).default(0.0)
+    ).default()
     wall_friction_force: float = Quantity(
         "N", "lasting friction of the walls on the piston, along", nominal=100.0
-    ).default(0.0)
+    ).default()
     pin_force_along: float = Quantity(
         "N", "force of the rod on the piston pin, along, between impacts", nominal=1e3
-    ).default(0.0)
+    ).default()
     pin_force_across: float = Quantity(
         "N", "force of the rod on the piston pin, across, between impacts", nominal=1e3
-    ).default(0.0)
+    ).default()
     upper_wall_impulse: float = Quantity(
         "N.s", "upper wall's impulses and integral of its forces: differences give means"
-    ).default(0.0)
+    ).default()
     lower_wall_impulse: float = Quantity(
         "N.s", "lower wall's impulses and integral of its forces: differences give means"
-    ).default(0.0)
+    ).default()
     corner_impact_count: Vector = Quantity(
         "1",
         "impacts of a corner (upper front, upper rear, lower front, lower rear)",
@@ -297,24 +293,24 @@ class PistonOutputs:
     corner_impact_impulse: Vector = Quantity(
         "N.s", "sum of the normal impulses on a corner", size="corners"
     ).per_element()
-    impact_count: float = Quantity("1", "impacts of all corners", count=True).default(0.0)
-    last_impact_time: float = Quantity("s", "time of the last impact").default(0.0)
+    impact_count: float = Quantity("1", "impacts of all corners", count=True).default()
+    last_impact_time: float = Quantity("s", "time of the last impact").default()
     last_impact_velocity: float = Quantity(
         "m/s", "velocity towards the wall just before the last impact", nominal=0.1
-    ).default(0.0)
-    event_count: float = Quantity("1", "impacts and releases", count=True).default(0.0)
-    last_event_time: float = Quantity("s", "time of the last impact or release").default(0.0)
+    ).default()
+    event_count: float = Quantity("1", "impacts and releases", count=True).default()
+    last_event_time: float = Quantity("s", "time of the last impact or release").default()
     friction_power: float = Quantity(
         "W", "power taken by friction at pins and walls, between impacts", nominal=100.0
-    ).default(0.0)
-    impact_loss: float = Quantity("J", "energy lost in impacts").default(0.0)
+    ).default()
+    impact_loss: float = Quantity("J", "energy lost in impacts").default()
 
 
 @dataclass
 class PistonCrankOutputs(PistonOutputs):
     crank_torque: float = Quantity(
         "N.m", "torque taken from the crank, between impacts", nominal=10.0
-    ).default(0.0)
+    ).default()
     crank_impact_impulse: CrankImpulse = 0.0
 
 

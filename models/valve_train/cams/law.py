@@ -24,7 +24,7 @@ def _share(description: str, **limits: Any) -> Quantity:
 class RiseParameters:
     """Defaults: the set `kushwaha2000`."""
 
-    law: float = Quantity("1", "law of rise and fall", choices=tuple(RISES)).default(0.0)
+    law: float = Quantity("1", "law of rise and fall", choices=tuple(RISES)).default()
     lift: float = Quantity(
         "m",
         "lift S of the law, without ramps",
@@ -39,7 +39,7 @@ class RiseParameters:
     rise_angle: float = angle_below_pi("cam angle of the rise B", positive=True).default(
         math.radians(88.66608103115016)
     )
-    fall_angle: float = angle_below_pi("cam angle of the fall; 0: as the rise", minimum=0.0).default(0.0)
+    fall_angle: float = angle_below_pi("cam angle of the fall; 0: as the rise", minimum=0.0).default()
     dwell_half_width: float = angle_below_pi("half width d of the dwell at the nose", minimum=0.0).default(
         math.radians(1.333918968849847)
     )

@@ -28,7 +28,7 @@ class RampParameters:
 
     ramp_height: float = Quantity(
         "m", "lift of the ramps; 0: none", nominal=1e-4, minimum=0.0, display_unit="mm", plausible=LASH
-    ).default(0.0)
+    ).default()
     opening_ramp_angle: float = angle_below_pi(
         "cam angle of constant velocity before the rise", minimum=0.0
     ).default(math.radians(20.0))

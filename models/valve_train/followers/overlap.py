@@ -45,23 +45,23 @@ FollowerRadius = Annotated[
 class CamInputs:
     """What a follower feels of its cam. The cam's axis stays in place where its displacement is not given."""
 
-    cam_angle: float = Quantity("rad", "angle of the shaft at the cam", display_unit="deg").default(0.0)
+    cam_angle: float = Quantity("rad", "angle of the shaft at the cam", display_unit="deg").default()
     cam_speed: float = Quantity(
         "rad/s", "speed of the shaft at the cam", nominal=100.0, display_unit="rpm"
-    ).default(0.0)
+    ).default()
     axis_x: float = Quantity(
         "m", "displacement of the cam's axis across the follower's path", nominal=1e-4
-    ).default(0.0)
+    ).default()
     axis_y: float = Quantity(
         "m", "displacement of the cam's axis towards the follower", nominal=1e-4
-    ).default(0.0)
-    axis_velocity_x: float = Quantity("m/s", "rate of axis_x", nominal=0.1).default(0.0)
-    axis_velocity_y: float = Quantity("m/s", "rate of axis_y", nominal=0.1).default(0.0)
-    cam_load: float = Quantity("N", "load W of the cam on the follower", nominal=500.0).default(0.0)
-    cam_friction: float = Quantity("N", "friction on the cam against its sliding", nominal=10.0).default(0.0)
+    ).default()
+    axis_velocity_x: float = Quantity("m/s", "rate of axis_x", nominal=0.1).default()
+    axis_velocity_y: float = Quantity("m/s", "rate of axis_y", nominal=0.1).default()
+    cam_load: float = Quantity("N", "load W of the cam on the follower", nominal=500.0).default()
+    cam_friction: float = Quantity("N", "friction on the cam against its sliding", nominal=10.0).default()
     surface_speed: float = Quantity(
         "m/s", "speed of a pad's surface along its body: of a roller that may slip"
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
@@ -70,35 +70,33 @@ class CamOutputs:
 
     overlap: float = Quantity(
         "m", "cam into follower along the normal", nominal=1e-6, display_unit="um"
-    ).default(0.0)
-    overlap_rate: float = Quantity("m/s", "rate of the overlap", nominal=1e-2).default(0.0)
-    entraining_velocity: float = Quantity("m/s", "mean surface velocity relative to the contact").default(0.0)
-    sliding_velocity: float = Quantity("m/s", "velocity of cam over follower surface").default(0.0)
+    ).default()
+    overlap_rate: float = Quantity("m/s", "rate of the overlap", nominal=1e-2).default()
+    entraining_velocity: float = Quantity("m/s", "mean surface velocity relative to the contact").default()
+    sliding_velocity: float = Quantity("m/s", "velocity of cam over follower surface").default()
     rolling_velocity: float = Quantity(
         "m/s", "surface_speed at which nothing would slide; 0 where nothing can"
-    ).default(0.0)
-    surface_velocity: float = Quantity("m/s", "surface_speed of a pad; 0 for a roller without slip").default(
-        0.0
-    )
+    ).default()
+    surface_velocity: float = Quantity("m/s", "surface_speed of a pad; 0 for a roller without slip").default()
     radius_of_curvature: float = Quantity(
         "m", "reduced radius of cam and follower", nominal=1e-2, display_unit="mm"
     ).default(0.02)
     pressure_angle: float = Quantity(
         "rad", "angle of the contact's normal to the follower's path", display_unit="deg"
-    ).default(0.0)
+    ).default()
     cam_radius: float = Quantity(
         "m", "radius of the cam at the contact", nominal=1e-2, display_unit="mm"
     ).default(0.02)
     contact_offset: float = Quantity(
         "m", "place of the contact along the follower", nominal=1e-2, display_unit="mm"
-    ).default(0.0)
+    ).default()
     profile_angle: float = Quantity(
         "rad", "angle of the cam at the contact; the nose is at pi", display_unit="deg"
-    ).default(0.0)
-    cam_torque: float = Quantity("N.m", "torque taken from the shaft", nominal=10.0).default(0.0)
-    cam_force_x: float = Quantity("N", "force on the cam's axis along axis_x", nominal=500.0).default(0.0)
-    cam_force_y: float = Quantity("N", "force on the cam's axis along axis_y", nominal=500.0).default(0.0)
-    cam_lift: float = Quantity("m", "lift s of the profile", nominal=1e-3, display_unit="mm").default(0.0)
+    ).default()
+    cam_torque: float = Quantity("N.m", "torque taken from the shaft", nominal=10.0).default()
+    cam_force_x: float = Quantity("N", "force on the cam's axis along axis_x", nominal=500.0).default()
+    cam_force_y: float = Quantity("N", "force on the cam's axis along axis_y", nominal=500.0).default()
+    cam_lift: float = Quantity("m", "lift s of the profile", nominal=1e-3, display_unit="mm").default()
     next_event: float = Quantity(
         "s", "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests"
     ).default(NO_EVENT)

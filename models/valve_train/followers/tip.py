@@ -29,22 +29,22 @@ class TipParameters:
 
 @dataclass
 class TipInputs:
-    tip_load: float = Quantity("N", "load of the lever on the valve", nominal=500.0).default(0.0)
+    tip_load: float = Quantity("N", "load of the lever on the valve", nominal=500.0).default()
     tip_friction: float = Quantity(
         "N", "friction on the lever's pad against its sliding", nominal=10.0
-    ).default(0.0)
+    ).default()
 
 
 @dataclass
 class TipOutputs:
     tip_position: float = Quantity(
         "m", "position of the pad towards the valve", nominal=1e-3, display_unit="mm"
-    ).default(0.0)
-    tip_velocity: float = Quantity("m/s", "velocity of the pad towards the valve").default(0.0)
+    ).default()
+    tip_velocity: float = Quantity("m/s", "velocity of the pad towards the valve").default()
     tip_entraining_velocity: float = Quantity(
         "m/s", "mean surface velocity relative to the contact on the valve"
-    ).default(0.0)
-    tip_sliding_velocity: float = Quantity("m/s", "velocity of the pad over the valve's tip").default(0.0)
+    ).default()
+    tip_sliding_velocity: float = Quantity("m/s", "velocity of the pad over the valve's tip").default()
     tip_contact_radius: float = Quantity(
         "m", "reduced radius of pad and tip", nominal=1e-2, display_unit="mm"
     ).default(10e-3)
@@ -54,8 +54,8 @@ class TipOutputs:
 class LeverMotion:
     rotation: float = Quantity(
         "rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg"
-    ).default(0.0)
-    rotation_rate: float = Quantity("rad/s", "rate of the rotation", nominal=10.0).default(0.0)
+    ).default()
+    rotation_rate: float = Quantity("rad/s", "rate of the rotation", nominal=10.0).default()
 
 
 TIP_BONDS = (PowerBond("tip_load", "tip_velocity", -1), PowerBond("tip_friction", "tip_sliding_velocity", -1))

@@ -21,24 +21,24 @@ class Parameters:
 @dataclass
 class State:
     height: float = Quantity("m", "height").default(HEIGHT)
-    velocity: float = Quantity("m/s", "velocity").default(0.0)
-    bounces: float = Quantity("1", "bounces", count=True, internal=True).default(0.0)
-    last_bounce: float = Quantity("s", "time of the last bounce", internal=True).default(0.0)
-    resting: float = Quantity("1", "at rest", boolean=True, internal=True).default(0.0)
+    velocity: float = Quantity("m/s", "velocity").default()
+    bounces: float = Quantity("1", "bounces", count=True, internal=True).default()
+    last_bounce: float = Quantity("s", "time of the last bounce", internal=True).default()
+    resting: float = Quantity("1", "at rest", boolean=True, internal=True).default()
 
 
 @dataclass
 class Inputs:
-    push: float = Quantity("m/s2", "acceleration upwards").default(0.0)
+    push: float = Quantity("m/s2", "acceleration upwards").default()
 
 
 @dataclass
 class Outputs:
-    height: float = Quantity("m", "height").default(0.0)
-    velocity: float = Quantity("m/s", "velocity").default(0.0)
-    bounces: float = Quantity("1", "bounces", count=True).default(0.0)
-    last_bounce: float = Quantity("s", "time of the last bounce").default(0.0)
-    resting: float = Quantity("1", "at rest", boolean=True).default(0.0)
+    height: float = Quantity("m", "height").default()
+    velocity: float = Quantity("m/s", "velocity").default()
+    bounces: float = Quantity("1", "bounces", count=True).default()
+    last_bounce: float = Quantity("s", "time of the last bounce").default()
+    resting: float = Quantity("1", "at rest", boolean=True).default()
 
 
 @kernel
