@@ -276,7 +276,6 @@ REFUSED = {
     "outside": ({"replace": ("resources/dahlquist", "../dahlquist")}, "not in this package"),
     "lost": ({"replace": ("resources/dahlquist", "resources/other")}, r"other.fmu is not in the package"),
     "text": ({"bound": binding({"k": 'String value="much"'})}, "k is a String in the set, but not in"),
-    "unknown": ({"bound": binding({"K": 'Real value="1"'})}, r"no parameter, input or start value 'K'"),
     "unit": ({"bound": binding({"real in": 'Real value="1" unit="K"'}), "units": True}, "K does not fit"),
 }  # fmt: skip
 

@@ -11,10 +11,12 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, open_archive
 from models.compile.cache_folder import private_folder, user_cache_directory
 from models.core.component import Component
+from models.core.quantities import Quantity
 from models.core.system import suggestion
 
 from ...participants import ThirdPartyComponent, read_component
@@ -28,7 +30,7 @@ from ...participants.description import (
 )
 from .. import Line, ScenarioError
 from ..component_table import KINDS
-from ..conversion import convert_units
+from ..conversion import convert_units, explain_differences
 from ..side_lines import list_side_variables
 from ..values import WithUnit, build_component
 from .names import NAMESPACES, OURS, STRUCTURE, UNPACKED
@@ -110,7 +112,7 @@ def _read(name: str, folder: Path) -> dict[str, Any]:
 
     def read(path: str) -> bytes:
         try:
-            return (folder / path).read_bytes()
+            return _locate(folder, path).read_bytes()
         except OSError:
             raise ScenarioError(f"{name}: {path} is not in the package; add it") from None
 
@@ -119,7 +121,7 @@ def _read(name: str, folder: Path) -> dict[str, Any]:
         raise ScenarioError(
             f"{name}: startTime = {found.experiment['startTime']:g} s: runs begin at 0; shift the times"
         )
-    fmus = {path: folder / source for path, source in found.components.items()}
+    fmus = {path: _locate(folder, source) for path, source in found.components.items()}
     settings = _read_settings(found, name)
     # An equilibrium is found again by the run.
     values = read_values(found, read, name, f"{START}.ssv" if settings.get("start") == "equilibrium" else "")
@@ -139,6 +141,12 @@ def _read(name: str, folder: Path) -> dict[str, Any]:
     if stop := found.experiment.get("stopTime"):
         content["stop_time"] = stop
     return content
+
+
+def _locate(folder: Path, source: str) -> Path:
+    """The file of a source, which is a URI reference; some tools write blanks and % as they are."""
+    plain = folder / source
+    return plain if plain.is_file() else folder / unquote(source)
 
 
 def _read_settings(found: Structure, where: str) -> dict[str, Any]:
@@ -249,6 +257,23 @@ def _set_values(
     third_party = isinstance(component, ThirdPartyComponent)
     texts = component.about.strings if isinstance(component, ThirdPartyComponent) else []
     for variable, one in stated.items():
+        places = [
+            (key, name)
+            for key, layout in layouts.items()
+            for name in layout.variables
+            if variable
+            == (name if third_party or key != "start" else layout.field(name).add_suffix("_start"))
+        ]
+        if not places and variable not in texts:
+            # Sets are often shared between components, and larger than each.
+            known = [name for layout in layouts.values() for name in layout.variables]
+            _log.warning(
+                "%s: no parameter, input or start value %r: left out (%s)",
+                where,
+                variable,
+                suggestion(variable, known),
+            )
+            continue
         if one.plain != (variable in texts):
             here, there = ("a String", "not") if one.plain else ("no String", "one")
             raise ScenarioError(
@@ -260,15 +285,6 @@ def _set_values(
             place = "inputs" if driven else "parameters"
             table.setdefault(place, {})[variable] = one.value
             continue
-        places = [
-            (key, name)
-            for key, layout in layouts.items()
-            for name in layout.variables
-            if variable
-            == (name if third_party or key != "start" else layout.field(name).add_suffix("_start"))
-        ]
-        if not places:
-            raise ScenarioError(f"{where}: no parameter, input or start value {variable!r}; correct its name")
         key, name = places[0]
         quantity = layouts[key].field(name).quantity
         value = one.value
@@ -278,22 +294,17 @@ def _set_values(
                     f"{where}: {variable}: enumeration item {value!r} is not defined; define it"
                 )
             value = float((one.items or {})[value])
-        if isinstance(value, float) and not isinstance(value, bool):
-            value = _transform(value, one, quantity.unit, component, f"{where}: {variable}")
+        if isinstance(value, float) or (isinstance(value, bool) and one.way):
+            value = _transform(float(value), one, quantity, component, f"{where}: {variable}")
         table.setdefault(key, {})[name] = value
 
 
-def _transform(value: float, one: StatedValue, unit: str, component: Component, where: str) -> float:
-    if one.unit and not one.suppressed and one.unit != unit:
-        linear = convert_units(one.unit, one.units or {}, unit, _get_units(component))
-        if linear is None:
-            raise ScenarioError(
-                f"{where}: unit {one.unit} does not fit {unit or 'a plain number'}; correct it"
-            )
-        value = linear.factor * value + linear.offset
-    if one.factor is not None or one.offset is not None:
-        value = (1.0 if one.factor is None else one.factor) * value + (one.offset or 0.0)
-    return WithUnit(value)  # in the FMU's, as SSP has it
+def _transform(value: float, one: StatedValue, quantity: Quantity, component: Component, where: str) -> float:
+    try:
+        made = one.convert(value, quantity.unit, _get_units(component), quantity.relative)
+    except ValueError as error:
+        raise ScenarioError(f"{where}: {error}; correct it") from None
+    return WithUnit(made)  # in the FMU's, as SSP has it
 
 
 def _get_units(component: Component) -> dict[str, Any]:
@@ -365,8 +376,9 @@ def _build_line(
         factor, offset = steps[0][1].factor, steps[0][1].offset
         return Line(*ends, 1.0 if factor is None and offset is None else factor, offset)
     source, target = parts[steps[0][1].source.path], parts[steps[-1][0].path]
-    first = source.outputs.field(steps[0][1].source.connector).quantity.unit
-    last = target.inputs.field(steps[-1][0].connector).quantity.unit
+    given = source.outputs.field(steps[0][1].source.connector).quantity
+    wanted = target.inputs.field(steps[-1][0].connector).quantity
+    first, last = given.unit, wanted.unit
     units = {**_get_units(source), **_get_units(target), **found.units}
     unit = found.connector_units.get(steps[0][1].source) or first
     if unit == first and all(
@@ -380,9 +392,11 @@ def _build_line(
     for port, edge in steps:
         into = found.connector_units.get(port) or (last if port == steps[-1][0] else unit)
         if unit and into and unit != into and not edge.suppressed:
-            linear = convert_units(unit, units, into, units)
+            linear = convert_units(unit, units, into, units, given.relative and wanted.relative)
             if linear is None:
                 raise ScenarioError(f"{where}: {port}: unit {unit} does not fit {into}; correct it")
+            if linear.offset and given.relative != wanted.relative:
+                raise ScenarioError(f"{where}: {explain_differences(*ends, given.relative)}")
             factor, offset = linear.factor * factor, linear.factor * offset + linear.offset
         scale = 1.0 if edge.factor is None else edge.factor
         factor, offset = scale * factor, scale * offset + (edge.offset or 0.0)

@@ -9,6 +9,7 @@ import posixpath
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
+from urllib.parse import unquote
 from xml.etree import ElementTree
 
 from ...participants.description import Unit
@@ -18,7 +19,8 @@ from .tables import find_table, to_line
 
 Path = tuple[str, ...]
 # The elements whose source is a file.
-SOURCED = {expand_tag(f"ssd:{name}") for name in ("Component", "ParameterBinding", "ParameterMapping")}
+_WITH_SOURCE = ("Component", "ParameterBinding", "ParameterMapping", "SignalDictionary")
+SOURCED = {expand_tag(f"ssd:{name}") for name in _WITH_SOURCE}
 # The kinds of connectors to which connections lead: of elements, and of the system that is around them.
 RECEIVING = ("input", "inout", "parameter", "structuralParameter")
 RECEIVING_OF_SYSTEM = ("output", "local", "calculatedParameter", "constant")
@@ -80,6 +82,13 @@ def parse_xml(content: bytes, what: str) -> Any:
     return root
 
 
+def check_version(root: Any, where: str) -> None:
+    """ScenarioError for a file of a later SSP, whose types and arrays would be missed."""
+    version = root.get("version") or "1.0"
+    if version[:1].isdigit() and not version.startswith("1."):
+        raise ScenarioError(f"{where}: is of SSP {version}; export it as SSP 1.0")
+
+
 def read_structure(files: Files, where: str) -> Structure:
     """What the package's SSD, and those that it names, say; ScenarioError for what is not supported."""
     root, system = _parse_structure(files(STRUCTURE), where)
@@ -99,6 +108,7 @@ def read_structure(files: Files, where: str) -> Structure:
 def _parse_structure(content: bytes, where: str) -> tuple[Any, Any]:
     """The root of an SSD, and its system."""
     root = parse_xml(content, where)
+    check_version(root, where)
     system = root.find(expand_tag("ssd:System"))
     if root.tag != expand_tag("ssd:SystemStructureDescription") or system is None:
         raise ScenarioError(
@@ -121,7 +131,7 @@ class _SystemReader:
         """The system at `path`; `outer`: its signal dictionaries, by name."""
         self._read_connectors(system, path)
         dictionaries = outer | {
-            one.get("name"): ".".join((*path, one.get("name")))
+            one.get("name"): self._read_dictionary(one, path)
             for one in system.findall(
                 f"{expand_tag('ssd:SignalDictionaries')}/{expand_tag('ssd:SignalDictionary')}"
             )
@@ -139,7 +149,9 @@ class _SystemReader:
                 name = element.get("dictionary")
                 if name not in dictionaries:
                     raise self._refuse(f"{'.'.join(own)}: no signal dictionary {name!r}", "define it")
-                places[element.get("name")] = (f"dictionary {dictionaries[name]}",)
+                places[element.get("name")] = place = (f"dictionary {dictionaries[name]}",)
+                for connector in element.iterfind(f"{expand_tag('ssd:Connectors')}/*"):
+                    self._read_unit(connector, Port(place, connector.get("name")))
         self._read_bindings(system, path)
         for connection in system.iterfind(f"{expand_tag('ssd:Connections')}/*"):
             self._read_connection(connection, path, places)
@@ -186,9 +198,26 @@ class _SystemReader:
         for connector in element.iterfind(f"{expand_tag('ssd:Connectors')}/*"):
             port = Port(path, connector.get("name"))
             self._found.kinds[port] = connector.get("kind", "")
-            real = connector.find(expand_tag("ssc:Real"))
-            if real is not None and real.get("unit"):
-                self._found.connector_units[port] = real.get("unit")
+            self._read_unit(connector, port)
+
+    def _read_unit(self, element: Any, port: Port) -> None:
+        real = element.find(expand_tag("ssc:Real"))
+        if real is not None and real.get("unit"):
+            self._found.connector_units[port] = real.get("unit")
+
+    def _read_dictionary(self, element: Any, path: Path) -> str:
+        """Read the units of a signal dictionary's entries; the name by which it is known here."""
+        shown = ".".join((*path, element.get("name")))
+        root: Any = element.find(expand_tag("ssb:SignalDictionary"))
+        if source := element.get("source"):
+            where = f"{self._where}: {shown}"
+            root = parse_xml(self._files(resolve_source(source, where)), where)
+        if root is not None:
+            check_version(root, f"{self._where}: {shown}")
+            self._found.units = read_units(root) | self._found.units
+            for entry in root.iter(expand_tag("ssb:DictionaryEntry")):
+                self._read_unit(entry, Port((f"dictionary {shown}",), entry.get("name")))
+        return shown
 
     def _read_connection(self, connection: Any, path: Path, places: dict[str, Path]) -> None:
         def port(side: str) -> Port:
@@ -234,7 +263,8 @@ def _parse_float(text: str | None) -> float | None:
 def resolve_source(source: str, where: str) -> str:
     """The archive's path of a source; ScenarioError for one elsewhere."""
     path = source.removeprefix("./")
-    if not path or ":" in path or path.startswith("/") or ".." in path.split("/"):
+    plain = unquote(path)
+    if not path or ":" in plain or plain.startswith("/") or ".." in plain.split("/"):
         raise ScenarioError(
             f"{where}: source {source!r} is not in this package; put the file into resources/"
         )

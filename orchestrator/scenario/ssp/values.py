@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...participants.description import BINARY, STRING, Unit
 from .. import ScenarioError
+from ..conversion import convert_units
 from .names import VALUES_TYPE, expand_tag
 from .structure import (
     Files,
     Path,
     Port,
     Structure,
+    check_version,
     parse_xml,
     read_enumerations,
     read_transformation,
@@ -24,22 +26,56 @@ from .structure import (
 from .tables import find_table, look_up
 
 Number = float | bool | str
+SUPPRESSED = ("true", "1")
+# Elements of a parameter that are no value.
+ABOUT = ("Annotations",)
 _log = logging.getLogger("tribocosim")
+
+
+class Conversion(NamedTuple):
+    """On a value's way: into a unit ("": that of the variable at the end), unless that is `suppressed`, and
+    then by `factor` and `offset`."""
+
+    into: str
+    factor: float | None = None
+    offset: float | None = None
+    suppressed: bool = False
 
 
 @dataclass(frozen=True)
 class StatedValue:
     """A value: a number, a truth value or an enumeration's item (`items` gives their numbers), in `unit` if
-    that is stated; `factor` and `offset` come after its conversion. Or a `plain` text."""
+    that is stated; `way` are its conversions. Or a `plain` text."""
 
     value: Number
     unit: str = ""
     units: dict[str, Unit] | None = None
     items: dict[str, int] | None = None
-    factor: float | None = None
-    offset: float | None = None
-    suppressed: bool = False
+    way: tuple[Conversion, ...] = ()
     plain: bool = False
+
+    def enter(self, unit: str | None) -> StatedValue:
+        """At a connector with this unit, if it states one: what is not yet in a unit comes into it."""
+        if not unit:
+            return self
+        *before, last = self.way or (Conversion(""),)
+        added = () if last.into else (last._replace(into=unit),)
+        return replace(self, way=(*before, *added) if added else self.way)
+
+    def convert(self, number: float, unit: str, units: Mapping[str, Unit], relative: bool) -> float:
+        """The number at the end of the way, in `unit`; ValueError where units do not fit."""
+        here, known = self.unit, {**(self.units or {}), **units}
+        for step in (*self.way, Conversion("")):
+            into = step.into or unit
+            if here and into and here != into and not step.suppressed:
+                linear = convert_units(here, {**known, **(self.units or {})}, into, known, relative)
+                if linear is None:
+                    raise ValueError(f"unit {here} does not fit {into or 'a plain number'}")
+                number = linear.factor * number + linear.offset
+            if step.factor is not None or step.offset is not None:
+                number = (1.0 if step.factor is None else step.factor) * number + (step.offset or 0.0)
+            here = into or here
+        return number
 
 
 Values = dict[Path, dict[str, StatedValue]]
@@ -54,8 +90,9 @@ def read_values(found: Structure, files: Files, where: str, ignored: str) -> Val
             continue
         shown = f"{where}: {'.'.join(path) or 'the system'}"
         for name, stated in _read_binding(binding, found, files, shown):
-            for component, variable in _find_targets(found, path, binding.get("prefix", "") + name, shown):
-                values.setdefault(component, {})[variable] = stated
+            full = binding.get("prefix", "") + name
+            for component, variable, arrived in _find_targets(found, path, full, stated, shown):
+                values.setdefault(component, {})[variable] = arrived
     return values
 
 
@@ -71,6 +108,7 @@ def _read_binding(
         root = binding.find(f"{expand_tag('ssd:ParameterValues')}/{expand_tag('ssv:ParameterSet')}")
     if root is None:
         return
+    check_version(root, f"{where}: {source or 'its values'}")
     stated = dict(_read_set(root, found, where))
     mapping = binding.find(expand_tag("ssd:ParameterMapping"))
     if mapping is None:
@@ -88,14 +126,14 @@ def _read_binding(
         name = entry.get("source")
         if name not in stated:
             continue
-        suppressed = entry.get("suppressUnitConversion") in ("true", "1")
+        suppressed = entry.get("suppressUnitConversion") in SUPPRESSED
         if table := find_table(entry):
             value = look_up(*table, stated[name].value, f"{where}: {name}")
-            yield entry.get("target"), replace(stated[name], value=value, suppressed=suppressed)
+            way = Conversion("", suppressed=suppressed)
+            yield entry.get("target"), replace(stated[name], value=value, way=(way,))
             continue
-        factor, offset = read_transformation(entry, f"{where}: {name}")
-        changed = replace(stated[name], factor=factor, offset=offset, suppressed=suppressed)
-        yield entry.get("target"), changed
+        way = Conversion("", *read_transformation(entry, f"{where}: {name}"), suppressed)
+        yield entry.get("target"), replace(stated[name], way=(way,))
 
 
 def _read_file(element: Any, source: str, files: Files, where: str) -> bytes:
@@ -127,6 +165,8 @@ def _read_set(root: Any, found: Structure, where: str) -> Iterator[tuple[str, St
                 yield name, StatedValue(text, items=enumerations.get(child.get("name") or name))
             elif kind in (STRING, BINARY):
                 yield name, StatedValue(text, plain=True)
+            elif kind not in ABOUT:
+                raise ScenarioError(f"{where}: {name}: a value of type {kind}; give one of SSP 1.0")
 
 
 def _is_bracketed(unit: str, units: dict[str, Unit]) -> bool:
@@ -134,28 +174,31 @@ def _is_bracketed(unit: str, units: dict[str, Unit]) -> bool:
     return unit[:1] == "[" and unit[-1:] == "]" and unit not in units
 
 
-def _find_targets(found: Structure, path: Path, name: str, where: str) -> Iterator[tuple[Path, str]]:
-    """The components' variables that `name` at the element of this path means."""
-    if path in found.components:
-        yield path, name
-        return
+def _find_targets(
+    found: Structure, path: Path, name: str, stated: StatedValue, where: str
+) -> Iterator[tuple[Path, str, StatedValue]]:
+    """The components' variables that `name` at the element of this path means, with what arrives there."""
     port = Port(path, name)
+    if path in found.components:
+        yield path, name, stated
+        return
     if port in found.kinds:
+        entered = stated.enter(found.connector_units.get(port))
         for target, edge in found.edges.items():
             if edge.source == port:
-                if edge.factor is not None or edge.offset is not None:
-                    raise ScenarioError(
-                        f"{where}: {name} goes on with a transformation; transform its value instead"
-                    )
-                yield from _find_targets(found, target.path, target.connector, where)
+                into = found.connector_units.get(target, "")
+                step = Conversion(into, edge.factor, edge.offset, edge.suppressed)
+                arrived = replace(entered, way=(*entered.way, step))
+                yield from _find_targets(found, target.path, target.connector, arrived, where)
         return
-    element, dot, rest = name.partition(".")
-    child = (*path, element)
-    known = [*found.components, *(port.path for port in found.kinds)]
-    if not dot:
+    if "." not in name:
         raise ScenarioError(f"{where}: no parameter {name!r}; name a connector, or ELEMENT.PARAMETER")
-    if not any(other[: len(child)] == child for other in known):
+    known = [*found.components, *(port.path for port in found.kinds)]
+    inside = {other[len(path)] for other in known if other[: len(path)] == path and len(other) > len(path)}
+    # Names of elements may have dots.
+    element = max((one for one in inside if name.startswith(f"{one}.")), key=len, default="")
+    if not element:
         # Sets are often shared between packages of different parts.
         _log.warning("%s: the value of %r is of no element of this package: left out", where, name)
         return
-    yield from _find_targets(found, child, rest, where)
+    yield from _find_targets(found, (*path, element), name[len(element) + 1 :], stated, where)

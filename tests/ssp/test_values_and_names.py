@@ -1,0 +1,137 @@
+"""Values of packages pass through connectors as signals do, and files and elements have any names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.files import load
+from tests.archives import replace_text
+from tests.third_party.described import describe2, real2
+
+from .packages import binding, bindings, component, connection, connectors, linear, package, parameters
+
+START = 'start="0"'
+UNITS = "<ssd:Units>" + "".join(
+    f'<ssc:Unit name="{name}"><ssc:BaseUnit {base}/></ssc:Unit>'
+    for name, base in {
+        "m": 'm="1"',
+        "mm": 'm="1" factor="0.001"',
+        "K": 'K="1"',
+        "degC": 'K="1" offset="273.15"',
+    }.items()
+)
+UNITS += "</ssd:Units>"
+SUPPRESSED = 'suppressUnitConversion="true"'
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> dict[str, bytes | str]:
+    """An FMU with a parameter p and an input u in m, a difference dT in K, and an output y without a unit."""
+    variables = (
+        real2("p", 0, "parameter", f'unit="m" {START}', "fixed")
+        + real2("dT", 1, "parameter", f'unit="K" relativeQuantity="true" {START}', "fixed")
+        + real2("u", 2, "input", f'unit="m" {START}')
+        + real2("y", 3, "output")
+    )
+    return {"resources/gain.fmu": describe2(tmp_path / "gain.fmu", variables).read_bytes()}
+
+
+# The system's connector and its value, the connection to what it goes to, and what arrives there.
+PASSED = {
+    "a unit": ("parameter mm", 'Real value="5"', connection(".x", "g.p"), 0.005),
+    "a unit of an input": ("input mm", 'Real value="5"', connection(".x", "g.u"), 0.005),
+    "a stated unit": ("parameter mm", 'Real value="5" unit="m"', connection(".x", "g.p"), 5.0),
+    "no conversion": ("parameter mm", 'Real value="5"', connection(".x", "g.p", more=SUPPRESSED), 5.0),
+    "a transformation": ("parameter mm", 'Real value="5"', connection(".x", "g.p", linear(2.0, 1.0)), 1.01),
+    "a difference": ("parameter degC", 'Real value="5"', connection(".x", "g.dT"), 5.0),
+    "no unit": ("parameter", 'Real value="5"', connection(".x", "g.p"), 5.0),
+}
+
+
+@pytest.mark.parametrize(("kind", "value", "connected", "expected"), PASSED.values(), ids=PASSED)
+def test_values_of_a_systems_connector_pass_its_connections(
+    kind: str, value: str, connected: str, expected: float, tmp_path: Path, files: dict[str, bytes | str]
+) -> None:
+    element = component("g", "gain", {"p": "parameter m", "dT": "parameter K", "u": "input m"})
+    inside = connectors({"x": kind}) + bindings(binding({"x": value}))
+    path = package(tmp_path / "a.ssp", element, connected, inside=inside, after=UNITS, files=files)
+    table = load(path).components["g"]
+    assert list((table.parameters | table.inputs).values()) == pytest.approx([expected], rel=1e-14)
+
+
+def test_values_pass_nested_systems_and_mappings(tmp_path: Path, files: dict[str, bytes | str]) -> None:
+    """4 mm by a mapping (2 x + 1 in mm), on from mm to m (3 x), and to a parameter in m."""
+    element = component("g", "gain", {"p": "parameter m"})
+    nested = (
+        f'<ssd:System name="s">{connectors({"z": "parameter m"})}<ssd:Elements>{element}</ssd:Elements>'
+        f"<ssd:Connections>{connection('.z', 'g.p')}</ssd:Connections></ssd:System>"
+    )
+    mapped = f'<ssm:MappingEntry source="a" target="x">{linear(2.0, 1.0)}</ssm:MappingEntry>'
+    inside = connectors({"x": "parameter mm"}) + bindings(
+        binding({"a": 'Real value="0.004" unit="m"'}, mapped)
+    )
+    connected = connection(".x", "s.z", linear(3.0))
+    path = package(tmp_path / "a.ssp", nested, connected, inside=inside, after=UNITS, files=files)
+    assert load(path).components["s_g"].parameters == pytest.approx({"p": 3.0 * 0.009}, rel=1e-14)
+
+
+def test_signals_have_the_units_of_dictionaries(tmp_path: Path, files: dict[str, bytes | str]) -> None:
+    """A number without a unit is in mm at the dictionary's entry, and goes on into m."""
+    parts = component("a", "gain", {"y": "output"}) + component("b", "gain", {"u": "input m"})
+    parts += (
+        '<ssd:SignalDictionaryReference name="R" dictionary="D">'
+        f"{connectors({'q': 'inout'})}</ssd:SignalDictionaryReference>"
+    )
+    dictionary = (
+        '<ssd:SignalDictionaries><ssd:SignalDictionary name="D"><ssb:SignalDictionary version="1.0">'
+        '<ssb:DictionaryEntry name="q"><ssc:Real unit="mm"/></ssb:DictionaryEntry></ssb:SignalDictionary>'
+        "</ssd:SignalDictionary></ssd:SignalDictionaries>"
+    )
+    connected = connection("a.y", "R.q") + connection("R.q", "b.u")
+    path = package(tmp_path / "a.ssp", parts, connected, after=UNITS, dictionaries=dictionary, files=files)
+    assert load(path).connections == ["a.y * 0.001 -> b.u"]
+
+
+def test_names_of_files_and_elements_are_any(tmp_path: Path, files: dict[str, bytes | str]) -> None:
+    """Sources are URIs, names may have dots, and sets are larger than a component."""
+    files["resources/my gain.fmu"] = files.pop("resources/gain.fmu")
+    files["resources/my set.ssv"] = parameters({"p": 'Real value="5"', "other": 'Real value="1"'})
+    bound = '<ssd:ParameterBinding source="resources/my%20set.ssv"/>'
+    element = component("B.C", "my%20gain", {"dT": "parameter K"}, bound)
+    inside = bindings(binding({"B.C.dT": 'Real value="3"'}))
+    path = package(tmp_path / "a.ssp", element, inside=inside, after=UNITS, files=files)
+    assert load(path).components["B_C"].parameters == {"p": 5.0, "dT": 3.0}
+
+
+def test_what_a_component_lacks_of_a_set_is_told(
+    tmp_path: Path, files: dict[str, bytes | str], caplog: pytest.LogCaptureFixture
+) -> None:
+    bound = binding({"p": 'Real value="5"', "P": 'Real value="1"', "label": 'String value="red"'})
+    path = package(tmp_path / "a.ssp", component("g", "gain", {"p": "parameter m"}, bound), files=files)
+    with caplog.at_level("WARNING"):
+        assert load(str(path)).components["g"].parameters == {"p": 5.0}
+    for name in ("P", "label"):
+        assert f"g: no parameter, input or start value '{name}': left out (" in caplog.text
+
+
+LATER = {
+    "the structure": ('version="1.0" name="other"', 'version="2.0" name="other"'),
+    "a set": ('version="1.0" name="set"', 'version="2.0" name="set"'),
+    "a value": ('<ssv:Real value="5"', '<ssv:Float64 value="5"'),
+}
+
+
+@pytest.mark.parametrize(("old", "new"), LATER.values(), ids=LATER)
+def test_a_later_version_of_ssp_is_refused(
+    old: str, new: str, tmp_path: Path, files: dict[str, bytes | str]
+) -> None:
+    bound = binding({"p": 'Real value="5"'})
+    path = package(tmp_path / "a.ssp", component("g", "gain", {"p": "parameter m"}, bound), files=files)
+    replace_text(path, tmp_path / "b.ssp", old, new, "SystemStructure.ssd")
+    with pytest.raises(
+        ScenarioError, match=r"is of SSP 2\.0; export|p: a value of type Float64; give one of SSP 1\.0"
+    ):
+        load(tmp_path / "b.ssp")
