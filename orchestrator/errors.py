@@ -4,6 +4,16 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from models.core.errors import MistakeError as MistakeError
+from models.core.errors import RunError as RunError
+from models.core.remedies import Command as Command
+from models.core.remedies import Option as Option
+from models.core.remedies import Set as Set
+from models.core.remedies import Words as Words
+from models.core.remedies import in_command_line as in_command_line
+from models.core.remedies import join as join
 
 
 def one_of(names: Iterable[str], given: object = "") -> str:
@@ -19,8 +29,18 @@ def instead_of_discarded(name: str) -> str:
     return f"reduce macro_step, use [step_control], or raise components.{name}.retries"
 
 
-class RunError(Exception):
-    """A coupled run that cannot go on; what was computed before it is valid."""
+REPLACE: Words = ("replace it with ", Option("overwrite", True))
+
+
+def another(option: str = "out") -> Words:
+    """The remedy for an option whose value cannot be taken."""
+    return "choose another ", Option(option)
+
+
+def start_over(out: Path) -> Words:
+    """The remedy for a run in `out` that cannot go on."""
+    given = Option("out", out), Option("overwrite", True)
+    return "start over with ", Command("run", (out / "scenario.toml",), given)
 
 
 class ParticipantError(RunError):
@@ -41,7 +61,7 @@ class DiscardedStepError(RecoverableError):
     step's start where nothing has happened, or a time inside the step. None where it does not say.
     """
 
-    def __init__(self, message: str, reached: float | None = None) -> None:
+    def __init__(self, message: Words, reached: float | None = None) -> None:
         super().__init__(message)
         self.reached = reached
 
@@ -72,7 +92,7 @@ class EndedError(ParticipantError):
     `reached` is the time (s) that it has arrived at; its outputs are those of that time.
     """
 
-    def __init__(self, message: str, reached: float) -> None:
+    def __init__(self, message: Words, reached: float) -> None:
         super().__init__(message)
         self.reached = reached
 
@@ -89,10 +109,6 @@ class NonConvergenceError(RunError):
     """The iteration of a macro step did not reach its tolerance."""
 
 
-class MistakeError(ValueError):
-    """What was asked for cannot be done; nothing was run or written."""
-
-
 class CheckpointError(MistakeError):
     """What a run has left, from which it cannot go on."""
 
@@ -100,6 +116,6 @@ class CheckpointError(MistakeError):
 class IncompleteError(RunError):
     """A run that did not come to its end; `results` are those of what it recorded."""
 
-    def __init__(self, message: str, results: Mapping[str, float]) -> None:
+    def __init__(self, message: Words, results: Mapping[str, float]) -> None:
         super().__init__(message)
         self.results = results

@@ -15,6 +15,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
 from models.core.quantities import Vector
+from models.core.remedies import Words, in_command_line
 
 from .compilation import COMPILING, announce_compilation
 from .engine.step import Step
@@ -64,8 +65,8 @@ class Reporter:
         self.console = console or _Console(highlight=False, width=wide)
         self._compiled = False
 
-    def line(self, text: str) -> None:
-        self.console.print(Text(text), soft_wrap=True)
+    def line(self, text: Words) -> None:
+        self.console.print(Text(in_command_line(text)), soft_wrap=True)
 
     def keep_prints(self, path: Path) -> AbstractContextManager[None]:
         """For the block in which FMUs of others run: a command may put what they print into that file."""

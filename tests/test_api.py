@@ -16,7 +16,6 @@ import xarray
 
 import tribocosim
 from tribocosim.reporting import SilentReporter
-from tribocosim.wording import in_python
 
 from .orchestrator.commands import called
 
@@ -160,49 +159,12 @@ def test_a_figure_has_the_variables_and_names_those_that_there_are_not(result: t
             result.plot(wrong)
 
 
-@pytest.mark.parametrize(
-    ("message", "said"),
-    [
-        ("choose another folder with --out, or replace it with --overwrite",
-         "choose another folder with out, or replace it with overwrite=True"),
-        ("continue it with tribocosim resume a/b, or", "continue it with tribocosim.resume('a/b'), or"),
-        ("start over with tribocosim run a/b.toml --out a --overwrite",
-         "start over with tribocosim.run('a/b.toml', out='a', overwrite=True)"),
-        ("tribocosim run ... --overwrite", "tribocosim.run(..., overwrite=True)"),
-        ("instants: --set step_control.relative=1e-7", "instants: with_({'step_control.relative': 1e-7})"),
-        ("place, --set components.contact.component=ehl_contact",
-         "place, with_({'components.contact.component': 'ehl_contact'})"),
-        ("--from 2000 rpm: must be less than --to 1000 rpm", "low 2000 rpm: must be less than high 1000 rpm"),
-        ("its responses (--responses)", "its responses (responses=True)"),
-    ],
-)  # fmt: skip
-def test_messages_speak_of_arguments_instead_of_options(message: str, said: str) -> None:
-    assert in_python(message) == said
-    assert in_python(said) == said
-
-
-def test_every_call_speaks_python(result: tribocosim.Result, tmp_path: Path) -> None:
-    calls = {getattr(tribocosim, name) for name in tribocosim.__all__} - {tribocosim.scenarios}
-    assert [call for call in calls if not (isinstance(call, type) or hasattr(call, "__wrapped__"))] == []
-    assert result.folder is not None
-    for mistake, said in {
-        lambda: tribocosim.run("two-masses", result.folder): "or replace it with overwrite=True",
-        lambda: tribocosim.speeds("my-cam", "2000 rpm", "1000 rpm"): "low 2000 rpm (2000 rpm): must be less",
-        lambda: tribocosim.speeds("my-cam", second_film="wet"): "second_film wet: must be one of",
-        lambda: tribocosim.build_fmu("camshaft", tmp_path, fmi=3): "add native=True",
-        lambda: tribocosim.compare(tmp_path, tmp_path): f"tribocosim.speeds(SCENARIO, out='{tmp_path}')",
-        lambda: result.friction(wear_coefficient=-1.0): "wear_coefficient -1 m2/N: must be > 0",
-    }.items():
-        with pytest.raises(tribocosim.MistakeError, match=re.escape(said)):
-            mistake()
-
-
 def test_a_run_that_ended_is_not_resumed_but_opened(result: tribocosim.Result, tmp_path: Path) -> None:
     assert result.folder is not None
     assert tribocosim.resume(result.folder).summary == result.summary
     empty = tmp_path / "empty"  # with no neighbour to suggest
     empty.mkdir()
-    with pytest.raises(tribocosim.MistakeError, match=r"holds no run .*; make one with tribocosim run$"):
+    with pytest.raises(tribocosim.MistakeError, match=r"holds no run .*; make one with tribocosim\.run\(\)$"):
         tribocosim.resume(empty)
 
 

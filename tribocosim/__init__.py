@@ -42,7 +42,7 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, "errors"])
+    return sorted([*__all__, "__version__", "errors"])
 
 
 def __getattr__(name: str) -> Any:
@@ -51,6 +51,10 @@ def __getattr__(name: str) -> Any:
         import importlib
 
         return importlib.import_module(".errors", __name__)
+    if name == "__version__":
+        from importlib import metadata
+
+        return metadata.version("tribocosim")
     if name not in __all__:
         from orchestrator.errors import one_of
 

@@ -24,7 +24,6 @@ from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load, scenarios
 from .stepping import Session as session
 from .studies import analyse, cam, compare, speeds, study
-from .wording import in_python, speak_python
 
 if TYPE_CHECKING:
     import xarray
@@ -74,7 +73,7 @@ class Result:
     @property
     def notices(self) -> list[str]:
         """What the command prints of the scenario, the contacts, the steps and the FMUs, line by line."""
-        return [in_python(line) for line in self.summary.get("notices", [])]
+        return list(self.summary.get("notices", []))
 
     @property
     def errors(self) -> dict[str, float]:
@@ -89,9 +88,8 @@ class Result:
         """What limited the macro steps, and what would help, line by line, as the command `diagnose` has."""
         from orchestrator.assessment.diagnosis.report import diagnose
 
-        return [in_python(line) for line in diagnose(self.folder or self._kept).lines]
+        return list(diagnose(self.folder or self._kept).lines)
 
-    @speak_python()
     def friction(self, contact: str | None = None, *, wear_coefficient: float = 1e-17) -> xarray.Dataset:
         """Friction and wear of a contact under a cam over the last revolution, as the command `friction` has.
 
@@ -118,7 +116,6 @@ class Result:
         return draw(variables, self.coupled, self.reference)
 
 
-@speak_python()
 def run(
     scenario: Scenario | str | Path,
     out: str | Path | None = None,
@@ -142,7 +139,6 @@ def run(
     )
 
 
-@speak_python()
 def execute(
     plan: Plan, out: str | Path | None = None, *, overwrite: bool = False, progress: Progress | None = None
 ) -> Result:
@@ -172,7 +168,6 @@ def _open_complete(summary: Summary, folder: Path) -> Result:
     return open(folder)
 
 
-@speak_python()
 def resume(folder: str | Path, *, figures: bool = True, progress: Progress | None = None) -> Result:
     """Continue a run that was stopped, from its last checkpoint, with the same results.
 
@@ -184,7 +179,6 @@ def resume(folder: str | Path, *, figures: bool = True, progress: Progress | Non
     return _open_complete(summary, Path(folder))
 
 
-@speak_python()
 def report(folder: str | Path, path: str | Path | None = None) -> Path:
     """Write the page of a run or a sweep over speed anew, by default into its folder; its path."""
     from orchestrator.report import write_report
@@ -192,15 +186,10 @@ def report(folder: str | Path, path: str | Path | None = None) -> Path:
     return write_report(Path(folder), None if path is None else Path(path))
 
 
-@speak_python()
 def open(folder: str | Path) -> Result:
     """The result in the folder of a run, read into memory. MistakeError if there is none."""
     folder = Path(folder)
-    try:
-        file = find_result(folder)
-    except FileNotFoundError as error:
-        raise MistakeError(str(error)) from None
-    with open_result(file) as tree:
+    with open_result(find_result(folder)) as tree:
         groups = {name: node.to_dataset().load() for name, node in tree.children.items()}
     summary = json.loads((folder / "summary.json").read_text("utf-8"))
     return Result(groups["coupled"], groups.get("reference"), groups.get("steps"), summary, folder)

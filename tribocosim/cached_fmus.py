@@ -12,10 +12,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from models.compile.cache_folder import user_cache_directory
-from orchestrator.errors import MistakeError, RunError
+from orchestrator.errors import MistakeError, Option, RunError, Words
 from orchestrator.scenario import Scenario
 
 from .messages import say
+
+WITHOUT: Words = ("leave out ", Option("native"), " (participant = 'fmu')")
 
 
 def build_fmu(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
@@ -48,7 +50,7 @@ def _build_native_here(name: str, destination: Path | None, structure: Mapping[s
     try:
         return build(name, destination, structure, [this_platform()])
     except (NativeBuildError, TranslationError) as error:
-        raise MistakeError(f"building the native FMU {name}: {error}; or take it without --native") from None
+        raise MistakeError((f"building the native FMU {name}: ", error), WITHOUT) from None
 
 
 def check_native(scenario: Scenario) -> None:
@@ -64,13 +66,12 @@ def check_native(scenario: Scenario) -> None:
     try:
         check_tools()
     except NativeBuildError as error:
-        remedy = "or take them without --native (participant = 'fmu')"
-        raise MistakeError(f"components {', '.join(instances)}: {error}; {remedy}") from None
+        raise MistakeError((f"components {', '.join(instances)}: ", error), WITHOUT) from None
     for name, component in instances.items():
         try:
             check_component(component)
         except TranslationError as error:
-            raise MistakeError(f"components.{name}.component = {error} (participant = 'fmu')") from None
+            raise MistakeError((f"components.{name}.component = ", error), WITHOUT) from None
 
 
 def _build_without_cache(

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from models.core.system import suggestion
-from orchestrator.errors import MistakeError
-
-from .wording import speak_python
+from orchestrator.errors import MistakeError, Option
+from orchestrator.store.output_folder import writing
 
 if TYPE_CHECKING:
     from fmus.fmi.validate import Findings, FmuInfo
     from fmus.reference_results.compare import Comparison
+
+
+NATIVE = Option("native", True)
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,6 @@ class FmuOptions:
     libpython: str | None = None
 
 
-@speak_python()
 def build_fmu(
     component: str,
     out: str | Path = ".",
@@ -54,19 +54,13 @@ def build_fmu(
     return build_file(component, Path(out), options)
 
 
-@speak_python()
 def fmu_info(file: str | Path) -> FmuInfo:
     """What an FMU is, what it can, and its variables; printed it is what the command `fmu info` shows."""
-    from fmus.fmi.archive import FmuFileError
     from fmus.fmi.validate import info
 
-    try:
-        return info(Path(file))
-    except FmuFileError as error:
-        raise MistakeError(str(error)) from None
+    return info(Path(file))
 
 
-@speak_python()
 def validate_fmu(file: str | Path) -> Findings:
     """What keeps an FMU from running here (`faults`), and what else departs from the standard (`remarks`).
 
@@ -77,7 +71,6 @@ def validate_fmu(file: str | Path) -> Findings:
     return inspect(Path(file))
 
 
-@speak_python()
 def compare_fmu(file: str | Path, tolerance: float | None = None) -> list[Comparison]:
     """Run an FMU in this process and compare it with its reference results, inside the file or beside it.
 
@@ -85,12 +78,8 @@ def compare_fmu(file: str | Path, tolerance: float | None = None) -> list[Compar
     the .opt file). MistakeError if there is no reference or it does not run.
     """
     from fmus.reference_results.compare import compare
-    from fmus.reference_results.files import ComparisonError
 
-    try:
-        return compare(Path(file), tolerance)
-    except ComparisonError as error:
-        raise MistakeError(str(error)) from None
+    return compare(Path(file), tolerance)
 
 
 def check_options(names: Sequence[str] | None, options: FmuOptions) -> Sequence[str]:
@@ -102,25 +91,25 @@ def check_options(names: Sequence[str] | None, options: FmuOptions) -> Sequence[
 
     sizes = options.structure or {}
     if sizes and len(names or NAMES) > 1:
-        raise MistakeError("--structure: name the one component that has these sizes")
+        raise MistakeError((Option("structure"), ": name the one component that has these sizes"))
     if options.platforms and not options.native:
-        raise MistakeError(
-            "--platform: FMUs that run in Python are one file for Linux and Windows alike; add --native to "
-            "choose"
-        )
+        python = ": FMUs that run in Python are one file for Linux and Windows alike"
+        raise MistakeError((Option("platform"), python), ("add ", NATIVE, " to choose"))
     if options.fmi not in (2, 3):
-        raise MistakeError(f"--fmi {options.fmi}: must be 2 or 3")
+        raise MistakeError((Option("fmi", options.fmi), ": must be 2 or 3"))
     if options.fmi == 3 and not options.native:
-        raise MistakeError("--fmi 3: FMUs that run in Python are of FMI 2.0 only; add --native")
+        raise MistakeError(
+            (Option("fmi", 3), ": FMUs that run in Python are of FMI 2.0 only"), ("add ", NATIVE)
+        )
     if options.libpython and options.native:
-        raise MistakeError("--libpython: native FMUs need no Python; leave one of them out")
+        raise MistakeError((Option("libpython"), ": native FMUs need no Python"), "leave one of them out")
     for name in names or NAMES:
         if name not in NAMES and not is_own(name):
             raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)} (or your own as module:factory)")
         try:
             build_component(name, tuple(sizes.items()))
         except ValueError as error:
-            raise MistakeError(f"--structure: {error}" if sizes else str(error)) from None
+            raise MistakeError((Option("structure"), f": {error}") if sizes else str(error)) from None
     return names or (NATIVE_NAMES if options.native else NAMES)
 
 
@@ -131,19 +120,10 @@ def build_file(
 
     `progress` is told of each step of a native build.
     """
-    with report_unwritable(out):
+    with writing(out):
         if options.native:
             return _build_native(name, out, options, progress)
         return _build_python(name, out, options)
-
-
-@contextmanager
-def report_unwritable(out: Path) -> Iterator[None]:
-    """MistakeError if the folder cannot be written."""
-    try:
-        yield
-    except OSError as error:
-        raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
 
 
 def _build_python(name: str, out: Path, options: FmuOptions) -> Path:
@@ -152,13 +132,12 @@ def _build_python(name: str, out: Path, options: FmuOptions) -> Path:
     try:
         return build(name, out, options.structure, options.libpython)
     except (ImportError, ValueError) as error:
-        raise MistakeError(f"--libpython: {error}" if options.libpython else str(error)) from None
+        raise MistakeError((Option("libpython"), f": {error}") if options.libpython else str(error)) from None
 
 
 def _build_native(name: str, out: Path, options: FmuOptions, progress: Callable[[str], None]) -> Path:
     from fmus.native.fmu import build
-    from fmus.native.machine_code import PLATFORMS, NativeBuildError
-    from fmus.native.translate import TranslationError
+    from fmus.native.machine_code import PLATFORMS
 
     for platform in options.platforms or ():
         if platform not in PLATFORMS:
@@ -167,5 +146,5 @@ def _build_native(name: str, out: Path, options: FmuOptions, progress: Callable[
         return build(
             name, out, options.structure, tuple(options.platforms or PLATFORMS), options.fmi, progress
         )
-    except (ImportError, NativeBuildError, TranslationError) as error:
+    except ImportError as error:
         raise MistakeError(str(error)) from None

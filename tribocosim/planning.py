@@ -9,10 +9,8 @@ from orchestrator.run.plan import Plan, make_plan
 from .cached_fmus import build_fmu, check_native
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load
-from .wording import speak_python
 
 
-@speak_python()
 def plan(scenario: Scenario | str | Path, *, figures: bool = False, progress: Progress | None = None) -> Plan:
     """Resolve a scenario: check it, build its FMUs and find its start values.
 

@@ -13,8 +13,6 @@ from orchestrator.errors import MistakeError
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import find, list_shipped, put, read_contents, resolve_paths
 
-from .wording import speak_python
-
 if TYPE_CHECKING:
     from orchestrator.scenario import Scenario as CheckedScenario
 
@@ -68,7 +66,6 @@ def scenarios() -> dict[str, str]:
     return {name: tomllib.loads(path.read_text("utf-8")).get("description", "") for name, path in shipped}
 
 
-@speak_python()
 def load(source: str | Path | Mapping[str, Any]) -> Scenario:
     """A shipped scenario by its name, a .toml or .ssp file, or tables. MistakeError for a fault."""
     if isinstance(source, Mapping):

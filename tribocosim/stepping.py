@@ -19,7 +19,6 @@ from orchestrator.scenario.units import UnitError, to_unit
 
 from .planning import plan
 from .scenario import Scenario
-from .wording import speak_python
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,6 @@ class Session:
     The steps are those of the run, to the bit. RunError where one cannot be made.
     """
 
-    @speak_python()
     def __init__(self, scenario: Scenario | Plan | str | Path) -> None:
         found = scenario if isinstance(scenario, Plan) else plan(scenario)
         self._system, self._outputs = found.system, found.system.outputs

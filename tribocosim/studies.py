@@ -16,13 +16,11 @@ from .cached_fmus import build_fmu
 from .packages import check_study_packages
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load
-from .wording import speak_python
 
 if TYPE_CHECKING:
     import xarray
 
 
-@speak_python()
 def analyse(
     subject: Scenario | str | Path,
     settings: Mapping[str, Any] | None = None,
@@ -49,7 +47,6 @@ def analyse(
     return build_dataset(survey_scenario(checked, instants, SilentReporter(progress), build_fmu, responses))
 
 
-@speak_python()
 def cam(
     source: str | Path,
     settings: Mapping[str, Any] | None = None,
@@ -73,7 +70,6 @@ def cam(
     return evaluate(analysis, given, Path(out), overwrite, SilentReporter())
 
 
-@speak_python()
 def compare(first: str | Path, second: str | Path, figure: str | Path | None = None) -> dict[str, Any]:
     """Two designs side by side, from the folders of their sweeps over speed, as the command `compare` does.
 
@@ -87,7 +83,6 @@ def compare(first: str | Path, second: str | Path, figure: str | Path | None = N
     return compare_sweeps(Path(first), Path(second), file, SilentReporter())
 
 
-@speak_python()
 def speeds(
     scenario: Scenario | str | Path,
     low: str = "500 rpm",
@@ -127,7 +122,6 @@ def speeds(
     return found.table.assign_attrs(attributes)
 
 
-@speak_python()
 def study(
     tables: Mapping[str, Any] | str | Path,
     scenario: Scenario | None = None,

@@ -12,13 +12,15 @@ from collections.abc import Mapping
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from xml.etree import ElementTree
 
+from models.core.errors import MistakeError
+
 DESCRIPTION = "modelDescription.xml"
 
 # More than any FMU here has by a factor of a hundred; a compressed bomb is refused before it is unpacked.
 MAXIMUM_UNPACKED_BYTES = 2_000_000_000
 
 
-class FmuFileError(ValueError):
+class FmuFileError(MistakeError):
     """The file is not an FMU that can be read; the message says why in one line."""
 
 

@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from models.core.errors import MistakeError
+
 ELF, PE, MACH_O = "ELF", "PE", "Mach-O"
 # Processors as FMI 3.0 calls them, by the number in the header.
 _OF_ELF = {3: "x86", 40: "aarch32", 62: "x86_64", 183: "aarch64", 243: "riscv64"}
@@ -19,7 +21,7 @@ _OF_PE = {0x14C: "x86", 0x1C4: "aarch32", 0x8664: "x86_64", 0xAA64: "aarch64"}
 _OF_MACH_O = {7: "x86", 12: "aarch32", 0x01000007: "x86_64", 0x0100000C: "aarch64"}
 
 
-class LibraryError(ValueError):
+class LibraryError(MistakeError):
     """The content is no whole shared library; the message says why, without the file's name."""
 
 

@@ -13,13 +13,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from models.core.errors import RunError
+
 Values = NDArray[np.float64]
 
 # Event iterations after which an FMU is taken to be stuck.
 MOST_ITERATIONS = 1000
 
 
-class EventError(RuntimeError):
+class EventError(RunError):
     """The FMU ends the simulation in an event, or its event does not settle; the message lacks its name."""
 
 

@@ -14,6 +14,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence, Set
 from typing import Any
 
+from models.core.errors import MistakeError
+
 from .rules import RULES, ZERO, Code
 
 # Instructions that have no tangent: of whole numbers, comparisons, jumps.
@@ -27,7 +29,7 @@ _KERNEL, _TANGENT = "kernel_", "tangent_"
 _IGNORED = ("@llvm.lifetime", "@llvm.assume", "@llvm.experimental.noalias")
 
 
-class DifferentiationError(ValueError):
+class DifferentiationError(MistakeError):
     """An instruction whose derivative is not known; the message shows it."""
 
 

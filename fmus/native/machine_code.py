@@ -17,6 +17,8 @@ from typing import Any
 
 import fmpy
 
+from models.core.errors import MistakeError
+
 from .differentiate import llvm
 from .translate import MATHEMATICS
 
@@ -87,7 +89,7 @@ _UCRT = {
 }
 
 
-class NativeBuildError(RuntimeError):
+class NativeBuildError(MistakeError):
     """The tools that make machine code are missing or failed; the message says which and why."""
 
 

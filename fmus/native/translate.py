@@ -17,6 +17,7 @@ from typing import Any
 
 from fmus.fmi.archive import compute_digest
 from models.compile.cache_folder import private_folder
+from models.core.errors import MistakeError
 
 # Of the C library; LLVM's intrinsics become calls of the same.
 _FUNCTIONS = """
@@ -38,7 +39,7 @@ _PLAIN_PROCESSOR = {
 }
 
 
-class TranslationError(ValueError):
+class TranslationError(MistakeError):
     """A kernel does what machine code without Python cannot; the message says what."""
 
 

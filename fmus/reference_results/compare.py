@@ -17,6 +17,7 @@ from fmpy.model_description import ModelDescription, read_model_description
 from numpy.typing import NDArray
 
 from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, open_archive
+from models.core.remedies import Option
 from models.monolithic.reference import SHARPEST
 
 from .exchange import integrate
@@ -109,7 +110,7 @@ def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
         own = any(name.endswith("_ref.csv") for name in files)
         related = "" if own else find_results(files)
     except ComparisonError as error:
-        raise ComparisonError(f"{path}: {error}") from None
+        raise ComparisonError((f"{path}: ", error)) from None
     # A manifest does not say for which way of running the result is: it is what the FMU itself does.
     kinds = _kinds(path, described)[:1] if related else _kinds(path, described)
     for kind in kinds:
@@ -118,10 +119,12 @@ def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
             _check_variables(described, reference)
             allowed = tolerance or reference.options.tolerance
             if allowed == 0.0:
-                raise ComparisonError("RelTol = 0 in the .opt file says nothing; give --tolerance")
+                raise ComparisonError(
+                    "RelTol = 0 in the .opt file says nothing", ("give ", Option("tolerance"))
+                )
             result = _simulate(path, described, kind, reference, allowed)
         except ComparisonError as error:
-            raise ComparisonError(f"{path}: {error}") from None
+            raise ComparisonError((f"{path}: ", error)) from None
         deviations = _deviations(described, reference.results, result)
         found.append(Comparison(kind, reference.options, place, allowed, deviations))
     return found

@@ -13,12 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from models.core.errors import MistakeError
 from models.core.quantities import Vector
 
 REQUIRED = ("StartTime", "StopTime", "StepSize", "RelTol")
 
 
-class ComparisonError(ValueError):
+class ComparisonError(MistakeError):
     """A file that is not as the rules say; the message names it and what is wrong."""
 
 

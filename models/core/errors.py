@@ -1,7 +1,17 @@
-"""What is raised where a model cannot be built or evaluated."""
+"""The one family of errors: each is a mistake of the user, or the failure of a run."""
 
 from __future__ import annotations
 
+from .remedies import ExplainedError
 
-class ModelError(ValueError):
-    """A system that cannot be built or evaluated; the message names the thing and the remedy."""
+
+class MistakeError(ExplainedError, ValueError):
+    """What was asked for cannot be done; nothing was run or written."""
+
+
+class ModelError(MistakeError):
+    """A system that cannot be built or evaluated."""
+
+
+class RunError(ExplainedError):
+    """A run that cannot go on; what was computed before it is valid."""

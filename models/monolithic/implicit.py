@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.component import Component
+from ..core.errors import RunError
 from ..core.evaluation import Evaluation
 from ..core.implicit import ImplicitSteps
 from ..core.integrator import FAILURES, OK
@@ -55,7 +56,7 @@ class Field:
     work: Vector
 
 
-class NotSolvedError(Exception):
+class NotSolvedError(RunError):
     """A stage without a solution; the message says of what."""
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from models.core.system import suggestion
 from models.valve_train.cams.rises import RISES
 
-from ..errors import MistakeError, one_of
+from ..errors import MistakeError, Option, one_of
 from ..scenario.component_table import ComponentTable
 from ..scenario.files import find, list_shipped, load, read_contents
 from ..scenario.values import to_value
@@ -24,7 +24,7 @@ def find_settings(source: str, component: str | None = None) -> dict[str, Any]:
     if source in list_shipped() or kind in (".toml", ".ssp"):
         return _read_scenario(source, component)
     if component is not None:
-        raise MistakeError(f"--component {component}: {source} is no scenario; leave it out")
+        raise MistakeError((Option("component", component), f": {source} is no scenario"), "leave it out")
     if source in RISES:
         return {"law": source}
     if not kind:
@@ -40,10 +40,12 @@ def _read_scenario(source: str, component: str | None) -> dict[str, Any]:
     if not cams:
         raise MistakeError(f"{source}: no component has a cam; give a lift table, or another scenario")
     if component is None and len(cams) > 1:
-        raise MistakeError(f"{source}: has the cams {', '.join(cams)}; choose one with --component")
+        raise MistakeError(
+            f"{source}: has the cams {', '.join(cams)}", ("choose one with ", Option("component"))
+        )
     name = component or next(iter(cams))
     if name not in cams:
-        raise MistakeError(f"--component {name}: {one_of(cams, name)}")
+        raise MistakeError((Option("component", name), f": {one_of(cams, name)}"))
     values = _list_values(cams[name])
     follower = _name_follower(values)
     wanted = {*list_law_parameters(), *TABLE_EVENT, *FIELDS[follower]}

@@ -15,11 +15,11 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from ..errors import MistakeError
+from ..errors import REPLACE, MistakeError, Option, another
 from ..reporter import Reporter
 from ..scenario.units import to_unit
 from ..scenario.values import Value
-from ..store.output_folder import OutputFolderError
+from ..store.output_folder import OutputFolderError, writing
 from . import Analysis, Result, list_analyses, load
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def parse_setting(text: str) -> tuple[str, Any]:
     """Parameter and value of "parameter=value"."""
     name, equals, written = (part.strip() for part in text.partition("="))
     if not (name and equals and written):
-        raise MistakeError(f"--set {text}: must be parameter=value, e.g. damping=0.05")
+        raise MistakeError((Option("set"), f" {text}: must be parameter=value, e.g. damping=0.05"))
     try:
         return name, tomllib.loads(f"value = {written}")["value"]
     except tomllib.TOMLDecodeError:
@@ -92,13 +92,10 @@ def compute_table(analysis: Analysis, values: Mapping[str, Value]) -> xarray.Dat
 def find_results(folder: Path, name: str, overwrite: bool) -> list[Path]:
     """Files of this analysis in the folder; OutputFolderError if there are some, unless `overwrite`."""
     if folder.exists() and not folder.is_dir():
-        raise OutputFolderError(f"{folder}: is a file; choose a folder with --out")
+        raise OutputFolderError(f"{folder}: is a file", another())
     held = [path for path in (folder / f"{name}.{ending}" for ending in ENDINGS) if path.exists()]
     if held and not overwrite:
-        raise OutputFolderError(
-            f"{folder}: already holds a result ({held[0].name}); choose another folder with --out, "
-            "or replace it with --overwrite"
-        )
+        raise OutputFolderError(f"{folder}: already holds a result ({held[0].name})", another(), REPLACE)
     return held
 
 
@@ -106,14 +103,10 @@ def find_results(folder: Path, name: str, overwrite: bool) -> list[Path]:
 def create_folder(folder: Path) -> Iterator[None]:
     """Create the folder if it is missing; after an error, remove it if it is new and empty."""
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
-    try:
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         if not os.access(folder, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-    except OSError as error:
-        raise OutputFolderError(
-            f"{folder}: cannot be written ({error.strerror}); choose another --out"
-        ) from None
     try:
         yield
     except BaseException:

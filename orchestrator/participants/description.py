@@ -18,6 +18,7 @@ from fmpy import read_model_description
 
 from fmus.fmi.origin import is_built_here
 
+from ..errors import MistakeError
 from . import description1, description3
 from .description3 import STRUCTURAL, EventMode, resize
 
@@ -187,7 +188,7 @@ def _is_made_here(path: Path, changed: int, size: int) -> bool:
     return is_built_here(path)
 
 
-class DescriptionError(ValueError):
+class DescriptionError(MistakeError):
     """The file is no usable FMU; the message lacks the file's name."""
 
 

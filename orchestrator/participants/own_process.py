@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .. import errors
-from ..errors import DiscardedStepError, EndedError, LostParticipantError, ParticipantError
+from ..errors import Command, DiscardedStepError, EndedError, LostParticipantError, ParticipantError, Words
 from .messages import CALL, FAILED, receive, send
 from .opened_fmu import FmuSettings
 from .unpacked import UnpackedFolder
@@ -99,18 +99,17 @@ class OwnProcess:
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(PATIENCE_S)
         if self._stepped:
-            remedy = "look at the FMU, its inputs and parameters; what was recorded before is kept"
+            remedy: Words = "look at the FMU, its inputs and parameters; what was recorded before is kept"
         elif self._made:
             remedy = "look at the FMU, its inputs and parameters"
         else:
-            remedy = (
-                f"{self._path} may be damaged, or lack what it needs on this machine (tribocosim fmu "
-                "validate looks at its library); give another file"
-            )
-        if self._memory_mb is not None:
-            remedy += f"; its memory is limited to {self._memory_mb} MB (memory_limit_mb)"
+            what = f"{self._path} may be damaged, or lack what it needs on this machine ("
+            look = Command("fmu validate", (self._path,))
+            remedy = what, look, " looks at its library); give another file"
+        limit = self._memory_mb and f"; its memory is limited to {self._memory_mb} MB (memory_limit_mb)"
         how = _describe_end(self._process.returncode)
-        raise LostParticipantError(f"{self.name}: its process ended {how} in the {self._doing}; {remedy}")
+        fault = f"{self.name}: its process ended {how} in the {self._doing}"
+        raise LostParticipantError(fault, (remedy, limit or ""))
 
     def warnings(self) -> tuple[int, str]:
         """As `FmuParticipant`; none from a process that has ended."""

@@ -13,7 +13,7 @@ from typing import Any
 
 from models.core.system import System
 
-from ..errors import RunError
+from ..errors import Command, RunError
 from ..store.result_file import ResultFile
 from .data import FigureData
 
@@ -54,7 +54,7 @@ def draw_all(figures: Mapping[str, Callable[[], Any]], folder: Path) -> list[Pat
             raise
         except Exception as error:
             raise RunError(
-                f"figure {name}: unexpected {type(error).__name__}: {error}; "
-                "once it is mended, tribocosim resume draws the figures of this run"
+                f"figure {name}: unexpected {type(error).__name__}: {error}",
+                ("once it is mended, ", Command("resume"), " draws the figures of this run"),
             ) from error
     return paths

@@ -13,7 +13,6 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ..errors import MistakeError
 from ..store.result_file import PROFILES, find_result
 
 
@@ -52,12 +51,8 @@ class Records:
 @contextmanager
 def open_records(folder: Path) -> Iterator[Records]:
     """The result of the run in `folder`; MistakeError if there is none."""
-    try:
-        path = find_result(folder)
-    except FileNotFoundError as error:
-        raise MistakeError(str(error)) from None
     # A dataset of h5py opens ten times as fast as a variable of h5netcdf, which looks for its dimensions.
-    with h5py.File(path, "r") as file:
+    with h5py.File(find_result(folder), "r") as file:
         groups = {
             name: Group({key.replace("\N{DIVISION SLASH}", "/"): stored for key, stored in group.items()})
             for name, group in file.items()

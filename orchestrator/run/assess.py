@@ -12,7 +12,7 @@ from models.core.system import System
 
 from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Diagnosis, Facts, diagnose_steps, read_written_steps, suggestions
-from ..errors import RunError
+from ..errors import RunError, Set, Words, join
 from ..reporter import Reporter
 from ..store.result_file import ResultFile
 from .comparison import Errors, compare, largest_uncertainty, verdict
@@ -44,7 +44,7 @@ class Report:
     rejected_steps: int = 0
     suggestions: Sequence[str] = field(default_factory=list)
     errors: Errors = field(default_factory=dict)
-    verdict: str = "not compared"
+    verdict: Words = "not compared"
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
     reference_method: str = MONOLITHIC
@@ -102,7 +102,7 @@ def _compare(
     except RunError as failure:
         return replace(
             report,
-            verdict=f"not compared: the reference failed: {failure}",
+            verdict=join("not compared: the reference failed: ", failure),
             ending=Ending(True, False, "complete", NOT_COMPARED),
         )
     quantities = plan.quantities
@@ -129,7 +129,7 @@ def _compare(
         report,
         ending=Ending(True, False, "complete", WITHIN if within else OUTSIDE),
         errors=errors,
-        verdict=text + advice + solution.doubts,
+        verdict=join(text, advice, solution.doubts),
         reference_time_s=solution.wall_time_s,
         reference_uncertainty=largest_uncertainty(errors),
         reference_method=solution.method,
@@ -167,14 +167,15 @@ def _hear_witness(
         return hear_witness(plan.system, solution.reference, coupled)
 
 
-def _advise_on_events(plan: Plan, contacts: ContactSummaries) -> str:
+def _advise_on_events(plan: Plan, contacts: ContactSummaries) -> Words:
     """What helps where contacts are made and lost between steps of equal length; empty if none is."""
     opened = [name for name, contact in contacts.items() if contact.separation]
     if not plan.fixed_steps or not opened:
         return ""
     return (
         f"; {', '.join(opened)}: opens and closes between steps of equal length, step control locates "
-        "these instants: --set step_control.relative=1e-7"
+        "these instants: ",
+        Set("step_control.relative", 1e-7),
     )
 
 

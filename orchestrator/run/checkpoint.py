@@ -20,7 +20,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from models.core.quantities import Vector
 
-from ..errors import CannotSerializeError, CheckpointError, MistakeError
+from ..errors import CannotSerializeError, CheckpointError, Command, MistakeError, Option, start_over
 from ..participants import Participant
 from ..store.atomic_write import replace
 from ..store.json_codec import Plain, from_text, to_text
@@ -50,25 +50,25 @@ class Identity:
         """CheckpointError unless `found`, of the checkpoint in `out`, is the same."""
         if found.scenario != self.scenario:
             raise CheckpointError(
-                f"{out / 'scenario.toml'}: is not what the run was begun with; undo the change, or "
-                f"{_over(out)}"
+                f"{out / 'scenario.toml'}: is not what the run was begun with",
+                "undo the change",
+                start_over(out),
             )
         for name, own in self.versions.items():
             if (theirs := found.versions.get(name)) != own:
                 raise CheckpointError(
-                    f"{out}: the run was begun with {name} {theirs}, this is {own}; install that version, or "
-                    f"{_over(out)}"
+                    f"{out}: the run was begun with {name} {theirs}, this is {own}",
+                    "install that version",
+                    start_over(out),
                 )
         for name, own in self.fmus.items():
             if (theirs := found.fmus.get(name)) != own:
                 raise CheckpointError(
                     f"components.{name}.participant: the FMU is not the one that the run was begun with "
-                    f"(SHA-256 {own[:16]}..., was {str(theirs)[:16]}...); give it that file, or {_over(out)}"
+                    f"(SHA-256 {own[:16]}..., was {str(theirs)[:16]}...)",
+                    "give it that file",
+                    start_over(out),
                 )
-
-
-def _over(out: Path) -> str:
-    return f"start over with tribocosim run {out / 'scenario.toml'} --out {out} --overwrite"
 
 
 def write(path: Path, identity: Identity, state: Plain) -> None:
@@ -87,14 +87,14 @@ def read(path: Path) -> tuple[Identity, Plain]:
         raise CheckpointError(f"{path}: cannot be read ({error.strerror})") from None
     known, _, digest = line.decode("ascii", "replace").rpartition(" ")
     if known != FORMAT:
-        raise CheckpointError(f"{path}: is not a checkpoint of this version; {_over(out)}")
+        raise CheckpointError(f"{path}: is not a checkpoint of this version", start_over(out))
     if hashlib.sha256(text).hexdigest() != digest:
-        raise CheckpointError(f"{path}: the checkpoint is damaged; {_over(out)}")
+        raise CheckpointError(f"{path}: the checkpoint is damaged", start_over(out))
     try:
         content = from_text(text.decode("ascii"))
         return Identity(**content["identity"]), content["state"]
     except (ValueError, KeyError, TypeError) as error:
-        raise CheckpointError(f"{path}: is not a checkpoint of a run ({error}); {_over(out)}") from None
+        raise CheckpointError(f"{path}: is not a checkpoint of a run ({error})", start_over(out)) from None
 
 
 @contextlib.contextmanager
@@ -105,10 +105,8 @@ def fitting() -> Iterator[None]:
     except (KeyError, ValueError, TypeError, StopIteration) as error:
         if isinstance(error, MistakeError):
             raise
-        raise CheckpointError(
-            f"the checkpoint does not fit this run ({error!r}); start it over with tribocosim run ... "
-            "--overwrite"
-        ) from None
+        remedy = "start it over with ", Command("run", (...,), (Option("overwrite", True),))
+        raise CheckpointError(f"the checkpoint does not fit this run ({error!r})", remedy) from None
 
 
 def serialise_participants(participants: Mapping[str, Participant]) -> dict[str, bytes]:

@@ -15,7 +15,16 @@ from ..compilation import PREPARING, announce_compilation
 from ..engine.energy import Ledger, Trimmed
 from ..engine.observer import Observer
 from ..engine.step import Step
-from ..errors import MistakeError, ParticipantError, RefusedError, RunError, StalledError
+from ..errors import (
+    Command,
+    MistakeError,
+    ParticipantError,
+    RefusedError,
+    RunError,
+    StalledError,
+    Words,
+    in_command_line,
+)
 from ..participants import GivesWarnings, Participant
 from ..reporter import Reporter
 from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
@@ -54,9 +63,9 @@ def execute(
     try:
         statistics = _couple(plan, folder, reporter, observation, identity, checkpoint)
     except ENDS as error:
-        refused = isinstance(error, ParticipantError) and not isinstance(error, StalledError)
-        if refused and observation.counter.steps < 0:
-            raise RefusedError(str(error)) from None
+        refused = observation.counter.steps < 0 and not isinstance(error, StalledError)
+        if refused and isinstance(error, ParticipantError):
+            raise RefusedError(error) from None
         return observation.record(classify_ending(error, folder.path), None)
     return observation.record(Ending(complete=True), statistics)
 
@@ -152,12 +161,13 @@ def _report_exit(plan: Plan, folder: OutputFolder, observation: _Observation) ->
     after = "before the first step" if last is None else f"after t = {last:.9g} s"
     who = names[0] if len(names) == 1 else f"one of {', '.join(names)}"
     apart = " and ".join(f"components.{name}.process = 'own'" for name in names)
-    message = (
+    message: Words = (
         f"incomplete: {who}: the FMU ended the process of the whole command by calling exit, {after}; "
-        f"set {apart}, which keeps it apart; tribocosim resume {format_path(folder.path)} makes the result "
-        "of what was recorded"
+        f"set {apart}, which keeps it apart; ",
+        Command("resume", (format_path(folder.path),)),
+        " makes the result of what was recorded",
     )
-    print(f"tribocosim: {message}", file=sys.stderr)
+    print(f"tribocosim: {in_command_line(message)}", file=sys.stderr)
     with suppress(OSError):
         record = Record(contacts=observation.contacts.summaries())
         summarise(plan, Ending(message=message), record).write(folder.path / SUMMARY)

@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from ..errors import RefusedError
+from ..errors import RefusedError, join
 from ..reporter import Reporter
 from ..scenario import Scenario, ScenarioError
 from ..scenario.system import Builder
@@ -57,9 +57,9 @@ def run_plan(
         except RefusedError as error:  # a mistake in the scenario or a given file
             kept = _tell_of_backup(folder)
             folder.discard()
-            raise ScenarioError(f"{error}{kept}") from None
+            raise ScenarioError((error, kept)) from None
         if folder.backup.exists:
-            message = record.ending.message + _tell_of_backup(folder)
+            message = join(record.ending.message, _tell_of_backup(folder))
             return summarise(plan, replace(record.ending, message=message, resumable=False), record)
         return conclude(plan, record, folder, reporter, start)
 

@@ -13,7 +13,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from ..errors import MistakeError
+from ..errors import Command, MistakeError, Words, in_command_line, join, start_over
 from ..reporter import Reporter
 from ..store.atomic_write import NO_ROOM, naming
 from ..store.csv_file import write_csv, write_units
@@ -67,7 +67,7 @@ def _describe(plan: Plan) -> dict[str, str]:
 
 def finish_result(plan: Plan, ending: Ending, result: ResultFile, reporter: Reporter) -> None:
     """State how the run ended, and draw the figures."""
-    result.finish(ending.complete, ending.message)
+    result.finish(ending.complete, in_command_line(ending.message))
     if not plan.figures or ending.exit_status == INTERRUPTED or result.length("coupled") < 2:
         return
     from .. import plots
@@ -82,18 +82,19 @@ def finish_result(plan: Plan, ending: Ending, result: ResultFile, reporter: Repo
 
 def settle_ending(ending: Ending, folder: OutputFolder) -> Ending:
     """The ending, with the remedy for a full disk; resumable only from a checkpoint."""
-    if ending.message.endswith(NO_ROOM):
-        ending = replace(ending, message=f"{ending.message}; {_advise_on_full_disk(folder)}")
+    if in_command_line(ending.message).endswith(NO_ROOM):
+        ending = replace(ending, message=join(ending.message, "; ", _advise_on_full_disk(folder)))
     return replace(ending, resumable=ending.resumable and folder.checkpoint.exists())
 
 
-def _advise_on_full_disk(folder: OutputFolder) -> str:
+def _advise_on_full_disk(folder: OutputFolder) -> Words:
     out = format_path(folder.path)
+    resume = "free some space, then ", Command("resume", (out,))
     if folder.checkpoint.exists():
-        return f"free some space, then tribocosim resume {out} goes on from the last checkpoint"
+        return *resume, " goes on from the last checkpoint"
     if (folder.path / RESULT).exists():
-        return "there is no checkpoint to go on from; free some space and run it anew with --overwrite"
-    return f"free some space, then tribocosim resume {out} makes the result of what was recorded"
+        return "there is no checkpoint to go on from; free some space and ", start_over(out)
+    return *resume, " makes the result of what was recorded"
 
 
 def publish(summary: Summary, folder: OutputFolder, reporter: Reporter) -> Summary:
@@ -107,7 +108,7 @@ def publish(summary: Summary, folder: OutputFolder, reporter: Reporter) -> Summa
     except OSError as error:
         if not summary.complete:
             return summary
-        message = f"incomplete: {error.filename}: {error.strerror}; {_advise_on_full_disk(folder)}"
+        message = join(f"incomplete: {error.filename}: {error.strerror}; ", _advise_on_full_disk(folder))
         return replace(summary, complete=False, exit_status=FAILED, message=message)
     if not summary.resumable and (folder.path / RESULT).exists():
         clear_run_state(folder.unfinished)
@@ -124,10 +125,10 @@ def _write_report(folder: Path, reporter: Reporter) -> None:
         try:
             write_report(folder)
         except MistakeError as error:
-            reporter.line(str(error))
+            reporter.line(error)
         except Exception as error:  # the run itself is complete, and all of its numbers are written
-            again = f"tribocosim report {format_path(folder)} makes it anew"
-            reporter.line(f"no report: unexpected {type(error).__name__}: {error}; {again}")
+            what = f"no report: unexpected {type(error).__name__}: {error}; "
+            reporter.line((what, Command("report", (format_path(folder),)), " makes it anew"))
 
 
 def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:
@@ -140,7 +141,7 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
         _print_details(summary, out, written_files, reporter)
     if not summary.complete:
         return
-    for line in (f"{summary.scenario}: {summary.verdict}", summary.largest_error):
+    for line in ((f"{summary.scenario}: ", summary.verdict), summary.largest_error):
         if line:
             reporter.line(line)
     report = out / REPORT

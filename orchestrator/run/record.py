@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from models.core.system import ModelError
+from models.core.remedies import ExplainedError, Words, join
 
 from ..assessment.contacts import ContactSummaries
 from ..engine.energy.account import Account
@@ -16,7 +16,7 @@ from ..errors import CheckpointError, RefusedError, RunError
 WITHIN, OUTSIDE, MISTAKE, FAILED, NOT_COMPARED, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 # The errors that end a run early and leave a result; all others are faults of the program.
-ENDS = (KeyboardInterrupt, OSError, RunError, ModelError, ValueError, ArithmeticError)
+ENDS = (KeyboardInterrupt, OSError, RunError, ValueError, ArithmeticError)
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Ending:
 
     complete: bool = False
     resumable: bool = True  # `tribocosim resume` can continue it
-    message: str = "the run was not finished"
+    message: Words = "the run was not finished"
     exit_status: int = FAILED
 
 
@@ -37,7 +37,8 @@ def classify_ending(error: BaseException, out: Path) -> Ending:
         return Ending(message="incomplete: interrupted", exit_status=INTERRUPTED)
     if isinstance(error, OSError):
         return Ending(message=f"incomplete: {error.filename or out}: {error.strerror or error}")
-    return Ending(resumable=False, message=f"incomplete: {error}")  # it would fail again
+    shown = error if isinstance(error, ExplainedError) else str(error)
+    return Ending(resumable=False, message=join("incomplete: ", shown))  # it would fail again
 
 
 @dataclass(frozen=True)

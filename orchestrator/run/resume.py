@@ -7,7 +7,7 @@ import time as clock
 from pathlib import Path
 from typing import Any
 
-from ..errors import RefusedError
+from ..errors import Command, RefusedError, Words, start_over
 from ..reporter import Reporter
 from ..scenario.files import load
 from ..scenario.system import Builder
@@ -42,12 +42,12 @@ def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) 
     """
     start = clock.perf_counter()
     if not (out / SCENARIO).is_file():
-        remedy = "make one with tribocosim run"
+        remedy: Words = ("make one with ", Command("run"))
         if (out / SUMMARY).exists() or find_run_state(out).exists():
             remedy = "put back the file that the run had written"
         elif close := suggest_folder(out):
             remedy = f"did you mean {close}?"
-        raise OutputFolderError(f"{out}: holds no run (there is no {SCENARIO}); {remedy}")
+        raise OutputFolderError(f"{out}: holds no run (there is no {SCENARIO})", remedy)
     if not find_run_state(out).exists():
         return _report_ended(out, reporter)
     out = out.absolute()  # an FMU may change the working directory
@@ -71,7 +71,7 @@ def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) 
             try:
                 record = execute(plan, folder, reporter, checkpoint)
             except RefusedError as error:
-                raise OutputFolderError(f"{format_path(out)}: {error}") from None
+                raise OutputFolderError((f"{format_path(out)}: ", error)) from None
             return conclude(plan, record, folder, reporter, start)
 
 
@@ -81,13 +81,12 @@ def _report_ended(out: Path, reporter: Reporter) -> Summary:
     if found.get("exit_status") == FAILED:
         why = found["message"].removeprefix("incomplete: ")
         raise OutputFolderError(
-            f"{format_path(out)}: the run failed, and would fail again: {why}; change the scenario and run "
-            f"it anew, with --out {format_path(out)} --overwrite"
+            f"{format_path(out)}: the run failed, and would fail again: {why}",
+            ("change the scenario and ", start_over(format_path(out))),
         )
     if not found.get("complete"):
         raise OutputFolderError(
-            f"{format_path(out)}: the run left nothing to go on from; repeat it with tribocosim run "
-            f"{format_path(out) / SCENARIO} --out {format_path(out)} --overwrite"
+            f"{format_path(out)}: the run left nothing to go on from", start_over(format_path(out))
         )
     reporter.line(f"{format_path(out)}: the run is complete; there is nothing to continue")
     known = ("scenario", "description", "version", "master", "macro_step", "fixed_steps", "tolerance")

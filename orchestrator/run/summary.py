@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,8 @@ from ..assessment.contacts import lines as contact_lines
 from ..assessment.diagnosis import Diagnosis, brief
 from ..engine.energy.account import Account
 from ..engine.energy.account import lines as energy_lines
-from ..store.atomic_write import replace
+from ..errors import Words, in_command_line
+from ..store import atomic_write
 from .assess import MACRO_STEPS, Report
 from .comparison import Errors, describe_largest
 from .plan import Plan
@@ -37,8 +38,8 @@ class Summary:
     figures: bool = True  # were to be drawn; `tribocosim resume` does the same
     complete: bool = False
     resumable: bool = True  # `tribocosim resume` can continue it
-    message: str = Ending.message
-    verdict: str = Report.verdict
+    message: Words = Ending.message
+    verdict: Words = Report.verdict
     largest_error: str = ""
     exit_status: int = FAILED
     macro_steps: int = 0
@@ -62,11 +63,11 @@ class Summary:
     python_sweeps: Mapping[str, str] = field(default_factory=dict)
     unrated: Sequence[str] = ()
     fmus: dict[str, str] = field(default_factory=dict)
-    notices: Sequence[str] = field(default_factory=list)
+    notices: Sequence[Words] = field(default_factory=list)
 
-    def tell(self) -> list[str]:
+    def tell(self) -> list[Words]:
         """What contacts, energies and steps came to, and warnings of FMUs, in words."""
-        lines = [*contact_lines(self.contacts, self.contacts_from, self.fixed_steps)]
+        lines: list[Words] = [*contact_lines(self.contacts, self.contacts_from, self.fixed_steps)]
         lines += energy_lines(self.energy) if self.energy else []
         lines += brief(self.steps, self.suggestions) if self.steps else []
         for name, given in self.warnings.items():
@@ -85,8 +86,9 @@ class Summary:
 
     def content(self) -> dict[str, Any]:
         """As plain JSON values."""
-        content = asdict(self)
-        content["notices"] = [*self.notices, *self.tell()]
+        message, verdict = map(in_command_line, (self.message, self.verdict))
+        content = asdict(replace(self, message=message, verdict=verdict))
+        content["notices"] = list(map(in_command_line, [*self.notices, *self.tell()]))
         for name, error in self.errors.items():
             own = content["errors"][name].pop("uncertainty")
             content["errors"][name] |= {
@@ -97,7 +99,7 @@ class Summary:
         return _replace_infinite(content)
 
     def write(self, path: Path) -> None:
-        replace(path, (json.dumps(self.content(), indent=2, allow_nan=False) + "\n").encode())
+        atomic_write.replace(path, (json.dumps(self.content(), indent=2, allow_nan=False) + "\n").encode())
 
 
 def summarise(

@@ -17,13 +17,14 @@ import numpy as np
 
 from models.core.quantities import Vector
 
+from ..errors import MistakeError
 from .units import UnitError, to_unit
 
 # Pint would read giga-radians.
 GERMAN = {"Grad": "deg"}
 
 
-class AngleTableError(ValueError):
+class AngleTableError(MistakeError):
     """A file that is no such table."""
 
 

@@ -134,7 +134,7 @@ def list_limit_warnings(scenario: Scenario) -> list[str]:
         found.append(
             f"step_control.estimator = {scenario.step_control.estimator!r}: no step is made again, so its "
             "error is known only afterwards: a contact, or a jump, may be missed by any amount; "
-            "step_control.maximum_step limits the steps, tribocosim diagnose tells which erred too much"
+            "step_control.maximum_step limits the steps, the diagnosis tells which erred too much"
         )
     elif scenario.step_control and scenario.step_control.maximum_step is None:
         blind = [

@@ -76,10 +76,8 @@ def resolve_start(scenario: Scenario, system: System) -> System:
     try:
         state = equilibrium(system)
     except ModelError as error:
-        raise ModelError(
-            f'{error} Correct the parameters, or set start = "given" and give start values in '
-            "[components.NAME.start]"
-        ) from None
+        given = 'set start = "given" and give start values in [components.NAME.start]'
+        raise ModelError(error, "correct the parameters", given) from None
     instances = {
         name: replace(instance, start=_select_start(instance.component.state, state[system.state.of(name)]))
         for name, instance in system.instances.items()

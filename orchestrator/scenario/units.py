@@ -12,10 +12,11 @@ from typing import Any
 
 from models.compile.cache_folder import private_folder
 
+from ..errors import MistakeError
 from ..participants.description import Unit
 
 
-class UnitError(ValueError):
+class UnitError(MistakeError):
     """A string that is no number with a unit of the wanted dimension."""
 
 

@@ -12,11 +12,11 @@ from models.core.component import Component
 from models.core.quantities import Layout, Quantity
 from models.core.system import suggestion
 
-from ..errors import one_of
+from ..errors import MistakeError, one_of
 from .units import UnitError, is_bare, to_unit
 
 
-class Faults(ValueError):
+class Faults(MistakeError):
     """Faults of a table: pairs of a key ("" is the table) and a message."""
 
     def __init__(self, *faults: tuple[str, str]) -> None:

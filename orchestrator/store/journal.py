@@ -20,7 +20,7 @@ import numpy as np
 
 from models.core.quantities import Quantity, Vector
 
-from ..errors import CheckpointError
+from ..errors import CheckpointError, Words, start_over
 from .atomic_write import naming
 
 FORMAT = "tribocosim journal 1"
@@ -32,7 +32,6 @@ DOUBLE = np.dtype("<f8")
 BLOCK = 1 << 20  # bytes that are read at once
 # Of the rows that belong to a checkpoint: how many ("rows"), and their CRC-32 ("checksum").
 Mark = Mapping[str, int]
-START_OVER = "start the run over with tribocosim run ... --overwrite"
 
 
 class JournalError(CheckpointError):
@@ -203,6 +202,10 @@ def _quantity(content: dict[str, Any]) -> Quantity:
     return Quantity(**given)
 
 
+def _start_over(path: Path) -> Words:
+    return start_over(path.parents[1])  # the folder of the run
+
+
 def _read_header(path: Path) -> tuple[dict[str, Quantity], int]:
     """The columns, and where the rows begin."""
     try:
@@ -213,21 +216,21 @@ def _read_header(path: Path) -> tuple[dict[str, Quantity], int]:
             raise ValueError(content["format"])
         return {name: _quantity(text) for name, text in content["columns"].items()}, len(line)
     except OSError as error:
-        raise JournalError(f"{path}: cannot be read ({error.strerror}); {START_OVER}") from None
+        raise JournalError(f"{path}: cannot be read ({error.strerror})", _start_over(path)) from None
     except (ValueError, KeyError, TypeError, AttributeError):
-        raise JournalError(f"{path}: is not a journal of this version; {START_OVER}") from None
+        raise JournalError(f"{path}: is not a journal of this version", _start_over(path)) from None
 
 
 def _start(path: Path, columns: Mapping[str, Quantity], rows: int, checksum: int) -> int:
     """Where the rows begin; JournalError unless the first `rows` are those of the checksum."""
     found = Recorded(path)
     if list(found.columns) != list(columns):
-        raise JournalError(f"{path}: has other columns than the run; {START_OVER}")
+        raise JournalError(f"{path}: has other columns than the run", _start_over(path))
     if found.rows < rows:
-        raise JournalError(f"{path}: has {found.rows} rows, of {rows} at the checkpoint; {START_OVER}")
+        raise JournalError(f"{path}: has {found.rows} rows, of {rows} at the checkpoint", _start_over(path))
     if found.compute_checksum(rows) != checksum:
         raise JournalError(
-            f"{path}: damaged: its {rows} rows up to the checkpoint are not as they were written; "
-            f"{START_OVER}"
+            f"{path}: damaged: its {rows} rows up to the checkpoint are not as they were written",
+            _start_over(path),
         )
     return found._start

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import locket
 
-from ..errors import MistakeError
+from ..errors import REPLACE, Command, MistakeError, another
 from .atomic_write import partial
 
 UNFINISHED, LOCK, CHECKPOINT = "unfinished", "lock", "checkpoint"
@@ -32,13 +32,26 @@ class OutputFolderError(MistakeError):
     """The output folder cannot take a result."""
 
 
+def refuse_unwritable(path: Path, error: OSError, option: str = "out") -> OutputFolderError:
+    """The error of a path, given by `option`, that cannot be written."""
+    return OutputFolderError(f"{path}: cannot be written ({error.strerror or error})", another(option))
+
+
+@contextmanager
+def writing(path: Path, option: str = "out") -> Iterator[None]:
+    """OutputFolderError if the block cannot write to the path that was given by `option`."""
+    try:
+        yield
+    except OSError as error:
+        raise refuse_unwritable(path, error, option) from None
+
+
 def refuse_overwriting_source(source: Path, scenario: str, out: Path) -> None:
     """OutputFolderError if the result's own file, of text `scenario`, would replace another `source`."""
     target = out / SCENARIO
     if target.exists() and target.samefile(source) and source.read_text("utf-8") != scenario:
         raise OutputFolderError(
-            f"{target}: is the scenario itself, which a result here would replace; choose another folder "
-            "with --out"
+            f"{target}: is the scenario itself, which a result here would replace", another()
         )
 
 
@@ -95,13 +108,15 @@ class OutputFolder:
 def check_folder(out: Path, overwrite: bool) -> None:
     """Raise OutputFolderError unless a run can write into `out`."""
     if out.exists() and not out.is_dir():
-        raise OutputFolderError(f"{format_path(out)}: is a file; choose a folder with --out")
+        raise OutputFolderError(f"{format_path(out)}: is a file", another())
     if overwrite:
         return
     if find_run_state(out).exists() and (out / SCENARIO).exists():
         raise OutputFolderError(
-            f"{format_path(out)}: holds a run that was not finished; continue it with tribocosim resume "
-            f"{format_path(out)}, choose another folder with --out, or replace it with --overwrite"
+            f"{format_path(out)}: holds a run that was not finished",
+            ("continue it with ", Command("resume", (format_path(out),))),
+            another(),
+            REPLACE,
         )
     _check_empty(out)
 
@@ -121,9 +136,7 @@ def open_folder(out: Path, overwrite: bool) -> Iterator[OutputFolder]:
                 _check_empty(out)  # again: another process may have run since `check_folder`
             folder.backup.take([*_list_written(out), *list_run_state(folder.unfinished)])
         except OSError as error:
-            raise OutputFolderError(
-                f"{format_path(out)}: cannot be written ({error.strerror}); choose another --out"
-            ) from None
+            raise refuse_unwritable(format_path(out), error) from None
         try:
             yield folder
         finally:
@@ -157,8 +170,7 @@ def _list_runs(parent: Path) -> list[Path]:
 def _check_empty(out: Path) -> None:
     if held := _list_written(out):
         raise OutputFolderError(
-            f"{format_path(out)}: already holds a result ({held[0].name}); choose another folder with --out, "
-            "or replace it with --overwrite"
+            f"{format_path(out)}: already holds a result ({held[0].name})", another(), REPLACE
         )
 
 

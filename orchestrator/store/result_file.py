@@ -19,9 +19,10 @@ import numpy as np
 
 from models.core.quantities import Quantity, Vector
 
+from ..errors import Command
 from .atomic_write import check_room, naming, partial
 from .journal import TIME, Recorded
-from .output_folder import RESULT, find_run_state
+from .output_folder import RESULT, OutputFolderError, find_run_state
 
 if TYPE_CHECKING:
     import xarray
@@ -165,14 +166,15 @@ def _number_blocks(blocks: Iterable[Vector]) -> Iterator[tuple[int, Vector]]:
 
 
 def find_result(path: Path | str) -> Path:
-    """The file of a result, given it or its folder; FileNotFoundError with the remedy if there is none."""
+    """The file of a result, given it or its folder; OutputFolderError if there is none."""
     path = Path(path)
     file = path if path.suffix == ".nc" else path / RESULT
     if file.exists():
         return file
     if find_run_state(file.parent).exists():
-        raise FileNotFoundError(f"{file}: the run goes on or was killed; tribocosim resume {file.parent}")
-    raise FileNotFoundError(f"{file.parent}: has no {file.name}; give the output folder of a run")
+        resume = Command("resume", (file.parent,))
+        raise OutputFolderError(f"{file}: the run goes on or was killed", ("continue it with ", resume))
+    raise OutputFolderError(f"{file.parent}: has no {file.name}", "give the output folder of a run")
 
 
 def open_result(path: Path | str) -> xarray.DataTree:

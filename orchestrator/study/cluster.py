@@ -18,7 +18,7 @@ from distributed.comm.core import FatalCommClosedError
 
 from models.compile.cache_folder import private_folder
 
-from ..errors import MistakeError
+from ..errors import MistakeError, Option
 
 # Workers that may die on a point before it is evaluated alone.
 DEATHS = 1
@@ -115,8 +115,7 @@ def _connect_scheduler(address: str, timeout: float) -> Iterator[Client]:
             reason = f"no answer within {timeout:g} s; start one with 'dask scheduler'"
         else:
             reason = str(error)
-        raise MistakeError(
-            f"--scheduler {address}: {reason}, or leave --scheduler out to use this machine"
-        ) from None
+        given = Option("scheduler", address)
+        raise MistakeError((given, ": ", reason), "leave it out to use this machine") from None
     with client:
         yield client

@@ -19,7 +19,7 @@ from models.core.quantities import Quantity
 
 from ..analyses import Result
 from ..assessment.contacts import ContactSummary
-from ..errors import IncompleteError, MistakeError
+from ..errors import IncompleteError, MistakeError, in_command_line
 from ..reporter import Reporter
 from ..run.comparison import VariableError
 from ..run.pipeline import run
@@ -187,7 +187,7 @@ class ScenarioSubject:
         found["macro_steps"] = summary.macro_steps
         found["iterations"] = summary.iterations
         if not summary.complete:
-            raise IncompleteError(summary.message.removeprefix("incomplete: "), found)
+            raise IncompleteError(in_command_line(summary.message).removeprefix("incomplete: "), found)
         return found | _collect_errors(summary.errors)
 
 

@@ -23,7 +23,8 @@ import zarr
 from numpy.typing import NDArray
 
 from ..analyses import Result
-from ..errors import RunError
+from ..errors import REPLACE, RunError, another
+from ..store.output_folder import refuse_unwritable
 from .files import MESSAGE, STATUS, Plan, StudyError
 from .points import POINT
 from .source import describe_difference
@@ -110,7 +111,7 @@ def open_store(path: Path, plan: Plan, versions: Mapping[str, str], overwrite: b
         try:
             _prepare(path, plan, versions, overwrite)
         except OSError as error:
-            raise _report_unwritable(path, error) from None
+            raise refuse_unwritable(path, error) from None
         yield Store(path)
 
 
@@ -126,10 +127,6 @@ def _prepare(path: Path, plan: Plan, versions: Mapping[str, str], overwrite: boo
         left.unlink()
 
 
-def _report_unwritable(path: Path, error: OSError) -> StudyError:
-    return StudyError(f"{path}: cannot be written ({error.strerror or error}); choose another --out")
-
-
 @contextmanager
 def _lock(path: Path) -> Iterator[None]:
     """Keep other processes from writing the store. The lock ends with the process."""
@@ -139,7 +136,7 @@ def _lock(path: Path) -> Iterator[None]:
         path.parent.mkdir(parents=True, exist_ok=True)
         lock.acquire()
     except OSError as error:
-        raise _report_unwritable(path, error) from None
+        raise refuse_unwritable(path, error) from None
     except locket.LockError:
         raise StudyError(f"{path}: another process is working on it; wait for its end") from None
     try:
@@ -156,14 +153,13 @@ def _read_attributes(path: Path) -> dict[str, Any]:
     except (OSError, ValueError, KeyError):
         found = {}
     if found.get("format") != FORMAT:
-        raise StudyError(f"{path}: is not the store of a study; choose another --out")
+        raise StudyError(f"{path}: is not the store of a study", another())
     return found
 
 
 def _compare(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
     """StudyError unless the store has this study, points and versions."""
     found = _read_attributes(path)
-    remedy = "choose another --out, or replace it with --overwrite"
     group: Any = zarr.open_group(path, mode="r")
     same_points = set(found["parameters"]) == set(plan.points.coordinates) and all(
         np.array_equal(group[name][...], _to_array(values))
@@ -171,9 +167,9 @@ def _compare(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
     )
     if found["subject"] != plan.subject.content() or not same_points:
         what = "other points" if found["subject"] == plan.subject.content() else "another study"
-        raise StudyError(f"{path}: holds {what}; {remedy}")
+        raise StudyError(f"{path}: holds {what}", another(), REPLACE)
     if changed := describe_difference(json.loads(found["versions"]), dict(versions)):
-        raise StudyError(f"{path}: was begun by another version ({changed}); {remedy}")
+        raise StudyError(f"{path}: was begun by another version ({changed})", another(), REPLACE)
 
 
 def _create_store(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from models.core.system import ModelError
+from models.core.remedies import ExplainedError, in_command_line
 
-from ..errors import IncompleteError, MistakeError, RunError
+from ..errors import IncompleteError, MistakeError
 from ..scenario.values import Value
 from .source import compute_fingerprint, describe_difference
 from .subjects import Subject
@@ -51,6 +51,6 @@ def _select_values(subject: Subject, results: Mapping[str, float | str]) -> dict
 
 def format_message(error: BaseException) -> str:
     """The message of an error; of one that is not ours with its type."""
-    if isinstance(error, (MistakeError, ModelError, RunError)):
-        return str(error)
+    if isinstance(error, ExplainedError):
+        return in_command_line(error)
     return f"{type(error).__name__}: {error}"

@@ -126,7 +126,7 @@ def test_refusals(arguments: list[str], key: str, tmp_path: Path) -> None:
 
 def test_a_result_is_not_overwritten_unasked(tmp_path: Path) -> None:
     (tmp_path / "exponents.nc").write_text("mine")
-    with pytest.raises(MistakeError, match="--overwrite"):
+    with pytest.raises(MistakeError, match="overwrite=True"):
         analyse("exponents", ["cycles=20"], tmp_path)
     assert (tmp_path / "exponents.nc").read_text() == "mine"
     analyse("exponents", ["cycles=20"], tmp_path, overwrite=True)

@@ -121,7 +121,7 @@ def test_it_says_of_which_follower_and_speed_its_results_are():
         ("my-cm", None, "did you mean my-cam?"),
         ("no-such-thing", None, "or a file: a lift table .csv"),
         ("quarter-car", None, "no component has a cam"),
-        ("engine-16v", None, "choose one with --component"),
+        ("engine-16v", None, "choose one with component"),
         ("engine-16v", "tappet_intake_2", "did you mean tappet_intake_2"),
         ("cycloidal", "camshaft", "is no scenario"),
         ("absent.toml", None, "no such scenario file"),

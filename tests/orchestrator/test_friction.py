@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray
 
+from models.core.remedies import find_actions
 from orchestrator.assessment.friction.cycle import (
     OF_CAM,
     OF_CONTACT,
@@ -22,7 +23,7 @@ from orchestrator.assessment.friction.cycle import (
 )
 from orchestrator.assessment.friction.judge import find_cams
 from orchestrator.assessment.friction.report import WORN, Judged, remarks, tables
-from orchestrator.errors import MistakeError
+from orchestrator.errors import MistakeError, Option
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario.files import load
@@ -132,7 +133,7 @@ def test_wear_that_takes_the_profile_away_is_remarked_with_the_revolutions_that_
     most = WORN * 10e-3 / max(once.deepest)  # of the lift
     assert not list(remarks(judged(eccentric(), 0.99 * most)))
     (line,) = remarks(judged(eccentric(), 2.0 * most))
-    assert f"{most:.1g}" in line
+    assert find_actions(line) == (Option("cycles", f"{most:.1g}"),)
 
 
 def test_printed_numbers_are_quotients_of_one_another():

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from models.core.system import ModelError
-from orchestrator.errors import CheckpointError, MistakeError
+from models.core.errors import ModelError
+from models.core.remedies import Command, find_actions
+from orchestrator.errors import CheckpointError, MistakeError, start_over
 from orchestrator.run.pipeline import run
 from orchestrator.run.resume import resume
 from orchestrator.scenario.files import load
@@ -87,7 +88,7 @@ def test_a_run_that_failed_is_not_resumed_and_says_why(tmp_path: Path) -> None:
         resume(out, build_fmu, quiet())
     why = summary.message.removeprefix("incomplete: ")
     assert str(error.value).startswith(f"{out}: the run failed, and would fail again: {why}")
-    assert str(error.value).endswith(f"change the scenario and run it anew, with --out {out} --overwrite")
+    assert find_actions(error.value) == find_actions(start_over(out))
     with pytest.raises(OutputFolderError, match=f"did you mean {out}\\?$"):
         resume(out / "summary.json", build_fmu, quiet())
     (out / "scenario.toml").unlink()
@@ -129,7 +130,7 @@ def _refused(out: Path, words: str) -> None:
     before = _content(out)
     with pytest.raises(CheckpointError, match=words) as refused:
         resume(out, build_fmu, quiet(), figures=False)
-    assert "--overwrite" in str(refused.value)
+    assert refused.value.remedies[-1] == start_over(out)
     assert _content(out) == before
 
 
@@ -198,11 +199,13 @@ def test_a_changed_scenario_is_refused(killed: Path) -> None:
 
 def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed: Path, whole: Path) -> None:
     before = _content(killed)
-    with pytest.raises(OutputFolderError, match=f"tribocosim resume {killed}"):
+    with pytest.raises(OutputFolderError, match="was not finished") as refused:
         run(load("valve-train", [*SHORT, EVERY]), killed, build_fmu, quiet())
+    assert Command("resume", (killed,)) in find_actions(refused.value)
     assert _content(killed) == before
-    with pytest.raises(FileNotFoundError, match="tribocosim resume"):
+    with pytest.raises(OutputFolderError) as unfinished:
         open_result(killed)
+    assert find_actions(unfinished.value) == (Command("resume", (killed,)),)
     run(
         load("valve-train", [*SHORT, EVERY]),
         killed,
@@ -255,8 +258,9 @@ def test_what_is_no_unfinished_run_is_told(whole: Path, tmp_path: Path) -> None:
     with pytest.raises(OutputFolderError, match="holds no run"):
         resume(tmp_path, build_fmu, quiet())
     shutil.copy(whole / "scenario.toml", tmp_path)
-    with pytest.raises(OutputFolderError, match="left nothing to go on from; repeat it"):
+    with pytest.raises(OutputFolderError, match="left nothing to go on from") as refused:
         resume(tmp_path, build_fmu, quiet())
+    assert refused.value.remedies == (start_over(tmp_path),)
 
 
 def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> None:

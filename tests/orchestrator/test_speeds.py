@@ -178,7 +178,7 @@ def test_a_folder_without_a_sweep_is_named(tmp_path: Path) -> None:
         (("slider-crank",), "has no cam"),
         (
             ("valve-train", "--from", "2000 rpm", "--to", "1000 rpm"),
-            "--from 2000 rpm (2000 rpm): must be less than",
+            "--from '2000 rpm': must be less than --to '1000 rpm'",
         ),
         (("valve-train", "--from", "2 mm"), "--from = '2 mm'"),
         (("valve-tran",), "did you mean valve-train"),

@@ -160,7 +160,7 @@ def test_another_studys_store_is_refused_or_replaced(other: str, tmp_path: Path)
     path, plan = tmp_path / "store.zarr", OTHERS[other]
     with open_small_chunks(path, PLAN):
         before = read_files(path)
-    with pytest.raises(MistakeError, match="--overwrite"), open_small_chunks(path, plan):
+    with pytest.raises(MistakeError, match="overwrite=True"), open_small_chunks(path, plan):
         pass
     assert read_files(path) == before
     with open_small_chunks(path, plan, overwrite=True) as store:
@@ -188,5 +188,5 @@ def test_a_folder_that_is_no_store_is_never_replaced(tmp_path: Path) -> None:
 def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     store = tmp_path / "file" / "store.zarr"
-    with pytest.raises(MistakeError, match="--out"), open_small_chunks(store, PLAN):
+    with pytest.raises(MistakeError, match="choose another out"), open_small_chunks(store, PLAN):
         pass

@@ -53,7 +53,7 @@ def run_analysis(
     from orchestrator.analyses._evaluate import analyse, build_analyses_table, build_parameters_table
     from orchestrator.analyses.stability.analyse import analyse_scenario, is_scenario
     from orchestrator.analyses.stability.report import build_dataset
-    from orchestrator.errors import MistakeError
+    from orchestrator.errors import MistakeError, Option
 
     from ..cached_fmus import build_fmu
 
@@ -63,13 +63,14 @@ def run_analysis(
         result = {one: load(one).description for one in list_analyses()}
         reporter.console.print(build_analyses_table())
     elif is_scenario(name) and show_parameters:
-        raise MistakeError(f"--parameters: {name} is a scenario; --set changes any of its keys, as for run")
+        remedy = Option("set"), " changes any of its keys, as for run"
+        raise MistakeError((Option("parameters"), f": {name} is a scenario"), remedy)
     elif is_scenario(name):
         found = analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter, build_fmu, responses)
         result = build_dataset(found).to_dict()
     elif at or responses:
-        option = "--at" if at else "--responses"
-        raise MistakeError(f"{option}: belongs to a scenario, which {name} is not; leave it out")
+        option = Option("at" if at else "responses")
+        raise MistakeError((option, f": belongs to a scenario, which {name} is not"), "leave it out")
     elif show_parameters:
         result = load(name).parameters
         reporter.console.print(build_parameters_table(name))

@@ -19,12 +19,13 @@ def print_diagnosis(
 ) -> None:
     """Report what limited the steps of a run, also an interrupted one, and suggest remedies."""
     from orchestrator.assessment.diagnosis.report import diagnose
-    from orchestrator.errors import MistakeError
+    from orchestrator.errors import MistakeError, Option
     from orchestrator.plots.steps import draw_steps
     from orchestrator.plots.style import save_figure
+    from orchestrator.store.output_folder import writing
 
     if figure and figure.suffix != ".png":
-        raise MistakeError(f"--figure {figure}: must end in .png")
+        raise MistakeError((Option("figure", figure), ": must end in .png"))
     reporter = build_reporter(as_json)
     found = diagnose(folder)
     if as_json:
@@ -32,11 +33,6 @@ def print_diagnosis(
     for line in found.lines:
         reporter.line(line)
     if figure:
-        try:
-            reporter.line(
-                f"figure in {save_figure(lambda: draw_steps(found.steps, found.scenario.name), figure)}"
-            )
-        except OSError as error:
-            raise MistakeError(
-                f"--figure {figure}: cannot be written ({error.strerror}); choose another"
-            ) from None
+        with writing(figure, "figure"):
+            save_figure(lambda: draw_steps(found.steps, found.scenario.name), figure)
+        reporter.line(f"figure in {figure}")

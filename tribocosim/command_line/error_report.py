@@ -41,7 +41,7 @@ def report_errors(command: Callable[..., int | None]) -> Callable[..., None]:
                 raise typer.Exit(INTERRUPTED) from None
             if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
                 raise
-            text, status = _describe_error(error)
+            text, status = describe_error(error)
             say(text)
         raise typer.Exit(status or 0)
 
@@ -54,16 +54,14 @@ def _discard_output() -> None:
         os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
 
-def _describe_error(error: Exception) -> tuple[str, int]:
+def describe_error(error: Exception) -> tuple[str, int]:
     """The message for the user, and the exit status."""
-    from models.core.system import ModelError
-    from orchestrator.errors import MistakeError, RunError
+    from models.core.remedies import ExplainedError, in_command_line
+    from orchestrator.errors import MistakeError
     from orchestrator.store.atomic_write import NO_ROOM
 
-    if isinstance(error, (MistakeError, ModelError)):
-        return str(error), MISTAKE
-    if isinstance(error, RunError):
-        return str(error), FAILED
+    if isinstance(error, ExplainedError):
+        return in_command_line(error), MISTAKE if isinstance(error, MistakeError) else FAILED
     if isinstance(error, OSError) and error.filename and error.strerror in NO_ROOM:
         remedy = "free some space and repeat the command (for a started run: tribocosim resume)"
         return f"{error.filename}: {error.strerror}; {remedy}", FAILED

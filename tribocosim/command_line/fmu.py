@@ -98,15 +98,14 @@ def _show_progress(name: str, native: bool) -> Iterator[Callable[[str], None]]:
 
 def _parse_size(text: str) -> tuple[str, int]:
     """Parse NAME=NUMBER."""
-    from orchestrator.errors import MistakeError
+    from orchestrator.errors import MistakeError, Option
 
     name, _, number = text.partition("=")
     try:
         return name.strip(), int(number)
     except ValueError:
-        raise MistakeError(
-            f"--structure {text}: must be NAME=NUMBER with a whole number, e.g. coil_masses=8"
-        ) from None
+        rule = ": must be NAME=NUMBER with a whole number, e.g. coil_masses=8"
+        raise MistakeError((Option("structure", text), rule)) from None
 
 
 @report_errors
@@ -145,10 +144,10 @@ def fmu_compare(
     """
     from fmus.reference_results.apart import compare_in_process
     from fmus.reference_results.files import ComparisonError
-    from orchestrator.errors import MistakeError
+    from orchestrator.errors import MistakeError, Option, in_command_line
 
     if tolerance is not None and not tolerance > 0.0:
-        raise MistakeError(f"--tolerance {tolerance:g}: must be > 0")
+        raise MistakeError((Option("tolerance", tolerance), ": must be > 0"))
     paths: list[Path] = []
     for file in files:
         below = sorted(file.rglob("*.fmu")) if file.is_dir() else [_check_file(file)]
@@ -159,8 +158,9 @@ def fmu_compare(
     results: dict[Path, Any] = {}
     for path, found in compare_in_process(paths, tolerance):
         if isinstance(found, ComparisonError):
-            say(str(found))
-            status, results[path] = 2, str(found)
+            text = in_command_line(found)
+            say(text)
+            status, results[path] = 2, text
             continue
         results[path] = [{**asdict(one), "agrees": one.agrees} for one in found]
         if not as_json:
@@ -185,10 +185,10 @@ def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")], as_js
 
 
 def _check_file(file: Path) -> Path:
-    from orchestrator.errors import MistakeError
+    from orchestrator.errors import Command, MistakeError
 
     if file.is_dir():
         raise MistakeError(f"{file}: is a folder; give its files: {file / '*.fmu'}")
     if not file.is_file():
-        raise MistakeError(f"{file}: no such file; tribocosim fmu build makes the FMUs")
+        raise MistakeError(f"{file}: no such file", (Command("fmu build"), " makes the FMUs"))
     return file

@@ -37,13 +37,14 @@ def print_friction(
     from orchestrator.assessment.friction.judge import judge_friction
     from orchestrator.assessment.friction.report import remarks, tables
     from orchestrator.assessment.friction.table import of, write
-    from orchestrator.errors import MistakeError
+    from orchestrator.errors import MistakeError, Option
     from orchestrator.plots.friction import draw_friction
     from orchestrator.plots.style import save_figure
+    from orchestrator.store.output_folder import writing
 
-    for option, path, endings in (("--table", table, TABLES), ("--figure", figure, FIGURES)):
+    for option, path, endings in (("table", table, TABLES), ("figure", figure, FIGURES)):
         if path and path.suffix not in endings:
-            raise MistakeError(f"{option} {path}: must end in {', '.join(endings)}")
+            raise MistakeError((Option(option, path), f": must end in {', '.join(endings)}"))
     reporter = build_reporter(as_json)
     scenario, found = judge_friction(folder, contact, wear_coefficient, cycles)
     if as_json:
@@ -54,20 +55,17 @@ def print_friction(
         for line in remarks(one):
             reporter.line(line)
     several = len(found) > 1
-    try:
-        for one in found:
-            if table:
-                file = name_file(table, one.cycle.contact, several)
+    for one in found:
+        if table:
+            file = name_file(table, one.cycle.contact, several)
+            with writing(file, "table"):
                 files = write(one.cycle, one.worn, one.coefficient, file)
-                reporter.line(f"table in {', '.join(map(str, files))}")
-            if figure:
-                file = name_file(figure, one.cycle.contact, several)
+            reporter.line(f"table in {', '.join(map(str, files))}")
+        if figure:
+            file = name_file(figure, one.cycle.contact, several)
+            with writing(file, "figure"):
                 save_figure(partial(draw_friction, one.cycle, one.worn, one.cycles, scenario.name), file)
-                reporter.line(f"figure in {file}")
-    except OSError as error:
-        raise MistakeError(
-            f"{error.filename}: cannot be written ({error.strerror}); choose another"
-        ) from None
+            reporter.line(f"figure in {file}")
 
 
 def name_file(path: Path, contact: str, several: bool) -> Path:

@@ -13,6 +13,7 @@ from .error_report import INTERRUPTED, report_errors
 from .json_output import Json, build_reporter, print_json
 
 if TYPE_CHECKING:
+    from models.core.remedies import Words
     from orchestrator.run.summary import Summary
 
 
@@ -105,13 +106,15 @@ def _finish(summary: Summary, folder: Path, as_json: bool) -> int:
 
     Returns the exit status.
     """
+    from models.core.remedies import Command, Option, find_actions, in_command_line
+
     if as_json:
         print_json(summary.content())
     if not summary.complete:
-        remedy = ""
-        if summary.resumable and "tribocosim resume" not in summary.message:
-            remedy = f"; tribocosim resume {folder} continues this run"
+        remedy: Words = ""
+        if summary.resumable and not find_actions(summary.message):
+            remedy = "; ", Command("resume", (folder,)), " continues this run"
         elif summary.exit_status == INTERRUPTED:
-            remedy = "; it has no checkpoint: repeat the command with --overwrite"
-        say(summary.message + remedy)
+            remedy = "; it has no checkpoint: repeat the command with ", Option("overwrite", True)
+        say(in_command_line((summary.message, remedy)))
     return summary.exit_status

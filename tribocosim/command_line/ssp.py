@@ -22,24 +22,22 @@ def ssp_export(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")] = False,
 ) -> None:
     """Write a scenario as an SSP package with its FMUs, for other tools."""
-    from orchestrator.errors import MistakeError
+    from orchestrator.errors import REPLACE, MistakeError, Option, another
     from orchestrator.scenario.files import load
     from orchestrator.scenario.ssp import export
+    from orchestrator.store.output_folder import writing
 
     from ..cached_fmus import build_fmu
 
     loaded = load(scenario, set_ or [])
     target = out or Path(f"{loaded.name}.ssp")
     if target.suffix != ".ssp":
-        raise MistakeError(f"{target}: the file of a package ends in .ssp; give --out {target}.ssp")
+        remedy = "give ", Option("out", f"{target}.ssp")
+        raise MistakeError(f"{target}: the file of a package ends in .ssp", remedy)
     if target.exists() and not overwrite:
-        raise MistakeError(
-            f"{target}: is already there; choose another --out, or replace it with --overwrite"
-        )
-    try:
+        raise MistakeError(f"{target}: is already there", another(), REPLACE)
+    with writing(target):
         export(loaded, target, build_fmu)
-    except OSError as error:
-        raise MistakeError(f"{target}: cannot be written ({error.strerror}); choose another --out") from None
     print(target)
 
 
@@ -49,10 +47,11 @@ def ssp_import(
     out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="the file's name")] = None,
 ) -> None:
     """Convert an SSP package into an editable scenario file with its FMUs. `run` also accepts packages."""
-    from orchestrator.errors import MistakeError
+    from orchestrator.errors import MistakeError, another
     from orchestrator.scenario import build_scenario
     from orchestrator.scenario.files import find, load, to_short_toml
     from orchestrator.scenario.ssp import unpack_package
+    from orchestrator.store.output_folder import refuse_unwritable
 
     source = find(file)
     if source.suffix != ".ssp":
@@ -60,7 +59,7 @@ def ssp_import(
     load(source)  # writes nothing if the package is refused
     folder = out or Path(file.stem)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise MistakeError(f"{folder}: is not an empty folder; choose another --out")
+        raise MistakeError(f"{folder}: is not an empty folder", another())
     empty = folder.is_dir()
     try:
         scenario = build_scenario(unpack_package(source, folder))
@@ -68,7 +67,7 @@ def ssp_import(
         target.write_text(to_short_toml(scenario, folder), "utf-8")
     except OSError as error:
         _clear_folder(folder, empty)  # half a package is useless
-        raise MistakeError(f"{folder}: cannot be written ({error.strerror}); choose another --out") from None
+        raise refuse_unwritable(folder, error) from None
     print(target)
 
 

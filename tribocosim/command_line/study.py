@@ -39,7 +39,7 @@ def run_study(
     Exit status 0: all points done, 1: some failed (their messages are in the store), 2: a mistake in the
     study or the command, 3: the workers cannot go on, 130: interrupted.
     """
-    from orchestrator.errors import MistakeError
+    from orchestrator.errors import MistakeError, Option
 
     check_study_packages()
     from orchestrator.study.files import load
@@ -48,7 +48,8 @@ def run_study(
     from ..cached_fmus import build_fmu
 
     if scheduler and workers:
-        raise MistakeError("--workers: are processes on this machine; leave it out with --scheduler")
+        remedy = "leave it out with ", Option("scheduler")
+        raise MistakeError((Option("workers"), ": are processes on this machine"), remedy)
     plan = load(study, build_fmu)
     store = out or Path("results") / f"{plan.study.name}.zarr"
     where, reporter = Where(scheduler, workers, timeout), build_reporter(as_json)

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...compile.kernel import kernel
+from ...core.errors import ModelError
 from ...core.quantities import Vector
 from .series import DEGREE, TERMS, value_and_slope
 
@@ -174,7 +175,7 @@ def tabulate(samples: Any, flow: Flow, modes: Any, series: Any) -> float:
     return unresolved
 
 
-class UnresolvedError(ValueError):
+class UnresolvedError(ModelError):
     """The flow varies too fast for the most cells that are tabulated."""
 
 

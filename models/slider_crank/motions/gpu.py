@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...core.errors import MistakeError
 from ...core.quantities import Vector
 from ..flight.bouncing import POSITION_SIZE, SCRATCH_ROWS
 from ..flight.series import TERMS
@@ -23,7 +24,7 @@ THREADS = 64
 BATCH = 16384
 
 
-class NoDeviceError(RuntimeError):
+class NoDeviceError(MistakeError):
     """There is no CUDA device, or nothing to reach it with."""
 
 

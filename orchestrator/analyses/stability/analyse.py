@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...errors import MistakeError
+from ...errors import MistakeError, Option
 from ...reporter import Reporter
 from ...run.plan import plan_participants
 from ...scenario import Scenario
@@ -85,7 +85,7 @@ def parse_instants(at: Sequence[str], stop: float) -> list[float]:
         try:
             instants.append(to_unit(text, "s"))
         except UnitError as error:
-            raise MistakeError(f"--at {text}: {error}") from None
+            raise MistakeError((Option("at", text), ": ", error)) from None
         if not 0.0 <= instants[-1] <= stop:
-            raise MistakeError(f"--at {text}: must be between 0 and stop_time = {stop:g} s")
+            raise MistakeError((Option("at", text), f": must be between 0 and stop_time = {stop:g} s"))
     return instants

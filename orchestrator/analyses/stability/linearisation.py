@@ -17,7 +17,7 @@ from models.core.quantities import Layout, Vector
 from models.core.system import Instance, ModelError, Port, System
 from models.monolithic.trajectory import Trajectory
 
-from ...errors import ParticipantError
+from ...errors import Option, ParticipantError, Set, Words
 from ...participants import GivesDerivatives, Participant, transformed
 from ...run.participants import ParticipantPlan
 from ...scenario import Scenario, ScenarioError
@@ -32,6 +32,7 @@ from .trajectory import (
     list_continuous_outputs,
 )
 
+RESPONSES: Words = ("linearise it by its responses with ", Option("responses", True))
 # Half the span of a central difference, as a share of the nominal size (or of the value, if larger):
 # rounding, 1e-16 over it, and truncation, its square, are below 1e-9.
 SHARE = 1e-6
@@ -118,8 +119,7 @@ class Equations:
         self._instance = system.instances[name]
         if not self._instance.component.ode:
             raise ModelError(
-                f"{name}: {self._instance.component.name} has no ordinary differential equations; "
-                "linearise it by its responses (--responses)"
+                f"{name}: {self._instance.component.name} has no ordinary differential equations", RESPONSES
             )
         self._name, self._inputs = name, system.inputs.of(name)
 
@@ -151,7 +151,7 @@ class Directional(ParticipantLinearisation):
         try:
             found = self._fmu.jacobian(unknown, known)
         except ParticipantError as error:
-            raise ModelError(f"{error}; linearise it by its responses (--responses)") from None
+            raise ModelError(error, RESPONSES) from None
         n, followed = len(states), np.ones((ROWS, len(self.input_names)))
         taken = self._fmu.get_followed()
         followed[: len(taken)] = taken
@@ -279,10 +279,11 @@ def open_linearisations(
             ode = component.ode
             if not ode and component.implicit:
                 # Measured on valve-train-ehl at 4 us: residuals of 54 to 878 %, and limits far too low.
+                formula = Set(f"components.{name}.component", "ehl_contact")
                 raise ScenarioError(
                     f"components.{name}: its coupling cannot be analysed: the errors of its field's steps "
-                    "(field_tolerance) hide the responses to small changes; take a film formula in its "
-                    f"place, --set components.{name}.component=ehl_contact"
+                    "(field_tolerance) hide the responses to small changes",
+                    ("take a film formula in its place, ", formula),
                 )
             by_equations = ode and not needs_run(scenario)
             if by_equations and not (every or table.participant.endswith(".fmu")):

@@ -9,7 +9,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ...errors import MistakeError, one_of
+from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, ScenarioError, parse_ends
 from ...scenario.files import load
 from ...scenario.system import list_parameters
@@ -32,13 +32,14 @@ def judge_friction(
     extrapolated over. MistakeError if there is no result, or none with a contact under a cam.
     """
     if not coefficient > 0.0:
-        raise MistakeError(f"--wear-coefficient {coefficient:g} m2/N: must be > 0")
+        raise MistakeError((Option("wear_coefficient", coefficient), " m2/N: must be > 0"))
     if not cycles > 0.0:
-        raise MistakeError(f"--cycles {cycles:g}: must be > 0")
+        raise MistakeError((Option("cycles", cycles), ": must be > 0"))
     scenario = _load_scenario(folder)
     cams = find_cams(scenario)
     if contact and cams and contact not in cams:
-        raise MistakeError(f"--contact {contact}: {one_of(cams, contact)} (those that slide under a cam)")
+        allowed = f": {one_of(cams, contact)} (those that slide under a cam)"
+        raise MistakeError((Option("contact", contact), allowed))
     if not cams:
         raise MistakeError(f"{folder}: no contact takes its sliding_velocity from a cam ({', '.join(CAMS)})")
     values = list_parameters(scenario)

@@ -11,6 +11,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from ...errors import Option, Words
 from .cycle import TURN, Cycle, Summary, Wear, summary
 
 # Of the cam's lift: a profile that has lost more is no longer the one that was computed.
@@ -96,7 +97,7 @@ def tables(found: Sequence[Judged]) -> Iterator[Table]:
         yield table
 
 
-def remarks(found: Judged) -> Iterator[str]:
+def remarks(found: Judged) -> Iterator[Words]:
     """What the numbers of a contact don't say by themselves."""
     cycle, contact = found.cycle, found.cycle.contact
     missing = TURN - cycle.turned
@@ -118,5 +119,6 @@ def remarks(found: Judged) -> Iterator[str]:
         yield (
             f"{contact}: {1e6 * worst:.4g} um of wear are {100.0 * worst / lift:.3g} % of the lift of "
             f"{1e3 * lift:.3g} mm: the computed profile is gone long before {found.cycles:g} revolutions; "
-            f"extrapolate over at most {WORN * lift / max(found.deepest):.1g} (--cycles)"
+            "extrapolate over at most ",
+            Option("cycles", f"{WORN * lift / max(found.deepest):.1g}"),
         )

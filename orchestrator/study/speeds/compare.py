@@ -12,7 +12,7 @@ import numpy as np
 import xarray
 from rich.table import Table
 
-from ...errors import MistakeError
+from ...errors import Command, MistakeError, Option
 from ...plots.speeds import draw_summary
 from ...plots.style import save_figure
 from ...reporter import Reporter
@@ -80,9 +80,8 @@ def compare(first: Path, second: Path, out: Path | None, reporter: Reporter) -> 
 def read_sweep(folder: Path) -> xarray.Dataset:
     """The table of a sweep; MistakeError if there is none."""
     if not (folder / STORE).exists() or not (folder / SUMMARY).exists():
-        raise MistakeError(
-            f"{folder}: holds no finished sweep; make one with: tribocosim speeds SCENARIO --out {folder}"
-        )
+        remedy = Command("speeds", (...,), (Option("out", folder),))
+        raise MistakeError(f"{folder}: holds no finished sweep", ("make one with ", remedy))
     return read_table(folder)
 
 

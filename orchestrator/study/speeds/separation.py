@@ -17,7 +17,7 @@ from models.core.quantities import Vector
 from models.core.system import ModelError
 
 from ...assessment.lost_contact import find_lost, list_shares
-from ...errors import MistakeError, one_of
+from ...errors import MistakeError, Option, one_of
 from ...scenario.files import put
 from ...scenario.system import build_system
 from .figures_of_merit import is_separated, parameter_of
@@ -109,7 +109,7 @@ def _describe_place(table: xarray.Dataset, speed: float, nose: float | None) -> 
 def check_film(film: str | None) -> None:
     """MistakeError for a film formula that there is not."""
     if film is not None and film not in FILMS:
-        raise MistakeError(f"--second-film {film}: {one_of(FILMS, film)}")
+        raise MistakeError((Option("second_film", film), f": {one_of(FILMS, film)}"))
 
 
 def choose_film(subject: SpeedSubject, film: str | None) -> str | None:

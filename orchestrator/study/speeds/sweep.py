@@ -23,7 +23,7 @@ from models.monolithic.cycle import STEADY
 
 from ...assessment.contacts.lines import FED
 from ...assessment.lost_contact import find_lost
-from ...errors import MistakeError
+from ...errors import MistakeError, Option
 from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
 from ...plots.style import save_figure
 from ...reporter import Reporter
@@ -135,13 +135,16 @@ def read_table(out: Path) -> xarray.Dataset:
 
 def parse_range(low: str, high: str, count: int) -> Range:
     """Speeds given as texts; MistakeError where they are none, doubtful or in the wrong order."""
-    for name, value in (("--from", low), ("--to", high)):
-        if doubt := SPEED.doubt(name, value):
-            raise MistakeError(doubt)
-    ends = [float(SPEED.check_value(name, value)) for name, value in (("--from", low), ("--to", high))]
+    ends = []
+    for name, value in (("from", low), ("to", high)):
+        if doubt := SPEED.doubt("", value):
+            raise MistakeError((Option(name), doubt))
+        try:
+            ends.append(float(SPEED.check_value("", value)))
+        except MistakeError as error:
+            raise MistakeError((Option(name), error)) from None
     if not ends[0] < ends[1]:
-        rpm = [f"{end * RPM:.4g} rpm" for end in ends]
-        raise MistakeError(f"--from {low} ({rpm[0]}): must be less than --to {high} ({rpm[1]})")
+        raise MistakeError((Option("from", low), ": must be less than ", Option("to", high)))
     return Range(ends[0], ends[1], count)
 
 

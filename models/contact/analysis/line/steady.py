@@ -16,6 +16,7 @@ from numbers import Integral
 
 import numpy as np
 
+from ....core.errors import ModelError
 from ....core.quantities import Vector
 from ...asperities import pressure_scale
 from ...films.moes_venner import moes_film
@@ -46,7 +47,7 @@ MOST_LOAD = 1e5
 PEAK_SHARE = 1e-3
 
 
-class LineContactError(RuntimeError):
+class LineContactError(ModelError):
     """No film to the accuracy asked for."""
 
 
