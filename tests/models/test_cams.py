@@ -14,7 +14,6 @@ from numpy.polynomial import Polynomial
 
 from models.core.component import Component
 from models.valve_train.cams.law import law_lift
-from models.valve_train.cams.polydyne import Train, polydyne_lift
 from models.valve_train.cams.rises import RISES
 from models.valve_train.cams.smoothing import smooth_lift
 from models.valve_train.cams.table import Points, find_table_breaks, table_lift
@@ -269,17 +268,6 @@ def test_lift_tables_are_smoothed_to_the_accuracy_of_their_samples(record):
         # Its own estimates: the rounding step within a half, and three standard deviations.
         assert smoothed.resolution == pytest.approx(step, rel=0.5)
         assert error < 3.0 * smoothed.curvature_error
-
-
-def test_polydyne_cams(record):
-    """The valve moves by the law at the design speed: y_c/k_l is what the link is shortened by."""
-    p = law("high_powers")
-    points = polydyne_lift(p, Train(0.22, 4e6, 35e3, 330.0), 2500.0 * math.pi / 30.0)
-    table = through(points)
-    for degrees, expected in ((100, 0.198880568e-3), (130, 3.611389011e-3), (180, 8.106729538e-3)):
-        found = table_lift(math.radians(degrees), table).s
-        # Half a unit of the last digit stated.
-        record("Cam", f"polydyne lift at {degrees}°", found, expected, EVALUATION, tolerance=0.5e-12)
 
 
 @pytest.mark.parametrize(

@@ -64,12 +64,6 @@ class SmoothedLift:
         return begin, end if end >= begin else end + TURN
 
 
-def interpolate_lift(angle: Vector, lift: Vector) -> Points:
-    """The periodic quintic spline through exact lifts (m) at ascending angles (rad) within one turn."""
-    basis = _PeriodicBasis(angle)
-    return basis.points(np.asarray(np.linalg.solve(basis.at(angle), lift)))
-
-
 def smooth_lift(angle: Vector, lift: Vector, rounding: float = 0.0) -> SmoothedLift:
     """The smoothing spline of samples: ascending angles (rad) within one turn, lifts (m).
 

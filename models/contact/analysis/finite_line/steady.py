@@ -1,4 +1,4 @@
-"""The steady film of a finite line contact, for a load or for an approach.
+"""The steady film of a finite line contact under a load.
 
 Newton's method on the cells that are full; which are, is found on the way (a cell is full where p > 0 or
 where its balance asks for p: primal-dual active sets). It starts at the dry contact, lifted by the film of
@@ -13,22 +13,20 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ....core.quantities import Vector
 from ....core.system import ModelError
 from ...films.moes_venner import film as moes_venner
-from ...hertz import deflection
 from ..inlet import inlet_width
 from ..line.line_contact import LineContact
 from .checks import find_warnings, inlet_share
 from .contact import FiniteLine, Running
 from .dry import find_dry_load, solve_dry_pressure, touching
-from .faults import out_of_range, require_finite
+from .faults import out_of_range
 from .grid import Edges, Grid, Resolution, axial_faces, graded_nodes
 from .half_space import refuse_more_memory
 from .inlet import before_grid
-from .linear import Closing, newton_step
+from .linear import newton_step
 from .reynolds import HERE
 from .scaled import Scaled
 from .solution import Solution
@@ -104,59 +102,6 @@ def _attempt(problem: Scaled, window: _Window, fine: Resolution, start: Solution
     return _newton(problem, straight.p, straight.h0) or replace(straight, straight=True)
 
 
-def steady_at(
-    contact: FiniteLine, running: Running, approach: float, fine: Resolution | None = None
-) -> Solution:
-    """Film, pressure and load at an `approach` (m) of the bodies; `running.load` has no part.
-
-    Loads are tried by the secant method, then the approach is given to Newton's itself.
-    """
-    require_finite("approach", approach, "m", "give the approach of the bodies")
-    fine = fine or Resolution()
-    _needs_velocity(running)
-    compliance, length = contact.compliance, contact.length
-
-    def beyond(log_load: float) -> float:
-        """Of the line contact, in metres: elastic approach less film."""
-        load = math.exp(log_load)
-        return (
-            deflection(load, running.radius, length, compliance)
-            - formula_film(contact, running, load)
-            - approach
-        )
-
-    # K (9) holds up to b = 2 L; a load of 1e-9 N/m floats metres high.
-    lowest, highest = math.log(1e-9 * length), math.log(length**3 / (running.radius * compliance))
-    if beyond(lowest) > 0.0 or beyond(highest) < 0.0:
-        raise out_of_range(
-            "approach", approach, "m", "one that a contact of this length has", "see `hertz.deflection`"
-        )
-    log_load = float(brentq(beyond, lowest, highest, xtol=1e-3))
-    tried: list[tuple[float, Solution]] = []
-    for _ in range(12):
-        start = tried[-1][1] if tried else None
-        found = steady(contact, replace(running, load=math.exp(log_load)), fine, start)
-        tried.append((log_load, found))
-        miss = found.approach - approach
-        if abs(miss) < 1e-2 * (abs(approach) + found.central_film):
-            break
-        # d(approach)/d(ln W) is the approach's own size, or the film's, until two tries tell it.
-        slope = abs(found.approach) + found.central_film
-        if len(tried) > 1:
-            (before, old), (after, new) = tried[-2:]
-            slope = (new.approach - old.approach) / (after - before)
-        log_load -= max(-2.0, min(2.0, miss / slope)) if slope > 0.0 else 0.5
-    problem = _problem(contact, tried[-1][1].running, fine)
-    p, h0 = _transfer_film(problem, tried[-1][1])
-    target = -approach / problem.film_unit
-    state = _newton(problem, p, h0, target)
-    if state is None:
-        raise _build_error(problem)
-    load = float((problem.grid.areas * state.p).sum()) * problem.pressure_unit * problem.half_width**2
-    problem = replace(problem, running=replace(running, load=load))
-    return _finish(problem, state)
-
-
 def formula_film(contact: FiniteLine, running: Running, load: float, length: float | None = None) -> float:
     """The minimum film of Moes and Venner (m)."""
     fluid = contact.fluid
@@ -216,11 +161,6 @@ def _window(contact: FiniteLine, running: Running) -> _Window:
     return _Window(b, -first, 1.15 * found.largest + mouth, edges)
 
 
-def _problem(contact: FiniteLine, running: Running, fine: Resolution) -> Scaled:
-    window = _window(contact, running)
-    return Scaled(contact, running, window.half_width, window.grid(contact, fine))
-
-
 def _lift(problem: Scaled, share: float = 1.0) -> tuple[Vector, float]:
     """The dry contact, with a share of the formula's film in between."""
     p, h0, _ = touching(problem)
@@ -261,11 +201,9 @@ class _Storage:
 
 
 def _newton(
-    problem: Scaled, p: Vector, h0: float, fixed_h0: float | None = None,
-    storage: _Storage | None = None, curved: float = _CURVED,
-) -> _State | None:  # fmt: skip
-    """At the load, or at h0 = `fixed_h0`; steady, or after a step of `storage`. None: failed."""
-    none = np.zeros_like(p)
+    problem: Scaled, p: Vector, h0: float, storage: _Storage | None = None, curved: float = _CURVED
+) -> _State | None:
+    """Steady, or after a step of `storage`. None: failed."""
     for steps in range(_LARGEST_STEPS):
         h = problem.gap + h0 + problem.space.deflection(p)
         if not np.min(h) > 0.0:
@@ -278,7 +216,7 @@ def _newton(
             by_h[HERE] += mass_by_h / storage.step
         full = ((p > 0.0) | (g < 0.0)) & problem.open
         above = p - before_grid(h, problem.grid.x, problem.wedge)
-        closing = problem.carries(p) if fixed_h0 is None else Closing(none, 1.0, h0 - fixed_h0)
+        closing = problem.carries(p)
         missed = math.sqrt(float(np.mean(np.where(full, g, above) ** 2)))
         if not math.isfinite(missed):
             return None

@@ -11,7 +11,7 @@ from models.contact.analysis.finite_line.contact import FiniteLine, Running
 from models.contact.analysis.finite_line.grid import Grid, Resolution
 from models.contact.analysis.finite_line.profiles import Chamfered, Crowned, Logarithmic, johns_gohar
 from models.contact.analysis.finite_line.reynolds import Balance
-from models.contact.analysis.finite_line.steady import steady, steady_at
+from models.contact.analysis.finite_line.steady import steady
 from models.contact.analysis.line.line_contact import LineContact
 from models.contact.analysis.line.steady import LineContactWarning, solve_steady
 from models.contact.fluid import Lubricant
@@ -169,14 +169,6 @@ def test_a_sharp_tilted_end_near_a_reversal_has_a_film():
     line = solve_steady(LineContact(at.load, at.velocity, at.radius, LENGTH, STEEL, OIL))
     assert found.smallest_film < line.minimum_film
     assert found.end_pressure > 2.0 * line.maximum_pressure
-
-
-def test_approach_and_load_are_each_others_inverse():
-    """Within what the grid, which follows the load, makes of it."""
-    given = film_of(STRAIGHT, AT, COARSE)
-    found = steady_at(STRAIGHT, AT, given.approach, COARSE)
-    assert found.approach == pytest.approx(given.approach, rel=1e-9)
-    assert found.load == pytest.approx(AT.load, rel=5e-3)
 
 
 def test_it_says_what_is_not_to_be_trusted():
