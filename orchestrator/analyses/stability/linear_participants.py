@@ -44,9 +44,11 @@ class BatchedSystem:
         self._numbers: dict[Port, int] = {}
         for name, instance in system.instances.items():
             layout = instance.component.outputs
-            names = [copy for own in layout.names for copy in name_copies(own, count)]
+            fields = {copy: layout.field(own) for own in layout.names for copy in name_copies(own, count)}
+            names = list(fields)
             # The matrices hold the direct feedthrough.
-            component = SimpleNamespace(outputs=SimpleNamespace(names=names), feedthrough={})
+            outputs = SimpleNamespace(names=names, field=fields.__getitem__)
+            component = SimpleNamespace(outputs=outputs, feedthrough={})
             self.instances[name] = SimpleNamespace(component=component)
             for variable, nominal in zip(names, np.repeat(layout.nominal, count), strict=True):
                 self._numbers[Port(name, variable)] = len(self.nominal)
