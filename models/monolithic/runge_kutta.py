@@ -115,7 +115,8 @@ def _root(value: Callable[[float], float], low: float, high: float) -> float:
         return float(low)
     if value(high) >= 0.0:
         return float(high)
-    found = float(brentq(value, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
+    # A flat zero takes many iterations.
+    found = float(brentq(value, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps, maxiter=5000))
     step = np.spacing(found)
     while value(found) > 0.0 and found + step < high:
         found, step = found + step, 2.0 * step

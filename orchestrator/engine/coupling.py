@@ -46,7 +46,6 @@ class Coupling:
     ) -> None:
         self.wiring = w = wire(system, participants, degree, watched or {})
         self.participants = [participants[name] for name in w.names]
-        self.restorable = all(participant.restorable for participant in self.participants)
         self.divisible = all(getattr(participant, "divisible", True) for participant in self.participants)
         self.calls = np.zeros(len(w.names), dtype=np.int64)
         rated = np.zeros(len(w.sources), dtype=np.bool_)
@@ -58,6 +57,7 @@ class Coupling:
         self.all_inputs: Vector = np.zeros(self.offsets[-1])
         self.inputs: list[Vector] = []
         self.unrated: list[str] = []  # whose rates are no numbers at the start, and not used
+        self.unproven: list[str] = []  # why participants that say so cannot be restored
         self.ended = False  # whether a step that compiled code made was the last of its FMU
         self._bound: dict[Hashable, Any] = {}
         for i, participant in enumerate(self.participants):
@@ -127,6 +127,23 @@ class Coupling:
         self.instants.settle(start_time)
         self.state.history.begin(start_time, self.state.values, self.state.rates)
 
+    @property
+    def restorable(self) -> bool:
+        """Whether all participants can restore their states."""
+        return all(participant.restorable for participant in self.participants)
+
+    def prove(self, time: float) -> None:
+        """At the start, after `initialise`: try whether participants restore their states."""
+        proofs = [found for one in self.participants if (found := getattr(one, "prove", None))]
+        self.unproven = [reason for prove in proofs if (reason := prove(time))]
+        if proofs:  # which may be other instances now
+            self._rebind()
+
+    def _rebind(self) -> None:
+        """Make sweeps anew."""
+        self.__dict__.pop("offers", None)
+        self._bound.clear()
+
     def _forgo_rates(self, i: int) -> None:
         """Use no rates of participant i, whose signals are then quadratic.
 
@@ -137,8 +154,7 @@ class Coupling:
         self.unrated.append(self.wiring.names[i])
         self.participants[i].connect(self._bind(i, np.zeros(0)))
         self.state.history.rated[own], self.state.rates[own] = False, 0.0
-        self.__dict__.pop("offers", None)
-        self._bound.clear()
+        self._rebind()
 
     def propagate(self, order: tuple[int, ...], time: float) -> None:
         """Give the present values, and rates, to each participant in turn and read its answer."""

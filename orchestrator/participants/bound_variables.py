@@ -119,7 +119,7 @@ class BoundInputs:
         references = np.array(inputs, dtype=np.uintc)
         sends = [
             fmu.fmi.bind_input_derivatives(
-                references, np.full(len(columns), order, dtype=np.intc), own, fmu.errors.fail_to_set
+                references, np.full(len(columns), order, dtype=np.intc), own, fmu.errors.fail_to_follow
             )
             for order, own in enumerate(slopes, 1)
         ]

@@ -18,6 +18,11 @@ from .fmi_instance import DISCARD, FATAL, PENDING, WARNING, FmiInstance, status_
 
 REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
 
+NOT_FOLLOWED = (
+    "it does not take them, though it says so (canInterpolateInputs); set master.extrapolation = 'hold', "
+    "with which inputs have none"
+)
+
 # Part of a step that a complete one may lack, by rounding in the FMU's sum of steps.
 WHOLE = 1e-9
 
@@ -75,13 +80,13 @@ class ErrorReporter:
         if status > WARNING:
             self.fail(status, what)
 
-    def fail(self, status: int, what: str) -> NoReturn:
+    def fail(self, status: int, what: str, remedy: str = REMEDY) -> NoReturn:
         """Raise the error of a failed call."""
         said = self.quote_messages() or "no message"
         message = f"{self.name}: {what} returned {status_name(status)}: {said}; "
         if status == PENDING:
             raise ParticipantError(f"{message}{ASYNCHRONOUS}")
-        message += REMEDY
+        message += remedy
         if status == FATAL:
             self.fatal = True
             raise LostParticipantError(message)
@@ -89,6 +94,9 @@ class ErrorReporter:
 
     def fail_to_set(self, status: int) -> NoReturn:
         self.fail(status, "setting the inputs")
+
+    def fail_to_follow(self, status: int) -> NoReturn:
+        self.fail(status, "setting the derivatives of the inputs", NOT_FOLLOWED)
 
     def fail_to_read(self, status: int) -> NoReturn:
         self.fail(status, "reading the outputs")

@@ -63,6 +63,11 @@ class OwnProcess:
         """A fresh instance, in the place of the one before; it has to be connected and initialised."""
         self._call("instantiate", **self._wanted)
 
+    @property
+    def lost(self) -> bool:
+        """Whether the process has ended, or may be anywhere in a call."""
+        return self._lost
+
     def initialise(self, start_time: float, stop_time: float) -> None:
         self._call("initialise", start_time=start_time, stop_time=stop_time)
 

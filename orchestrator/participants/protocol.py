@@ -45,8 +45,10 @@ class Participant(Protocol):
 
     name: str
 
-    # Whether `save` and `restore` are possible.
-    restorable: bool
+    @property
+    def restorable(self) -> bool:
+        """Whether `save` and `restore` are possible; final once the start is proven (see `proven`)."""
+        ...
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         """The degree of the polynomial in time that it follows, for each input; 0: it holds the value."""

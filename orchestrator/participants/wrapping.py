@@ -21,7 +21,6 @@ class ParticipantWrapper:
 
     def __init__(self, participant: Participant) -> None:
         self.name = participant.name
-        self.restorable = participant.restorable
         self._participant = participant
         self.initialise = participant.initialise
         self.finish_initialisation = participant.finish_initialisation
@@ -30,6 +29,12 @@ class ParticipantWrapper:
         self.side = get_side_channel(participant)
         self.variable_step = getattr(participant, "variable_step", True)
         self.divisible = getattr(participant, "divisible", True)
+        self.prove = getattr(participant, "prove", None)
+
+    @property
+    def restorable(self) -> bool:
+        """As long as the participant is."""
+        return self._participant.restorable
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return self._participant.signal_degrees(input_names)

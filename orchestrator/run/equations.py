@@ -24,6 +24,7 @@ from models.monolithic.runge_kutta import RungeKutta
 
 from ..errors import EndedError
 from ..participants.model_exchange import FmuEquations
+from ..participants.model_exchange.crossing import cross, leave_zeros
 from ..participants.third_party import NamedLayout
 from ..participants.transformed import Linear
 
@@ -182,6 +183,8 @@ class PartwiseProblem:
         self._iterate_events(t, z)
         for name, part in self._fmus.items():
             self.nominal[self.system.state.of(name)] = part.equations.get_nominal()
+        if (behind := leave_zeros(self, t, z)) > t:
+            self._enter_events(behind, z)
         return z
 
     def rate(self, t: float, z: Vector) -> Vector:
@@ -205,14 +208,22 @@ class PartwiseProblem:
             if guard != TIME_EVENT
             else (min(self._next, key=self._next.__getitem__), guard)
         )
-        self._observe(t, z)
-        part = self.parts[name]
+        part, behind = self.parts[name], t
+        if isinstance(part, FmuPart):
+            behind = cross(self, guard, t, z)
+        self._observe(behind, z)
         if isinstance(part, ComponentPart):
             part.transition(k, t, z[s.state.of(name)], self.evaluation.u[s.inputs.of(name)])
+        self._enter_events(behind, z)
+        if (behind := leave_zeros(self, t, z)) > t:
+            self._enter_events(behind, z)
+        return Event(t, name, k)
+
+    def _enter_events(self, t: float, z: Vector) -> None:
+        self._observe(t, z)
         for fmu in self._fmus.values():
             fmu.equations.enter_events()
         self._iterate_events(t, z)
-        return Event(t, name, k)
 
     def sample(self, t: float, z: Vector) -> Vector:
         """All outputs at (t, z), where a step of the integrator ends: an FMU may ask for an event."""

@@ -106,6 +106,7 @@ class _Observation:
             not_numbers=self.not_numbers.since,
             python_sweeps=statistics.python_sweeps if statistics else {},
             unrated=statistics.unrated if statistics else (),
+            unproven=statistics.unproven if statistics else (),
         )
 
 

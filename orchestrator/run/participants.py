@@ -14,6 +14,7 @@ from ..engine.energy.correction import Compensated, bond_inputs
 from ..engine.energy.estimate import EstimatedComponent, Estimating, without_estimates
 from ..engine.substeps import Substepped
 from ..participants import Participant, in_process, open_fmu, open_in_own_process, transformed
+from ..participants.proven import Proof, Proven
 from ..participants.transformed import Linear
 
 
@@ -30,7 +31,8 @@ class ParticipantPlan:
     """An FMU and how it runs, or without a `file` the component's equations in this process.
 
     `linear` transforms inputs, by name. A `compensated` one gets back what its inputs missed in the last
-    step. An FMU that is `exposed` can end this process at any moment.
+    step. An FMU that is `exposed` can end this process at any moment; of one with a `proof` it is tried
+    whether it restores its state.
     """
 
     file: FmuFile | None = None
@@ -38,6 +40,7 @@ class ParticipantPlan:
     own_process: bool = False
     exposed: bool = False
     memory_limit_mb: int | None = None
+    proof: Proof | None = None
     substeps: int = 1
     retries: int = 0
     linear: Mapping[str, Linear] = field(default_factory=dict)
@@ -51,6 +54,13 @@ class ParticipantPlan:
         if self.own_process:
             return open_in_own_process(name, self.file.path, bare, self.strings, self.memory_limit_mb)
         return open_fmu(name, self.file.path, bare, self.strings)
+
+    def make_opener(self, name: str, instance: Instance) -> Callable[[], Participant]:
+        """Opens the bare participant, which proves what it says."""
+        make = partial(self.open_bare, name, instance)
+        if self.proof is None:
+            return make
+        return partial(Proven, make, without_estimates(instance).component.outputs, self.proof)
 
     def complete(self, participant: Participant, instance: Instance) -> Participant:
         """The bare participant with what lies between it and the coupling."""
@@ -80,7 +90,7 @@ def open_participants(
         participants = {}
         for name, instance in system.instances.items():
             plan = plans[name]
-            bare = wrap(name, partial(plan.open_bare, name, instance))
+            bare = wrap(name, plan.make_opener(name, instance))
             stack.callback(bare.close)
             participants[name] = plan.complete(bare, instance)
         yield participants

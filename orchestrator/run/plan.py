@@ -19,7 +19,7 @@ from ..masters import Master
 from ..participants import ThirdPartyComponent, find_missing
 from ..reporter import Reporter
 from ..scenario import BUILT_KINDS, Scenario
-from ..scenario.capabilities import is_refined, is_solved_by_parts
+from ..scenario.capabilities import is_refined, is_solved_by_parts, plan_proof
 from ..scenario.checks import check_reference
 from ..scenario.conversion import Transformations
 from ..scenario.files import to_full_toml
@@ -182,6 +182,7 @@ def plan_participants(
             own_process=table.own_process,
             exposed=table.untrusted and not table.own_process,
             memory_limit_mb=table.memory_limit_mb,
+            proof=plan_proof(scenario, name),
             substeps=table.substeps,
             retries=table.retries,
             linear=linear.get(name, {}),

@@ -64,3 +64,4 @@ class Record:
     not_numbers: Mapping[str, float] = field(default_factory=dict)  # the first time (s) an output was NaN
     python_sweeps: Mapping[str, str] = field(default_factory=dict)  # slow participants: reason
     unrated: Sequence[str] = ()  # participants whose rates were not used
+    unproven: Sequence[str] = ()  # why participants were not restored

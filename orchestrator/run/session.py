@@ -46,6 +46,7 @@ class Session:
     def begin(self) -> None:
         """Initialise the participants at the start."""
         self.coupling.initialise(self.time, self.stop_time)
+        self.coupling.prove(self.time)
         self._steps.begin(self.coupling, self._master, self.time, self.stop_time)
 
     def step(self) -> Step:

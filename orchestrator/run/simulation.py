@@ -26,7 +26,8 @@ class Statistics:
     """What a run took. `do_steps` counts the steps of single participants, rejected ones too.
 
     `python_sweeps`: the participants that keep sweeps in Python, which is slower than compiled code, and why.
-    `unrated`: those whose rates are no numbers at the start, and were not used.
+    `unrated`: those whose rates are no numbers at the start, and were not used. `unproven`: why some do not
+    restore their states.
     """
 
     macro_steps: int
@@ -36,6 +37,7 @@ class Statistics:
     coupled_time_s: float
     python_sweeps: Mapping[str, str]
     unrated: Sequence[str] = ()
+    unproven: Sequence[str] = ()
 
 
 class _Run:
@@ -95,7 +97,7 @@ class _Run:
         elapsed, coupling = clock.perf_counter() - self._began, self.session.coupling
         return Statistics(
             self._made, self._rejected, self._iterations, int(coupling.calls.sum()), elapsed,
-            coupling.explain_python(), coupling.unrated,
+            coupling.explain_python(), coupling.unrated, coupling.unproven,
         )  # fmt: skip
 
 

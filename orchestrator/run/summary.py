@@ -62,6 +62,7 @@ class Summary:
     not_numbers: Mapping[str, float] = field(default_factory=dict)
     python_sweeps: Mapping[str, str] = field(default_factory=dict)
     unrated: Sequence[str] = ()
+    unproven: Sequence[str] = ()
     fmus: dict[str, str] = field(default_factory=dict)
     notices: Sequence[Words] = field(default_factory=list)
 
@@ -73,6 +74,7 @@ class Summary:
         for name, given in self.warnings.items():
             first = f", the first: {given.first}" if given.first else "; it does not say of what"
             lines.append(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
+        lines += self.unproven
         if self.unrated:
             lines.append(
                 f"{', '.join(self.unrated)}: rates of change are no numbers at the start, so signals go "

@@ -23,6 +23,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, TypeVar
@@ -254,7 +255,7 @@ class Watched:
     """Implements `Participant` by one whose calls are watched."""
 
     def __init__(self, participant: Participant, watchdog: Watchdog, index: int) -> None:
-        self.name, self.restorable = participant.name, participant.restorable
+        self.name = participant.name
         self._participant, self._watchdog, self._index = participant, watchdog, index
         guard_call, mark_start = watchdog.guard_call, watchdog.mark_start
         self.signal_degrees = participant.signal_degrees
@@ -270,6 +271,12 @@ class Watched:
         # Enclosed: a checkpoint, which the disk may keep waiting, comes after it.
         self.release = guard_call(index, "freeing of a saved state", participant.release)
         self.close = guard_call(index, "end", participant.close)
+        prove = getattr(participant, "prove", None)
+        self.prove = partial(prove, guard=partial(guard_call, index, "step")) if prove else None
+
+    @property
+    def restorable(self) -> bool:
+        return self._participant.restorable
 
     def to_bytes(self, saved: Any) -> bytes:
         call = "serialising of its state"

@@ -11,6 +11,7 @@ import fmpy
 
 from ..participants.description import CLOCK, Description
 from ..participants.library import find_library, list_libraries
+from ..participants.proven import Proof
 from . import Scenario, ScenarioError, parse_line
 
 # Tolerance, in steps, of "a whole number of steps": far more than rounding.
@@ -124,19 +125,9 @@ def _find_fault(scenario: Scenario, name: str, about: Description) -> str:
             f"has clocks ({', '.join(clocks)}), which tick in co-simulation with event mode only "
             "(hasEventMode); take an FMU that has it, without interface = 'model_exchange'"
         )
-    if scenario.master.build().implicit:
-        varied = f"the master {scenario.master.name}", "take the master jacobi or gauss_seidel"
-    elif scenario.step_control and not scenario.step_control.forward:
-        varied = "[step_control]", "set step_control.estimator = 'defect', which makes every step once"
-    elif scenario.event_tolerance and not scenario.step_control:
-        varied = "event_tolerance", "leave it out"
-    else:
-        varied = None
-    if varied and not about.restorable:
-        return (
-            f"cannot restore its state (canGetAndSetFMUstate = false), but {varied[0]} repeats steps; "
-            f"{varied[1]}, or give another file"
-        )
+    repeats = _describe_repetition(scenario)
+    if repeats and not about.restorable:
+        return f"cannot restore its state (canGetAndSetFMUstate = false), but {repeats}, or give another file"
     lengths = (
         "[step_control]" if scenario.step_control else "",
         "event_tolerance" if scenario.event_tolerance else "",
@@ -156,6 +147,33 @@ def _find_fault(scenario: Scenario, name: str, about: Description) -> str:
                 f"{scenario.macro_step:g} s; change one of them"
             )
     return ""
+
+
+def _describe_repetition(scenario: Scenario) -> str:
+    """What of the scenario cannot do without steps that are repeated, and the remedy; empty if nothing."""
+    if scenario.master.build().implicit:
+        return f"the master {scenario.master.name} repeats steps; take the master jacobi or gauss_seidel"
+    if scenario.step_control and not scenario.step_control.forward:
+        return (
+            "[step_control] repeats steps; set step_control.estimator = 'defect', which makes every step once"
+        )
+    if scenario.event_tolerance and not scenario.step_control:
+        return "event_tolerance repeats steps; leave it out"
+    return ""
+
+
+def plan_proof(scenario: Scenario, name: str) -> Proof | None:
+    """Of an FMU of whose saved states the run makes use, and that this user's tribocosim has not built."""
+    table = scenario.components[name]
+    if not table.untrusted or not table.describe().restorable:
+        return None
+    required = _describe_repetition(scenario)
+    if table.retries and not required:
+        required = f"components.{name}.retries repeats steps; leave it out"
+    repeated = scenario.connections and scenario.master.build().degree  # the first step
+    if not (required or repeated or scenario.checkpoint_every):
+        return None
+    return Proof(scenario.macro_step / table.substeps, required and f"but {required}")
 
 
 def list_renamed_libraries(scenario: Scenario) -> list[str]:

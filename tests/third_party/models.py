@@ -46,7 +46,7 @@ class Model:
     abilities: str = 'canGetAndSetFMUstate="true" canSerializeFMUstate="true" '
     variable_step: bool = True
     rates: dict[str, str] = field(default_factory=dict)
-    highest: int = 3
+    highest: int = 3  # less than 0: their call is an error
 
 
 EXPONENTIAL = "$x = $x * exp(-$k * h);"
@@ -225,6 +225,12 @@ MODELS["lookup"] = Model(
     $seen = $sampled;""",
 )  # fmt: skip
 
+# What they count is no part of the state that they save.
+MODELS["forgetful"] = Model(
+    (V("passed", "output"), V("u", "input")),
+    "*(double *)m->text += h; $passed = *(double *)m->text;",
+    depends={"passed": ()},
+)
 LIMITED = "if (t > 0.495) "
 VICES = {
     "crashing": "raise(SIGSEGV);",
@@ -292,6 +298,8 @@ MODELS["first_slope"] = replace(
     MODELS["integral"],
     highest=1,
 )
+# Takes none, though it says so.
+MODELS["claiming"] = replace(MODELS["integral"], highest=-1)
 # The mass that takes no slope of its force, and can be taken back.
 MODELS["held_mass"] = replace(MODELS["sprung"], abilities=MODELS["dahlquist"].abilities)
 MODELS["printing_mass"] = replace(

@@ -162,7 +162,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     /* The variables after an input are its derivatives. */
     if (!((Instance *)c)->initialised) return fmi2Error;
     for (size_t i = 0; i < n; i++)
-        if (o[i] > HIGHEST) return fmi2Warning;
+        if (o[i] > HIGHEST) return HIGHEST < 0 ? fmi2Error : fmi2Warning;
     for (size_t i = 0; i < n; i++) ((Instance *)c)->v[r[i] + o[i]] = x[i];
     return fmi2OK;
 }

@@ -10,12 +10,12 @@ import pytest
 
 from models.monolithic.trajectory import Trajectory
 from orchestrator.analyses.stability.analyse import survey_scenario
-from orchestrator.analyses.stability.reopened import Reopened
 from orchestrator.analyses.stability.responses import Responses
 from orchestrator.analyses.stability.survey import Survey
 from orchestrator.masters import find_name
 from orchestrator.participants import collect_settings, open_fmu
 from orchestrator.participants.protocol import BoundVariables
+from orchestrator.participants.reopened import Reopened
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario import Scenario, ScenarioError

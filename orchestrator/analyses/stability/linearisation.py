@@ -19,11 +19,11 @@ from models.monolithic.trajectory import Trajectory
 
 from ...errors import Option, ParticipantError, Set, Words
 from ...participants import GivesDerivatives, Participant, transformed
+from ...participants.reopened import Reopened
 from ...run.participants import ParticipantPlan
 from ...scenario import Scenario, ScenarioError
 from ...scenario.capabilities import list_foreign
 from .linear import ROWS, Linear, compute_eigenvalues
-from .reopened import Reopened
 from .responses import FRESH, SAMPLES, SAVED, Responses
 from .trajectory import (
     NotLinearError,

@@ -27,6 +27,7 @@ from ...errors import ParticipantError
 from ..capabilities import signal_degrees
 from ..opened_fmu import FmuSettings
 from ..protocol import BoundVariables
+from .crossing import cross
 from .equations import ExchangeFmu
 
 # Relative to nominal + |value|, as in the FMUs of our components.
@@ -78,10 +79,14 @@ class DrivenEquations:
         return self.fmu.guards()
 
     def transition(self, guard: int, t: float, z: Vector) -> Event:
+        self.enter_events(cross(self, guard, t, z), z)
+        return Event(t, self.fmu.name, guard)
+
+    def enter_events(self, t: float, z: Vector) -> None:
+        """To event mode at (t, z) and back; z becomes the new state."""
         self.outputs(t, z)
         self.fmu.enter_events()
         self.iterate_events(t, z)
-        return Event(t, self.fmu.name, guard)
 
     def iterate_events(self, t: float, z: Vector) -> None:
         """From event mode, with the inputs at t, back to continuous-time mode; z becomes the new state."""
@@ -164,7 +169,7 @@ class IntegratedFmu:
         problem.rates = 0
         try:
             if self._jumped:
-                problem.transition(0, time, z)
+                problem.enter_events(time, z)
             method = RungeKutta(problem, TOLERANCE, self._stiff, step)
             found, _ = march(problem, method, z, time, np.array([time + step]), sample=self._complete)
         except ModelError as error:
@@ -179,7 +184,7 @@ class IntegratedFmu:
         z = z.copy()
         self._problem.outputs(t, z)
         if self._fmu.complete_step():
-            self._problem.transition(0, t, z)
+            self._problem.enter_events(t, z)
         return z
 
     def read(self) -> None:

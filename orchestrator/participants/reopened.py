@@ -7,8 +7,8 @@ from typing import Any, NoReturn
 
 from models.core.quantities import Vector
 
-from ...participants import InOwnProcess, Participant
-from ...participants.protocol import BoundVariables
+from .in_own_process import InOwnProcess
+from .protocol import BoundVariables, Participant
 
 # A call that changes it: its name, its arguments, and the inputs that were written before it.
 Call = tuple[str, tuple[Any, ...], Vector]
@@ -17,24 +17,24 @@ Call = tuple[str, tuple[Any, ...], Vector]
 class Reopened:
     """Implements `Participant` by fresh instances of `open_unit()`.
 
-    `save` is the number of calls so far, `restore` makes these calls again with a new instance, which gives
-    the same bits as long as the FMU depends on nothing else.
+    `unit` is the present one. `save` is the number of calls so far, `restore` makes these calls again with
+    a new instance, which gives the same bits as long as the FMU depends on nothing else.
     """
 
     restorable = True
 
     def __init__(self, open_unit: Callable[[], Participant]) -> None:
-        self._open, self._unit = open_unit, open_unit()
-        self.name = self._unit.name
+        self._open, self.unit = open_unit, open_unit()
+        self.name = self.unit.name
         self._calls: list[Call] = []
         self._changed = False
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
-        return self._unit.signal_degrees(input_names)
+        return self.unit.signal_degrees(input_names)
 
     def connect(self, bound: BoundVariables) -> Sequence[bool]:
         self._bound = bound
-        return self._unit.connect(bound)
+        return self.unit.connect(bound)
 
     def compiled_calls(self) -> str:
         return "it is brought back by fresh instances"
@@ -55,10 +55,10 @@ class Reopened:
         self._call("advance", time, step)
 
     def read(self) -> None:
-        self._unit.read()
+        self.unit.read()
 
     def read_all(self, values: Vector) -> None:
-        self._unit.read_all(values)
+        self.unit.read_all(values)
 
     def save(self) -> int:
         self._changed = False
@@ -69,17 +69,22 @@ class Reopened:
             return
         again, self._calls = self._calls[:saved], []
         inputs = self._bound.inputs.copy()
-        if isinstance(self._unit, InOwnProcess):
-            self._unit.renew()
+        if isinstance(self.unit, InOwnProcess) and not self.unit.lost:
+            self.unit.renew()
         else:
-            self._unit.close()
-            self._unit = self._open()
-        self._unit.connect(self._bound)
+            self.unit.close()
+            self.unit = self._open()
+        self.unit.connect(self._bound)
         for method, arguments, given in again:
             self._bound.inputs[:] = given
             self._call(method, *arguments)
         self._bound.inputs[:] = inputs
         self._changed = False
+
+    def reopen(self) -> None:
+        """A fresh instance, brought to where this one was when it was last called by these methods."""
+        self._changed = True
+        self.restore(len(self._calls))
 
     def release(self, saved: int) -> None:
         pass
@@ -91,9 +96,9 @@ class Reopened:
         raise NotImplementedError("its calls end with their process")
 
     def close(self) -> None:
-        self._unit.close()
+        self.unit.close()
 
     def _call(self, method: str, *arguments: Any) -> None:
         self._calls.append((method, arguments, self._bound.inputs.copy()))
         self._changed = True
-        getattr(self._unit, method)(*arguments)
+        getattr(self.unit, method)(*arguments)

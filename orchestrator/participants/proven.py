@@ -1,0 +1,159 @@
+"""An FMU that says it can restore its state, which is tried before a run depends on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from models.core.quantities import Layout, Vector
+
+from ..errors import EndedError, ParticipantError, RecoverableError
+from .compiled import CompiledCalls
+from .protocol import BoundVariables, GivesWarnings, Participant
+from .reopened import Reopened
+from .side_channel import get_side_channel
+
+Advance = Callable[[float, float], None]
+Guard = Callable[[Advance], Advance]
+
+# Relative to nominal + |value|, by which outputs of the same step may differ.
+ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class Proof:
+    """The length (s) of the step that is made twice. `required` says what has to go back, and the remedy;
+    empty if the run can do without."""
+
+    step: float
+    required: str = ""
+
+
+class Proven:
+    """Implements `Participant` by `open_unit()`, whose outputs are `outputs`.
+
+    `prove` makes a step, takes it back and makes it again. If the outputs differ the FMU does not come back
+    to the state it saved, as one that saves a part only. It is then opened afresh, and not restorable.
+    """
+
+    def __init__(self, open_unit: Callable[[], Participant], outputs: Layout, proof: Proof) -> None:
+        self._first = Reopened(open_unit)
+        self._unit: Participant = self._first
+        self._outputs, self._proof = outputs, proof
+        self._warned = 0
+        unit = self._first.unit
+        self.name, self.restorable = unit.name, unit.restorable
+        self.side = get_side_channel(unit)
+        self.variable_step = getattr(unit, "variable_step", True)
+        self.divisible = getattr(unit, "divisible", True)
+        self.signal_degrees = unit.signal_degrees
+
+    def prove(self, time: float, guard: Guard = lambda call: call) -> str:
+        """After initialisation, at the start: why its state is not restored in this run; "" if it can be.
+
+        `guard` watches calls of `advance`.
+        """
+        self._unit = unit = self._first.unit
+        before, self._warned = self.warnings()[0], 0
+        try:
+            first, second = self._step_twice(unit, guard(unit.advance), time)
+        except (RecoverableError, EndedError):
+            return ""  # which the run meets too
+        except ParticipantError:
+            self._reopen()
+            return ""
+        self._warned = self.warnings()[0] - before
+        differing = np.abs(second - first) > ROUNDING * (self._outputs.nominal + np.abs(first))
+        if not differing.any():
+            return ""
+        i = int(np.argmax(differing))
+        reason = (
+            f"{self.name}: the FMU does not come back to the state that it saved, though it says so "
+            f"(canGetAndSetFMUstate): {self._outputs.names[i]} is {second[i]:.9g} after a step of "
+            f"{self._proof.step:g} s that was {first[i]:.9g} the first time"
+        )
+        if self._proof.required:
+            raise ParticipantError(f"{reason}; {self._proof.required}, or give another file")
+        self._reopen()
+        self.restorable = False
+        return f"{reason}: no step of it is taken back, and there are no checkpoints"
+
+    def _step_twice(self, unit: Participant, advance: Advance, time: float) -> list[Vector]:
+        """The outputs after both; the FMU is then where it was."""
+        found = [np.zeros(self._outputs.size) for _ in range(2)]
+        saved = unit.save()
+        try:
+            for values in found:
+                try:
+                    unit.write()
+                    advance(time, self._proof.step)
+                    unit.read_all(values)
+                finally:
+                    unit.restore(saved)
+        finally:
+            unit.release(saved)
+        return found
+
+    def _reopen(self) -> None:
+        if self.side is not None:
+            raise ParticipantError(
+                f"{self.name}: the FMU cannot be taken back to the start, as it has events, clocks or texts; "
+                "give a copy of it whose modelDescription.xml does not say canGetAndSetFMUstate"
+            )
+        self._first.reopen()
+        self._unit = self._first.unit
+        self._warned = 0
+
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        return self._unit.connect(bound)
+
+    def compiled_calls(self) -> CompiledCalls | str:
+        return self._unit.compiled_calls()
+
+    def initialise(self, start_time: float, stop_time: float) -> None:
+        self._unit.initialise(start_time, stop_time)
+
+    def finish_initialisation(self) -> None:
+        self._unit.finish_initialisation()
+
+    def set_inputs(self, values: Mapping[str, float]) -> None:
+        self._unit.set_inputs(values)
+
+    def write(self) -> None:
+        self._unit.write()
+
+    def advance(self, time: float, step: float) -> None:
+        self._unit.advance(time, step)
+
+    def read(self) -> None:
+        self._unit.read()
+
+    def read_all(self, values: Vector) -> None:
+        self._unit.read_all(values)
+
+    def save(self) -> Any:
+        return self._unit.save()
+
+    def restore(self, saved: Any) -> None:
+        self._unit.restore(saved)
+
+    def to_bytes(self, saved: Any) -> bytes:
+        return self._unit.to_bytes(saved)
+
+    def from_bytes(self, data: bytes) -> Any:
+        return self._unit.from_bytes(data)
+
+    def release(self, saved: Any) -> None:
+        self._unit.release(saved)
+
+    def warnings(self) -> tuple[int, str]:
+        """As `FmuParticipant`, without those of the steps that were tried."""
+        unit = self._first.unit
+        count, first = unit.warnings() if isinstance(unit, GivesWarnings) else (0, "")
+        return count - self._warned, first
+
+    def close(self) -> None:
+        self._unit.close()
