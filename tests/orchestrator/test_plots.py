@@ -26,9 +26,10 @@ from orchestrator.plots import (
     valve_train,
     valves,
 )
-from orchestrator.plots.data import FigureData, list_parameters
+from orchestrator.plots.data import FigureData
 from orchestrator.scenario import parse_ends
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import list_parameters
 
 METRE, RADIAN, FORCE, NUMBER = (Quantity(unit, unit) for unit in ("m", "rad", "N", "1"))
 
