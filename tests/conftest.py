@@ -1,10 +1,12 @@
-"""Settings of all tests, and the fixture that records numbers for the validation manual."""
+"""Settings of all tests, and fixtures of all: numbers for the validation manual, kernels in plain Python."""
 
 from hypothesis import settings
 
+from .plain import plain_kernels
+from .shared import shared_folder
 from .validation import record
 
-__all__ = ["record"]
+__all__ = ["plain_kernels", "record", "shared_folder"]
 
 # An example that comes first compiles kernels, seconds that say nothing of the test; which one that is
 # depends on the tests that ran before in the same process.

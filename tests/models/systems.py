@@ -124,6 +124,16 @@ def state_matrix(
     return np.array(columns).T / step
 
 
+def find_whirl(matrix: Vector, x: int, y: int) -> Vector:
+    """Angular frequencies of an undamped shaft from d(rates)/d(states), ascending: positive where it whirls
+    anticlockwise, from axis x to y, given the places of two displacements along them among the states."""
+    values, vectors = np.linalg.eig(matrix)
+    moving = (values.imag > 0.0) & (np.abs(vectors[x]) > 1e-9 * np.abs(vectors).max(axis=0))
+    # x = cos(w t) and y = sin(w t) are the real parts of exp(i w t) and -i exp(i w t).
+    turned = np.imag(vectors[y, moving] / vectors[x, moving])
+    return np.sort(-np.sign(turned) * values.imag[moving])
+
+
 def run(problem: Any, x0: Vector, times: Vector, t0: float = 0.0, tolerance: float = 1e-9) -> Vector:
     """Outputs (n, n_out) at `times` by the reference's first method alone."""
     z = problem.start(x0)

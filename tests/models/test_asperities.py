@@ -25,6 +25,8 @@ from models.contact.asperities import (
     real_area_share,
 )
 
+pytestmark = pytest.mark.plain
+
 STEEL = 2.0 * 0.91 / 207e9
 SURFACES = Asperities(0.2e-6, 0.05, 1e-3)
 

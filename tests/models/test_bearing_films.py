@@ -18,6 +18,8 @@ from models.contact.short_bearing import Squeeze, find_force, find_impedance, fi
 
 from .reynolds_bearing import solve_film
 
+pytestmark = pytest.mark.plain
+
 R, L, C = 12.5e-3, 12e-3, 25e-6
 ANGLES = st.floats(-math.pi, math.pi)
 RATIOS = st.floats(0.0, 0.99)

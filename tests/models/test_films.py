@@ -19,6 +19,8 @@ from models.contact.hertz import elastic_compliance
 
 from .systems import outputs_of, rates_of
 
+pytestmark = pytest.mark.plain
+
 C = 96.775
 AT = {
     "load": 500.0,

@@ -10,6 +10,8 @@ from models.monolithic.driven import Piece, solve_driven
 
 from .systems import outputs_of
 
+pytestmark = pytest.mark.plain
+
 WHEEL = CATALOGUE["flywheel"]()
 RAMP = {"initial_speed": 50.0, "final_speed": 250.0, "ramp_start": 0.2, "ramp_duration": 0.5}
 

@@ -25,6 +25,8 @@ from models.contact.load_sharing import FilmFormula, formula_film, share_load
 
 from .systems import outputs_of
 
+pytestmark = pytest.mark.plain
+
 LENGTH, RADIUS = 12e-3, 0.03
 STEEL = elastic_compliance(207e9, 0.3, 207e9, 0.3)
 SURFACES = Asperities(0.2e-6, 0.05, 1e-3)

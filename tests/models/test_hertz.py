@@ -21,6 +21,8 @@ from models.contact.hertz import (
 
 from .systems import outputs_of
 
+pytestmark = pytest.mark.plain
+
 LENGTH = 12e-3
 COMPLIANCE = elastic_compliance(207e9, 0.3, 207e9, 0.3)
 

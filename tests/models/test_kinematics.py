@@ -16,6 +16,8 @@ from models.valve_train.camshaft import CamshaftParameters
 
 from .systems import outputs_of
 
+pytestmark = pytest.mark.plain
+
 S, R0 = 8e-3, 2.610272395869072 * 8e-3
 B, DWELL = math.radians(88.66608103115016), math.radians(1.333918968849847)
 KUSHWAHA_CAM = Layout(CamshaftParameters).defaults()

@@ -15,7 +15,9 @@ from models.core.system import Instance, System
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
 
-from .systems import column, outputs_of, rates_of, run, turn
+from .systems import column, outputs_of, rates_of, run, state_matrix, turn
+
+pytestmark = pytest.mark.plain
 
 EVALUATION = "independent evaluation"
 ADJUSTER = CATALOGUE["lash_adjuster"]()
@@ -34,6 +36,28 @@ def test_stiffness_leak_and_relaxation_of_an_adjuster(record):
         ("relaxation (ms)", 1e3 * relaxation, 39.2975, 5e-5),
     ):
         record("Train", f"lash adjuster: {quantity}", found, expected, EVALUATION, tolerance=tolerance)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(4e3, 4e5), st.floats(2e-11, 5e-10))
+def test_a_pulled_adjuster_refills_through_its_check_valve(suction, conductance):
+    """Q = K (suction - p_valve) beside the leak G suction: it fills with the time V0/(beta (G + K))."""
+    pulled = {"lower_position": -600e-9 * suction / 1.5e9 / AREA}
+    parameters = {"valve_conductance": conductance}
+    found = outputs_of(ADJUSTER, parameters, {}, pulled)
+    assert found["pressure"] == pytest.approx(-suction, rel=1e-9)
+    assert found["valve_flow"] == pytest.approx(conductance * (suction - 3e3), rel=1e-9)
+    leak = math.pi * 9e-3 * 6e-6**3 / (12.0 * 0.01 * 5e-3)
+    rate = rates_of(ADJUSTER, parameters, {}, pulled)["leaked_volume"]
+    assert rate == pytest.approx(-leak * suction - found["valve_flow"], rel=1e-9)
+    slope = state_matrix(ADJUSTER, parameters, pulled, step=1e-14)[0, 0]
+    assert -1.0 / slope == pytest.approx(600e-9 / (1.5e9 * (leak + conductance)), rel=1e-6)
+
+
+@pytest.mark.parametrize(("suction", "flow"), [(2.9e3, 0.0), (-1e6, 0.0), (3.1e3, 1e-8)])
+def test_a_check_valve_opens_at_its_pressure_and_never_lets_oil_out(suction, flow):
+    pulled = {"lower_position": -600e-9 * suction / 1.5e9 / AREA}
+    assert outputs_of(ADJUSTER, {}, {}, pulled)["valve_flow"] == pytest.approx(flow, rel=1e-6, abs=1e-20)
 
 
 def test_tangent_stiffness_of_oil_with_air(record):

@@ -15,6 +15,8 @@ from models.catalogue import CATALOGUE
 
 from .systems import outputs_of, rates_of
 
+pytestmark = pytest.mark.plain
+
 ROLLER = CATALOGUE["roller"]()
 RADIUS, INERTIA, LIMIT = 9e-3, 8e-7, 0.05
 FREE = {"pin_damping": 0.0}

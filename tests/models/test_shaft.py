@@ -20,7 +20,9 @@ from models.valve_train.beam import (
     rigid_bending,
 )
 
-from .systems import outputs_of, rates_of, state_matrix
+from .systems import find_whirl, outputs_of, rates_of, state_matrix
+
+pytestmark = pytest.mark.plain
 
 EVALUATION = "independent evaluation"
 PLACES = (0.03, 0.06, 0.12, 0.15, 0.21, 0.24, 0.30, 0.33)
@@ -75,6 +77,25 @@ def test_whirl_of_the_turning_shaft(record):
     for value, expected in zip(found, (233.595297, 236.03231, 891.889132, 900.765712), strict=False):
         record("Train", "whirl at 3000 r/min (Hz)", float(value), expected, EVALUATION,
                tolerance=5e-6 * expected)  # fmt: skip
+
+
+@pytest.mark.parametrize("speed", [-300.0, 500.0])
+def test_spin_raises_whirl_in_its_own_sense_and_lowers_it_in_the_other(speed):
+    """A disc at the end of a light shaft, `out` beyond the second of two bearings, under K^-1 of a beam:
+    (k11 - m w^2) (k22 - I_t w^2 + I_p Omega w) = k12^2 (Den Hartog 1956, section 6.8)."""
+    span, out = 0.2, 0.1
+    disc = Disc(span + out, 2.0, 6e-3, 4e-3)
+    light = Shaft(span + out, 0.02, [disc], [Bearing(0.0), Bearing(span)], density=0.1, shear_coefficient=1e5)
+    turned = out * (2.0 * span + 3.0 * out) / 6.0
+    flexibility = [[out**2 * (span + out) / 3.0, turned], [turned, (span + 3.0 * out) / 3.0]]
+    k = np.linalg.inv(flexibility) * light.youngs_modulus * light.second_moment
+    tilt = [-disc.transverse_inertia, disc.polar_inertia * speed, k[1, 1]]
+    expected = np.roots(np.polysub(np.polymul([-disc.mass, 0.0, k[0, 0]], tilt), [k[0, 1] ** 2]))
+    component, parameters = build(light)
+    modes = component.structure["bending_modes"]
+    found = find_whirl(bending_matrix(component, parameters, speed), 0, 2 * modes)
+    # The shaft has a 1e-5 of the disc's mass; its own modes are far above.
+    np.testing.assert_allclose(sorted(found, key=abs)[:4], sorted(expected.real, key=abs), rtol=1e-4)
 
 
 def deflection(component, parameters, force):

@@ -29,8 +29,8 @@ def film(
     viscosity: float, pressure_viscosity: float,
 ) -> float:  # fmt: skip
     """h = R H(M, L) U_S^1/2 with U_S = 2 U, M = W U_S^-1/2, L = G U_S^1/4, E' = 2 / compliance; 0 at rest."""
-    if velocity == 0.0:
-        return 0.0
     g = groups(2.0 / compliance, load, velocity, radius, length, viscosity, pressure_viscosity)
     u_sum = 2.0 * g.speed
+    if u_sum == 0.0:
+        return 0.0
     return radius * math.sqrt(u_sum) * moes_film(g.load / math.sqrt(u_sum), g.material * u_sum**0.25)

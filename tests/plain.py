@@ -1,0 +1,40 @@
+"""Tests marked `plain` run kernels as the Python functions that they are; those that are long, compiled.
+
+Laws of a few evaluations take milliseconds so, and seconds to compile. That compiled code computes the same
+is the law of `models/test_plain_python.py`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+
+from models.compile.kernel import COMPILED, KernelDispatcher
+
+# numba's intrinsics, which Python cannot call: bound anew in the modules that use them.
+INTRINSICS = {
+    "record_of": lambda vector, dtype: vector.view(dtype)[0],
+    "shaped": lambda vector, shape: vector.reshape(shape),
+    "_pointer": lambda address: ctypes.c_void_p(int(address)),
+}
+
+
+def _call(self: Any, *arguments: Any) -> Any:
+    with np.errstate(all="ignore"):  # as compiled code
+        return self.py_func(*arguments)
+
+
+@pytest.fixture(autouse=True)
+def plain_kernels(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the markers say."""
+    marked = {mark.name for mark in request.node.iter_markers()}
+    if "plain" in marked and "long" not in marked and COMPILED and KernelDispatcher:
+        monkeypatch.setattr(KernelDispatcher, "__call__", _call)
+        for name, module in list(sys.modules.items()):
+            for intrinsic in INTRINSICS if name.startswith("models.") else ():
+                if hasattr(module, intrinsic):
+                    monkeypatch.setattr(module, intrinsic, INTRINSICS[intrinsic])
