@@ -2,6 +2,7 @@
 
 `python -m tests` runs the default part, `python -m tests --all` also the long physics checks.
 `python -m tests --validation [WORD ...]` runs the tests that record numbers and writes docs/validation.md.
+`python -m tests --mutants [WORD ...]` makes deliberate errors of physics and lists the tests that catch them.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from . import mutants
 from .validation import recording_tests
 
 ROOT = Path(__file__).parent.parent
@@ -59,6 +61,8 @@ def main() -> int:
     # Tests start hundreds of processes: each would compile all modules anew where bytecode is not kept.
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
     failed, arguments = [], sys.argv[1:]
+    if arguments[:1] == ["--mutants"]:
+        return mutants.main(arguments[1:])
     if arguments[:1] == ["--validation"]:
         commands = validation(arguments[1:])
     else:

@@ -72,3 +72,9 @@ def test_benchmarks_have_help_and_know_their_names() -> None:
     wrong = run("no_such")
     assert wrong.returncode == 2
     assert "'no_such'" in wrong.stderr
+
+
+def test_every_deliberate_error_can_be_made_and_has_its_test() -> None:
+    from .mutants import mutants
+
+    assert [fault for mutant in mutants() if (fault := mutant.fault(ROOT))] == []

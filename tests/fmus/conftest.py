@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from fmus.build import build
+from tests.shared import made_once
 
 INSTANCE = Path(__file__).with_name("instance.py")
 
@@ -31,6 +32,11 @@ class Made(dict[str, Path]):
         return self[name]
 
 
+def made_files(kind: str, make: Callable[[str, Path], object]) -> Made:
+    """Files that `make(name, folder)` leaves in a folder, each made once for all processes."""
+    return Made(lambda name: next(made_once(f"{kind}-{name}", lambda f: make(name, f)).iterdir()))
+
+
 @pytest.fixture(scope="session")
 def fmu_files() -> Made:
     """Every FMU as a file."""
@@ -38,23 +44,20 @@ def fmu_files() -> Made:
 
 
 @pytest.fixture(scope="session")
-def referenced(tmp_path_factory: pytest.TempPathFactory) -> Made:
+def referenced() -> Made:
     """Every FMU with its reference results."""
-    folder = tmp_path_factory.mktemp("fmus")
-    return Made(lambda name: build(name, folder))
+    return made_files("referenced", build)
 
 
 @pytest.fixture(scope="session")
-def unpacked(fmu_files: Made, tmp_path_factory: pytest.TempPathFactory) -> Made:
+def unpacked(fmu_files: Made) -> Made:
     """Every FMU as a folder."""
-    root = tmp_path_factory.mktemp("unpacked")
 
-    def extract(name: str) -> Path:
+    def extract(name: str, folder: Path) -> None:
         with zipfile.ZipFile(fmu_files[name]) as archive:
-            archive.extractall(root / name)
-        return root / name
+            archive.extractall(folder / name)
 
-    return Made(extract)
+    return made_files("unpacked", extract)
 
 
 Isolated = Callable[..., Any]

@@ -8,14 +8,16 @@ import platform
 import shutil
 import subprocess
 import sys
-import tempfile
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import fmpy
 import pytest
 from fmpy.fmi3 import _FMU3, FMU3Slave
+
+from tests.shared import made_once
 
 from .models import MODELS, Model, V
 
@@ -52,15 +54,28 @@ def fmu(name: str, version: int, folder: Path) -> Path:
 @functools.cache
 def _library(name: str, version: int) -> bytes:
     """The compiled model."""
-    with tempfile.TemporaryDirectory(prefix="c_fmus_") as scratch:
-        folder = Path(scratch)
-        model, stubs, library = folder / "model.c", folder / "stubs.c", folder / "model.so"
+
+    def write(folder: Path) -> list[str]:
+        model, stubs = folder / "model.c", folder / "stubs.c"
         model.write_text(_c_of(MODELS[name]))
         stubs.write_text(_stubs() if version == 3 else "")
-        defined = [f"-DFMI={version}", f'-DMODEL="{model}"', f'-DTOKEN="{TOKEN}"', f"-I{HEADERS}"]
-        command = [*compiler(), "-shared", "-fPIC", "-O1", "-w", *defined, str(SHELL), str(stubs)]
-        subprocess.run([*command, "-o", str(library), "-lm"], check=True, capture_output=True)
-        return library.read_bytes()
+        return [f"-DFMI={version}", f'-DMODEL="{model}"', f'-DTOKEN="{TOKEN}"', str(SHELL), str(stubs)]
+
+    return library(f"{name}{version}", write)
+
+
+def library(name: str, write: Callable[[Path], list[str]]) -> bytes:
+    """A shared library of the sources that `write(folder)` makes; it returns them with further options."""
+    command = [*compiler(), "-shared", "-fPIC", "-O1", "-w", f"-I{HEADERS}"]
+
+    def build(folder: Path) -> None:
+        subprocess.run(
+            [*command, *write(folder), "-o", str(folder / "library.so"), "-lm"],
+            check=True,
+            capture_output=True,
+        )
+
+    return (made_once(f"c_fmus-{name}", build) / "library.so").read_bytes()
 
 
 def _stubs() -> str:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import functools
 import platform
-import subprocess
 import sys
-import tempfile
 import zipfile
 from pathlib import Path
 
-from .c_fmus import HEADERS, build_stubs, compiler
+from .c_fmus import build_stubs, library
 
 HERE = Path(__file__).parent
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
@@ -91,11 +88,9 @@ def _pack(name: str, folder: Path, description: str) -> Path:
     return path
 
 
-@functools.cache
 def _build(source: Path) -> bytes:
-    with tempfile.TemporaryDirectory(prefix="clocked_fmus_") as scratch:
-        stubs, library = Path(scratch, "stubs.c"), Path(scratch, "library.so")
-        stubs.write_text(build_stubs(source.read_text(), set()))
-        command = [*compiler(), "-shared", "-fPIC", "-O1", "-w", f"-I{HEADERS}", str(source), str(stubs)]
-        subprocess.run([*command, "-o", str(library), "-lm"], check=True, capture_output=True)
-        return library.read_bytes()
+    def write(folder: Path) -> list[str]:
+        (folder / "stubs.c").write_text(build_stubs(source.read_text(), set()))
+        return [str(source), str(folder / "stubs.c")]
+
+    return library(source.stem, write)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-import subprocess
-import tempfile
 import zipfile
 from pathlib import Path
 
@@ -13,7 +10,7 @@ import pytest
 
 from orchestrator.participants.description import read_description
 
-from .c_fmus import compiler
+from .c_fmus import library
 from .runs import ran, scenario
 
 SHELL = Path(__file__).with_name("shell1.c")
@@ -49,21 +46,12 @@ DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-@functools.cache
-def library() -> bytes:
-    """The compiled model."""
-    with tempfile.TemporaryDirectory(prefix="fmi1_") as folder:
-        out = Path(folder, "decay1.so")
-        subprocess.run([*compiler(), "-shared", "-fPIC", "-w", str(SHELL), "-o", str(out), "-lm"], check=True)
-        return out.read_bytes()
-
-
 @pytest.fixture
 def decay(tmp_path: Path) -> Path:
     path = tmp_path / "decay1.fmu"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", DESCRIPTION)
-        archive.writestr("binaries/linux64/decay1.so", library())
+        archive.writestr("binaries/linux64/decay1.so", library("decay1", lambda _: [str(SHELL)]))
     return path
 
 

@@ -9,32 +9,32 @@ import pytest
 from fmus.native.fmu import build
 from fmus.native.machine_code import this_platform
 
-from ..conftest import Made
+from ..conftest import Made, made_files
 
 
-def _build(fmi: int, folder: Path | None = None) -> Made:
-    return Made(lambda name: build(name, folder, platforms=[this_platform()], fmi=fmi))
+def _build(name: str, folder: Path | None, fmi: int) -> Path:
+    return build(name, folder, platforms=[this_platform()], fmi=fmi)
 
 
 @pytest.fixture(scope="session")
 def native_files() -> Made:
     """Every native FMU of FMI 2.0 as a file."""
-    return _build(2)
+    return Made(lambda name: _build(name, None, 2))
 
 
 @pytest.fixture(scope="session")
 def fmi3_files() -> Made:
     """Those of FMI 3.0."""
-    return _build(3)
+    return Made(lambda name: _build(name, None, 3))
 
 
 @pytest.fixture(scope="session")
-def referenced_native_files(tmp_path_factory: pytest.TempPathFactory) -> Made:
+def referenced_native_files() -> Made:
     """Those of FMI 2.0 with their reference results."""
-    return _build(2, tmp_path_factory.mktemp("fmi2"))
+    return made_files("referenced2", lambda name, folder: _build(name, folder, 2))
 
 
 @pytest.fixture(scope="session")
-def referenced_fmi3_files(tmp_path_factory: pytest.TempPathFactory) -> Made:
+def referenced_fmi3_files() -> Made:
     """Those of FMI 3.0 with their reference results."""
-    return _build(3, tmp_path_factory.mktemp("fmi3"))
+    return made_files("referenced3", lambda name, folder: _build(name, folder, 3))

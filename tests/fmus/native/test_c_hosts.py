@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 
 import pytest
@@ -17,6 +16,7 @@ from fmpy.model_description import ModelDescription
 
 from fmus.native.fmu import NAMES
 from fmus.native.machine_code import FMI_HEADERS
+from tests.shared import made_once
 
 from . import programs
 from .programs import TOKEN, library_in, needs_sanitizers, run, sanitizing_compiler, variables_for_c
@@ -69,22 +69,26 @@ Compiled = Callable[..., Path]
 
 
 @pytest.fixture(scope="session")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> Compiled:
+def compiled() -> Compiled:
     """compiled(name, sanitized, fmi): the program, compiled once."""
 
-    @cache
     def get(name: str, sanitized: bool, fmi: int = 2) -> Path:
-        return programs.program(name, tmp_path_factory.mktemp("program"), sanitized, fmi)
+        made = f"program-{name}-{sanitized}-{fmi}"
+        (program,) = made_once(made, lambda folder: programs.program(name, folder, sanitized, fmi)).iterdir()
+        return program
 
     return get
 
 
 @pytest.fixture(scope="session")
-def sanitized_library(tmp_path_factory: pytest.TempPathFactory) -> Made:
+def sanitized_library() -> Made:
     """sanitized_library(name, fmi), compiled once."""
-    return cache(
-        lambda name, fmi: programs.sanitized_library(name, tmp_path_factory.mktemp("sanitized"), fmi)
-    )
+
+    def get(name: str, fmi: int) -> Path:
+        folder = made_once(f"sanitized-{name}-{fmi}", lambda f: programs.sanitized_library(name, f, fmi))
+        return folder / f"{name}.so"
+
+    return get
 
 
 def arguments_of_lives(name: str, count: int, description: ModelDescription) -> list[object]:
