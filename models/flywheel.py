@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from .compile.kernel import kernel
+from .core import roles
 from .core.bonds import counts_energies
 from .core.component import NO_EVENT, Component, PowerBond, check_sizes
 from .core.integrator import TOLERANCE
@@ -187,6 +188,7 @@ def flywheel(loads: int = 1, throws: int = 1) -> Component:
     return Component(
         name="flywheel",
         description="Rotor under drive and load torques, or at a prescribed speed",
+        roles=(roles.Drive(),),
         parameters=Layout(FlywheelParameters, sizes),
         state=Layout(FlywheelState),
         inputs=inputs,

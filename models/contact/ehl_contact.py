@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Layout, Quantity, Vector
@@ -195,6 +196,7 @@ def ehl_contact() -> Component:
     return Component(
         name="ehl_contact",
         description="Elastohydrodynamic finite line contact: load and film thickness",
+        roles=(roles.Contact(),),
         parameters=Layout(ContactParameters),
         state=Layout(ContactState),
         inputs=inputs,

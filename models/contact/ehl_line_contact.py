@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Layout, Quantity
@@ -116,6 +117,7 @@ def ehl_line_contact(nodes: int = NODES) -> Component:
     return Component(
         name="ehl_line_contact",
         description="Elastohydrodynamic line contact with its pressure field: load and film thickness",
+        roles=(roles.Contact(),),
         parameters=Layout(LineContactParameters),
         state=state,
         inputs=inputs,

@@ -20,6 +20,7 @@ from .integrator import INPUT_COEFFICIENTS, TOLERANCE, make_advance, taylor, wor
 from .quantities import Layout, Vector
 from .rates import input_rates, make_rates, rates_work_size
 from .requirements import Requirement
+from .roles import Role, SomeRole
 
 # Indices of what an energy kernel writes, in J, W and W.
 STORED, DISSIPATED_POWER, SOURCE_POWER = 0, 1, 2
@@ -92,7 +93,8 @@ class Component:
     `resting`: the states that stand still in an equilibrium of the system. None: all. (): none, as for
     a crank, which turns while the mechanisms that it drives are at rest.
 
-    The last four fields name outputs that masters use (ValueError for other names). `event_indicators` are
+    `roles` say what it is in a mechanism; their outputs must exist. The four fields before name outputs that
+    masters use (ValueError for other names). `event_indicators` are
     continuous and change their sign where the mode changes (contact made or lost). `event_counter` counts
     events inside the component (impacts, landings, releases). `event_time` is the time (s) of the last one.
     `next_event` is the time (s) of the next known event ahead, at which an input or a profile loses
@@ -125,18 +127,29 @@ class Component:
     event_counter: str = ""
     event_time: str = ""
     next_event: str = ""
+    roles: Sequence[Role] = ()
 
     def __post_init__(self) -> None:
         for layout in (self.parameters, self.inputs, self.outputs):
             if len(layout.variables) < layout.size:
                 name = next(name for name in layout.names if name not in layout.variables)
                 raise ValueError(f"{self.name}: {name} must not be internal: only states may be")
-        told = (*self.event_indicators, self.event_counter, self.event_time, self.next_event)
-        for name in told:
+        named = [*self.event_indicators, self.event_counter, self.event_time, self.next_event]
+        named += [name for role in self.roles for name in role.promised]
+        for name in named:
             if name and name not in self.outputs:
                 raise ValueError(
-                    f"{self.name}: event output {name!r} must be one of {', '.join(self.outputs.names)}"
+                    f"{self.name}: output {name!r}, for events or a role, must be one of "
+                    f"{', '.join(self.outputs.names)}"
                 )
+
+    def find_role(self, kind: type[SomeRole]) -> SomeRole | None:
+        """Its role of this kind; None if it has none."""
+        return next((role for role in self.roles if isinstance(role, kind)), None)
+
+    def has_role(self, *kinds: type[Role]) -> bool:
+        """Whether it has a role of one of these kinds."""
+        return any(isinstance(role, kinds) for role in self.roles)
 
     @cached_property
     def flat_derivative(self) -> Any:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, Events, PowerBond
 from ..core.quantities import Layout, Vector
@@ -237,6 +238,7 @@ def slider_crank() -> Component:
     return Component(
         name="slider_crank",
         description="Slider-crank with clearance at the slider: flight, impacts and sliding",
+        roles=(roles.Crank(),),
         parameters=Layout(SliderCrankParameters),
         state=Layout(SliderCrankState),
         inputs=Layout(SliderCrankInputs),

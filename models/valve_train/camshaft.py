@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
@@ -284,6 +285,7 @@ def camshaft(table_points: int = 0) -> Component:
         tolerance=FINE_TOLERANCE,
         name="camshaft",
         description="Cam for a flat follower on a rigid or flexible shaft",
+        roles=(roles.Cam("cam_angle", "radius_of_curvature"), roles.TwistedCam(), roles.FlatFollower()),
         parameters=Layout(parameters, sizes),
         state=Layout(CamshaftState),
         inputs=inputs,

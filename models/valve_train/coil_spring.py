@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
@@ -164,6 +165,7 @@ def coil_spring(segments: int = 9) -> Component:
         tolerance=FINE_TOLERANCE,
         name="coil_spring",
         description="Coil spring with surge, closing coils and clash",
+        roles=(roles.CoilSpring(),),
         parameters=Layout(CoilSpringParameters, sizes),
         state=Layout(CoilSpringState, sizes),
         inputs=Layout(CoilSpringInputs),

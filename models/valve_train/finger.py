@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
@@ -321,6 +322,7 @@ def finger(table_points: int = 0) -> Component:
         tolerance=FINE_TOLERANCE,
         name="finger",
         description="Lever on an end pivot, with a roller or pad on its cam",
+        roles=(roles.Cam(), roles.PivotedFollower()),
         parameters=Layout(parameters, sizes),
         state=Layout(FingerState),
         inputs=Layout(FingerInputs),

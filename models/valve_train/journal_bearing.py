@@ -23,6 +23,7 @@ from ..contact.asperities import APART, Asperities, mean_gap
 from ..contact.asperity_arc import Arc, AsperityForce, press_arc
 from ..contact.finite_bearing import find_finite_squeeze
 from ..contact.short_bearing import Squeeze, find_squeeze, highest_pressure
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
@@ -316,6 +317,7 @@ def journal_bearing() -> Component:
         tolerance=FINE_TOLERANCE,
         name="journal_bearing",
         description="Journal bearing: oil film, asperities and an elastic support",
+        roles=(roles.Bearing(),),
         parameters=Layout(JournalBearingParameters),
         state=Layout(JournalBearingState),
         inputs=Layout(JournalBearingInputs),

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
@@ -196,6 +197,7 @@ def lash_adjuster() -> Component:
         tolerance=FINE_TOLERANCE,
         name="lash_adjuster",
         description="Hydraulic lash adjuster: oil chamber with leak, check valve and air",
+        roles=(roles.Adjuster(),),
         parameters=Layout(LashAdjusterParameters),
         state=Layout(LashAdjusterState),
         inputs=Layout(EndMotions),

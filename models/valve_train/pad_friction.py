@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
@@ -97,6 +98,7 @@ def pad_friction() -> Component:
         tolerance=FINE_TOLERANCE,
         name="pad_friction",
         description="Friction of a pad that slides to and fro: sticking, sliding and viscous",
+        roles=(roles.Pivot(),),
         parameters=Layout(PadFrictionParameters),
         state=Layout(PadFrictionState),
         inputs=Layout(PadFrictionInputs),

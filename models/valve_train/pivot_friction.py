@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
@@ -134,6 +135,7 @@ def pivot_friction() -> Component:
         tolerance=FINE_TOLERANCE,
         name="pivot_friction",
         description="Friction of a lever's pivot: sticking, sliding and viscous",
+        roles=(roles.Pivot(),),
         parameters=Layout(PivotFrictionParameters),
         state=Layout(PivotFrictionState),
         inputs=Layout(PivotFrictionInputs),

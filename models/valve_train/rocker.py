@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
@@ -138,6 +139,7 @@ def rocker() -> Component:
         tolerance=FINE_TOLERANCE,
         name="rocker",
         description="Lever on a fixed pivot between pushrod and valve",
+        roles=(roles.Rocker(),),
         parameters=Layout(RockerParameters),
         state=Layout(LeverMotion),
         inputs=Layout(RockerInputs),

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
@@ -148,6 +149,7 @@ def rod(segments: int = 4) -> Component:
         tolerance=FINE_TOLERANCE,
         name="rod",
         description="Slender rod of finite segments: pushrod or valve stem",
+        roles=(roles.Rod(),),
         parameters=Layout(RodParameters),
         state=Layout(RodState, sizes),
         inputs=Layout(EndMotions),

@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
@@ -132,6 +133,7 @@ def roller() -> Component:
         tolerance=FINE_TOLERANCE,
         name="roller",
         description="Spin of a roller that may slip on its cam",
+        roles=(roles.Roller(),),
         parameters=Layout(RollerParameters),
         state=Layout(RollerState),
         inputs=Layout(RollerInputs),

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
@@ -281,6 +282,7 @@ def shaft(cams: int = 1, torsion_modes: int = 1, bending_modes: int = 1) -> Comp
         tolerance=FINE_TOLERANCE,
         name="shaft",
         description="Shaft with cams: torsion and bending by modes",
+        roles=(roles.DrawnShaft(),),
         parameters=Layout(ShaftParameters, sizes),
         state=Layout(ShaftState, sizes),
         inputs=Layout(ShaftInputs, sizes),

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
@@ -183,6 +184,7 @@ def tappet(table_points: int = 0) -> Component:
         tolerance=FINE_TOLERANCE,
         name="tappet",
         description="Flat, roller or pad follower in its guide, with its cam",
+        roles=(roles.Cam(), roles.TranslatingFollower()),
         parameters=Layout(parameters, sizes),
         state=Layout(TappetState),
         inputs=Layout(TappetInputs),

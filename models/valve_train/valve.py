@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
@@ -112,6 +113,7 @@ def valve(springs: int = 1) -> Component:
         tolerance=FINE_TOLERANCE,
         name="valve",
         description="Valve on its seat, under load, springs and gas",
+        roles=(roles.Valve(),),
         parameters=Layout(ValveParameters),
         state=Layout(ValveState),
         inputs=inputs,

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..compile.kernel import kernel
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
@@ -264,6 +265,7 @@ def valve_spring(coil_masses: int = 2) -> Component:
         tolerance=FINE_TOLERANCE,
         name="valve_spring",
         description="Valve with follower on a spring of lumped coils, with seat and lash",
+        roles=(roles.Valve(), roles.LoadedSpring()),
         parameters=Layout(ValveSpringParameters),
         state=Layout(ValveSpringState, sizes),
         inputs=Layout(ValveSpringInputs),

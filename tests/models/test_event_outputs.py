@@ -32,7 +32,7 @@ def next_event(angle, speed, acceleration=0.0, t=0.0, **parameters):
 
 
 def test_events_are_told_by_outputs():
-    with pytest.raises(ValueError, match="flywheel: event output 'absent' must be one of"):
+    with pytest.raises(ValueError, match="flywheel: output 'absent', for events or a role, must be one of"):
         replace(FLYWHEEL, event_indicators=("absent",))
 
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...compile.kernel import kernel
+from ...core import roles
 from ...core.bonds import counts_energies
 from ...core.component import Component, check_sizes
 from ...core.points import find_segment
@@ -303,6 +304,7 @@ def cylinder_gas(valves: int = 1, pressure_points: int = 0) -> Component:
     return Component(
         name="cylinder_gas",
         description="Gas pressure of a four-stroke cycle by the crank angle",
+        roles=(roles.CylinderGas(),),
         parameters=Layout(GasTableParameters if pressure_points else CylinderGasParameters, sizes),
         state=Layout(CylinderGasState),
         inputs=Layout(CylinderGasInputs),

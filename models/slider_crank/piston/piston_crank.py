@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...compile.kernel import kernel
+from ...core import roles
 from ...core.bonds import counts_energies
 from ...core.component import Component, PowerBond
 from ...core.quantities import Layout
@@ -102,6 +103,7 @@ def piston_crank() -> Component:
     return Component(
         name="piston_crank",
         description="Slider-crank with a piston that tilts in its bore, crank motion given",
+        roles=(roles.PistonCrank(),),
         parameters=Layout(PistonParameters),
         state=Layout(PistonCrankState, sizes),
         inputs=Layout(PistonCrankInputs),

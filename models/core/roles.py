@@ -1,0 +1,153 @@
+"""What a component is in a mechanism: roles, by which figures, drawings, tables and advice find it.
+
+A role promises variables and parameters of the component; a field of a role names one whose name is the
+component's own. `Component` checks the outputs that its roles promise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import ClassVar, TypeVar
+
+
+@dataclass(frozen=True)
+class Role:
+    """A role; `outputs` are those that every component in it has. Fields of a role name further outputs."""
+
+    outputs: ClassVar[Sequence[str]] = ()
+
+    @property
+    def promised(self) -> list[str]:
+        """All outputs that a component in this role must have."""
+        return [*self.outputs, *(getattr(self, field.name) for field in fields(self))]
+
+
+SomeRole = TypeVar("SomeRole", bound=Role)
+
+
+@dataclass(frozen=True)
+class Drive(Role):
+    """Turns shafts. Parameters: `motion`, and with a prescribed one `initial_speed` and `final_speed`."""
+
+    outputs = ("angle", "supplied_torque")
+
+
+@dataclass(frozen=True)
+class Cam(Role):
+    """Has a cam, at the profile's `angle` (rad), with this radius of curvature (m) where it touches."""
+
+    outputs = ("cam_lift",)
+
+    angle: str = "profile_angle"
+    radius_of_curvature: str = "cam_radius"
+
+
+class TwistedCam(Role):
+    """A cam on an elastic shaft. Parameters: `drive_ratio`, `phase`."""
+
+    outputs = ("cam_angle",)
+
+
+class FlatFollower(Role):
+    """Its cam moves a flat follower that belongs to the valve. Parameter: `base_radius`."""
+
+    outputs = ("cam_angle", "entraining_velocity")
+
+
+class TranslatingFollower(Role):
+    """Moves along its guide. Parameters: `follower`, `base_radius`, `follower_radius`, `offset`."""
+
+    outputs = ("position", "profile_angle", "entraining_velocity")
+
+
+class PivotedFollower(Role):
+    """Turns about its end. Parameters: those of `finger`."""
+
+    outputs = ("rotation", "profile_angle", "entraining_velocity", "tip_entraining_velocity")
+
+
+class Rod(Role):
+    """A pushrod between tappet and rocker."""
+
+
+class Rocker(Role):
+    """Turns about its middle and opens a valve. Parameters: those of `rocker`."""
+
+    outputs = ("rotation",)
+
+
+class Contact(Role):
+    """A lubricated contact. Parameters: `length`, `roughness`, `elastic_limit` and the oil's."""
+
+    outputs = (
+        "load", "maximum_pressure", "film_thickness", "minimum_film_thickness", "film_ratio",
+        "friction_force", "squeeze_velocity", "asperity_load",
+    )  # fmt: skip
+
+
+class Valve(Role):
+    """Opens and lands. Parameter: `seat_stiffness`."""
+
+    outputs = ("valve_lift", "position", "velocity", "seat_dip")
+
+
+class Spring(Role):
+    """A spring whose coils may clash."""
+
+    outputs = ("least_gap",)
+
+
+class CoilSpring(Spring):
+    """A spring apart from the valve. Parameters: the gaps of its coils."""
+
+    outputs = ("least_gap", "clash_force")
+
+
+class LoadedSpring(Spring):
+    """A spring in one part with the valve that it closes. Parameters: `preload`, `spring_rate`."""
+
+    outputs = ("least_gap", "position", "spring_force")
+
+
+class Adjuster(Role):
+    """A hydraulic lash adjuster, with an oil."""
+
+    outputs = ("pressure", "extension")
+
+
+class Bearing(Role):
+    """A bearing with a film, and an oil."""
+
+    outputs = (
+        "load", "minimum_film_thickness", "film_ratio", "eccentricity_ratio", "maximum_pressure",
+        "power_loss",
+    )  # fmt: skip
+
+
+class Pivot(Role):
+    """A joint with friction."""
+
+    outputs = ("power_loss",)
+
+
+class Roller(Role):
+    """A follower's roller, which may slip."""
+
+    outputs = ("slip", "power_loss")
+
+
+class Crank(Role):
+    """A slider-crank whose slider has a clearance."""
+
+
+class PistonCrank(Role):
+    """A slider-crank whose piston tilts in its liner."""
+
+
+class DrawnShaft(Role):
+    """A shaft whose modes come from a drawing."""
+
+
+class CylinderGas(Role):
+    """A gas whose pressure a cycle of points gives."""
