@@ -169,9 +169,6 @@ class SharedOutputs:
     film_ratio: float = Quantity("1", "film of the fluid's share over roughness; 0: smooth").default()
 
 
-# The components that are lubricated contacts.
-CONTACTS = ("ehl_contact", "ehl_line_contact")
-
 BONDS = (PowerBond("load", "approach_rate", +1), PowerBond("load", "retreat_rate", -1))
 
 

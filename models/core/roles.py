@@ -92,19 +92,13 @@ class Valve(Role):
     outputs = ("valve_lift", "position", "velocity", "seat_dip")
 
 
-class Spring(Role):
-    """A spring whose coils may clash."""
-
-    outputs = ("least_gap",)
-
-
-class CoilSpring(Spring):
+class CoilSpring(Role):
     """A spring apart from the valve. Parameters: the gaps of its coils."""
 
     outputs = ("least_gap", "clash_force")
 
 
-class LoadedSpring(Spring):
+class LoadedSpring(Role):
     """A spring in one part with the valve that it closes. Parameters: `preload`, `spring_rate`."""
 
     outputs = ("least_gap", "position", "spring_force")

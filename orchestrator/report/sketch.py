@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from models.core.roles import Role
+
 from ..scenario import Scenario, parse_ends
 from ..scenario.component_table import ComponentTable
 from ..scenario.values import to_numbers
@@ -94,8 +96,12 @@ class Parts:
         self.known = set(known)
         self.sources = {target: source for source, target in map(parse_ends, scenario.connections)}
 
-    def list_kind(self, kind: str) -> list[str]:
-        return [name for name, table in self.tables.items() if table.component == kind]
+    def list_role(self, role: type[Role]) -> list[str]:
+        return [name for name in self.tables if self.has_role(name, role)]
+
+    def has_role(self, name: str, role: type[Role]) -> bool:
+        """Whether there is an instance of that name with that role."""
+        return name in self.tables and self.tables[name].resolve().has_role(role)
 
     def has(self, name: str) -> bool:
         return name in self.known
@@ -111,9 +117,6 @@ class Parts:
     def numbers(self, name: str) -> dict[str, float]:
         """All parameters of an instance in SI units."""
         return get_numbers(self.tables[name])
-
-    def kind(self, name: str) -> str:
-        return self.tables[name].component or "" if name in self.tables else ""
 
 
 def get_numbers(table: ComponentTable) -> dict[str, float]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from models.core import roles
+
 from .cams import draw_bucket, draw_cam, draw_pad
 from .sketch import GROUND, MM, Parts, Sketch
 from .valves import draw_valve, draw_valve_below, find_valve
@@ -31,9 +33,9 @@ def sketch_tappet(parts: Parts, tappet: str) -> Sketch | None:
     if not (parts.has(f"{tappet}.position") and parts.has(f"{tappet}.profile_angle")):
         return None
     above = parts.driver(f"{tappet}.load")
-    rod = above if parts.kind(above) == "rod" else ""
+    rod = above if parts.has_role(above, roles.Rod) else ""
     rocker = parts.driver(f"{rod}.upper_position") if rod else ""
-    sketch = Sketch(f"valve train of {tappet}", mirrored=parts.kind(rocker) != "rocker")
+    sketch = Sketch(f"valve train of {tappet}", mirrored=not parts.has_role(rocker, roles.Rocker))
     p = parts.numbers(tappet)
     follower = ("flat", "roller", "pad")[int(p["follower"])]
     width = draw_cam(sketch, parts, tappet, follower, f"{tappet}.profile_angle")
@@ -48,14 +50,14 @@ def sketch_tappet(parts: Parts, tappet: str) -> Sketch | None:
         sketch.circle("roller" if follower == "roller" else "body", moving, offset, centre, radius, tappet)
         top = centre + radius
         sketch.box("body", moving, offset, centre, 1.2 * radius, radius + 8.0, tappet)
-    if parts.kind(rocker) == "rocker":
+    if parts.has_role(rocker, roles.Rocker):
         contacts += _draw_rocker(sketch, parts, rocker, rod, moving, offset, top + 8.0)
     else:
         # A tappet that springs act on directly is one body with its valve.
-        valve = tappet if parts.kind(above) == "coil_spring" else find_valve(parts, above)
+        valve = tappet if parts.has_role(above, roles.CoilSpring) else find_valve(parts, above)
         if not valve:
             return None
-        if parts.kind(above) == "lash_adjuster":
+        if parts.has_role(above, roles.Adjuster):
             sketch.box("adjuster", moving, offset, top + 3.0, 9.0, 9.0, above)
             top += 9.0
         draw_valve(sketch, parts, valve, offset, top + 3.0)

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from models.core.roles import CoilSpring
+
 from .sketch import GROUND, MM, Parts, Sketch
 
 # Turns of a spring, and its half width (mm).
@@ -47,7 +49,7 @@ def draw_valve(sketch: Sketch, parts: Parts, valve: str, x: float, y: float) -> 
         corners = [(x + side * across, at) for across, at in [*port, (3.5, end - 14.0)]]
         sketch.polygon("ground", GROUND, corners, "head")
     springs = [valve] if parts.has(f"{valve}.coil_position[1]") else []
-    springs += [name for name in parts.list_driven(f"{valve}.position") if parts.kind(name) == "coil_spring"]
+    springs += [name for name in parts.list_driven(f"{valve}.position") if parts.has_role(name, CoilSpring)]
     for number, spring in enumerate(springs):
         _draw_spring(sketch, parts, spring, moving, (x, y + 6.0), plate, COIL - 4.0 * number)
 

@@ -17,9 +17,9 @@ from models.core.difference import difference, time_weights
 from models.core.quantities import Vector
 from models.core.system import System
 from models.flywheel import PRESCRIBED
+from models.multibody.witnessed_trains import DirectTrain, PushrodTrainOfParts, WitnessedTrain, find_train
 
 from ..scenario import Scenario, ScenarioError
-from .witnessed_trains import DirectTrain, PushrodTrainOfParts, WitnessedTrain, find_train
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -64,7 +64,7 @@ def check_witness(scenario: Scenario, system: System) -> None:
         _refuse("it stands beside the reference; set reference.enabled = true")
     if scenario.start != "equilibrium":
         _refuse("it begins at rest; set start = 'equilibrium'")
-    drive = train.parameters["flywheel"]
+    drive = train.drive
     if drive.motion != PRESCRIBED or drive.initial_speed != drive.final_speed:
         _refuse("its drive turns at constant speed; set motion = 'prescribed' without a ramp")
     for (part, parameter), what in train.absent.items():

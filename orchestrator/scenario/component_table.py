@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from models.catalogue import CATALOGUE
 from models.core.component import Component
 
 from ..errors import one_of
 from ..participants import ThirdPartyComponent, is_made_here, read_component
 from ..participants.description import CO_SIMULATION, Description, read_description
-from .angle_table import AngleTableError
 from .arrays import check_resized, check_sizes, spread_arrays, spread_lists
-from .drawing import ShaftDrawing, insert_drawing
+from .drawing import ShaftDrawing
 from .fields import Given, Table, Written
-from .force_table import ForceTable, insert_force_table
-from .lift_segments import LiftSegments, insert_lift_segments
-from .lift_table import insert_lift_table
-from .oil import OILED, OilSheet, Temperature, insert_oil
-from .pressure_table import insert_pressure_table
+from .force_table import ForceTable
+from .insertions import insert_all
+from .lift_segments import LiftSegments
+from .oil import OilSheet, Temperature
 from .third_party_values import convert_enumerations, select_strings
 from .values import Faults, Value, build_component, parse_values
 
@@ -131,72 +127,9 @@ class ComponentTable(Table):
 
     @model_validator(mode="before")
     @classmethod
-    def _read_cam(cls, table: Any) -> Any:
-        """Replace a lift table, or segments, by the points of the cam profile."""
-        given = [key for key in ("lift_table", "lift_segments") if isinstance(table, dict) and table.get(key)]
-        if not given:
-            return table
-        component = CATALOGUE.get(str(table.get("component")))
-        if component is None or "table_points" not in inspect.signature(component).parameters:
-            raise Faults((given[0], f": {table.get('component')} has no cam profile; leave it out"))
-        if len(given) > 1:
-            raise Faults(("lift_segments", ": stands beside lift_table; leave one of them out"))
-        try:
-            return insert_lift_table(table) if given[0] == "lift_table" else insert_lift_segments(table)
-        except AngleTableError as error:
-            raise Faults(("lift_table", f": {error}")) from None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read_pressure_table(cls, table: Any) -> Any:
-        """Replace a pressure table by the points of the cycle."""
-        if not isinstance(table, dict) or table.get("pressure_table") is None:
-            return table
-        if table.get("component") != "cylinder_gas":
-            raise Faults(
-                (
-                    "pressure_table",
-                    f": {table.get('component')} has none; leave it out, or take a cylinder_gas",
-                )
-            )
-        try:
-            return insert_pressure_table(table)
-        except AngleTableError as error:
-            raise Faults(("pressure_table", f": {error}")) from None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read_drawing(cls, table: Any) -> Any:
-        """Replace a drawing by the modes of its shaft."""
-        if not isinstance(table, dict) or table.get("drawing") is None:
-            return table
-        if table.get("component") != "shaft":
-            raise Faults(("drawing", f": {table.get('component')} has none; leave it out, or take a shaft"))
-        return insert_drawing(table)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read_force_table(cls, table: Any) -> Any:
-        """Replace a measured force by the gaps of a spring's coils."""
-        if not isinstance(table, dict) or table.get("force_table") is None:
-            return table
-        if table.get("component") != "coil_spring":
-            raise Faults(
-                ("force_table", f": {table.get('component')} has none; leave it out, or take a coil_spring")
-            )
-        return insert_force_table(table)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read_oil(cls, table: Any) -> Any:
-        """Add the numbers of an oil."""
-        if not isinstance(table, dict) or table.get("oil") is table.get("temperature") is None:
-            return table
-        if table.get("component") not in OILED:
-            raise Faults(
-                ("oil", f": {table.get('component')} has none; leave it out, or take {' or '.join(OILED)}")
-            )
-        return insert_oil(table)
+    def _insert_tables(cls, table: Any) -> Any:
+        """Replace tables, drawings and oils by what they become."""
+        return insert_all(table) if isinstance(table, dict) else table
 
     @field_validator("participant")
     @classmethod

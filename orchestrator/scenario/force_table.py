@@ -27,7 +27,7 @@ def insert_force_table(table: dict[str, Any]) -> dict[str, Any]:
     rows = _read_rows(table["force_table"])
     given = table.get("parameters", {})
     own = {name: value for name, value in given.items() if name.partition("[")[0] not in FOUND}
-    component = build_component("coil_spring", tuple(table.get("structure", {}).items()))
+    component = build_component(table["component"], tuple(table.get("structure", {}).items()))
     stop = component.parameters.field("stop_stiffness")
     stiffness = own.get(stop.name, stop.start)
     if isinstance(stiffness, str):

@@ -8,7 +8,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from models.contact.oil_grades import GRADES, describe_grade
 from models.contact.oils import ROELANDS_PRESSURE, SLOPES, ZERO_CELSIUS, Oil, evaluate_oil, walther_slope
-from models.contact.records import CONTACTS
+from models.core import roles
 from models.core.system import suggestion
 
 from .fields import Table, in_unit
@@ -27,8 +27,8 @@ RANGES = (
     ("viscosity_100", 1e6, "mm2/s", 1.0, 1e3),
     ("density_15", 1.0, "kg/m3", 600.0, 1300.0),
 )
-# Components with the viscosity of an oil.
-OILED = (*CONTACTS, "journal_bearing", "lash_adjuster")
+# Parts with the viscosity of an oil.
+OILED = (roles.Contact, roles.Bearing, roles.Adjuster)
 # Of a scenario's parts with the same oil, so many are named in a line.
 NAMED = 3
 

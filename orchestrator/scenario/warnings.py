@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.contact.records import CONTACTS
+from models.core import roles
 
 from ..participants import ThirdPartyComponent
 from . import Scenario, parse_line
@@ -128,7 +128,7 @@ def _list_unloaded(scenario: Scenario) -> list[str]:
         f"components.{name}.parameters.load_is_given = true: nothing drives {name}.applied_load, so the "
         f"contact has no load; connect it, or give components.{name}.inputs.applied_load"
         for name, table in scenario.components.items()
-        if table.component in CONTACTS
+        if table.resolve().has_role(roles.Contact)
         and table.parameters.get("load_is_given")
         and f"{name}.applied_load" not in driven
         and not table.inputs.get("applied_load")

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from models.contact.records import CONTACTS
+from models.core import roles
 from models.core.quantities import Quantity
 
 from ..analyses import Result
@@ -90,7 +90,7 @@ class ScenarioSubject:
         found |= {
             f"{name}.{key}": Result(unit, f"{name}: {text}")
             for name, table in self.scenario.components.items()
-            if table.component in CONTACTS
+            if table.resolve().has_role(roles.Contact)
             for key, (unit, text, _) in SEPARATION.items()
         }
         found["macro_steps"] = Result("1", "macro steps")
@@ -182,7 +182,7 @@ class ScenarioSubject:
             if (Path(folder) / RESULT).exists():
                 found = _compute_statistics(Path(folder))
         for name, table in scenario.components.items():
-            if table.component in CONTACTS:
+            if table.resolve().has_role(roles.Contact):
                 found |= _collect_contact(name, summary.contacts.get(name))
         found["macro_steps"] = summary.macro_steps
         found["iterations"] = summary.iterations

@@ -13,7 +13,7 @@ from models.contact.ehl_contact import TABLE_3
 from models.contact.films import FILMS, GROWING
 from models.contact.films.groups import groups
 from models.contact.hertz import elastic_compliance
-from models.contact.records import CONTACTS
+from models.core import roles
 from models.core.quantities import Vector
 from models.core.system import System
 
@@ -136,7 +136,7 @@ def contacts(system: System) -> dict[str, dict[str, float]]:
     return {
         name: instance.component.parameters.named(instance.component.parameters.vector(instance.parameters))
         for name, instance in system.instances.items()
-        if instance.component.name in CONTACTS
+        if instance.component.has_role(roles.Contact)
     }
 
 

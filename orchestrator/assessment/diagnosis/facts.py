@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from models.core.roles import Drive
+
 from ...scenario import Scenario, parse_ends
 from ...scenario.fmu_limits import FmuLimits
 from .numbers import Diagnosis
@@ -49,7 +51,8 @@ class Facts:
     def is_felt(self, variable: str) -> bool:
         """Whether what `variable` drives moves by it: a flywheel that prescribes its speed doesn't."""
         return any(
-            table.component != "flywheel" or table.parameters.get("motion", "prescribed") != "prescribed"
+            not table.resolve().has_role(Drive)
+            or table.parameters.get("motion", "prescribed") != "prescribed"
             for target in self.targets.get(variable, [])
             for table in [self.scenario.components[target.split(".")[0]]]
         )

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from models.core.quantities import Vector
+from models.core.roles import Cam
 
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, ScenarioError, parse_ends
@@ -17,10 +18,6 @@ from ...store.output_folder import RESULT, SCENARIO, suggest_folder
 from ...store.result_file import open_result
 from .cycle import OF_CAM, OF_CONTACT, last_revolution, wear
 from .report import Judged
-
-# Components with a cam, and what they call the variables of OF_CAM, where they call them otherwise.
-FOLLOWER = {"cam_angle": "profile_angle", "radius_of_curvature": "cam_radius"}
-CAMS: Mapping[str, Mapping[str, str]] = {"camshaft": {}, "tappet": FOLLOWER, "finger": FOLLOWER}
 
 
 def judge_friction(
@@ -41,12 +38,13 @@ def judge_friction(
         allowed = f": {one_of(cams, contact)} (those that slide under a cam)"
         raise MistakeError((Option("contact", contact), allowed))
     if not cams:
-        raise MistakeError(f"{folder}: no contact takes its sliding_velocity from a cam ({', '.join(CAMS)})")
+        raise MistakeError(f"{folder}: no contact takes its sliding_velocity from a cam")
     values = list_parameters(scenario)
     found = []
     for name in [contact] if contact else list(cams):
-        called = CAMS[str(scenario.components[cams[name]].component)]
-        cycle = last_revolution(name, *_read(folder, name, cams[name], called))
+        role = scenario.components[cams[name]].resolve().find_role(Cam)
+        assert role
+        cycle = last_revolution(name, *_read(folder, name, cams[name], role))
         worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
         found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
     return scenario, found
@@ -70,21 +68,19 @@ def find_cams(scenario: Scenario) -> dict[str, str]:
     for source, target in map(parse_ends, scenario.connections):
         cam, contact = source.split(".")[0], target.split(".")[0]
         sliding = source.endswith(".sliding_velocity") and target.endswith(".sliding_velocity")
-        if sliding and scenario.components[cam].component in CAMS:
+        if sliding and scenario.components[cam].resolve().has_role(Cam):
             found[contact] = cam
     return found
 
 
-def _read(
-    folder: Path, contact: str, cam: str, called: Mapping[str, str]
-) -> tuple[Vector, Mapping[str, Vector]]:
+def _read(folder: Path, contact: str, cam: str, role: Cam) -> tuple[Vector, Mapping[str, Vector]]:
+    called = {"cam_angle": role.angle, "radius_of_curvature": role.radius_of_curvature}
     wanted = {name: f"{contact}.{name}" for name in OF_CONTACT}
     wanted |= {name: f"{cam}.{called.get(name, name)}" for name in OF_CAM}
-    if called:
-        # The speed is an input of a follower, and not among the results.
-        del wanted["cam_speed"]
     with open_result(folder) as result:
         group = result["coupled"].ds
+        if wanted["cam_speed"] not in group:  # an input of a follower
+            del wanted["cam_speed"]
         if missing := [name for name in wanted.values() if name not in group]:
             raise MistakeError(f"{folder / RESULT}: has no {', '.join(missing)}; run the scenario again")
         columns = {name: np.asarray(group[place].values, float) for name, place in wanted.items()}

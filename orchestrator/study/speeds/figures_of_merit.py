@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.contact.records import CONTACTS
+from models.core import roles
+from models.core.component import Component
 from models.core.quantities import Vector
 from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
@@ -212,11 +213,23 @@ VALVE: Mapping[str, Number] = {
     ),
     "ramp_left": (Result("1", "lift of the cam over its ramp's height at landing"), _ramp_left),
     "bounce": (Result("m", "bounce after landing", display_unit=MICROMETRES), _bounce),
-    "spring_margin": (Result("1", "least load on the open valve over the spring's force"), _spring_margin),
-    "surge_force": (Result("N", "largest force by surge"), _surge),
+}
+SPRING: Mapping[str, Number] = {
     "least_gap": (
         Result("m", "least gap between coils", display_unit=MILLIMETRES),
-        lambda v: float(np.min(v["least_gap"])),
+        lambda s: float(np.min(s["least_gap"])),
+    ),
+}
+LOADED_SPRING: Mapping[str, Number] = {
+    "spring_margin": (Result("1", "least load on the open valve over the spring's force"), _spring_margin),
+    "surge_force": (Result("N", "largest force by surge"), _surge),
+    **SPRING,
+}
+COIL_SPRING: Mapping[str, Number] = {
+    **SPRING,
+    "largest_clash_force": (
+        Result("N", "largest force between coils that clash"),
+        lambda s: float(np.max(s["clash_force"])),
     ),
 }
 DRIVE: Mapping[str, Number] = {
@@ -226,13 +239,6 @@ DRIVE: Mapping[str, Number] = {
 }
 SHAFT: Mapping[str, Number] = {
     "largest_twist": (Result("rad", "largest twist", display_unit=DEGREES), _twist),
-}
-SPRING: Mapping[str, Number] = {
-    "least_gap": VALVE["least_gap"],
-    "largest_clash_force": (
-        Result("N", "largest force between coils that clash"),
-        lambda s: float(np.max(s["clash_force"])),
-    ),
 }
 ADJUSTER: Mapping[str, Number] = {
     "peak_pressure": (
@@ -267,44 +273,43 @@ BEARING: Mapping[str, Number] = {
     ),
     **PIVOT,
 }
-# By component.
-TABLES: Mapping[str, Mapping[str, Number]] = {
-    "flywheel": DRIVE,
-    "camshaft": SHAFT,
-    "valve_spring": VALVE,
-    "lash_adjuster": ADJUSTER,
-    "valve": {
-        name: VALVE[name]
-        for name in ("largest_lift", "lift_area", "seating_velocity", "landing_lift", "ramp_left", "bounce")
-    },
-    "coil_spring": SPRING,
-    "journal_bearing": BEARING,
-    "pivot_friction": PIVOT,
-    "pad_friction": PIVOT,
-    "roller": ROLLER,
-    **dict.fromkeys(CONTACTS, CONTACT),
+# By the role of the part.
+TABLES: Mapping[type[roles.Role], Mapping[str, Number]] = {
+    roles.Drive: DRIVE,
+    roles.TwistedCam: SHAFT,
+    roles.Valve: VALVE,
+    roles.LoadedSpring: LOADED_SPRING,
+    roles.CoilSpring: COIL_SPRING,
+    roles.Adjuster: ADJUSTER,
+    roles.Bearing: BEARING,
+    roles.Pivot: PIVOT,
+    roles.Roller: ROLLER,
+    roles.Contact: CONTACT,
 }
 
 
-def _list_numbers(components: Mapping[str, str]) -> Iterator[tuple[str, str, Number]]:
-    """Part, name and number of all that these parts have, by the component of each."""
+def _list_numbers(components: Mapping[str, Component]) -> Iterator[tuple[str, str, Number]]:
+    """Part, name and number of all that these parts have, by their components."""
     for part, component in components.items():
-        for name, number in TABLES.get(component, {}).items():
-            yield part, name, number
+        for role, table in TABLES.items():
+            if component.has_role(role):
+                for name, number in table.items():
+                    yield part, name, number
 
 
 def describe_numbers(scenario: Scenario) -> dict[str, Result]:
     """The results of every cycle of the scenario, by "part.number"."""
-    kinds = {name: str(table.component) for name, table in scenario.components.items()}
-    return {f"{part}.{name}": number[0] for part, name, number in _list_numbers(kinds)}
+    components = {name: table.resolve() for name, table in scenario.components.items()}
+    return {f"{part}.{name}": number[0] for part, name, number in _list_numbers(components)}
 
 
 def measure(cycle: Cycle, angle: Vector) -> dict[str, float]:
     """The numbers of a cycle, whose samples are at these cam angles (rad)."""
     lifted = find_lifted(cycle)
+    components = {name: instance.component for name, instance in cycle.system.instances.items()}
     return {
         f"{part}.{name}": measured(Part(cycle, part, angle, lifted))
-        for part, name, (_, measured) in _list_numbers(kinds_of(cycle.system))
+        for part, name, (_, measured) in _list_numbers(components)
     }
 
 
@@ -324,15 +329,15 @@ def find_lifted(cycle: Cycle) -> NDArray[np.bool_]:
 
 def _find_cams(cycle: Cycle) -> list[str]:
     """Instances with a cam."""
-    return [name for name, i in cycle.system.instances.items() if "cam_lift" in i.component.outputs.names]
+    return [name for name, i in cycle.system.instances.items() if i.component.has_role(roles.Cam)]
 
 
 def is_separated(cycle: Cycle, angle: Vector, number: str = "lost") -> bool:
     """Whether a contact is lost while the cam lifts; `lost_on_nose`: where it slows the valve."""
     lifted, (_, share) = find_lifted(cycle), CONTACT[number]
-    contacts = [name for name, kind in kinds_of(cycle.system).items() if kind in CONTACTS]
-    return any(share(Part(cycle, name, angle, lifted)) > 0.0 for name in contacts)
+    return any(share(Part(cycle, name, angle, lifted)) > 0.0 for name in list_contacts(cycle.system))
 
 
-def kinds_of(system: System) -> dict[str, str]:
-    return {name: instance.component.name for name, instance in system.instances.items()}
+def list_contacts(system: System) -> list[str]:
+    """The lubricated contacts."""
+    return [name for name, instance in system.instances.items() if instance.component.has_role(roles.Contact)]

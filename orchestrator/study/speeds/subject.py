@@ -13,6 +13,7 @@ from typing import Any
 import xarray
 
 from models import plausible
+from models.core import roles
 from models.core.quantities import Quantity, Vector
 from models.core.system import ModelError, System
 from models.monolithic.cycle import Cycle, find_cycle
@@ -25,13 +26,11 @@ from ...scenario.oil import list_oils
 from ...scenario.system import build_system, resolve_start
 from ...scenario.values import Value
 from ...scenario.warnings import list_warnings
-from .figures_of_merit import describe_numbers, kinds_of, measure, parameter_of
+from .figures_of_merit import describe_numbers, measure, parameter_of
 
 SPEED = Parameter(
     1000.0 * math.pi / 30.0, "rad/s", "speed of the flywheel", positive=True, plausible=plausible.SPEED
 )
-# Components with a cam.
-CAMS = ("camshaft", "tappet", "finger")
 # Of a period. Contacts vibrate at some 10 kHz: with a tenth of these, peaks were up to a third too low. Of
 # what a cycle's file keeps every tenth will do.
 SAMPLES, KEPT_EVERY = 7200, 10
@@ -110,13 +109,12 @@ class SpeedSubject:
 
 def find_flywheel(scenario: Scenario) -> str:
     """The one that prescribes the speed; MistakeError if there is none, or no cam that it drives."""
-    cams = [table for table in scenario.components.values() if table.component in CAMS]
-    for name, table in scenario.components.items():
-        if table.component == "flywheel" and not cams:
-            raise MistakeError(
-                f"{scenario.name}: has no cam ({', '.join(CAMS)}); only cams have cycles over speed"
-            )
-        if table.component == "flywheel" and table.parameters.get("motion", "prescribed") == "prescribed":
+    components = {name: table.resolve() for name, table in scenario.components.items()}
+    drives = [name for name, component in components.items() if component.has_role(roles.Drive)]
+    if drives and not any(component.has_role(roles.Cam) for component in components.values()):
+        raise MistakeError(f"{scenario.name}: has no cam; only cams have cycles over speed")
+    for name in drives:
+        if scenario.components[name].parameters.get("motion", "prescribed") == "prescribed":
             return name
     raise MistakeError(
         f"{scenario.name}: no flywheel prescribes the speed; a sweep over speed needs one with "
@@ -141,12 +139,9 @@ def count_turns(system: System) -> int:
 
 def find_cam_angle(cycle: Cycle, flywheel: str) -> Vector:
     """Of the first cam (rad); of a train without one the flywheel's."""
-    for name, kind in kinds_of(cycle.system).items():
-        if kind == "camshaft":
-            return cycle[f"{name}.cam_angle"]
-        if kind in ("tappet", "finger"):
-            instance = cycle.system.instances[name]
-            return cycle[f"{name}.cam_angle"] + parameter_of(instance, "phase")
+    for name, instance in cycle.system.instances.items():
+        if cam := instance.component.find_role(roles.Cam):
+            return cycle[f"{name}.{cam.angle}"]
     return cycle[f"{flywheel}.angle"]
 
 

@@ -17,7 +17,6 @@ import xarray
 from rich.table import Table
 
 from models.contact.films import GROWING
-from models.contact.records import CONTACTS
 from models.core.system import System
 from models.monolithic.cycle import STEADY
 
@@ -35,7 +34,7 @@ from ..files import Plan, parse_study
 from ..points import expand_points
 from ..run import Where, run
 from ..store import DONE
-from .figures_of_merit import kinds_of, parameter_of
+from .figures_of_merit import list_contacts, parameter_of
 from .separation import (
     Separation,
     check_film,
@@ -259,7 +258,7 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Pat
     )
     joined.to_netcdf(out / CYCLES, engine="h5netcdf")
     files.append(out / CYCLES)
-    contacts = [name for name, kind in kinds_of(system).items() if kind in CONTACTS]
+    contacts = list_contacts(system)
     lost = find_lost(table.sel(speed=joined["speed"].values))
     for load_name in [f"{name}.load" for name in contacts[:2]]:
         stem = load_name.replace(".", "-")

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple, Protocol
 
-from models.core.quantities import Vector
-from models.core.system import System
+from ..core.quantities import Vector
+from ..core.system import System
 
 
 class Outputs(Protocol):
@@ -61,14 +61,19 @@ class WitnessedTrain(ABC):
             for part, name in self.names.items()
         }
 
+    @property
+    def drive(self) -> Any:
+        """The parameters of what turns the camshaft."""
+        return self.parameters["flywheel"]
+
     def size(self, part: str, name: str) -> int:
         """A size of the part's component."""
         return int(self.system.instances[self.names[part]].component.structure[name])
 
     def find_profile(self, part: str) -> Any:
         """The profile of the part's cam."""
-        from models.valve_train.cams.law import LAW
-        from models.valve_train.cams.table import TABLE
+        from ..valve_train.cams.law import LAW
+        from ..valve_train.cams.table import TABLE
 
         return TABLE if self.size(part, "table_points") else LAW
 
@@ -106,7 +111,7 @@ class DirectTrain(WitnessedTrain):
     }
 
     def build(self) -> Any:
-        from models.multibody.direct_train import TrainStart, direct_train
+        from .direct_train import TrainStart, direct_train
 
         shaft, spring, camshaft = (
             self.states["camshaft"],
@@ -127,7 +132,7 @@ class DirectTrain(WitnessedTrain):
         return direct_train(
             camshaft,
             self.parameters["valve_spring"],
-            float(camshaft.drive_ratio * self.parameters["flywheel"].initial_speed),
+            float(camshaft.drive_ratio * self.drive.initial_speed),
             coil_masses=self.size("valve_spring", "coil_masses"),
             lubricant=self.parameters["contact"],
             profile=self.find_profile("camshaft"),
@@ -135,7 +140,7 @@ class DirectTrain(WitnessedTrain):
         )
 
     def observe(self, motion: Any) -> list[Observation]:
-        from models.multibody.direct_train import CONTACT, DRIVE, GUIDE
+        from .direct_train import CONTACT, DRIVE, GUIDE
 
         camshaft = self.parameters["camshaft"]
         torque = camshaft.drive_ratio * motion.multiplier(DRIVE)[:, 0]
@@ -174,7 +179,7 @@ class PushrodTrainOfParts(WitnessedTrain):
     }
 
     def build(self) -> Any:
-        from models.multibody.pushrod_train import CAM, TIP, PushrodStart, PushrodTrain, pushrod_train
+        from .pushrod_train import CAM, TIP, PushrodStart, PushrodTrain, pushrod_train
 
         states, given = self.states, self.parameters
         start = PushrodStart(
@@ -199,7 +204,7 @@ class PushrodTrainOfParts(WitnessedTrain):
         return pushrod_train(train, float(given["flywheel"].initial_speed), self.find_profile("tappet"))
 
     def observe(self, motion: Any) -> list[Observation]:
-        from models.multibody.pushrod_train import CAM, DRIVE, TIP
+        from .pushrod_train import CAM, DRIVE, TIP
 
         load, offset = self.output("cam_contact", "load"), self.output("tappet", "contact_offset")
         torque = motion.multiplier(DRIVE)[:, 0]

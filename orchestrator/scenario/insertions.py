@@ -1,0 +1,73 @@
+"""Keys of a component's table that become its structure and parameters: tables, drawings, oils."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from models.catalogue import CATALOGUE
+from models.core import roles
+from models.core.component import Component
+
+from .angle_table import AngleTableError
+from .drawing import insert_drawing
+from .force_table import insert_force_table
+from .lift_segments import insert_lift_segments
+from .lift_table import insert_lift_table
+from .oil import OILED, insert_oil
+from .pressure_table import insert_pressure_table
+from .values import Faults, build_component
+
+
+@dataclass(frozen=True)
+class Insertion:
+    """`insert` gives the table with what `keys` become; for components that it `suits`, called `called`."""
+
+    keys: tuple[str, ...]
+    insert: Callable[[dict[str, Any]], dict[str, Any]]
+    suits: Callable[[Component], bool]
+
+
+def _has(*kinds: type[roles.Role]) -> Callable[[Component], bool]:
+    return lambda component: component.has_role(*kinds)
+
+
+def _has_profile(component: Component) -> bool:
+    return "table_points" in component.structure
+
+
+INSERTIONS = (
+    Insertion(("lift_table",), insert_lift_table, _has_profile),
+    Insertion(("lift_segments",), insert_lift_segments, _has_profile),
+    Insertion(("pressure_table",), insert_pressure_table, _has(roles.CylinderGas)),
+    Insertion(("drawing",), insert_drawing, _has(roles.DrawnShaft)),
+    Insertion(("force_table",), insert_force_table, _has(roles.CoilSpring)),
+    Insertion(("oil", "temperature"), insert_oil, _has(*OILED)),
+)
+
+
+def insert_all(table: dict[str, Any]) -> dict[str, Any]:
+    """A component's table with all that its keys become; Faults."""
+    for insertion in INSERTIONS:
+        given = [key for key in insertion.keys if table.get(key) is not None]
+        component = _find_component(table.get("component"))
+        if not given or component is None:
+            continue
+        key = given[0]
+        if not insertion.suits(component):
+            suited = [name for name in CATALOGUE if insertion.suits(CATALOGUE[name]())]
+            raise Faults((key, f": {component.name} has none; leave it out, or take {' or '.join(suited)}"))
+        try:
+            table = insertion.insert(table)
+        except AngleTableError as error:
+            raise Faults((key, f": {error}")) from None
+    return table
+
+
+def _find_component(name: Any) -> Component | None:
+    """None for a name that the check of `component` refuses."""
+    try:
+        return build_component(str(name))
+    except ValueError:
+        return None
