@@ -57,7 +57,8 @@ def insert_all(table: dict[str, Any]) -> dict[str, Any]:
         key = given[0]
         if not insertion.suits(component):
             suited = [name for name in CATALOGUE if insertion.suits(CATALOGUE[name]())]
-            raise Faults((key, f": {component.name} has none; leave it out, or take {' or '.join(suited)}"))
+            others = " or ".join(filter(None, (", ".join(suited[:-1]), suited[-1])))
+            raise Faults((key, f": {component.name} has none; leave it out, or take {others}"))
         try:
             table = insertion.insert(table)
         except AngleTableError as error:
