@@ -203,6 +203,18 @@ def read_description(
     An FMU that has only one interface is described by that. `sizes` are values of structural parameters.
     """
     try:
+        status = path.stat()
+    except OSError as error:
+        raise DescriptionError(f"cannot be read as an FMU: {error}") from None
+    return _describe(path, interface, tuple(sizes.items()), status.st_mtime_ns, status.st_size)
+
+
+@functools.lru_cache(maxsize=64)
+def _describe(
+    path: Path, interface: str, sizes: tuple[tuple[str, int], ...], changed: int, size: int
+) -> Description:
+    """The same, read once for a file: those of thousands of variables take half a second."""
+    try:
         found = _read(path)
         root = _read_root(path)
     except Exception as error:
@@ -211,7 +223,7 @@ def read_description(
         description1.complete(found, root)
     events = description3.complete(found, root) if found.fmiVersion == "3.0" else None
     _complete_relative(found, root)
-    resize(found, sizes)
+    resize(found, dict(sizes))
     about = found.coSimulation
     integrated = found.modelExchange is not None and (about is None or interface == MODEL_EXCHANGE)
     if integrated:

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 DESCRIBED = 8192  # bytes at most for a variable's names, attributes and places; some 3 kB were measured
 PROFILES = "fields"  # the group of profiles across solved contacts
+PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+LISTED = 65_000  # bytes: HDF5's attributes have 64 KiB
 CHUNK = 4096  # rows of a compressed chunk: and of what is written at once: 32 kB of a variable
 
 
@@ -76,10 +78,13 @@ class ResultFile:
         # Of an unlimited dimension h5netcdf asks all variables for their length whenever it makes or opens
         # one; netCDF knows no other of length 0.
         group.dimensions["time"] = rows or None
-        for key, quantity in columns.items():
-            _make(group, _to_stored_name(key), quantity, chunk)
-        # Each by itself: what HDF5 lists as attached to a dimension has been seen to lack one.
-        datasets = [self._hdf5[f"{group.name}/{_to_stored_name(key)}"] for key in columns]
+        place = self._hdf5[group.name]
+        time = _make_time(group, columns["time"], chunk)
+        datasets = [
+            time if key == "time" else _make(place, _to_stored_name(key), quantity, rows, chunk, time)
+            for key, quantity in columns.items()
+        ]
+        _list_attached(time, [dataset for dataset in datasets if dataset is not time])
         for first, block in _number_blocks(blocks):
             for dataset, values in zip(datasets, np.ascontiguousarray(block.T), strict=True):
                 dataset[first : first + len(block)] = values
@@ -96,12 +101,12 @@ class ResultFile:
             variable.attrs["units"] = unit
 
     def attribute(self, group: str, name: str, value: Any) -> None:
-        """An attribute of a group."""
-        self._file[group].attrs[name] = value
+        """An attribute of a group, or of one of its variables."""
+        self._hdf5[group].attrs[name] = value
 
     def read(self, group: str, names: Sequence[str], rows: slice) -> dict[str, Vector]:
         """Rows of some variables."""
-        return {name: np.asarray(self._file[group][_to_stored_name(name)][rows]) for name in names}
+        return {name: np.asarray(self._hdf5[f"{group}/{_to_stored_name(name)}"][rows]) for name in names}
 
     def has(self, group: str) -> bool:
         """The group exists and has rows."""
@@ -144,17 +149,44 @@ def _to_stored_name(name: str) -> str:
     return name.replace("/", "\N{DIVISION SLASH}")
 
 
-def _make(group: h5netcdf.Group, name: str, quantity: Quantity, chunk: int) -> None:
-    variable = group.create_variable(
-        name, ("time",), np.float64, chunks=(chunk,), compression="gzip", compression_opts=1, shuffle=True
+def _make_time(group: h5netcdf.Group, quantity: Quantity, chunk: int) -> Any:
+    """The group's coordinate, which is HDF5's scale of its dimension."""
+    variable = group.create_variable("time", ("time",), np.float64, chunks=(chunk,), **PACKED)
+    _describe(variable._h5ds, quantity)
+    return variable._h5ds
+
+
+def _make(group: Any, name: str, quantity: Quantity, rows: int, chunk: int, time: Any) -> Any:
+    """A variable over `time`.
+
+    For each new one h5netcdf would write the scale's list of all variables anew, in a time that grows with
+    their number, and fail where the list is longer than LISTED.
+    """
+    dataset = group.create_dataset(
+        name, (rows,), np.float64, chunks=(chunk,), maxshape=time.maxshape, **PACKED
     )
-    variable.attrs["units"] = quantity.unit
-    variable.attrs["long_name"] = quantity.description
+    scales = np.empty(1, dtype=object)
+    scales[0] = np.array([time.ref], dtype=h5py.ref_dtype)
+    dataset.attrs.create("DIMENSION_LIST", scales, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+    _describe(dataset, quantity)
+    return dataset
+
+
+def _list_attached(time: Any, datasets: Sequence[Any]) -> None:
+    """The scale's own list of what is attached to it, which readers of netCDF do without."""
+    kind = np.dtype([("dataset", h5py.ref_dtype), ("dimension", np.int32)])
+    if 0 < len(datasets) * kind.itemsize < LISTED:
+        time.attrs.create("REFERENCE_LIST", np.array([(one.ref, 0) for one in datasets], dtype=kind))
+
+
+def _describe(dataset: Any, quantity: Quantity) -> None:
+    dataset.attrs["units"] = quantity.unit
+    dataset.attrs["long_name"] = quantity.description
     if quantity.display_unit:
-        variable.attrs["display_units"] = quantity.display_unit
+        dataset.attrs["display_units"] = quantity.display_unit
     if quantity.choices:
-        variable.attrs["flag_meanings"] = " ".join(quantity.choices)
-        variable.attrs["flag_values"] = np.arange(float(len(quantity.choices)))
+        dataset.attrs["flag_meanings"] = " ".join(quantity.choices)
+        dataset.attrs["flag_values"] = np.arange(float(len(quantity.choices)))
 
 
 def _number_blocks(blocks: Iterable[Vector]) -> Iterator[tuple[int, Vector]]:

@@ -6,6 +6,7 @@ import sys
 import textwrap
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -61,6 +62,25 @@ def test_no_rows_are_no_rows(tmp_path: Path) -> None:
         file.finish(True, "")
     with open_result(tmp_path) as tree:
         assert tree["coupled"]["contact.load"].shape == (0,)
+
+
+@pytest.mark.parametrize("count", [3, 5500])
+def test_a_result_has_any_number_of_variables(count: int, tmp_path: Path) -> None:
+    """HDF5's list of what is attached to a dimension ends at 5400 or so."""
+    names = [f"a.v{i}" for i in range(count)]
+    with ResultFile(tmp_path / "result.nc", {}) as file:
+        quantity = Quantity("m", "length")
+        file.write(
+            "coupled", np.arange(2.0), dict.fromkeys(names, quantity), np.tile(np.arange(count), (2, 1))
+        )
+        assert file.read("coupled", names[-1:], slice(None))[names[-1]].tolist() == [count - 1.0] * 2
+        file.finish(True, "")
+    with h5py.File(tmp_path / "result.nc") as found:
+        assert len(found["coupled"]) == count + 1
+        last = found[f"coupled/{names[-1]}"]
+        assert last.dims[0][0] == found["coupled/time"]
+        assert last.attrs["units"] == "m"
+        np.testing.assert_array_equal(last[:], count - 1.0)
 
 
 def test_csv_is_in_cross_check_layout_exact_and_has_its_units_beside_it(tmp_path: Path) -> None:
