@@ -16,7 +16,6 @@ import zipfile
 from collections.abc import Mapping
 from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 import pythonfmu
 
@@ -25,8 +24,9 @@ from fmus.fmi.origin import note_built
 from models.catalogue import CATALOGUE, find_factory, identify, is_own
 from models.core.component import Component
 
+from .declared import experiment, find_extra
 from .documentation import MARKER, render_page
-from .fmi.description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
+from .fmi.description import GUID_PLACE, PYTHON, Origin, model_description
 from .fmu_cache import cache_path, recall, tidy, use_cached
 from .patch_elf import add_needed_library
 from .sources import collect_sources, name_module
@@ -188,26 +188,9 @@ def compute_references(name: str, structure: Mapping[str, int] | None, exchange:
     sizes = resolve_component(name, structure)[1].structure
     if is_own(name) or sizes != CATALOGUE[name]().structure or find_extra(name, "STIMULUS", None) is None:
         return {}
-    from .reference_results.inside import build_references
+    from .reference_results.inside import build_references  # its solvers take long to import
 
     return build_references(name, exchange)
-
-
-def explain_no_native(name: str) -> str:
-    """Why there is no native FMU of the component, and no model exchange; "" if there is one."""
-    return str(find_extra(name, "PYTHON_ONLY", ""))
-
-
-def experiment(name: str) -> Experiment:
-    """The default experiment of tools."""
-    offered: Experiment = find_extra(name, "EXPERIMENT", Experiment(stop_time=1.0, step_size=1e-3))
-    return offered
-
-
-def find_extra(name: str, constant: str, default: Any) -> Any:
-    """A constant of the component's folder here, of a user's own component of its module."""
-    place = find_factory(name).__module__ if is_own(name) else f"fmus.{name}"
-    return getattr(importlib.import_module(place), constant, default)
 
 
 def digest_own(name: str) -> str:

@@ -11,7 +11,7 @@ import fmpy
 import numpy as np
 
 from fmus.build import build as build_python
-from fmus.build import experiment
+from fmus.declared import experiment
 from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
 from tests.fmus.reference import Reference, wave

@@ -45,7 +45,7 @@ def test_what_hides_a_package_is_named(name: str, as_folder: bool, tmp_path: Pat
 @pytest.mark.parametrize("name", ["models", "fmus"])
 def test_what_hides_a_package_from_a_notebook_is_named(name: str, tmp_path: Path) -> None:
     place = occupied(tmp_path, name, False)
-    done = python(tmp_path, "-c", "import orchestrator.scenario.files")
+    done = python(tmp_path, "-c", "import tribocosim; tribocosim.load")
     assert done.stderr.splitlines()[-1].startswith(f"ImportError: {place} hides ")
 
 

@@ -47,6 +47,10 @@ def __dir__() -> list[str]:
 
 def __getattr__(name: str) -> Any:
     """Import the interface when it is first asked for: the command begins with less."""
+    from .packages import find_shadowed
+
+    if message := find_shadowed():
+        raise ImportError(message)
     if name == "errors":
         import importlib
 

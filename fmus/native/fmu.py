@@ -13,6 +13,7 @@ from models.catalogue import find_factory, identify, is_own
 from models.core.component import Component
 
 from .. import build as python_build
+from .. import declared
 from ..fmi import description3
 from ..fmi.description import EXCHANGE, GUID_PLACE, NATIVE, model_description
 from ..fmi.terminals import FOLDER, terminals_and_icons
@@ -94,7 +95,7 @@ def collect_files(
     kernels = _kernels(name, tuple(sorted(sizes.items())), tuple(smooth(component)))
     called = identify(name)
     made_by = python_build.origin("LLVM and zig")
-    experiment = python_build.experiment(name)
+    experiment = declared.experiment(name)
     if fmi == 2:
         xml = model_description(component, called, experiment, made_by, NATIVE, EXCHANGE)
     else:
@@ -111,7 +112,7 @@ def collect_files(
     described = {variable.name for variable in Memory(component).variables()}
     icon = files.pop("model.png") if fmi == 3 else files["model.png"]
     files[f"{FOLDER}/icon.png"] = icon
-    stated = python_build.find_extra(name, "TERMINALS", {})
+    stated = declared.find_extra(name, "TERMINALS", {})
     files[f"{FOLDER}/{FOLDER}.xml"] = terminals_and_icons(stated, described).encode()
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, token).encode()
     for count, platform in enumerate(map(PLATFORMS.__getitem__, platforms), 1):
@@ -155,14 +156,12 @@ def check_tools() -> None:
 
 def check_component(name: str) -> None:
     """TranslationError for a component whose FMU needs Python."""
-    if reason := python_build.explain_no_native(name):
+    if reason := declared.explain_no_native(name):
         raise TranslationError(f"{name}: {reason}")
 
 
 # The components of which there are native FMUs.
-NAMES: tuple[str, ...] = tuple(
-    name for name in python_build.NAMES if not python_build.explain_no_native(name)
-)
+NAMES: tuple[str, ...] = tuple(name for name in python_build.NAMES if not declared.explain_no_native(name))
 
 
 def _version(tool: str) -> str:

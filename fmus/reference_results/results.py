@@ -15,7 +15,7 @@ from models.core.component import Component
 from models.core.quantities import Vector
 from models.monolithic.driven import Driven, Piece, solve_driven
 
-from ..build import explain_no_native
+from ..declared import explain_no_native
 from .files import Options, Table, csv_text, read_csv
 from .stimulus import Stimulus, load_stimulus, slope_name
 

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import pytest
 
-from fmus.build import NAMES, find_extra
+from fmus.build import NAMES
+from fmus.declared import find_extra
 
 # Those with impacts, vectors, events in time and plain motion among them.
 ALWAYS = ("valve_spring", "slider_crank", "flywheel")

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 import orchestrator
-from fmus.build import NAMES, find_extra
+from fmus.build import NAMES
+from fmus.declared import find_extra
 from fmus.fmi.terminals import Terminal, find_terminals, terminals_and_icons
 from fmus.fmi.validate import terminal_faults
 from fmus.variable_layout import Memory

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from ...masters import find_name
 from ...plots.style import SIGNALS, add_title, create_subplots
-from .report import format_time
+from .behaviour import format_time
 from .survey import AssessedMethod, Survey
 
 STABLE = "#dfeadf"

@@ -17,7 +17,7 @@ from rich.text import Text
 
 from ...masters import find_name
 from ...scenario.files import to_full_toml
-from .behaviour import SPACING
+from .behaviour import SPACING, format_time
 from .survey import AssessedMethod, Survey
 
 if TYPE_CHECKING:
@@ -25,16 +25,6 @@ if TYPE_CHECKING:
 
 # Participants of an order in the table.
 SHOWN = 4
-
-
-def format_time(seconds: float) -> str:
-    """Format a step with a unit, e.g. 5 us; "-" for none."""
-    if not (math.isfinite(seconds) and seconds > 0.0):
-        return "-"
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
-        if seconds >= 0.9999 * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds / 1e-9:.3g} ns"
 
 
 def build_table(found: Survey) -> Table:

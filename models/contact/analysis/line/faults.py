@@ -2,21 +2,10 @@
 
 from __future__ import annotations
 
-from numbers import Real
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from .line_contact import LineContact
+from .line_contact import LineContact
 
 # The largest Moes' groups up to which films were found wherever they were tried.
 TRIED_M, TRIED_L = 1000.0, 20.0
-
-
-def real(name: str, value: Any) -> None:
-    """ValueError unless it is one real number."""
-    if not isinstance(value, Real):
-        shown = " ".join(repr(value).split())
-        raise ValueError(f"{name} = {shown}: must be one real number in SI units; give a float, as 0.03")
 
 
 def likely_cause(contact: LineContact, film: float, nodes: int | None) -> str:

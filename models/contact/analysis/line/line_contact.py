@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
+from numbers import Real
 from typing import Any
 
 from ...asperities import Asperities
 from ...films.groups import Groups, groups
 from ...fluid import DENSITY_LAWS, VISCOSITY_LAWS, Lubricant
 from ...hertz import ELASTIC_LIMIT, half_width, maximum_pressure
-from .faults import real
 
 # Bodies and lubricant of `moes_contact`. M and L leave them open: in Moes' groups, films depend on them only
 # through alpha, and without a viscosity law that knows pressures in Pa not even on that.
@@ -31,6 +31,13 @@ _HOLDS: dict[str, Callable[[float], bool]] = {
 }
 _AT_REST = "without entrainment no film is steady, see the transient line contact"
 _NO_EFFECT = "0 leaves its effect out"
+
+
+def real(name: str, value: Any) -> None:
+    """ValueError unless it is one real number."""
+    if not isinstance(value, Real):
+        shown = " ".join(repr(value).split())
+        raise ValueError(f"{name} = {shown}: must be one real number in SI units; give a float, as 0.03")
 
 
 @dataclass(frozen=True)

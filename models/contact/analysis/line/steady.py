@@ -26,9 +26,9 @@ from ...line.newton import integrate_pressure
 from ...line.reynolds import Flow
 from ...line.transient import central, least, wanted_scale
 from ..inlet import inlet_width
-from .faults import likely_cause, real
+from .faults import likely_cause
 from .fixed_grid import Fields, Mesh, cold_start, interpolate_film, steady_on_grid, workspace
-from .line_contact import LineContact
+from .line_contact import LineContact, real
 
 # Nodes of the series; with the most, a matrix takes 46 megabytes.
 COARSEST, FINEST = 151, 2401
