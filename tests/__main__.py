@@ -3,6 +3,7 @@
 `python -m tests` runs the default part, `python -m tests --all` also the long physics checks.
 `python -m tests --validation [WORD ...]` runs the tests that record numbers and writes docs/validation.md.
 `python -m tests --mutants [WORD ...]` makes deliberate errors of physics and lists the tests that catch them.
+`python -m tests --machines [--all] [WORD ...]` compares these numbers between machines, see `machines`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import sys
 from pathlib import Path
 
 from . import mutants
+from .machines import compare_machines
 from .validation import recording_tests
 
 ROOT = Path(__file__).parent.parent
@@ -46,14 +48,14 @@ def checks(everything: bool) -> dict[str, list[str]]:
     }
 
 
-def validation(words: list[str]) -> dict[str, list[str]]:
+def recording(words: list[str]) -> list[str]:
     """The command that runs the recording tests whose file or name contains a word, or all."""
     tests = [
         f"tests/{test}" for test in sorted(recording_tests()) if not words or any(w in test for w in words)
     ]
     if not tests:
         raise SystemExit(f"no test that records numbers has {' or '.join(words)} in its file or name")
-    return {"validation": [*PYTEST, "-p", "tests.validation", "-m", "", *tests]}
+    return [*PYTEST, *tests]
 
 
 def main() -> int:
@@ -63,8 +65,11 @@ def main() -> int:
     failed, arguments = [], sys.argv[1:]
     if arguments[:1] == ["--mutants"]:
         return mutants.main(arguments[1:])
+    if arguments[:1] == ["--machines"]:
+        command = recording([word for word in arguments[1:] if word != "--all"])
+        return 0 if compare_machines([*command, *(["-m", ""] if "--all" in arguments else [])], ROOT) else 1
     if arguments[:1] == ["--validation"]:
-        commands = validation(arguments[1:])
+        commands = {"validation": [*recording(arguments[1:]), "-p", "tests.validation", "-m", ""]}
     else:
         commands = checks("--all" in arguments)
     for name, command in commands.items():

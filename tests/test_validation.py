@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from .machines import find_spreads
 from .validation import (
     COLUMNS,
+    MACHINE_COLUMNS,
+    MACHINES,
     PAGE,
     SUBJECTS,
     compare,
@@ -18,16 +21,19 @@ from .validation import (
 
 
 def test_the_page_has_every_recording_test_and_no_other() -> None:
-    assert {test for _, test in page_blocks(PAGE.read_text("utf-8"))} == set(recording_tests())
+    blocks = page_blocks(PAGE.read_text("utf-8"))
+    assert {test for subject, test in blocks if subject != MACHINES} == set(recording_tests())
+    assert {test for subject, test in blocks if subject == MACHINES} <= set(recording_tests())
 
 
 def test_the_page_is_well_formed() -> None:
     text = PAGE.read_text("utf-8")
     blocks = page_blocks(text)
-    assert {subject for subject, _ in blocks} == set(SUBJECTS)
+    assert {subject for subject, _ in blocks} - {MACHINES} == set(SUBJECTS)
     assert page_text(blocks) == text
-    for row in (row for rows in blocks.values() for row in rows):
-        assert len(row.replace("\\|", "").strip("| ").split(" | ")) == len(COLUMNS), row
+    for subject, row in ((key[0], row) for key, rows in blocks.items() for row in rows):
+        columns = MACHINE_COLUMNS if subject == MACHINES else COLUMNS
+        assert len(row.replace("\\|", "").strip("| ").split(" | ")) == len(columns), row
 
 
 @pytest.mark.parametrize("value", [1.02, np.nan, [1.0, 0.9]])
@@ -47,3 +53,17 @@ def test_rows_do_not_depend_on_the_order_of_reports() -> None:
     rows = blocks["Cam", "a.py::test_b"]
     assert [row.partition(" (worst of 3 cases) | 1.002 |")[0] for row in rows] == ["| height", "| width"]
     assert page_blocks(page_text(blocks)) == blocks
+
+
+@pytest.mark.parametrize(
+    ("values", "margin"),
+    # Room of the best value to the tolerance 0.1, over the spread.
+    [((1.0, 1.05), 2.0), ((1.05, 1.06), 5.0), ((0.99, 1.01), 5.0), ((1.09, 1.09), np.inf)],
+)
+def test_margin_is_the_room_of_the_nearest_machine_over_the_spread(values, margin) -> None:
+    sessions = {
+        str(machine): [("tests/a.py::test_b", 0, "Cam", *compare("height", value, 1.0, "", tolerance=0.1))]
+        for machine, value in enumerate(values)
+    }
+    (spread,) = find_spreads(sessions)
+    assert spread.margin == pytest.approx(margin)

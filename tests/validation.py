@@ -46,10 +46,20 @@ Numbers are in SI units unless a unit is named; *rel.* is relative to the refere
 that the quantity is itself an error; a tolerance of 0, that all numbers are equal to the last bit.
 """
 
+# The last section, see `machines`.
+MACHINES = "What differs by machine"
+MACHINE_COLUMNS = ("quantity", "spread", "from", "to", "tolerance", "test")
+MACHINE_INTRODUCTION = """Numbers that the processor's linear algebra (BLAS), the kernels' machine code or a
+second thread change by more than a tenth of their tolerance. *Spread*, *from* and *to* are shares of the
+tolerance; the environment is in parentheses. `python -m tests --machines [--all] [WORD ...]` measures them,
+and fails where three spreads would leave the tolerance.
+"""
+
 # Rows by subject and test.
 Blocks = dict[tuple[str, str], list[str]]
-# A test with its case, the place of a record in it, subject, share of the tolerance that is used up, cells.
-Record = tuple[str, int, str, float, list[str]]
+# A test with its case, the place of a record in it, subject, signed shares of the tolerance that elements use
+# up, cells.
+Record = tuple[str, int, str, list[float], list[str]]
 
 
 @pytest.fixture
@@ -72,23 +82,26 @@ def compare(
     *,
     tolerance: float | None = None,
     relative: float | None = None,
-) -> tuple[float, list[str]]:
+) -> tuple[list[float], list[str]]:
     """Assert |value - reference| <= tolerance, or <= relative * |reference|, for every element of arrays.
 
-    Returns the share of the tolerance that is used up and the cells of a row, of the worst element.
+    Returns the signed share of the tolerance that each element uses up, and the cells of the worst one's row.
     """
     if (tolerance is None) == (relative is None):
         raise ValueError(f"{quantity}: give either a tolerance or a relative one")
     values, references = np.broadcast_arrays(np.asarray(value, float), np.asarray(reference, float))
     scales = np.ones_like(references) if relative is None else np.abs(references)
-    differences = np.nan_to_num(np.abs(values - references) / scales, nan=np.inf)
-    worst = np.unravel_index(np.argmax(differences), differences.shape)
-    difference, allowed = float(differences[worst]), float(relative if tolerance is None else tolerance)
+    differences = np.nan_to_num((values - references) / scales, nan=np.inf)
+    worst = np.unravel_index(np.argmax(np.abs(differences)), differences.shape)
+    difference, allowed = (
+        float(np.abs(differences[worst])),
+        float(relative if tolerance is None else tolerance),
+    )
     mark = " rel." if tolerance is None else ""
     numbers = (f"{values[worst]:.6g}", f"{references[worst]:.6g}", f"{difference:.2g}{mark}")
     cells = [quantity, *numbers, f"{allowed:.2g}{mark}", source]
     assert difference <= allowed, ", ".join(f"{n} {c}" for n, c in zip(COLUMNS, cells, strict=False))
-    return difference / allowed if allowed else difference, cells
+    return (differences.ravel() / (allowed or 1.0)).tolist(), cells
 
 
 def recording_tests() -> set[str]:
@@ -117,11 +130,14 @@ def page_text(blocks: Blocks) -> str:
     """The page: a table for each subject, sorted by test, and what falls short."""
     limits = tomllib.loads(LIMITS.read_text("utf-8"))
     parts = [INTRODUCTION]
-    for subject in SUBJECTS:
+    for subject in (*SUBJECTS, MACHINES):
+        columns, begin = (MACHINE_COLUMNS, [MACHINE_INTRODUCTION]) if subject == MACHINES else (COLUMNS, [])
         rows = [row for key in sorted(blocks) if key[0] == subject for row in blocks[key]]
-        table = [f"| {' | '.join(COLUMNS)} |", "|---" * len(COLUMNS) + "|", *rows]
+        table = [f"| {' | '.join(columns)} |", "|---" * len(columns) + "|", *rows]
         known = ["", "Known limits:", "", *(f"- {limit}" for limit in limits.get(subject, []))]
-        parts.append("\n".join([f"## {subject}", "", *table, *(known if subject in limits else []), ""]))
+        parts.append(
+            "\n".join([f"## {subject}", "", *begin, *table, *(known if subject in limits else []), ""])
+        )
     return "\n".join(parts)
 
 
@@ -137,12 +153,22 @@ def recorded_blocks(records: Iterable[Record]) -> Blocks:
         cases[subject, named_test(node), cells[0]].append((share, cells))
     blocks: Blocks = defaultdict(list)
     for (subject, test, quantity), found in cases.items():
-        cells = max(found, key=lambda case: case[0])[1]
+        cells = max(found, key=lambda case: max(map(abs, case[0])))[1]
         more = f" (worst of {len(found)} cases)" if len(found) > 1 else ""
-        file, _, name = test.partition("::")
-        row = [quantity + more, *cells[1:], f"[{name}](../tests/{file})"]
-        blocks[subject, test].append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |")
+        row = [quantity + more, *cells[1:], link(test)]
+        blocks[subject, test].append(f"| {' | '.join(map(escape, row))} |")
     return blocks
+
+
+def link(test: str) -> str:
+    """To the file of a test "file::test"."""
+    file, _, name = test.partition("::")
+    return f"[{name}](../tests/{file})"
+
+
+def escape(cell: str) -> str:
+    """The cell's text in a table."""
+    return cell.replace("|", "\\|")
 
 
 _records: list[Record] = []
@@ -164,5 +190,5 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         new, tests = recorded_blocks(_records), recording_tests() - _failed
         old = page_blocks(PAGE.read_text("utf-8")) if PAGE.exists() else {}
         ran = {test for _, test in new}
-        kept = {key: rows for key, rows in old.items() if key[1] not in ran} | new
+        kept = {key: rows for key, rows in old.items() if key[0] == MACHINES or key[1] not in ran} | new
         PAGE.write_text(page_text({key: rows for key, rows in kept.items() if key[1] in tests}), "utf-8")
