@@ -15,12 +15,17 @@ from models.core.remedies import Words as Words
 from models.core.remedies import in_command_line as in_command_line
 from models.core.remedies import join as join
 
+FEW = 12  # names that are read at a glance
+
 
 def one_of(names: Iterable[str], given: object = "") -> str:
-    """The end of a message about a choice: the one that was probably meant, and all of them."""
+    """The end of a message about a choice: the likeliest names, and all of them where they are few."""
     known, text = list(names), str(given).lower()
-    close = difflib.get_close_matches(text, known, n=1) or [n for n in known if len(text) > 2 and text in n]
-    text = f"must be one of {', '.join(known)}"
+    close = difflib.get_close_matches(text, known) or [n for n in known if len(text) > 2 and text in n][:3]
+    if close and len(known) > FEW:
+        return f"did you mean {' or '.join(close)}?"
+    more = f" and {len(known) - FEW} more" if len(known) > FEW else ""
+    text = f"must be one of {', '.join(known[:FEW])}{more}"
     return f"did you mean {close[0]}? It {text}" if close else text
 
 

@@ -13,6 +13,7 @@ import pytest
 
 import tribocosim
 from models.core.remedies import Command, Option, Set, find_actions, in_command_line, in_python
+from orchestrator.errors import one_of
 from tribocosim.command_line.error_report import FAILED, MISTAKE, describe_error
 
 # Those that no call of the package lets through.
@@ -50,6 +51,13 @@ def test_an_error_ends_with_its_remedies_as_alternatives_also_inside_another() -
         assert str(outer) == "part: x = 3: must be < 2; choose another at, or leave it out"
         assert in_command_line(outer) == "part: x = 3: must be < 2; choose another --at, or leave it out"
         assert find_actions(outer) == (Option("at"),)
+
+
+def test_of_many_names_an_error_gives_the_nearest_and_of_few_all() -> None:
+    many = [f"part_{i}.force" for i in range(45)]
+    assert one_of([*many, "valve.lift"], "valve.lft") == "did you mean valve.lift?"
+    assert one_of(many, "x").endswith("part_11.force and 33 more")
+    assert one_of(["jacobi", "newton"], "jacob") == "did you mean jacobi? It must be one of jacobi, newton"
 
 
 def _list_error_classes() -> list[type[BaseException]]:
