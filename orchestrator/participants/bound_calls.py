@@ -39,6 +39,7 @@ class BoundCalls:
     """The calls that FMI 2 and FMI 3 share, on fmpy's `slave`."""
 
     slave: Any
+    warned = 0  # calls that returned a warning
 
     def _bind(self, *states: str) -> None:
         """Bind the instance and its functions that save, restore and release states, by their names."""
@@ -68,11 +69,11 @@ class BoundCalls:
 
     def _transfer(
         self, function: str, references: Any, *between: Any, values: Vector, after: tuple[Any, ...] = (),
-        fail: Callable[[int], None],
+        fail: Callable[[int], None], told: bool = True,
     ) -> Callable[[], Any]:  # fmt: skip
         """function(instance, references, their number, between, values, after), `between` being arrays.
 
-        It returns the status; `fail` gets one that is worse than a warning.
+        It returns the status; `fail` gets one that is worse than a warning. Warnings are counted if `told`.
         """
         if not len(references):
             return lambda: OK
@@ -84,8 +85,10 @@ class BoundCalls:
 
         def transfer(kept: Any = (references, between, values)) -> int:  # keeps the memory alive
             status: int = call(*arguments)
-            if status > WARNING:
-                fail(status)
+            if status:
+                if status > WARNING:
+                    fail(status)
+                self.warned += told
             return status
 
         return transfer

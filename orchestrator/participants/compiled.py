@@ -23,7 +23,7 @@ from .fmi_instance import DISCARD, WARNING
 # Addresses of the functions, of the component, and of the references and numbers that are given to it and
 # taken from it; how many these are. The interpreter is released for the calls unless the FMU is in Python.
 # An FMU of FMI 3 reports on its step in the memory `told`: event, end, early return (a byte each), at 8 the
-# time. `warned` counts the steps that return a warning.
+# time. `warned` counts the calls that return a warning.
 # If `saved` is not 0, the state is saved there before a step and released after it; a step that fails leaves
 # it for its participant. If `cell` is not 0, every call first stores its mark there.
 CALLS = np.dtype(
@@ -248,6 +248,8 @@ def give(fmu: Any) -> tuple[int, int]:
     status = _call_transfer(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
     if status > WARNING:
         return SET, status
+    if status == WARNING:
+        fmu.warned += 1
     return FINE, status
 
 
@@ -283,4 +285,6 @@ def take(fmu: Any) -> tuple[int, int]:
     status = _call_transfer(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken)
     if status > WARNING:
         return GET, status
+    if status == WARNING:
+        fmu.warned += 1
     return FINE, status

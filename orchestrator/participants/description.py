@@ -21,6 +21,7 @@ from fmus.fmi.origin import is_built_here
 from ..errors import MistakeError
 from . import description1, description3
 from .description3 import STRUCTURAL, EventMode, resize
+from .description_faults import find_fault
 
 VERSIONS = ("1.0", "2.0", "3.0")
 # The interfaces by which an FMU can take part.
@@ -215,8 +216,8 @@ def _describe(
 ) -> Description:
     """The same, read once for a file: those of thousands of variables take half a second."""
     try:
-        found = _read(path)
         root = _read_root(path)
+        found = _read(path, root)
     except Exception as error:
         raise DescriptionError(f"cannot be read as an FMU: {' '.join(str(error).split())}") from None
     if found.fmiVersion == "1.0":
@@ -286,11 +287,13 @@ def _read_exchange(found: Any) -> Exchange | None:
     return Exchange(about.modelIdentifier, *(int(count or 0) for count in counts))
 
 
-def _read(path: Path) -> Any:
-    """fmpy's description; without validation if that fails."""
+def _read(path: Path, root: ElementTree.Element) -> Any:
+    """fmpy's description; without validation if that fails for nothing that has to be known."""
     try:
         return read_model_description(str(path))
     except Exception as error:
+        if fault := find_fault(root):
+            raise ValueError(f"{fault}, in its modelDescription.xml") from None
         with contextlib.suppress(Exception):
             return read_model_description(str(path), validate=False)
         raise error

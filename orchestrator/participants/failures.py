@@ -76,9 +76,10 @@ class ErrorReporter:
         return said
 
     def check(self, status: int, what: str) -> None:
-        """Raise the error of a call that did not succeed."""
+        """Raise the error of a call that did not succeed; count a warning."""
         if status > WARNING:
             self.fail(status, what)
+        self.fmi.warned += status == WARNING
 
     def fail(self, status: int, what: str, remedy: str = REMEDY) -> NoReturn:
         """Raise the error of a failed call."""

@@ -62,7 +62,6 @@ class ScalarCalls(BoundCalls):
     """What FMI 1.0 and 2.0 share, whose functions' names begin with `version`."""
 
     real_types = ("Real",)
-    warned = 0
     version: str
 
     def configure(self, sizes: Mapping[Variable, int]) -> None:
@@ -93,7 +92,7 @@ class ScalarCalls(BoundCalls):
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], int]:
         return self._transfer(
-            f"{self.version}SetRealInputDerivatives", references, orders, values=values, fail=fail
+            f"{self.version}SetRealInputDerivatives", references, orders, values=values, fail=fail, told=False
         )
 
     def get_reached_time(self) -> float | None:

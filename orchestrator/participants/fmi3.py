@@ -36,7 +36,6 @@ class Fmi3(BoundCalls):
     """Implements `FmiInstance`."""
 
     real_types = ("Float64",)
-    warned = 0
     interface: Any = FMU3Slave
 
     def __init__(self, name: str, description: Description, folder: str) -> None:

@@ -25,7 +25,7 @@ class FmiInstance(Protocol):
 
     # Types of variables that `setter` and `getter` transfer.
     real_types: tuple[str, ...]
-    # How many steps have returned a warning.
+    # How many calls have returned a warning.
     warned: int
     # The start (s) of the step at whose end the FMU asked to end the simulation, if it did; set by `fail`.
     ended_in: list[float]

@@ -134,5 +134,5 @@ class FmuParticipant(OpenedFmu):
 
     def warnings(self) -> tuple[int, str]:
         """How many there were, by status or by message, and the first message."""
-        steps = self._fmi.warned + sum(int(record["warned"]) for record in self._records)
-        return max(steps, self._errors.warnings), self._errors.first_warning
+        calls = self._fmi.warned + sum(int(record["warned"]) for record in self._records)
+        return max(calls, self._errors.warnings), self._errors.first_warning

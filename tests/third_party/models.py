@@ -46,6 +46,7 @@ class Model:
     abilities: str = 'canGetAndSetFMUstate="true" canSerializeFMUstate="true" '
     variable_step: bool = True
     rates: dict[str, str] = field(default_factory=dict)
+    reading: str = "OK"  # the status of getters
     highest: int = 3  # less than 0: their call is an error
 
 
@@ -359,6 +360,8 @@ for _name, _said in (("warning", 'say(m, WARNING, "getting hot"); '), ("mutterin
         MODELS["dahlquist"].variables,
         f"{EXPONENTIAL} {LIMITED}{{ {_said}m->reached = t + h; return WARNING; }}",
     )
+# Warns whenever it is read.
+MODELS["uneasy"] = replace(MODELS["dahlquist"], reading="m->initialised ? WARNING : OK")
 # Asks for the end of the simulation when it has come to a time.
 MODELS["landing"] = Model(
     (*MODELS["dahlquist"].variables, V("until", "parameter", 0.51)),

@@ -1,6 +1,6 @@
 /* FMI 2.0 or 3.0 (FMI) co-simulation around a model: all variables are doubles in v, a reference is the first's
-   place. MODEL is a file with COUNT, START (their start values) and the function `step`, which moves v from t to
-   t + h and returns a status, or ENDED or EARLY with `reached` set. */
+   place. MODEL is a file with COUNT, START (their start values), READING (the status of getters) and the function
+   `step`, which moves v from t to t + h and returns a status, or ENDED or EARLY with `reached` set. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -119,7 +119,7 @@ fmi2Status fmi2Reset(fmi2Component c) { memcpy(((Instance *)c)->v, start_values,
     fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference r[], size_t n, ctype x[]) { \
         Instance *m = c; output(m, m->v); \
         for (size_t i = 0; i < n; i++) x[i] = (ctype)m->v[r[i]]; \
-        return fmi2OK; } \
+        return (fmi2Status)(READING); } \
     fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference r[], size_t n, const ctype x[]) { \
         for (size_t i = 0; i < n; i++) ((Instance *)c)->v[r[i]] = x[i]; \
         return fmi2OK; }
@@ -215,7 +215,7 @@ fmi3Status fmi3Reset(fmi3Instance c) { memcpy(((Instance *)c)->v, start_values, 
         Instance *m = c; size_t k = 0; output(m, m->v); \
         for (size_t i = 0; i < n; i++) \
             for (size_t j = 0; j < SIZE(r[i]); j++) x[k++] = (ctype)m->v[r[i] + j]; \
-        return k == nx ? fmi3OK : fmi3Error; } \
+        return k == nx ? (fmi3Status)(READING) : fmi3Error; } \
     fmi3Status fmi3Set##Type(fmi3Instance c, const fmi3ValueReference r[], size_t n, const ctype x[], size_t nx) { \
         Instance *m = c; size_t k = 0; \
         for (size_t i = 0; i < n; i++) \

@@ -180,6 +180,18 @@ def test_warnings_are_counted_and_told_once(
     assert shown.count("muttering: the FMU gave 50 warnings; it does not say of what") == 1
 
 
+@pytest.mark.parametrize(("version", "process"), CASES)
+def test_warnings_of_every_call_are_counted(process: str, version: int, tmp_path: Path) -> None:
+    """Its outputs are read at least once in each of a hundred steps, by Python and by compiled code."""
+    tables = {
+        "one": {"participant": fmu("uneasy", version, tmp_path), "process": process},
+        "other": {"participant": fmu("vanderpol", version, tmp_path), "process": process},
+    }
+    summary, _ = ran(scenario(tables, connections=["one.x -> other.force"]), tmp_path / "out")
+    assert set(summary.warnings) == {"one"}
+    assert summary.warnings["one"].count >= 100
+
+
 def test_steps_that_go_on_by_themselves_are_said_to_be_unsupported(tmp_path: Path) -> None:
     summary, found = ran(case(fmu("pending", 2, tmp_path), "shared"), tmp_path / "out")
     assert "returned Pending: no message; asynchronous steps" in summary.message

@@ -1,0 +1,67 @@
+"""What of a modelDescription.xml keeps it from being read, by element and attribute."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from xml.etree.ElementTree import Element
+
+INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
+
+
+def find_fault(root: Element) -> str:
+    """The first fault, with what is allowed; empty if there is none of these."""
+    return next(_list_faults(root), "")
+
+
+def _list_faults(root: Element) -> Iterator[str]:
+    third = (root.get("fmiVersion") or "").startswith("3")
+    yield from _list_missing(root, "modelName", "instantiationToken" if third else "guid")
+    for kind in INTERFACES:
+        for interface in root.iterfind(kind):
+            yield from _list_missing(interface, "modelIdentifier")
+    variables = list(root.iterfind("ModelVariables/*"))
+    for variable in variables:
+        yield from _list_missing(variable, "name", "valueReference")
+        yield from _list_wrong_numbers(variable, "valueReference", None)
+    types = {one.get("name") for one in root.iterfind("TypeDefinitions/*")}
+    known = {str(variable.get("valueReference")) for variable in variables} if third else None
+    count = None if third else len(variables)
+    for variable in variables:
+        for element in (variable, *variable):
+            if (declared := element.get("declaredType")) is not None and declared not in types:
+                yield f"{_name(variable)} has declaredType = {declared!r}, which TypeDefinitions lacks"
+            yield from _list_wrong_numbers(element, "derivative", count, known, variable)
+            if element.tag == "Dimension":
+                yield from _list_wrong_numbers(element, "valueReference", count, known, variable)
+    attribute = "valueReference" if third else "index"
+    for unknown in root.iterfind("ModelStructure/*" if third else "ModelStructure/*/Unknown"):
+        if unknown.tag != "Annotations":
+            yield from _list_missing(unknown, attribute)
+        for one in (attribute, "dependencies"):
+            yield from _list_wrong_numbers(unknown, one, count, known)
+
+
+def _list_missing(element: Element, *attributes: str) -> Iterator[str]:
+    for attribute in attributes:
+        if element.get(attribute) is None:
+            yield f"{_name(element)} lacks the attribute {attribute}"
+
+
+def _list_wrong_numbers(
+    element: Element, attribute: str, count: int | None, known: set[str] | None = None,
+    owner: Element | None = None,
+) -> Iterator[str]:  # fmt: skip
+    """Numbers of the attribute that are none, or of no variable: from 1 to `count`, or among `known`."""
+    for word in (element.get(attribute) or "").split():
+        said = f"{_name(element if owner is None else owner)} has {attribute} = {word!r}"
+        if not word.isdecimal():
+            yield f"{said}, which must be a whole number"
+        elif count is not None and not 1 <= int(word) <= count:
+            yield f"{said}, which must be from 1 to {count}, as there are variables"
+        elif known is not None and word not in known:
+            yield f"{said}, which is the valueReference of no variable"
+
+
+def _name(element: Element) -> str:
+    name = element.get("name")
+    return f"{element.tag} {name!r}" if name else f"the element {element.tag}"
