@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import tomllib
@@ -9,6 +10,8 @@ from pathlib import Path
 
 import pytest
 import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
@@ -28,6 +31,32 @@ def test_the_hosted_checks_are_those_of_ci() -> None:
     job = read(".github/workflows/ci.yml")["jobs"]["checks"]
     (python,) = (step["with"]["python-version"] for step in job["steps"] if "with" in step)
     assert PROJECT["requires-python"] == f">={python}"  # the oldest that is promised
+
+
+def test_every_test_file_of_the_hosted_checks_exists() -> None:
+    files = re.findall(r"tests/\S+\.py", " ".join(list_commands("versions")))
+    assert files
+    assert [file for file in files if not (ROOT / file).is_file()] == []
+
+
+def test_the_lock_holds_every_requirement_within_its_bounds() -> None:
+    lines = (ROOT / "requirements.lock").read_text("utf-8").splitlines()
+    held = [Requirement(line) for line in lines]
+    extras = PROJECT["optional-dependencies"]
+    for text in [
+        *PROJECT["dependencies"],
+        *extras["studies"],
+        *extras["dev"],
+        *extras["native"],
+        *extras["docs"],
+    ]:
+        wanted = Requirement(text)
+        found = [one for one in held if canonicalize_name(one.name) == canonicalize_name(wanted.name)]
+        versions = [str(one.specifier).removeprefix("==") for one in found]
+        assert wanted.name == PROJECT["name"] or versions, f"renew requirements.lock: {text} is not in it"
+        assert all(wanted.specifier.contains(version) for version in versions), (
+            f"renew requirements.lock: {text}"
+        )
 
 
 def test_the_hosted_check_of_javascript_is_the_documented_command() -> None:
