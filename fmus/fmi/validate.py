@@ -105,7 +105,7 @@ class Findings:
 
     def __str__(self) -> str:
         if not self:
-            return "nothing found"
+            return "no problems found"
         parts = (("cannot run here:", self.faults), ("departs from the standard:", self.remarks))
         return "\n".join("\n  ".join([head, *lines]) for head, lines in parts if lines)
 

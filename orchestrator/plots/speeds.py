@@ -69,7 +69,7 @@ def draw_summary(tables: Mapping[str, xarray.Dataset]) -> Figure:
 def _limit_to_contact(
     axes: Axes, scale: float, names: list[str], tables: Mapping[str, xarray.Dataset]
 ) -> None:
-    """Scale a panel by the speeds with contact: blows after separation hide all else."""
+    """Scale a panel by the speeds with contact: impacts after separation hide all else."""
     kept = [
         scale * table[name].values[_shown_speeds(table)]
         for table in tables.values()
@@ -107,14 +107,14 @@ def _draw_curves(axes: Axes, scale: float, names: list[str], table: xarray.Datas
 
 def draw_map(cycles: xarray.Dataset, name: str, lost: NDArray[np.bool_]) -> Figure:
     """A load over cam angle and speed; white where it is zero, pale at speeds (rad/s) at which contact is
-    `lost`: there cycles are no steady motions, and blows follow one another."""
+    `lost`: there cycles are no steady motions, and impacts follow one another."""
     figure, axes = create_subplots(figsize=(7.6, 5.0))
     add_title(figure, f"{name} (N)")
     degrees = np.degrees(cycles["cam_angle"].values)
     degrees -= 360.0 * np.floor(degrees[:, :1] / 360.0)
     load = cycles[name].values
     rpm = np.broadcast_to(RPM * cycles["speed"].values[:, None], load.shape)
-    # Blows after separation would hide all else.
+    # Impacts after separation would hide all else.
     largest = float(np.max(load if lost.all() else load[~lost]))
     drawn = axes.pcolormesh(
         degrees,

@@ -148,7 +148,7 @@ def _place_times(times: Vector) -> dict[str, Any]:
 
 
 def list_marks(names: Sequence[str]) -> list[dict[str, str]]:
-    """Loads of contacts, whose loss and return are marked, and counters of blows."""
+    """Loads of contacts, whose loss and return are marked, and counters of impacts."""
     marks = []
     for name in names:
         part, _, ending = name.rpartition(".")

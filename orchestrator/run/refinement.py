@@ -113,7 +113,7 @@ def _repeat(plan: Plan, ends: Vector, parts: int, times: Vector, reporter: Repor
     samples = _Samples(times, SLACK * lengths / parts)
     steps, stop = plan.refine_steps(ends, parts), plan.stop_time
     with (
-        reporter.stage(f"coupled run, {parts} steps for each", stop) as bar,
+        reporter.stage(f"coupled run again, each step divided by {parts}", stop) as bar,
         open_participants(plan.system, plan.participants) as participants,
     ):
         simulate(plan.system, participants, plan.master, steps, stop, [samples, bar], lines=plan.side_lines)

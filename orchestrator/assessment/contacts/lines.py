@@ -61,7 +61,7 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         yield text + (f"; largest gap {1e6 * s.gap:.3g} µm {at('gap')}" if s.gap > 0.0 else "")
     if i := summary.impact:
         speed = f" with {i.speed:.3g} m/s" if i.speed > 0.0 else ""
-        yield f"hardest landing {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"
+        yield f"hardest impact {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"
     if excursions := summary.ranges:
         yield "film formula outside its ranges (Kushwaha 2000, Table 3) under load: " + ", ".join(
             f"{SYMBOLS[group]} {_percent(one.share)} % of the time ({one.least:.2g} to {one.most:.2g}, range "
@@ -89,7 +89,7 @@ def _warnings(name: str, summary: ContactSummary, fixed_steps: bool) -> Iterator
     if fixed_steps and impact and not impact.resolved and impact.load >= 0.5 * summary.largest_load:
         count = "one macro step" if impact.steps == 1 else f"{impact.steps} macro steps"
         yield (
-            f"the hardest landing reaches its {impact.load:.4g} N within {count}, fewer than {RESOLVED}: "
+            f"the hardest impact reaches its {impact.load:.4g} N within {count}, fewer than {RESOLVED}: "
             "this load, the rebound and what follows are not resolved; reduce macro_step or use step control"
         )
 

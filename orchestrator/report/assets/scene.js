@@ -54,7 +54,7 @@ class Scene {
     return this.sketch.shapes.map((shape) => shape.nodes.map((node) => this.point(frames, node)));
   }
 
-  // A wall lights up under force, and for a while after a blow that its counter counts.
+  // A wall lights up under force, and for a while after an impact that its counter counts.
   isLit(shape, row) {
     const before = Math.max(0, row - Math.ceil(this.rows / 500));
     return shape.lit.some(([name, counts]) => this.value(name, row) !== (counts ? this.value(name, before) : 0));

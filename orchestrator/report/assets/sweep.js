@@ -65,7 +65,7 @@ class Sweep {
 
   nearest(rpm) { return this.rpm.reduce((best, n, k) => Math.abs(n - rpm) < Math.abs(this.rpm[best] - rpm) ? k : best, 0); }
 
-  // Of values that are `rows` to a speed those at speeds with contact: blows after separation would hide all else.
+  // Of values that are `rows` to a speed those at speeds with contact: impacts after separation would hide all else.
   kept(values, rows) {
     const { lost } = this.told;
     return lost.includes(false) ? values.filter((_, at) => !lost[Math.floor(at / rows)]) : values;
