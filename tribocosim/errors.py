@@ -1,7 +1,7 @@
 """Errors of this package. Each message names the thing, what was seen and the remedy.
 
-`MistakeError`: of a scenario, a value, a file or a call; nothing was run. `ModelError`: a system that cannot
-be built or solved. `RunError`: a run that cannot go on; what was computed before it is valid.
+`MistakeError`: of a scenario, a value, a file or a call; nothing was run. `ModelError`, a mistake: a system
+that cannot be built or solved. `RunError`: a run that cannot go on; what was computed before it is valid.
 """
 
 from __future__ import annotations

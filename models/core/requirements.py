@@ -25,8 +25,8 @@ class Requirement:
 
     Where it does not, it leaves in `told` the numbers of the message `says`: {0:g} stands for the first, in
     that format, and {word} for the one of `words` that the first number counts, from 0. The text begins with
-    the name of a parameter or state, and says what is allowed and what to do. Rules are asked one by one: one
-    that makes no sense while another is broken is met. ValueError for braces that are no place.
+    the name of a parameter or state, and says what is allowed and what to do. Rules are checked one
+    by one: a rule whose terms another one forbids counts as met. ValueError for braces that are no place.
     """
 
     met: Any

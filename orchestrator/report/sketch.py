@@ -55,7 +55,7 @@ class Sketch:
         self.shapes.append({"kind": kind, "nodes": rounded, "title": title, "closed": closed})
 
     def light(self, forces: Sequence[str], counters: Sequence[str]) -> None:
-        """The last shape lights up where a force isn't zero, and where a counter of impacts has just risen."""
+        """The last shape lights up under force, and after an impact that its counter counts."""
         self.shapes[-1]["lit"] = [(name, False) for name in forces] + [(name, True) for name in counters]
         self.variables |= {*forces, *counters}
 

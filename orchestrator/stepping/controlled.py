@@ -106,8 +106,8 @@ class ControlledSteps:
                 try:
                     attempt = self._attempt(saved, time, length)
                     error, source = self._norm(saved.coupling.values, attempt.error)
-                    # Over an event the estimate sees what jumps or bends there: it tells before it. (Of an
-                    # explicit step of such an error nothing may be right.)
+                    # A step over an event has a large estimate, from what jumps or bends there, before the
+                    # event is located. (After an explicit step with such an error nothing may be right.)
                     met = early and self._locator.find_event(saved.coupling.values) >= 0
                     if error <= 1.0 or length <= shortest or met:
                         whole = length

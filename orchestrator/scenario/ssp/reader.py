@@ -82,7 +82,7 @@ def _unpack(path: Path, folder: Path, depth: int = 0) -> None:
             faults = [text for text in archive_faults(archive) if DESCRIPTION not in text]
             if faults:
                 raise ScenarioError(f"{path}: {faults[0]}")
-            # Of a file that was cut off the last list of files is that of an FMU in it.
+            # In a package that was cut off, the last list of files that is found is that of an FMU inside.
             if min((entry.header_offset for entry in archive.infolist()), default=0):
                 raise ScenarioError(f"{path}: damaged archive: a part of it is missing; fetch it again")
             folder.mkdir(parents=True, exist_ok=True)
