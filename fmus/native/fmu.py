@@ -76,7 +76,6 @@ def build(
         if destination is None:
             raise
         content = pack()
-    progress("its reference results")
     references = python_build.compute_references(name, structure, exchange=True)
     content = python_build.pack_files(python_build.unpack_files(content) | references)
     return python_build.write_fmu(content, label, Path(destination))
