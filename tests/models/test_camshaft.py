@@ -104,3 +104,12 @@ def test_friction_takes_its_power_from_the_drive(angle, speed, friction, load):
     assert rubbed["drive_torque"] * speed == pytest.approx(spent, rel=1e-12, abs=1e-9)
     lever = CAMSHAFT.parameters.field("base_radius").start + rubbed["cam_lift"]
     assert rubbed["drive_torque"] - smooth["drive_torque"] == pytest.approx(friction * lever, abs=1e-11)
+
+
+def test_a_load_tilts_the_cam_as_the_end_of_a_cantilever():
+    """Displacement and slope have one sense: -W l^3/(3 E J) and -W l^2/(2 E J)."""
+    rigidity, load = 207e9 * math.pi * 0.02**4 / 64, 500.0
+    bent = {"bending": -load * 0.1**3 / (3 * rigidity), "slope": -load * 0.1**2 / (2 * rigidity)}
+    rates = rates_of(CAMSHAFT, {"flexible": 1.0}, bent, {"contact_load": load})
+    # At rest, but for rounding of forces of 1 kN.
+    assert [0.425 * rates["bending_rate"], 1.42e-4 * rates["slope_rate"]] == pytest.approx([0, 0], abs=1e-8)

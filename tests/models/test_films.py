@@ -184,3 +184,29 @@ def test_range_flags_of_kushwahas_table_3():
     assert y["material_in_range"] == float(5700 <= 1.8e-8 * E <= 9650)
     assert y["load_in_range"] == float(0.34e-6 <= 500.0 / (E * 0.03 * 12e-3) <= 0.56e-5)
     assert y["speed_in_range"] == float(0.63e-11 <= 0.036 * 2.0 / (E * 0.03) <= 3.3e-11)
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "speed", "material", "loaded", "modulus"),
+    [
+        ("kushwaha", 1.67, 0.541, 0.421, 0.059, math.pi),
+        ("kushwaha_negative", 1.67, 0.541, 0.421, -0.059, math.pi),
+        ("dowson_higginson", 2.65, 0.70, 0.54, -0.13, 2.0),
+        ("dowson_toyoda", 3.06, 0.69, 0.56, -0.10, 2.0),
+        ("pan_hamrock_minimum", 1.714, 0.694, 0.568, -0.128, 2.0),
+        ("pan_hamrock_central", 2.922, 0.692, 0.470, -0.166, 2.0),
+    ],
+)
+def test_films_have_the_constants_of_their_sources(name, factor, speed, material, loaded, modulus):
+    """h/R = factor U^speed G^material W^loaded with E = modulus/compliance."""
+    a, E = AT, modulus / AT["compliance"]
+    U = a["viscosity"] * a["velocity"] / (E * a["radius"])
+    W = a["load"] / (E * a["radius"] * a["length"])
+    expected = factor * a["radius"] * U**speed * (a["pressure_viscosity"] * E) ** material * W**loaded
+    assert film(name) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_rigid_contact_under_a_light_load_has_martins_film():
+    """h = 4.9 eta u R L/W of an oil of constant viscosity (Martin 1916)."""
+    found = film("moes_venner", load=1.0, compliance=1e-16, pressure_viscosity=0.0)
+    assert found == pytest.approx(4.9 * 0.036 * 2.0 * 0.03 * 12e-3, rel=1e-3)

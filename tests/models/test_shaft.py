@@ -227,3 +227,23 @@ def test_springs_at_journals_are_elastic_bearings(record):
 def test_a_shaft_that_bends_needs_two_bearings():
     with pytest.raises(ValueError, match="at least two"):
         find_bending(Shaft(0.35, 0.02, CAMS, [Bearing(0.0)]), 3)
+
+
+def test_an_acceleration_of_the_drive_twists_the_shaft_by_the_discs_inertia():
+    """A light shaft lags by sum of J_j min(z_i, z_j)/(G J) alpha, and takes sum of J_j alpha."""
+    light = Shaft(0.35, 0.02, CAMS, density=0.1)
+    component, parameters = build(light, bends=False)
+    turning, n = {"drive_acceleration": 5e3}, component.structure["torsion_modes"]
+    start = rates_of(component, parameters, {}, turning)
+    bent = {
+        f"torsion[{j}]": start[f"torsion_rate[{j}]"]
+        / (2.0 * math.pi * parameters[f"torsion_frequency[{j}]"]) ** 2
+        for j in range(1, n + 1)
+    }
+    found = outputs_of(component, parameters, bent, turning)
+    compliance = 1.0 / (light.shear_modulus * 2.0 * light.second_moment)
+    for i, place in enumerate(PLACES):
+        lag = compliance * 5e3 * sum(disc.polar_inertia * min(place, disc.place) for disc in CAMS)
+        # The shaft has 1e-6 of the discs' inertia.
+        assert found[f"twist[{i + 1}]"] == pytest.approx(-lag, rel=1e-4)
+    assert found["drive_torque"] == pytest.approx(5e3 * sum(disc.polar_inertia for disc in CAMS), rel=1e-4)

@@ -180,3 +180,11 @@ def test_reflected_machine_moves_as_the_mirror_image(
         lower = upper.replace("upper", "lower")
         assert mirrored[STATE.index(lower)] == x[STATE.index(upper)]
         assert mirrored[STATE.index(upper)] == x[STATE.index(lower)]
+
+
+@pytest.mark.parametrize(("theta", "psi"), [(0.4, 0.1), (2.0, -0.3), (5.0, 0.2)])
+def test_a_wall_loads_a_crank_at_rest_by_its_virtual_work(theta: float, psi: float) -> None:
+    """The slider is y = xi sin(theta) - sin(eta) above the axis: F downwards takes the torque F dy/dtheta."""
+    m = thesis_mechanism(0.0, corrected=True)
+    found = forms.crank_torque(forms.NONLINEAR, theta, 0.0, 0.0, psi, 0.0, 0.0, 3.0, m)
+    assert found == pytest.approx(3.0 * XI * math.cos(theta), rel=1e-12)

@@ -235,3 +235,72 @@ def test_a_finger_moves_as_lagrange_says(rotation, rate, velocity, force):
     # Central differences.
     size = abs(force) + 0.05 * rate**2 * 0.02 + 1.0
     assert change - by_place == pytest.approx([-torque, -force], abs=1e-5 * size)
+
+
+# Kinematics and statics
+
+
+@pytest.mark.parametrize(
+    "part", ["tilted tappet", "roller tappet", "pad tappet", "pad finger", "roller finger", "rocker"]
+)
+def test_velocities_are_the_slopes_of_positions(part):
+    """Along a motion through states and inputs at random, by central differences."""
+    name, given_parameters = PARTS[part]
+    c, random, h = BUILT[name], np.random.default_rng(3), 1e-7
+    p = c.parameters.vector(given_parameters)
+    names = (*c.inputs.names, *c.state.names)
+    known = [("rotation", "rotation_rate")] * ("rotation" in names)
+    known += [(one, rate_of(one)) for one in names if rate_of(one) != one and rate_of(one) in names]
+    pairs = {"overlap": "overlap_rate", "tip_position": "tip_velocity", "rod_position": "rod_velocity"}
+    for _ in range(10):
+        x = c.state.nominal * random.uniform(-1.0, 1.0, c.state.size)
+        u = c.inputs.nominal * random.uniform(-1.0, 1.0, c.inputs.size)
+        values = {**c.state.named(x), **c.inputs.named(u)}
+        if "cam_angle" in values:
+            values["cam_angle"] = random.uniform(0.6 * math.pi, 1.4 * math.pi)  # in the lift
+
+        def at(t, values=values):
+            moved = values | {place: values[place] + t * values[rate] for place, rate in known}
+            state, inputs = ({n: moved[n] for n in layout.names} for layout in (c.state, c.inputs))
+            return outputs_of(c, c.parameters.named(p), state, inputs)
+
+        before, now, after = at(-h), at(0.0), at(h)
+        for place, rate in pairs.items():
+            if place in now:
+                slope = (after[place] - before[place]) / (2.0 * h)
+                # Rounding of places of 0.05 m over 2e-7 s, and h^2 of the third derivative.
+                assert now[rate] == pytest.approx(slope, rel=1e-5, abs=1e-6)
+
+
+@pytest.mark.parametrize("part", ["tilted tappet", "roller tappet", "pad tappet"])
+def test_a_tappet_passes_what_acts_across_its_path_from_cam_to_guide(part):
+    name, given_parameters = PARTS[part]
+    inputs = {"cam_angle": 2.3, "cam_speed": 100.0, "cam_load": 500.0, "cam_friction": 30.0}
+    found = outputs_of(BUILT[name], given_parameters, {}, inputs)
+    assert abs(found["side_force"]) > 1.0
+    assert found["side_force"] == pytest.approx(-found["cam_force_x"], rel=1e-12)
+
+
+@pytest.mark.parametrize(("part", "radius"), [("roller tappet", 9e-3), ("pad tappet", 40e-3)])
+def test_on_the_base_circle_radii_are_those_of_two_cylinders(part, radius):
+    """R0 r/(R0 + r)."""
+    name, given_parameters = PARTS[part]
+    R0 = DEFAULTS[name].base_radius
+    found = outputs_of(BUILT[name], given_parameters, {}, {"cam_angle": 0.2})
+    assert found["radius_of_curvature"] == pytest.approx(R0 * radius / (R0 + radius), rel=1e-12)
+
+
+@pytest.mark.parametrize("rotation", [-0.1, 0.25])
+def test_a_rocker_is_two_arms_on_a_pivot(rotation):
+    """Velocities of rigid bodies: the contact moves along the tip with the pad's centre."""
+    a, L, r, rate = 32e-3, 40e-3, 10e-3, 50.0
+    angles = {"rod_angle": 0.1, "valve_angle": 0.2}
+    state = {"rotation": rotation, "rotation_rate": rate}
+    found = outputs_of(BUILT["rocker"], angles, state, {"rod_force": 900.0, "tip_load": 700.0})
+    assert found["rod_position"] == pytest.approx(a * (math.sin(rotation - 0.1) + math.sin(0.1)), rel=1e-12)
+    assert found["tip_position"] == pytest.approx(L * (math.sin(rotation - 0.2) + math.sin(0.2)), rel=1e-12)
+    centre = -L * math.sin(rotation - 0.2) * rate  # its velocity along the tip
+    pad, tip = centre - r * rate, 0.0
+    assert found["tip_sliding_velocity"] == pytest.approx(tip - pad, rel=1e-12)
+    assert found["tip_entraining_velocity"] == pytest.approx(-0.5 * (pad + tip - 2.0 * centre), rel=1e-12)
+    assert found["pivot_force"] == 900.0 + 700.0

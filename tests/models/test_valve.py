@@ -16,7 +16,7 @@ from models.monolithic import equilibrium, solve
 from models.valve_train.cams.law import law_lift
 from models.valve_train.camshaft import camshaft
 
-from .systems import DRY, outputs_of, turn, valve_train
+from .systems import DRY, outputs_of, rates_of, turn, valve_train
 
 SEAT = {"seat_stiffness": 2e7, "seat_damping": 300.0}
 
@@ -207,3 +207,38 @@ def crossings(angles, values, after=0.0):
     """Angles at which values rise through zero, by linear interpolation."""
     at = np.flatnonzero((values[:-1] <= 0.0) & (values[1:] > 0.0) & (angles[:-1] > after))
     return angles[at] - values[at] * np.diff(angles)[at] / np.diff(values)[at]
+
+
+@pytest.mark.plain
+def test_burned_gas_expands_by_its_own_exponent():
+    """p V^n at two angles between the end of heat release and the blowdown; V by crank and rod."""
+    gas = CATALOGUE["cylinder_gas"]()
+    p = gas.parameters.defaults()
+
+    def state(degrees):
+        theta, ratio = math.radians(degrees), p.rod_length / p.crank_radius
+        down = ratio + 1.0 - math.cos(theta) - math.sqrt(ratio**2 - math.sin(theta) ** 2)
+        volume = 1.0 + 0.5 * (p.compression_ratio - 1.0) * down
+        angle = p.firing_angle + theta
+        return outputs_of(gas, {}, {}, {"crank_angle": angle})["gas_pressure"] + p.crankcase_pressure, volume
+
+    (first, small), (last, large) = state(70.0), state(125.0)
+    # Wiebe's share is 1 - e^-19 at 70 degrees.
+    assert math.log(first / last) / math.log(large / small) == pytest.approx(p.expansion_exponent, rel=1e-6)
+
+
+@pytest.mark.plain
+@pytest.mark.parametrize("degrees", [30.0, 200.0, 400.0])
+def test_indicated_work_is_pressure_times_the_pistons_motion(degrees):
+    """dW/dt = -p A dx/dt, x = r cos + sqrt(l^2 - r^2 sin^2) by central differences."""
+    gas = CATALOGUE["cylinder_gas"]()
+    p, theta, h = gas.parameters.defaults(), math.radians(degrees), 1e-6
+
+    def place(angle):
+        r, l = p.crank_radius, p.rod_length
+        return r * math.cos(angle) + math.sqrt(l**2 - (r * math.sin(angle)) ** 2)
+
+    turning = {"crank_angle": theta, "crank_speed": 200.0}
+    velocity = 200.0 * (place(theta + h) - place(theta - h)) / (2.0 * h)
+    power = -outputs_of(gas, {}, {}, turning)["gas_pressure"] * p.bore_area * velocity
+    assert rates_of(gas, {}, {}, turning)["indicated_work"] == pytest.approx(power, rel=1e-7)

@@ -13,7 +13,9 @@ from orchestrator.engine.signals import History, extrapolate, interpolate
 from orchestrator.errors import NonConvergenceError, ParticipantError, RunError, UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.masters.acceleration import ACCELERATIONS
+from orchestrator.masters.newton import Correction
 from orchestrator.participants import in_process
+from orchestrator.stepping.controller import PI
 
 from .coupled import Wrapper, build_participants, run_coupled
 from .recorder import Recorder
@@ -191,3 +193,18 @@ def test_acceleration_solves_a_linear_fixed_point_that_plain_iteration_cannot(na
         guess = acceleration.next(guess, -1.8 * guess + 1.0)
     quantity = f"fixed point of v = 1 - 1.8 v by {name}"
     record("Coupling", quantity, guess, 1.0 / 2.8, "closed form", relative=1e-12)
+
+
+def test_newtons_correction_solves_a_linear_interface_at_once():
+    """v = J v + b."""
+    random = np.random.default_rng(2)
+    J, b, guess = random.normal(size=(4, 4)), random.normal(size=4), random.normal(size=4)
+    found = Correction(J).next(guess, J @ guess + b)
+    np.testing.assert_allclose(found, J @ found + b, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize(("error", "grows"), [(0.1, True), (0.9, False)])
+def test_a_step_follows_its_error_to_what_is_aimed_at(error, grows):
+    """Equal steps of equal errors: longer where the error is below 0.4 of what is allowed, else shorter."""
+    control = PI(previous=error)
+    assert (control.after(error, 3.0, 1e-3) > 1.0) == grows

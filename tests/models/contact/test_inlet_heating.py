@@ -81,3 +81,11 @@ def test_the_film_of_the_contact_is_the_isothermal_one_times_the_reduction():
     there = {"film_thickness": hot["steady_film_thickness"]}
     rate = rates_of(CONTACT, heated, inputs=inputs, state=there)["film_thickness"]
     assert rate == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_reduction_is_that_of_gupta_and_others():
+    """Their fit at L = 0.03 0.1 16/0.14 and S = 4, p0 = 0.5 GPa."""
+    loading = 0.03 * 0.1 * 16.0 / 0.14
+    pressed = 1.0 - 13.2 * 0.5e9 * 0.5 * COMPLIANCE * loading**0.42
+    sheared = 1.0 + 0.213 * (1.0 + 2.23 * 4.0**0.83) * loading**0.64
+    assert reduction(0.5e9, 4.0, -16.0, 0.1) == pytest.approx(pressed / sheared, rel=1e-12)
