@@ -10,6 +10,7 @@ import pytest
 from models.oscillators.exact import quarter_car
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Jacobi
+from orchestrator.participants.capabilities import HIGHEST
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.stepping.guard import RunawayGuard
@@ -60,7 +61,9 @@ def test_a_swing_that_grows_is_still_an_instability(step: float) -> None:
 def test_a_value_that_has_all_but_died_out_may_jump(rest: float) -> None:
     """From a swing of 1e-290 to 2e4 in one step, as the enthalpy of a pipe that is filled at once, and then a
     ringing over twenty steps that does not grow: as from rest."""
-    wiring = SimpleNamespace(sources=["pipe.h"], connected=np.array([0]), nominal=np.array([1.0]))
+    wiring = SimpleNamespace(
+        sources=["pipe.h"], connected=np.array([0]), nominal=np.array([1.0]), degrees=np.array([HIGHEST])
+    )
     history = SimpleNamespace(times=np.array([0.0, -0.1, -0.2]), values=np.zeros((3, 1)), count=3)
     state = SimpleNamespace(values=np.zeros(1), history=history)
     guard = RunawayGuard(SimpleNamespace(wiring=wiring, state=state, restorable=False), Jacobi("hold"))

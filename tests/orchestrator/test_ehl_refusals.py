@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from models.contact.ehl_line_contact import ehl_line_contact
+from models.core.remedies import Set
 from models.core.system import Instance, ModelError, System
 from orchestrator.analyses.stability.linearisation import open_linearisations
 from orchestrator.engine.substeps import Substepped
@@ -108,10 +109,11 @@ def test_the_coupling_of_a_field_is_not_analysed() -> None:
     scenario = load("valve-train-ehl", ["components.contact.structure.nodes=51"])
     ours = dict.fromkeys(scenario.components, ParticipantPlan())
     with (
-        pytest.raises(ScenarioError, match=r"components\.contact: .*component=ehl_contact"),
+        pytest.raises(ScenarioError, match=r"components\.contact: .*ehl_contact") as refused,
         open_linearisations(scenario, build_system(scenario), ours),
     ):
         pass
+    assert refused.value.actions == (Set("components.contact.component", "ehl_contact"),)
     formula = load("valve-train-ehl", ["components.contact.component=ehl_contact"])
     with open_linearisations(formula, build_system(formula), ours) as made:
         assert set(made) == set(formula.components)
