@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -11,11 +11,12 @@ from models.core.quantities import Vector
 from models.core.system import System
 
 from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
-from ..assessment.diagnosis import Diagnosis, Facts, diagnose_steps, read_written_steps, suggestions
+from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, suggestions
 from ..errors import RunError, Set, Words, join
 from ..reporter import Reporter
 from ..store.result_file import ResultFile
-from .comparison import Errors, compare, largest_uncertainty, verdict
+from .assessment import MACRO_STEPS, ROWS, Assessment
+from .comparison import compare, largest_uncertainty, verdict
 from .plan import MONOLITHIC, Plan, ReferencePlan
 from .record import ENDS, NOT_COMPARED, OUTSIDE, WITHIN, Ending, Record, classify_ending
 from .reference import Solution, solve_reference
@@ -29,46 +30,25 @@ COMPARED_RECORDS = 100_000
 # Instants at most of which profiles across solved contacts are kept.
 INSTANTS = 200
 
-# Where extremes of contacts are from.
-MACRO_STEPS, ROWS = "all macro steps", "recorded rows"
 
-
-@dataclass(frozen=True)
-class Report:
-    """The assessment of a run, complete or not."""
-
-    ending: Ending
-    contacts: ContactSummaries
-    contacts_from: str = MACRO_STEPS
-    steps: Diagnosis | None = None
-    rejected_steps: int = 0
-    suggestions: Sequence[str] = field(default_factory=list)
-    errors: Errors = field(default_factory=dict)
-    verdict: Words = "not compared"
-    reference_time_s: float | None = None
-    reference_uncertainty: float | None = None
-    reference_method: str = MONOLITHIC
-    witness: Testimony | None = None
-
-
-def assess(plan: Plan, record: Record, result: ResultFile, reporter: Reporter) -> Report:
+def assess(plan: Plan, record: Record, result: ResultFile, reporter: Reporter) -> Assessment:
     """Assess the run whose rows are in `result`; only a complete one is compared with the reference."""
-    report = _diagnose(plan, record, result, _summarise_contacts(plan.system, record, result))
+    assessment = _diagnose(plan, record, result, _summarise_contacts(plan.system, record, result))
     if not record.ending.complete:
-        return report
+        return assessment
     if plan.reference is None:
         return replace(
-            report,
+            assessment,
             verdict="not compared: the reference is switched off (reference.enabled)",
             ending=Ending(True, False, "complete", WITHIN),
         )
     try:
-        return _compare(plan, plan.reference, result, reporter, report)
+        return _compare(plan, plan.reference, result, reporter, assessment)
     except ENDS as error:
-        return replace(report, ending=classify_ending(error, result.path.parent))
+        return replace(assessment, ending=classify_ending(error, result.path.parent))
 
 
-def _summarise_contacts(system: System, record: Record, result: ResultFile) -> Report:
+def _summarise_contacts(system: System, record: Record, result: ResultFile) -> Assessment:
     """The contacts as observed, or else as recorded, with their angles."""
     contacts, source = record.contacts, MACRO_STEPS
     if result.length("coupled") > 1:
@@ -76,22 +56,22 @@ def _summarise_contacts(system: System, record: Record, result: ResultFile) -> R
         if not contacts and (found := summarise_rows(system, read)):
             contacts, source = found, ROWS
         contacts = with_angles(system, contacts, read)
-    return Report(record.ending, contacts, source)
+    return Assessment(record.ending, contacts, source)
 
 
-def _diagnose(plan: Plan, record: Record, result: ResultFile, report: Report) -> Report:
+def _diagnose(plan: Plan, record: Record, result: ResultFile, assessment: Assessment) -> Assessment:
     """Add what limited the steps."""
     steps = read_written_steps(result)
     diagnosis = diagnose_steps(steps, record.do_steps)
     if not diagnosis:
-        return report
+        return assessment
     remedies = suggestions(Facts(diagnosis, steps, plan.scenario))
-    return replace(report, steps=diagnosis, rejected_steps=diagnosis.rejected, suggestions=remedies)
+    return replace(assessment, steps=diagnosis, rejected_steps=diagnosis.rejected, suggestions=remedies)
 
 
 def _compare(
-    plan: Plan, wanted: ReferencePlan, result: ResultFile, reporter: Reporter, report: Report
-) -> Report:
+    plan: Plan, wanted: ReferencePlan, result: ResultFile, reporter: Reporter, assessment: Assessment
+) -> Assessment:
     """Solve the reference, add it to the result, and compare."""
     system = plan.system
     every = -(-result.length("coupled") // COMPARED_RECORDS)
@@ -101,7 +81,7 @@ def _compare(
         solution = solve_reference(plan, wanted, ends, coupled.pop("time"), coupled, reporter)
     except RunError as failure:
         return replace(
-            report,
+            assessment,
             verdict=join("not compared: the reference failed: ", failure),
             ending=Ending(True, False, "complete", NOT_COMPARED),
         )
@@ -124,9 +104,9 @@ def _compare(
     for name, error in errors.items():
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
     within, text = verdict(errors)
-    advice = "" if within else _advise_on_events(plan, report.contacts)
+    advice = "" if within else _advise_on_events(plan, assessment.contacts)
     return replace(
-        report,
+        assessment,
         ending=Ending(True, False, "complete", WITHIN if within else OUTSIDE),
         errors=errors,
         verdict=join(text, advice, solution.doubts),

@@ -66,17 +66,17 @@ def run_plan(
 
 def conclude(plan: Plan, record: Record, folder: OutputFolder, reporter: Reporter, start: float) -> Summary:
     """Assess what was recorded and publish it. The run began at `start` of `perf_counter`."""
-    report, ending = None, record.ending
+    assessment, ending = None, record.ending
     try:
         with open_result(plan, folder, reporter) as result:
-            report = assess(plan, record, result, reporter)
-            ending = report.ending
+            assessment = assess(plan, record, result, reporter)
+            ending = assessment.ending
             finish_result(plan, ending, result, reporter)
     except ENDS as error:
         failure = classify_ending(error, folder.path)
         ending = replace(failure, resumable=failure.resumable and ending.resumable)
     seconds = clock.perf_counter() - start
-    summary = summarise(plan, settle_ending(ending, folder), record, report, seconds)
+    summary = summarise(plan, settle_ending(ending, folder), record, assessment, seconds)
     return publish(summary, folder, reporter)
 
 

@@ -17,7 +17,7 @@ from ..engine.energy.account import Account
 from ..engine.energy.account import lines as energy_lines
 from ..errors import Words, in_command_line
 from ..store import atomic_write
-from .assess import MACRO_STEPS, Report
+from .assessment import MACRO_STEPS, Assessment
 from .comparison import Errors, describe_largest
 from .plan import Plan
 from .record import FAILED, Ending, Record, Warnings
@@ -39,7 +39,7 @@ class Summary:
     complete: bool = False
     resumable: bool = True  # `tribocosim resume` can continue it
     message: Words = Ending.message
-    verdict: Words = Report.verdict
+    verdict: Words = Assessment.verdict
     largest_error: str = ""
     exit_status: int = FAILED
     macro_steps: int = 0
@@ -50,7 +50,7 @@ class Summary:
     coupled_time_s: float = 0.0
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
-    reference_method: str = Report.reference_method
+    reference_method: str = Assessment.reference_method
     witness: Testimony | None = None
     errors: Errors = field(default_factory=dict)
     contacts: ContactSummaries = field(default_factory=dict)
@@ -105,11 +105,11 @@ class Summary:
 
 
 def summarise(
-    plan: Plan, ending: Ending, record: Record, report: Report | None = None, seconds: float = 0.0
+    plan: Plan, ending: Ending, record: Record, assessment: Assessment | None = None, seconds: float = 0.0
 ) -> Summary:
     """The summary of a run of so many seconds that ended so."""
     scenario = plan.scenario
-    found = vars(record) | (vars(report) if report else {})
+    found = vars(record) | (vars(assessment) if assessment else {})
     del found["ending"]
     return Summary(
         scenario=scenario.name,
@@ -123,7 +123,7 @@ def summarise(
         fmus=plan.sha256,
         notices=plan.notices,
         wall_time_s=seconds,
-        largest_error=describe_largest(report.errors) if report else "",
+        largest_error=describe_largest(assessment.errors) if assessment else "",
         **vars(ending),
         **found,
     )

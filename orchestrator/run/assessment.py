@@ -1,0 +1,35 @@
+"""What a run is worth: its contacts, its steps, and its errors against the reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from ..assessment.contacts import ContactSummaries
+from ..assessment.diagnosis import Diagnosis
+from ..errors import Words
+from .comparison import Errors
+from .plan import MONOLITHIC
+from .record import Ending
+from .witness import Testimony
+
+# Where extremes of contacts are from.
+MACRO_STEPS, ROWS = "all macro steps", "recorded rows"
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """The assessment of a run, complete or not."""
+
+    ending: Ending
+    contacts: ContactSummaries
+    contacts_from: str = MACRO_STEPS
+    steps: Diagnosis | None = None
+    rejected_steps: int = 0
+    suggestions: Sequence[str] = field(default_factory=list)
+    errors: Errors = field(default_factory=dict)
+    verdict: Words = "not compared"
+    reference_time_s: float | None = None
+    reference_uncertainty: float | None = None
+    reference_method: str = MONOLITHIC
+    witness: Testimony | None = None
