@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..core.quantities import Vector
 
 # Length of the elements over the diameter. An element has one shear force and converges with its square: the
-# third frequency of bending is then good to 5e-5.
+# third frequency of bending is then good to 1.2e-4, that of torsion to 9.5e-4.
 FINE = 0.25
 # Part of the largest eigenvalue of the mass matrix below which a shape is one of the others again.
 DEPENDENT = 1e-10

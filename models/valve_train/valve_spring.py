@@ -1,7 +1,7 @@
 """Valve (with follower) on a spring whose coils are N lumped masses, with seat and lash.
 
 Kushwaha et al. 2000 (K), section 2.3 and equations (1)-(3), (40)-(42), with the corrections: the square
-of f0 in (1) and the signs of (40)-(42), as printed solutions grow. N = 2 is K's spring.
+of pi in (1) and the signs of (40)-(42), as printed solutions grow. N = 2 is K's spring.
 """
 
 from __future__ import annotations

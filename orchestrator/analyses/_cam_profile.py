@@ -25,7 +25,7 @@ from models.valve_train.followers.shape import FOLLOWERS, Follower
 
 from ..errors import MistakeError
 from ..scenario.angle_table import AngleTableError
-from ..scenario.lift_table import read_lift_table
+from ..scenario.lift_table import LiftTable, read_lift_table
 from .protocol import Parameter
 
 # Of a follower: the geometry's field, and the parameter with its default.
@@ -80,12 +80,13 @@ def _convert(quantity: Quantity, default: Any) -> Parameter:
 
 
 class Profile(NamedTuple):
-    """A lift over the cam angle, its event and breaks (rad), and the smoothing of a table."""
+    """A lift over the cam angle, its event and breaks (rad), and table and smoothing of a lift table."""
 
     lift: Callable[[float], Lift]
     event: tuple[float, float]
     breaks: list[float]
-    smoothing: SmoothedLift | None
+    table: LiftTable | None = None
+    smoothing: SmoothedLift | None = None
 
 
 def build_profile(values: Mapping[str, Any]) -> Profile:
@@ -96,12 +97,13 @@ def build_profile(values: Mapping[str, Any]) -> Profile:
     given["law"] = float(tuple(RISES).index(given["law"]))
     record = _check_record(LAW, camshaft(), given)
     breaks = _list_breaks(LAW, record)
-    return Profile(lambda angle: law_lift(angle, record), (breaks[0], breaks[-1]), breaks, None)
+    return Profile(lambda angle: law_lift(angle, record), (breaks[0], breaks[-1]), breaks)
 
 
 def _build_table_profile(values: Mapping[str, Any]) -> Profile:
     try:
-        smoothed = read_lift_table(Path(values["lift_table"]).expanduser()).smooth()
+        table = read_lift_table(Path(values["lift_table"]).expanduser())
+        smoothed = table.smooth()
     except AngleTableError as error:
         raise MistakeError(f"lift_table: {error}") from None
     points = smoothed.points
@@ -110,7 +112,9 @@ def _build_table_profile(values: Mapping[str, Any]) -> Profile:
     given = {**points.parameters(), "event_begin": begin, "event_end": end, **ramps}
     record = _check_record(TABLE, camshaft(table_points=points.angle.size), given)
     event = (begin - ramp_turn(True, record), end + ramp_turn(False, record))
-    return Profile(lambda angle: table_lift(angle, record), event, _list_breaks(TABLE, record), smoothed)
+    return Profile(
+        lambda angle: table_lift(angle, record), event, _list_breaks(TABLE, record), table, smoothed
+    )
 
 
 def _check_record(profile: CamProfile, component: Component, values: Mapping[str, float]) -> Any:

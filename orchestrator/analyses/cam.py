@@ -17,13 +17,11 @@ from scipy.optimize import brentq
 from models.core.quantities import Vector
 from models.plausible import SPEED
 from models.valve_train.cams.lift import Lift
-from models.valve_train.cams.smoothing import SmoothedLift
 from models.valve_train.cams.table import TURN
 from models.valve_train.followers.shape import FOLLOWERS, Follower, sample_angles, trace_shape
 
 from ..errors import MistakeError
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
-from ..scenario.lift_table import doubt_cam
 from ._cam_profile import (
     FIELDS,
     GEOMETRY,
@@ -147,7 +145,7 @@ def _evaluate_table(
     begin, end = profile.event
     convex = np.where(radius > 0.0, radius, np.inf)
     zeros, slopes = _find_reversals(angle, lambda a: _entrain(profile.lift(a), follower, geometry))
-    smoothing = profile.smoothing
+    read, smoothing = profile.table, profile.smoothing
     return {
         "largest_lift": float(lift.max()),
         "at_angle": float(angle[np.argmax(lift)]),
@@ -163,20 +161,12 @@ def _evaluate_table(
         "largest_pressure_angle": float(np.abs(pressure).max()),
         "reversals": ", ".join(f"{math.degrees(a):.2f}" for a in zeros) or "none",
         "slope_at_reversals": float(max(slopes, default=math.nan)),
-        "table_doubts": _list_doubts(profile, smoothing) if smoothing else "",
+        "table_choices": "; ".join(read.list_notes()) or "none" if read else "",
+        "table_doubts": "; ".join(read.list_doubts(smoothing)) or "none" if read and smoothing else "",
         "table_residual": smoothing.residual if smoothing else math.nan,
         "table_resolution": smoothing.resolution if smoothing else math.nan,
         "curvature_uncertainty": smoothing.curvature_error if smoothing else math.nan,
     }
-
-
-def _list_doubts(profile: Profile, smoothing: SmoothedLift) -> str:
-    """What may be wrong with a lift table."""
-    doubts = [doubt] if (doubt := doubt_cam(*profile.event, smoothing.points.lift)) else []
-    if smoothing.doubtful:
-        angle, deviation = smoothing.doubtful
-        doubts.append(f"the row at {math.degrees(angle):.5g} deg is {1e3 * deviation:.3g} mm off the others")
-    return "; ".join(doubts) or "none"
 
 
 def _find_reversals(angles: Vector, entraining: Callable[[float], float]) -> tuple[list[float], list[float]]:
@@ -313,13 +303,14 @@ ANALYSIS = Analysis(
         "largest_pressure_angle": Result("rad", "largest pressure angle", display_unit="deg"),
         "reversals": Result("deg", "cam angles at which the entraining velocity vanishes", text=True),
         "slope_at_reversals": Result("m/rad", "slope of the lubrication characteristic 2 u/omega there"),
+        "table_choices": Result("1", "lift table: what reading it chose", text=True),
         "table_doubts": Result("1", "lift table: what may be wrong with it", text=True),
         "table_residual": Result(
             "m", "lift table: rms of its differences from the smoothed lift", display_unit="um"
         ),
         "table_resolution": Result("m", "lift table: resolution found", display_unit="um"),
         "curvature_uncertainty": Result(
-            "m", "lift table: standard deviation of s'', per rad^2", display_unit="mm"
+            "m", "lift table: about the largest error of s'', per rad^2", display_unit="mm"
         ),
     },
     evaluate=_evaluate,

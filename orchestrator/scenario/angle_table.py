@@ -2,14 +2,13 @@
 
 The first line names both columns with their units, `angle [deg], lift [mm]`. Comma, semicolon or tab
 separate; with semicolon or tab a comma may be the decimal sign. Lines that begin with # are comments.
-Angles may pass zero once, as 359, 0, 1.
+Angles may pass zero once, as 359, 0, 1. What a file leaves open is chosen, and said in the table's `notes`.
 """
 
 from __future__ import annotations
 
 import codecs
 import math
-import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,10 +17,16 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..errors import MistakeError
-from .units import UnitError, to_unit
-
-# Pint would read giga-radians.
-GERMAN = {"Grad": "deg"}
+from .table_header import (
+    Column,
+    find_crank_word,
+    find_factor,
+    is_doubtful_grad,
+    names_angle,
+    names_cam,
+    split_column,
+)
+from .units import UnitError
 
 
 class AngleTableError(MistakeError):
@@ -31,7 +36,8 @@ class AngleTableError(MistakeError):
 class Kind(NamedTuple):
     """The value's name and unit, the most turns that the angle spans, whose they are, and a header.
 
-    `per_crank` is the angle over that of the crank, for a column with `crank` in its name.
+    `per_crank` is the angle over that of the crank, for a column that names the crank, or that turns further
+    than `turns`. `names` are what a column without a unit must begin with to be in `guess`.
     """
 
     value: str
@@ -40,6 +46,8 @@ class Kind(NamedTuple):
     turned: str
     example: str
     per_crank: float = 1.0
+    names: tuple[str, ...] = ()
+    guess: str = ""
 
     @property
     def header(self) -> str:
@@ -47,11 +55,17 @@ class Kind(NamedTuple):
 
 
 class AngleTable(NamedTuple):
-    """Ascending angles (rad), values (in the kind's unit), and the step that the values have."""
+    """Ascending angles (rad), values (in the kind's unit), and the step that the values have.
+
+    `notes` say what was chosen in reading. `named`: the header says whether the angle is the cam's or the
+    crank's.
+    """
 
     angle: Vector
     value: Vector
     rounding: float
+    notes: tuple[str, ...] = ()
+    named: bool = False
 
 
 def read_angle_table(path: Path, kind: Kind) -> AngleTable:
@@ -89,39 +103,75 @@ def _parse(lines: list[tuple[int, str]], kind: Kind) -> AngleTable:
     if separator is None:
         raise AngleTableError(f"line {number}, {header.strip()!r}: has one column; {kind.header}")
     names = header.split(separator)
-    angle_unit, value_unit = (
-        _read_unit(names, 0, "angle", "rad", kind),
-        _read_unit(names, 1, kind.value, kind.unit, kind),
-    )
-    if "crank" in names[0].lower():
-        angle_unit *= kind.per_crank
+    columns = [split_column(name) for name in names]
+    notes: list[str] = []
+    factor = _read_unit(columns, 0, "rad", kind, notes)
+    value_factor = _read_unit(columns, 1, kind.unit, kind, notes)
     rows = [_read_row(n, line, separator, len(names)) for n, line in lines[1:]]
     if len(rows) < 2:
         raise AngleTableError(f"has {len(rows)} rows of numbers; a table has one for each degree or so")
-    angle = _pass_zero(np.array([row[0] for row in rows]) * angle_unit, 2.0 * math.pi * kind.turns)
-    value = np.array([row[1] for row in rows]) * value_unit
+    written = np.array([row.angle for row in rows]) * factor
+    crank = _choose_shaft(columns[0], written, kind, notes)
+    angle = _pass_zero(written * (kind.per_crank if crank else 1.0), 2.0 * math.pi * kind.turns)
+    value = np.array([row.value for row in rows]) * value_factor
     _check_order(angle, lines, kind)
     if angle[-1] < angle[0]:
         angle, value = angle[::-1], value[::-1]
-    return AngleTable(angle, value, _find_step([row[2] for row in rows]) * value_unit)
+    for i, name in enumerate(columns[2:], 3):
+        if any(i in row.more for row in rows):
+            notes.append(f"column {i}, {name.name!r}: is ignored; the {kind.value} is column 2")
+    named = bool(crank or names_cam(columns[0]))
+    return AngleTable(
+        angle, value, _find_step([row.decimals for row in rows]) * value_factor, tuple(notes), named
+    )
 
 
-def _read_unit(names: list[str], column: int, what: str, unit: str, kind: Kind) -> float:
+def _read_unit(columns: list[Column], i: int, unit: str, kind: Kind, notes: list[str]) -> float:
     """What the column's unit is in `unit`."""
-    written = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]", names[column])
-    if written is None:
-        raise AngleTableError(f"column {column + 1}, {names[column].strip()!r}: has no unit; {kind.header}")
+    column, what = columns[i], kind.value if i else "angle"
+    place = f"column {i + 1}, {column.written!r}"
+    if column.unit is None:
+        guess = kind.guess if i else "deg"
+        known = any(word.startswith(kind.names) for word in column.words) if i else names_angle(column)
+        if not (kind.guess and known):
+            raise AngleTableError(f"{place}: has no unit; {kind.header}")
+        notes.append(f"{place}: has no unit; {guess} is taken")
+        return find_factor(guess, unit)
+    if not i and is_doubtful_grad(column, columns):
+        notes.append(f"{place}: degrees are taken; write [gon] for 400 a turn")
     try:
-        return to_unit(f"1 {GERMAN.get(written[1], written[1])}", unit)
-    except UnitError:
-        raise AngleTableError(
-            f"column {column + 1}, {names[column].strip()!r}: is no {what}; {kind.header}"
-        ) from None
+        return find_factor(column.unit, unit)
+    except UnitError as error:
+        raise AngleTableError(f"{place}: is no {what} ({error}); {kind.header}") from None
 
 
-def _read_row(number: int, line: str, separator: str, columns: int) -> tuple[float, float, int]:
-    """Angle, value, and decimals of the value."""
-    cells = [cell.strip() for cell in line.split(separator)]
+def _choose_shaft(column: Column, angle: Vector, kind: Kind, notes: list[str]) -> bool:
+    """Whether the angles are the crank's, which turns further than what the table is of."""
+    if kind.per_crank == 1.0:
+        return False
+    halved = f"crank angles, the cam turns by {kind.per_crank:g} of them"
+    if word := find_crank_word(column):
+        if not word.startswith("crank"):
+            notes.append(f"column 1, {column.written!r}: {halved}")
+        return True
+    turned = math.degrees(float(np.ptp(_pass_zero(angle, 2.0 * math.pi * kind.turns / kind.per_crank))))
+    if names_cam(column) or turned <= 360.0 * kind.turns * (1.0 + 1e-9):
+        return False
+    notes.append(f"column 1, {column.written!r}: spans {turned:g} deg, so it has {halved}")
+    return True
+
+
+class _Row(NamedTuple):
+    """Angle and value, decimals of the value, and the numbers of further columns that have something."""
+
+    angle: float
+    value: float
+    decimals: int
+    more: list[int]
+
+
+def _read_row(number: int, line: str, separator: str, columns: int) -> _Row:
+    cells = [cell.strip().strip('"') for cell in line.split(separator)]
     if any(cells[columns:]):
         raise AngleTableError(
             f"line {number}, {line.strip()!r}: has {len(cells)} values, the header names {columns} columns; "
@@ -136,7 +186,8 @@ def _read_row(number: int, line: str, separator: str, columns: int) -> tuple[flo
     if not (math.isfinite(angle) and math.isfinite(value)):
         raise AngleTableError(f"line {number}, {line.strip()!r}: must be finite numbers")
     mantissa, _, exponent = cells[1].lower().partition("e")
-    return angle, value, len(mantissa.partition(".")[2]) - int(exponent or 0)
+    decimals = len(mantissa.partition(".")[2]) - int(exponent or 0)
+    return _Row(angle, value, decimals, [i for i, cell in enumerate(cells[2:], 3) if cell])
 
 
 def _pass_zero(angle: Vector, cycle: float) -> Vector:

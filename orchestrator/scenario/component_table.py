@@ -6,7 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    Field,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from models.core.component import Component
 
@@ -112,6 +119,8 @@ class ComponentTable(Table):
     start: dict[str, Written] = Field({}, description="Start values of states")
     inputs: dict[str, Written] = Field({}, description="Constant values of inputs that nothing drives")
 
+    _notes: list[str] = PrivateAttr([])
+
     @model_validator(mode="before")
     @classmethod
     def _check_file(cls, table: Any) -> Any:
@@ -125,11 +134,16 @@ class ComponentTable(Table):
                     raise Faults(("participant", f": {error}")) from None
         return table
 
-    @model_validator(mode="before")
+    @model_validator(mode="wrap")
     @classmethod
-    def _insert_tables(cls, table: Any) -> Any:
+    def _insert_tables(cls, table: Any, build: ModelWrapValidatorHandler[ComponentTable]) -> ComponentTable:
         """Replace tables, drawings and oils by what they become."""
-        return insert_all(table) if isinstance(table, dict) else table
+        if not isinstance(table, dict):
+            return build(table)
+        table, notes = insert_all(table)
+        made = build(table)
+        made._notes = notes
+        return made
 
     @field_validator("participant")
     @classmethod
@@ -200,6 +214,11 @@ class ComponentTable(Table):
         if isinstance(component, ThirdPartyComponent):
             check_resized(component, self.parameters)
         return self
+
+    @property
+    def notes(self) -> list[str]:
+        """What reading its files chose, and what it doubts."""
+        return self._notes
 
     @property
     def third_party(self) -> bool:

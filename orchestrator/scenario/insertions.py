@@ -22,7 +22,8 @@ from .values import Faults, build_component
 
 @dataclass(frozen=True)
 class Insertion:
-    """`insert` gives the table with what `keys` become; for components that it `suits`, called `called`."""
+    """`insert` gives the table with what `keys` become, and with `notes` of reading them, for components that
+    it `suits`."""
 
     keys: tuple[str, ...]
     insert: Callable[[dict[str, Any]], dict[str, Any]]
@@ -47,8 +48,9 @@ INSERTIONS = (
 )
 
 
-def insert_all(table: dict[str, Any]) -> dict[str, Any]:
-    """A component's table with all that its keys become; Faults."""
+def insert_all(table: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """A component's table with all that its keys become, and what was chosen and doubted; Faults."""
+    notes: list[str] = []
     for insertion in INSERTIONS:
         given = [key for key in insertion.keys if table.get(key) is not None]
         component = _find_component(table.get("component"))
@@ -61,9 +63,10 @@ def insert_all(table: dict[str, Any]) -> dict[str, Any]:
             raise Faults((key, f": {component.name} has none; leave it out, or take {others}"))
         try:
             table = insertion.insert(table)
+            notes += table.pop("notes", ())
         except AngleTableError as error:
             raise Faults((key, f": {error}")) from None
-    return table
+    return table, notes
 
 
 def _find_component(name: Any) -> Component | None:

@@ -1,6 +1,6 @@
 """Lift tables: files of cam angle and lift (`angle_table`), smoothed to the points of a cam profile.
 
-Where the table says nothing the cam is round: its ends must then be on the base circle.
+Where the table says nothing the cam is round: both ends of a gap must then be on the base circle.
 """
 
 from __future__ import annotations
@@ -24,10 +24,19 @@ from .values import Faults
 if TYPE_CHECKING:
     from models.valve_train.cams.smoothing import SmoothedLift
 
-# A gap is longer than this many times the usual spacing.
-GAP = 3.0
+# A gap is longer than this many times the usual spacing, or than this angle (rad) in an irregular table.
+GAP, WIDE = 3.0, math.radians(10.0)
+# In a regular table a row is missing from this many times the spacing on. This share of its rows is regular.
+MISSING, REGULAR = 1.5, 0.8
+# A base circle is off by no more than this part of the largest lift.
+OFF = 0.02
 # Lifts up to this part of the largest are on the base circle.
 ROUND = 1e-3
+# Cams of valve trains lift over 100 to 150 deg, with long ramps over 170. From here on (rad) the angles may
+# be those of the crank.
+LONGEST_EVENT = math.radians(180.0)
+# An acceleration that may be off by more than this part of its largest value is doubted.
+UNCERTAIN = 0.05
 LIFT = Kind(
     "lift",
     "m",
@@ -35,6 +44,21 @@ LIFT = Kind(
     "the cam; for degrees of the crank write 'crank angle [deg]'",
     "angle [deg], lift [mm]",
     per_crank=0.5,
+    names=(
+        "lift",
+        "hub",
+        "ventilhub",
+        "levée",
+        "levee",
+        "alzata",
+        "levant",
+        "alzad",
+        "stroke",
+        "valve",
+        "lyft",
+        "heff",
+    ),
+    guess="mm",
 )
 
 
@@ -44,76 +68,160 @@ CAM_KEYS = frozenset({"lift_table", "lift_segments"})
 
 @dataclass(frozen=True)
 class LiftTable:
-    """Samples of a lift: ascending angles (rad) within a turn, lifts (m), and the step (m) that they have."""
+    """Samples of a lift: ascending angles (rad) within a turn, lifts (m), and the step (m) that they have.
+
+    `notes`: what was chosen in reading. `named`: the file says whose angles it has.
+    """
 
     angle: Vector
     lift: Vector
     rounding: float
+    notes: tuple[str, ...] = ()
+    named: bool = False
 
     def smooth(self) -> SmoothedLift:
-        """The smoothing spline over the turn, with a round cam in the gap."""
+        """The smoothing spline over the turn, with a round cam in gaps of the base circle."""
         from models.valve_train.cams.smoothing import smooth_lift  # its libraries take long to import
 
-        angle, lift = self._close()
+        angle, lift, _ = self._fill_gaps()
         try:
             return smooth_lift(angle, lift, self.rounding)
         except ValueError as error:
             raise AngleTableError(str(error)) from None
 
-    def _close(self) -> tuple[Vector, Vector]:
-        """The samples with those of the base circle, if the table leaves it out."""
-        spacing = float(np.median(np.diff(self.angle)))
-        gap = self.angle[0] + TURN - self.angle[-1]
-        if gap <= GAP * spacing:
-            return self.angle, self.lift
-        ends = max(self.lift[0], self.lift[-1], key=abs)
-        if abs(ends) > ROUND * self.lift.max():
-            raise AngleTableError(
-                f"the table ends at {math.degrees(self.angle[0]):g} and {math.degrees(self.angle[-1]):g} deg "
-                f"with {1e3 * ends:g} mm of lift: continue it to the base circle, or over the whole turn"
+    def _fill_gaps(self) -> tuple[Vector, Vector, list[str]]:
+        """The samples with those of the base circle where rows are missing, and what is missing."""
+        steps, notes = np.diff(self.angle, append=self.angle[0] + TURN), []
+        spacing = float(np.median(steps))
+        regular = float(np.mean(np.abs(steps / spacing - 1.0) < 0.02)) > REGULAR
+        beside = np.maximum(np.roll(steps, 1), np.roll(steps, -1))
+        gaps = steps > (MISSING * spacing if regular else GAP * np.maximum(spacing, beside))
+        added = []
+        for i in np.flatnonzero(gaps):
+            begin, end = float(self.angle[i]), float(self.angle[i] + steps[i])
+            first, last = float(self.lift[i]), float(self.lift[(i + 1) % self.angle.size])
+            place = f"between {math.degrees(begin) % 360.0:.6g} and {math.degrees(end) % 360.0:.6g} deg"
+            if max(abs(first), abs(last)) <= max(ROUND * self.lift.max(), 1.01 * self.rounding):
+                count = round(steps[i] / spacing)
+                share = np.arange(1, count) / max(count, 1)
+                added.append((begin + steps[i] * share, first + (last - first) * share))
+                notes.append(f"no rows {place}: the cam is round there")
+            elif i == self.angle.size - 1 or steps[i] > (GAP * spacing if regular else WIDE):
+                raise AngleTableError(
+                    f"rows are missing {place}, where it lifts by {1e3 * first:g} and {1e3 * last:g} mm: add "
+                    "them, or continue the table to the base circle"
+                )
+            else:
+                notes.append(f"rows are missing {place}: the lift there is interpolated")
+        angle, lift = (
+            np.concatenate([own, *more])
+            for own, more in zip(
+                (self.angle, self.lift), zip(*added, strict=True) if added else ((), ()), strict=True
             )
-        count = round(gap / spacing)
-        added = self.angle[-1] + gap / count * np.arange(1, count)
-        return np.append(self.angle, added), np.append(self.lift, np.zeros(count - 1))
+        )
+        angle = np.where(angle >= self.angle[0] + TURN, angle - TURN, angle)
+        order = np.argsort(angle)
+        return angle[order], lift[order], notes
+
+    def list_notes(self) -> list[str]:
+        """What was chosen in reading."""
+        return [*self.notes, *self._fill_gaps()[2]]
+
+    def list_doubts(self, smoothed: SmoothedLift) -> list[str]:
+        """What may be wrong with the table."""
+        shape = _doubt_zero(smoothed)
+        shape = shape or ("" if self.named else _doubt_event(*smoothed.event)) or _doubt_runout(smoothed)
+        return [doubt for doubt in (shape, _doubt_row(smoothed), self._doubt_curvature(smoothed)) if doubt]
+
+    def _doubt_curvature(self, smoothed: SmoothedLift) -> str:
+        share = smoothed.curvature_error / float(np.abs(smoothed.points.curvature).max())
+        if share <= UNCERTAIN:
+            return ""
+        rows, step = math.degrees(float(np.median(np.diff(self.angle)))), 1e3 * self.rounding
+        return (
+            f"with rows each {rows:.3g} deg and lifts in steps of {step:.3g} mm the acceleration may be off "
+            f"by {100.0 * share:.0f} % of its largest value; take more rows, or more digits"
+        )
+
+
+def _doubt_zero(smoothed: SmoothedLift) -> str:
+    (low, high), lift = smoothed.base_circle, smoothed.points.lift
+    if abs(lift.min()) <= ROUND * lift.max():
+        return ""
+    if max(abs(low), abs(high)) <= OFF * lift.max() and abs(low + high) <= 4.0 * (high - low):
+        return ""
+    return (
+        f"its least lift is {1e3 * lift.min():.3g} mm: lifts count from the base circle; subtract it from "
+        "all lifts of the table"
+    )
+
+
+def _doubt_runout(smoothed: SmoothedLift) -> str:
+    (low, high), largest = smoothed.base_circle, float(smoothed.points.lift.max())
+    off = max(abs(low), abs(high))
+    if off <= max(ROUND * largest, 3.0 * smoothed.noise) or off > OFF * largest:
+        return ""
+    return (
+        f"its base circle has a runout of {1e3 * (high - low):.3g} mm, which moves the follower; the event "
+        f"counts from a lift of {1e3 * smoothed.event_height:.3g} mm"
+    )
+
+
+def _doubt_row(smoothed: SmoothedLift) -> str:
+    if not smoothed.doubtful:
+        return ""
+    angle, deviation = smoothed.doubtful
+    return f"the row at {math.degrees(angle):.5g} deg is {1e3 * deviation:.3g} mm off the others"
+
+
+def _doubt_event(begin: float, end: float) -> str:
+    if end - begin <= LONGEST_EVENT:
+        return ""
+    turned = math.degrees(end - begin)
+    return (
+        f"the cam lifts over {turned:.4g} deg, as cam angles: if they are the crank's, name them 'crank "
+        "angle [deg]' in the table, else 'cam angle [deg]'"
+    )
 
 
 def read_lift_table(path: Path) -> LiftTable:
     """The samples of a file. AngleTableError that names the file, the line and the remedy."""
-    angle, lift, rounding = read_angle_table(path, LIFT)
+    found = read_angle_table(path, LIFT)
+    angle, lift = found.angle, found.value
     if not lift.max() > 0.0:
         raise AngleTableError(f"{path}: its largest lift is {1e3 * lift.max():g} mm: must be > 0")
     if doubt := CAM_LIFT.reason * (not CAM_LIFT.holds(lift.max())):
         raise AngleTableError(
             f"{path}: its largest lift is {1e3 * lift.max():g} mm, but {doubt}; correct the header's unit"
         )
-    return LiftTable(*_cut_at_a_turn(angle, lift), rounding)
+    return LiftTable(*_cut_at_a_turn(angle, lift), found.rounding, found.notes, found.named)
 
 
 @functools.lru_cache(maxsize=16)
-def smooth_file(path: Path, changed: int) -> SmoothedLift:
-    """The smoothed table of a file that was changed at this time (ns)."""
+def smooth_file(path: Path, changed: int) -> tuple[SmoothedLift, list[str]]:
+    """The smoothed table of a file that was changed at this time (ns); choices made and doubts."""
     table = read_lift_table(path)
     try:
-        return table.smooth()
+        smoothed = table.smooth()
+        return smoothed, [*table.list_notes(), *table.list_doubts(smoothed)]
     except AngleTableError as error:
         raise AngleTableError(f"{path}: {error}") from None
 
 
-# Lobes of valve trains, with long ramps, turn no further (rad).
-LONGEST_EVENT = math.radians(240.0)
 # Parameters of a law without its ramps, which a table replaces.
 OF_LAWS = {field.name for field in fields(LawParameters)} - {field.name for field in fields(TableParameters)}
 
 
 def insert_lift_table(table: dict[str, Any]) -> dict[str, Any]:
-    """A component's table with the points of its `lift_table` among structure and parameters."""
+    """A component's table with the points of its `lift_table` among structure and parameters, and `notes`."""
     check_no_law(table, "lift_table")
     path = Path(table["lift_table"])
     changed = path.stat().st_mtime_ns if path.exists() else 0
-    smoothed = smooth_file(path, changed)
+    smoothed, notes = smooth_file(path, changed)
     points, event = smoothed.points, dict(zip(("event_begin", "event_end"), smoothed.event, strict=True))
     rest = {key: value for key, value in table.items() if key != "lift_table"}
     return rest | {
+        "notes": notes,
         "structure": {**table.get("structure", {}), "table_points": points.angle.size},
         "parameters": {**points.parameters(), **event, **table.get("parameters", {})},
     }
@@ -126,19 +234,6 @@ def replace_law(table: dict[str, Any], key: str) -> None:
     parameters = table.get("parameters")
     if isinstance(parameters, dict):
         table["parameters"] = {name: value for name, value in parameters.items() if name not in OF_LAWS}
-
-
-def doubt_cam(begin: float, end: float, lifts: Vector) -> str:
-    """Why a cam through points is doubtful that lifts between these angles (rad); "" if it isn't."""
-    if abs(lifts.min()) > ROUND * lifts.max():
-        return (
-            f"its least lift is {1e3 * lifts.min():.3g} mm: lifts count from the base circle; subtract it "
-            "from all lifts of the table"
-        )
-    if end - begin <= LONGEST_EVENT:
-        return ""
-    turned = math.degrees(end - begin)
-    return f"the cam lifts over {turned:.4g} deg: name the crank's angles 'crank angle [deg]' in the table"
 
 
 def check_no_law(table: dict[str, Any], key: str) -> None:

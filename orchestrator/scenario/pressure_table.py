@@ -30,11 +30,11 @@ BESIDE = 3
 
 
 def insert_pressure_table(table: dict[str, Any]) -> dict[str, Any]:
-    """A component's table with the points of its `pressure_table` among structure and parameters."""
+    """A component's table with the points of its `pressure_table`, and `notes` of reading it."""
     path = Path(table["pressure_table"])
-    angle, pressure, _ = read_angle_table(path, PRESSURE)
+    found = read_angle_table(path, PRESSURE)
     try:
-        turns, angle, pressure = _close_cycle(angle, pressure)
+        turns, angle, pressure = _close_cycle(found.angle, found.value)
     except AngleTableError as error:
         raise AngleTableError(f"{path}: {error}") from None
     columns = {
@@ -46,6 +46,7 @@ def insert_pressure_table(table: dict[str, Any]) -> dict[str, Any]:
     kept = {name: value for name, value in table.get("parameters", {}).items() if name not in OF_FORMULA}
     rest = {key: value for key, value in table.items() if key != "pressure_table"}
     return rest | {
+        "notes": found.notes,
         "structure": {**table.get("structure", {}), "pressure_points": angle.size},
         "parameters": {"cycle_turns": float(turns), **points, **kept},
     }

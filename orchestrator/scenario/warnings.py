@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from models.core import roles
 
 from ..participants import ThirdPartyComponent
 from . import Scenario, parse_line
 from .capabilities import list_renamed_libraries, list_unsynchronised
 from .fmu_limits import list_limit_warnings
-from .lift_table import doubt_cam
 from .third_party_values import list_bare_numbers
 from .values import WithUnit
 
@@ -32,7 +29,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
     return [
         *found,
         *list_doubtful(scenario),
-        *_list_doubtful_cams(scenario),
+        *_list_notes(scenario),
         *_list_unloaded(scenario),
         *_list_other_units(scenario),
         *_list_late_starts(scenario),
@@ -66,17 +63,11 @@ def list_doubtful(scenario: Scenario) -> list[str]:
     return found
 
 
-def _list_doubtful_cams(scenario: Scenario) -> list[str]:
-    """Warn of cams through points that lift too long, or that have no base circle."""
-    found = []
-    for name, table in scenario.components.items():
-        if "table_points" in table.structure:
-            begin, end = (float(table.parameters[key]) for key in ("event_begin", "event_end"))
-            lifts = [float(v) for key, v in table.parameters.items() if key.startswith("table_lift[")]
-            found += (
-                [f"components.{name}: {doubt}"] if (doubt := doubt_cam(begin, end, np.array(lifts))) else []
-            )
-    return found
+def _list_notes(scenario: Scenario) -> list[str]:
+    """What was chosen and doubted in reading files."""
+    return [
+        f"components.{name}: {note}" for name, table in scenario.components.items() for note in table.notes
+    ]
 
 
 def _list_other_units(scenario: Scenario) -> list[str]:

@@ -1,0 +1,174 @@
+"""The header of a table over an angle: names, units and whose angle it is, in the words of engineers."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from .units import UnitError, to_unit
+
+# Longer texts are no unit.
+LONGEST_UNIT = 30
+# Units as tables have them, without case and marks of plural; each with pint's name.
+ANGLE_UNITS = {
+    **dict.fromkeys(("deg", "degs", "degree", "degrees", "°", "º", "˚", "grd", "grader"), "deg"),
+    **dict.fromkeys(
+        ("grad", "degré", "degrés", "degre", "degres", "grado", "grados", "gradi", "graus"), "deg"
+    ),
+    **dict.fromkeys(("rad", "radian", "radians"), "rad"),
+    **dict.fromkeys(("gon", "grade", "gradian", "gradians"), "grade"),
+}
+LENGTH_UNITS = {
+    **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetre", "millimetres"), "mm"),
+    **dict.fromkeys(("um", "µm", "μm", "micron", "microns", "micrometer", "micrometre"), "um"),
+    **dict.fromkeys(("in", "inch", "inches", "zoll", '"', "''", "″", "”"), "inch"),
+    **dict.fromkeys(("thou", "mil", "mils"), "thou"),
+    **dict.fromkeys(("cm", "m", "ft"), None),
+}
+UNITS = {**ANGLE_UNITS, **{name: unit or name for name, unit in LENGTH_UNITS.items()}}
+# What names the crank, and the cam: whole words, and beginnings of words.
+CRANK_WORDS = (
+    *("ca", "cad", "kw", "kwg", "degca", "cadeg", "degkw", "kwdeg", "gradkw", "tdc", "atdc", "btdc", "bdc"),
+    *("abdc", "bbdc", "ot", "ut", "pmh"),
+)
+CRANK_BEGINNINGS = (
+    *("crank", "kurbel", "vilebrequin", "manivelle", "manovell", "cigüeñal", "cigueñal", "cigueñ", "ciguen"),
+    *("cambota", "virabrequim", "manivela", "krukas", "krukhoek", "vevaxel", "vevvinkel", "veiv", "krumtap"),
+    *("kampi", "krank", "korb", "wału", "klik", "колен", "крив", "クランク", "曲轴", "曲軸", "크랭크"),
+)
+CAM_WORDS = (
+    "cam",
+    "degcam",
+    "nw",
+    "came",
+    "camme",
+    "leva",
+    "levas",
+    "nok",
+    "kam",
+    "カム",
+    "凸轮",
+    "凸輪",
+    "캠",
+)
+CAM_BEGINNINGS = (
+    *(
+        "camsh",
+        "camang",
+        "camdeg",
+        "nocken",
+        "nokken",
+        "kamaks",
+        "kamvink",
+        "knast",
+        "krzywk",
+        "vačk",
+        "кулач",
+    ),
+)
+GERMAN = ("winkel", "hub", "kurbel", "nocken", "ventil", "drehwinkel")
+ANGLE_NAMES = (
+    *(
+        "angle",
+        "winkel",
+        "degree",
+        "deg",
+        "°",
+        "grad",
+        "theta",
+        "phi",
+        "φ",
+        "θ",
+        "ángulo",
+        "angulo",
+        "angolo",
+    ),
+    *("hoek", "vinkel", "kąt", "угол", "rotation", "position"),
+)
+
+
+class Column(NamedTuple):
+    """A column's header as written, its name, and its unit; None if it has none."""
+
+    written: str
+    name: str
+    unit: str | None
+
+    @property
+    def words(self) -> list[str]:
+        """The words of name and unit, in small letters."""
+        text = f"{self.name} {self.unit or ''}".casefold().replace("º", " ")
+        return "".join(c if c.isalnum() else " " for c in text).split()
+
+
+def split_column(written: str) -> Column:
+    """The name and unit of "lift [mm]", "lift (mm)", "lift / mm", "lift in mm", "lift_mm" or "lift"."""
+    text = written.strip()
+    if len(text) > 1 and text[0] == text[-1] == '"':
+        text = text[1:-1].replace('""', '"').strip()
+    opened = min((i for i in (text.find("["), text.find("(")) if i >= 0), default=-1)
+    if opened >= 0:
+        closed = text.find("])"["[(".index(text[opened])], opened)
+        unit = " ".join(text[opened + 1 : closed].split()) if closed >= 0 else ""
+        return Column(written.strip(), text[:opened].strip(), unit or None)
+    name, slash, unit = text.partition("/")
+    if slash and unit.strip():
+        return Column(written.strip(), name.strip(), " ".join(unit.split()))
+    begins = max(text.rfind(" "), text.rfind("_"), text.rfind(","))
+    if begins > 0 and strip_shaft(text[begins + 1 :]) in UNITS:
+        return Column(written.strip(), text[:begins].strip(" _"), text[begins + 1 :])
+    return Column(written.strip(), text, None)
+
+
+def strip_shaft(unit: str) -> str:
+    """The unit in small letters without whose angle it is: "deg" of "deg CA", "° KW" and "°CA"."""
+    words = unit.casefold().replace("º", "°").replace("°", "° ").replace(".", " ").replace("-", " ").split()
+    left = [word for word in words if not (is_of(word, CRANK_WORDS, CRANK_BEGINNINGS) or _is_cam(word))]
+    if not left and words:
+        return "deg"  # "CAD", "crank": no length
+    return " ".join(left)
+
+
+def is_of(word: str, words: tuple[str, ...], beginnings: tuple[str, ...]) -> bool:
+    return word in words or word.startswith(beginnings)
+
+
+def _is_cam(word: str) -> bool:
+    return is_of(word, CAM_WORDS, CAM_BEGINNINGS)
+
+
+def find_crank_word(column: Column) -> str:
+    """The word of a column that says that its angle is the crank's; "" if none does."""
+    said = [word for word in column.words if is_of(word, CRANK_WORDS, CRANK_BEGINNINGS)]
+    return "" if names_cam(column) or not said else said[0]
+
+
+def names_cam(column: Column) -> bool:
+    """Whether the column says that its angle is the cam's."""
+    return any(map(_is_cam, column.words))
+
+
+def names_angle(column: Column) -> bool:
+    """Whether the name, without a unit, is that of an angle."""
+    return bool(find_crank_word(column)) or any(word.startswith(ANGLE_NAMES) for word in column.words)
+
+
+def find_factor(written: str, unit: str) -> float:
+    """What a written unit is in `unit`; UnitError that names it."""
+    known = strip_shaft(written) if unit == "rad" else " ".join(written.casefold().split())
+    if len(known) > LONGEST_UNIT:
+        raise UnitError(f"{written[:LONGEST_UNIT]!r}... is an unknown unit")
+    tried = (UNITS[known],) if known in UNITS else (written, known)
+    for i, name in enumerate(tried, 1):
+        try:
+            return to_unit(f"1 {name}", unit)
+        except UnitError:
+            if i == len(tried):
+                raise
+    raise AssertionError
+
+
+def is_doubtful_grad(column: Column, others: list[Column]) -> bool:
+    """Whether "grad" may be the gon: no word of the header is German."""
+    if column.unit is None or strip_shaft(column.unit) != "grad":
+        return False
+    return not any(word.startswith(GERMAN) for other in others for word in other.words)
