@@ -71,6 +71,12 @@ def test_the_citation_has_the_projects_name_version_and_licence() -> None:
     ]
 
 
+def test_the_changelog_has_a_dated_section_of_the_version() -> None:
+    sections = re.findall(r"^## (.+)$", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE)
+    assert sections[0] == "Unreleased"
+    assert re.fullmatch(re.escape(PROJECT["version"]) + r" \(\d{4}-\d{2}-\d{2}\)", sections[1])
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
 @pytest.mark.parametrize(("length", "status"), [(72, 0), (73, 1)])
 def test_the_hook_measures_the_subject_of_a_commit(length: int, status: int, tmp_path: Path) -> None:

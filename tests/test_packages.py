@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -81,3 +82,32 @@ def test_neither_does_the_translation_to_machine_code(
     occupied(tmp_path, "models", False)
     monkeypatch.chdir(tmp_path)
     assert "kernel_step" in translate("coupled_mass", {})
+
+
+def test_the_wheel_holds_the_packages_whole_and_runs_from_anywhere(tmp_path: Path) -> None:
+    """It is built from the files that git knows; the command then runs from an unpacked copy of it."""
+    listed = subprocess.run(
+        ["git", "ls-files", *NAMES, "tribocosim"], cwd=ROOT, capture_output=True, text=True
+    )
+    if listed.returncode:
+        pytest.skip("needs a checkout with git")
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", tmp_path]
+    subprocess.run(build, cwd=ROOT, check=True, capture_output=True, timeout=120)
+    (wheel,) = tmp_path.glob("*.whl")
+    installed = tmp_path / "installed"
+    with zipfile.ZipFile(wheel) as content:
+        names = {name for name in content.namelist() if ".dist-info/" not in name}
+        content.extractall(installed)
+    assert names == {name for name in listed.stdout.split() if (ROOT / name).is_file()}
+    environment = os.environ | {"PYTHONPATH": str(installed)}
+    for code in ("import tribocosim as t; print(t.__file__)", "import fmus.native as n; print(n.__file__)"):
+        found = subprocess.run(
+            [sys.executable, "-P", "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True
+        )
+        assert found.stdout.startswith(str(installed)), found.stderr
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "tribocosim", "run", "two-masses", "--set", "stop_time=1.0"],
+        cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=280,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "results" / "two-masses" / "report.html").is_file()
