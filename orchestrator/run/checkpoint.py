@@ -115,7 +115,7 @@ def serialise_participants(participants: Mapping[str, Participant]) -> dict[str,
     for name, participant in participants.items():
         if not participant.restorable:
             raise CannotSerializeError(
-                f"{name}: the FMU cannot save its state (canGetAndSetFMUstate = false)"
+                f"{name}: the FMU cannot save its state, or does not come back to it (canGetAndSetFMUstate)"
             )
         saved = participant.save()
         try:
