@@ -1,0 +1,64 @@
+"""Roles decide what a component is, not its name: an own follower has all that shipped ones have."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from models.catalogue import CATALOGUE
+from models.core.roles import Cam, TranslatingFollower
+from orchestrator.assessment.friction.judge import find_cams
+from orchestrator.report.mechanism import list_sketches
+from orchestrator.scenario import Scenario
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
+from orchestrator.study.speeds.figures_of_merit import describe_numbers
+from orchestrator.study.speeds.subject import find_flywheel
+
+OWN = """from dataclasses import replace
+
+from models.valve_train.tappet import tappet
+
+
+def lifter(table_points: int = 0):
+    return replace(tappet(table_points), name="lifter")
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Scenario:
+    """The pushrod train with an own follower, which is a tappet by another name."""
+    (tmp_path / "own_lifter.py").write_text(OWN, "utf-8")
+    monkeypatch.chdir(tmp_path)
+    parts = "components.tappet"
+    return load("pushrod-train", [f"{parts}.component=own_lifter:lifter", f"{parts}.participant=in-process"])
+
+
+def test_figures_drawings_and_friction_find_an_own_follower_by_its_role(own: Scenario) -> None:
+    shipped = load("pushrod-train")
+    for find in (find_cams, find_flywheel, describe_numbers):
+        assert find(own) == find(shipped)
+    drawn = [
+        [sketch.content() for sketch in list_sketches(one, build_system(one).outputs.names)]
+        for one in (own, shipped)
+    ]
+    assert drawn[0] == drawn[1]
+    assert drawn[0]
+
+
+def test_an_own_follower_takes_a_lift_table(own: Scenario, tmp_path: Path) -> None:
+    rows = "\n".join(f"{angle}, {max(0.0, 8.0 - 0.004 * (angle - 180) ** 2):.4f}" for angle in range(360))
+    (tmp_path / "lift.csv").write_text(f"angle [deg], lift [mm]\n{rows}\n", "utf-8")
+    tables = own.components["tappet"].model_dump()
+    changed = ["components.tappet.component=own_lifter:lifter", "components.tappet.participant=in-process"]
+    table = load("pushrod-train", [*changed, "components.tappet.lift_table=lift.csv"]).components["tappet"]
+    assert table.structure["table_points"] > 0
+    assert tables["structure"].get("table_points", 0) == 0
+
+
+@pytest.mark.parametrize("role", [Cam("no_angle"), TranslatingFollower()])
+def test_a_role_promises_outputs(role: Cam | TranslatingFollower) -> None:
+    with pytest.raises(ValueError, match=r"flywheel: output '\w+', for events or a role, must be one of"):
+        replace(CATALOGUE["flywheel"](), roles=(role,))
