@@ -24,7 +24,7 @@ TABLE = Path(__file__).with_name("mutants.toml")
 PACKAGES = ("models", "fmus", "orchestrator", "tribocosim", "reproduction", "tests")
 ORIGINS = f"import {', '.join(PACKAGES)}; print(*(m.__file__ for m in ({', '.join(PACKAGES)})), sep='\\n')"
 PYTEST = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "--tb=no", "-rfE")
-RESULT = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
+RESULT = re.compile(r"^(?:FAILED|ERROR) ([^\s\[]+)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Copy:
     def failures(self, *tests: str) -> list[str]:
         """Those of these tests that fail, or of the default part."""
         done = self._python(*PYTEST, *(f"tests/{test}" for test in tests))
-        found = RESULT.findall(done.stdout)
+        found = list(dict.fromkeys(RESULT.findall(done.stdout)))
         if done.returncode != 0 and not found:
             raise SystemExit(f"the tests did not run:\n{done.stdout}")
         return found
