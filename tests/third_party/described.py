@@ -1,9 +1,11 @@
-"""Descriptions of FMUs without a library: enough for what is decided before anything runs."""
+"""Descriptions of FMUs, with an empty library: enough for what is decided before anything runs."""
 
 from __future__ import annotations
 
 import zipfile
 from pathlib import Path
+
+import fmpy
 
 ABLE = 'canGetAndSetFMUstate="true" canHandleVariableCommunicationStepSize="true"'
 UNITS = (
@@ -55,4 +57,6 @@ def real2(
 def _write(path: Path, text: str) -> Path:
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", text + "</fmiModelDescription>")
+        for folder in (fmpy.platform, fmpy.platform_tuple):
+            archive.writestr(f"binaries/{folder}/m{fmpy.sharedLibraryExtension}", b"")
     return path

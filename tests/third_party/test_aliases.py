@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orchestrator.scenario import ScenarioError
-from orchestrator.scenario.system import build_instances
+from orchestrator.scenario.system import assemble
 
 from .c_fmus import fmu
 from .described import describe2, describe3, real2
@@ -43,12 +43,12 @@ def test_values_that_disagree_are_refused(
     file = describe2(path, TWO) if version == 2 else describe3(path, TWO3)
     one = scenario({"s": {"participant": file}, "t": {"participant": file} | values}, connections=lines)
     with pytest.raises(ScenarioError, match=r"are two names of one variable of t .*; leave one out"):
-        build_instances(one)
+        assemble(one)
 
 
 def test_values_that_agree_are_taken(tmp_path: Path) -> None:
     file = describe2(tmp_path / "two.fmu", TWO)
-    build_instances(scenario({"t": {"participant": file, "parameters": {"p": 1.0, "q": 1.0}}}))
+    assemble(scenario({"t": {"participant": file, "parameters": {"p": 1.0, "q": 1.0}}}))
 
 
 def test_elements_of_an_array_are_set_by_any_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,6 @@ import pytest
 
 from orchestrator.scenario import Line, ScenarioError
 from orchestrator.scenario.connection import parse_line
-from orchestrator.scenario.system import build_instances
 
 from .described import describe2, real2
 from .runs import scenario
@@ -34,7 +33,7 @@ def lines_of(text: str, folder: Path) -> list[Line]:
         "s": {"participant": describe2(folder / "s.fmu", outputs)},
         "e": {"participant": describe2(folder / "e.fmu", inputs)},
     }
-    return build_instances(scenario(tables, connections=[text]))[1]
+    return [parse_line(line) for line in scenario(tables, connections=[text]).connections]
 
 
 @pytest.mark.parametrize(("text", "line"), READ.items(), ids=READ)

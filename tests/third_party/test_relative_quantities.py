@@ -8,8 +8,7 @@ import pytest
 
 from orchestrator.participants.transformed import Linear
 from orchestrator.scenario import ScenarioError
-from orchestrator.scenario.conversion import find_transformations
-from orchestrator.scenario.system import build_instances
+from orchestrator.scenario.system import assemble
 from orchestrator.scenario.warnings import list_warnings
 
 from .described import describe2, describe3, real2
@@ -43,8 +42,8 @@ def connected(version: int, output: str, wanted: str, folder: Path) -> Linear:
             folder / "b.fmu", f'<Float64 name="u" valueReference="0" causality="input" start="0" {wanted}/>'
         )
     tables = {"a": {"participant": one}, "b": {"participant": other}}
-    made = find_transformations(*build_instances(scenario(tables, connections=["a.y -> b.u"])))
-    return made["b"]["u"]
+    linear = assemble(scenario(tables, connections=["a.y -> b.u"])).linear
+    return linear.get("b", {}).get("u", Linear())
 
 
 @pytest.mark.parametrize(("version", "output", "wanted"), DIFFERENCES.values(), ids=DIFFERENCES)
