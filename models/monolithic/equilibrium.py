@@ -15,6 +15,8 @@ POLISHING_STEPS = 4
 # Of pseudo-transient continuation: the first step (s), its growth, the largest change in a step in nominal
 # sizes, the number of steps. The last ones are longer than any motion.
 FIRST_STEP, GROWTH, FARTHEST, SETTLING_STEPS = 1e-5, 1.5, 30.0, 100
+# The velocity of a lift is that of its change in this time (s), in which no cam turns noticeably.
+SHORT = 1e-7
 # A follower (m/s) that is at rest.
 SLOW_FOLLOWER = 1e-6
 # A positive state that changes by less of itself in a second is at rest.
@@ -44,14 +46,17 @@ def equilibrium(system: System, t: float = 0.0) -> Vector:
 def list_moving_cams(system: System, t: float, x: Vector) -> list[str]:
     """A line for each cam that moves its follower at `t`: there a follower at rest is no equilibrium."""
     evaluation, found = Interpreted(system), []
+    ahead = x + SHORT * evaluation.derivative(t, x)
+    later = evaluation.outputs(t + SHORT, ahead).copy()
     evaluation.outputs(t, x)
     for name, instance in system.instances.items():
         component = instance.component
         values = component.inputs.named(evaluation.u[system.inputs.of(name)])
         values |= component.outputs.named(evaluation.y[system.outputs.of(name)])
-        if values.get("cam_lift", 0.0) <= 0.0:
+        if "cam_lift" not in values:
             continue
-        velocity = values.get("contact_offset", 0.0) * values.get("cam_speed", 0.0)
+        after = component.outputs.named(later[system.outputs.of(name)])
+        velocity = (after["cam_lift"] - values["cam_lift"]) / SHORT
         if abs(velocity) > SLOW_FOLLOWER:
             found.append(
                 f"{name}: at t = {t:g} s its cam lifts by {1e3 * values['cam_lift']:.3g} mm and moves the "

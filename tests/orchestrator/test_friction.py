@@ -51,6 +51,7 @@ def eccentric(turns: float = 1.5, count: int = 3001) -> Cycle:
         "cam_angle": angle,
         "cam_speed": SPEED * one,
         "sliding_velocity": SPEED * (RADIUS + lift),
+        "entraining_velocity": SPEED * (0.5 * (RADIUS + lift) + 5e-3 * np.cos(angle)),
         "radius_of_curvature": RADIUS + lift + 5e-3 * np.cos(angle),
         "contact_offset": slope,
         "cam_lift": lift,
@@ -95,6 +96,33 @@ def test_the_cam_wears_by_load_over_length_and_the_ratio_of_speeds():
     # Bins of 8.7 mrad see records 3.1 mrad apart with a width of 4 mrad.
     assert worn.cam_depth == pytest.approx(expected, rel=0.1)
     assert worn.cam_depth.mean() == pytest.approx(expected.mean(), rel=1e-6)
+
+
+def test_the_cam_of_an_arc_wears_by_its_arc_length():
+    """A pad on a round cam out of its centre: C of the cam moves about the pad's centre. The arc length per
+    cam angle is R times the turn of the line of centres in the cam, by differences of its direction."""
+    cycle, pad, e = eccentric(), 30e-3, 5e-3
+    angle = np.linspace(0.0, 2.0 * math.pi, 20001)
+    # The pad's centre is at height y above the axis of the cam, whose own centre is e from it.
+    height = e * np.sin(angle) + np.sqrt((RADIUS + pad) ** 2 - (e * np.cos(angle)) ** 2)
+    turned = np.unwrap(np.arctan2(height - e * np.sin(angle), -e * np.cos(angle))) - angle
+    arc = RADIUS * np.abs(np.gradient(turned, angle))
+    sliding = cycle["sliding_velocity"]
+    moved = np.interp(np.mod(cycle["cam_angle"], 2.0 * math.pi), angle, arc) * SPEED
+    values = {
+        **cycle.values,
+        "entraining_velocity": moved - 0.5 * sliding,
+        "radius_of_curvature": np.full_like(sliding, RADIUS),
+    }
+    worn = wear(replace(cycle, values=values), "load", 1e-17, LENGTH)
+    per_angle = np.interp(worn.cam_angle, angle, arc)
+    lift = 5e-3 * (1.0 - np.cos(worn.cam_angle))
+    expected = 1e-17 * 400.0 / LENGTH * (RADIUS + lift) / per_angle
+    # As above: bins and records.
+    assert worn.cam_depth == pytest.approx(expected, rel=0.1)
+    # The volume over the arc length is Archard's.
+    bins = per_angle * (worn.cam_angle[1] - worn.cam_angle[0])
+    assert float(worn.cam_depth @ bins) * LENGTH == pytest.approx(worn.volume, rel=1e-4)
 
 
 def test_a_result_without_a_revolution_is_refused_with_the_stop_time_that_would_do():

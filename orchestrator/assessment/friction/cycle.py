@@ -16,6 +16,8 @@ from ...errors import MistakeError
 TURN = 2.0 * math.pi
 # Of a revolution: a run that lacks no more than this is one; what is missing is some of the base circle.
 OPEN = 0.01
+# The least movement of a contact over the cam, in radii of curvature per cam angle: it stands.
+STANDING = 1e-6
 # Bins of the wear: half a degree of the cam, and as fine along the follower.
 BINS = 720
 
@@ -28,7 +30,10 @@ OF_CONTACT = (
     "half_width",
     "film_ratio",
 )
-OF_CAM = ("cam_angle", "cam_speed", "sliding_velocity", "radius_of_curvature", "contact_offset", "cam_lift")
+OF_CAM = (
+    *("cam_angle", "cam_speed", "sliding_velocity", "entraining_velocity", "radius_of_curvature"),
+    *("contact_offset", "cam_lift"),
+)
 
 
 @dataclass(frozen=True)
@@ -139,9 +144,13 @@ class Wear:
 def wear(cycle: Cycle, load: str, coefficient: float, length: float) -> Wear:
     """Wear of each body under the variable `load`, if it has the wear coefficient (m2/N) to itself."""
     rubbed = cycle[load] * np.abs(cycle["sliding_velocity"]) * trapezoidal(cycle.time)
-    dose, radius, width = rubbed / length, cycle["radius_of_curvature"], cycle["half_width"]
+    dose, width = rubbed / length, cycle["half_width"]
     edges = np.linspace(0.0, TURN, BINS + 1)
-    cam = worn_depth(edges, np.mod(cycle["cam_angle"], TURN), width / radius, dose / radius, TURN)
+    # The arc of the cam per cam angle. The contact moves over the cam at u + u_s/2: under a flat follower rho
+    # omega, under an arc rho omega times the turn of the normal in the cam per cam angle.
+    moved = np.abs(cycle["entraining_velocity"] + 0.5 * cycle["sliding_velocity"]) / cycle["cam_speed"]
+    arc = np.maximum(moved, STANDING * np.abs(cycle["radius_of_curvature"]))
+    cam = worn_depth(edges, np.mod(cycle["cam_angle"], TURN), width / arc, dose / arc, TURN)
     offset = cycle["contact_offset"]
     reach = float(width.max()) or 1e-6
     along = np.linspace(offset.min() - reach, offset.max() + reach, BINS + 1)
