@@ -105,15 +105,17 @@ def _compare(
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
     within, text = verdict(errors)
     advice = "" if within else _advise_on_events(plan, assessment.contacts)
+    witness = _hear_witness(plan, coupled, solution, reporter) if wanted.witness else None
+    agreed = within and (witness is None or witness.agrees)
     return replace(
         assessment,
-        ending=Ending(True, False, "complete", WITHIN if within else OUTSIDE),
+        ending=Ending(True, False, "complete", WITHIN if agreed else OUTSIDE),
         errors=errors,
-        verdict=join(text, advice, solution.doubts),
+        verdict=join(text, advice, witness.judge() if witness else "", solution.doubts),
         reference_time_s=solution.wall_time_s,
         reference_uncertainty=largest_uncertainty(errors),
         reference_method=solution.method,
-        witness=_hear_witness(plan, coupled, solution, reporter) if wanted.witness else None,
+        witness=witness,
     )
 
 

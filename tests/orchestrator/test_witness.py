@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,7 +11,8 @@ import numpy as np
 import pytest
 
 from models.monolithic import solve
-from orchestrator.run.witness import check_witness, hear_witness
+from orchestrator.run import witness as judging
+from orchestrator.run.witness import Side, check_witness, hear_witness
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
@@ -35,6 +37,7 @@ def test_the_witness_agrees_with_reference_and_run(tmp_path: Path, record: Calla
     witness = json.loads((out / "summary.json").read_text())["witness"]
     assert witness["constraints"] == 26  # K's 21 less the contact, and the rigid shaft's 6
     assert witness["drift"] < 1e-7
+    assert "the multibody witness agrees" in json.loads((out / "summary.json").read_text())["verdict"]
     assert list(witness["quantities"]) == list(QUANTITIES)
     for name, tolerance in QUANTITIES.items():
         side = witness["quantities"][name]
@@ -45,6 +48,18 @@ def test_the_witness_agrees_with_reference_and_run(tmp_path: Path, record: Calla
         coupled = f"{name}: coupled run against multibody, relative RMS"
         record("Multibody", coupled, side["coupled_difference"], 0.0, "multibody model", tolerance=1e-3)
         assert side["multibody"] == pytest.approx(side["reference"], rel=1e-4, abs=1e-12)
+
+
+@pytest.mark.parametrize(("difference", "agrees"), [(2e-4, True), (5e-2, False), (math.nan, False)])
+def test_the_witness_judges_the_reference(difference: float, agrees: bool) -> None:
+    """A rocker of twice its inertia differs by 5e-2 in the cam's load."""
+    span = (0.0, 1.0)
+    sides = {"cam_contact.load": Side(span, span, span, 0.0, difference)}
+    witness = judging.Testimony("", 26, 1, 0.0, 0.0, sides)
+    assert witness.agrees is agrees
+    assert "sees no error in them" in witness.judge()
+    assert ("contradicts" in witness.judge()) is not agrees
+    assert ("cam_contact.load" in witness.judge()) is not agrees
 
 
 @pytest.mark.long
