@@ -58,12 +58,14 @@ def find_cycle(
     start: Vector | None = None,
     samples: int = 720,
     most_periods: int = MOST_PERIODS,
+    tolerance: float = TOLERANCE,
 ) -> Cycle:
     """The cycle of that period (s), from the state `start` (default: the system's start).
 
     Each period begins at time 0 with the states `turning` at their starts. All others go on from where the
     last period ended, extrapolated by Anderson's method. Where that does not settle in `most_periods`, as of
-    chaotic motion, the last period is returned. ModelError if a method fails.
+    chaotic motion, the last period is returned. `tolerance` is the integrator's, over nominal + |value|.
+    ModelError if a method fails.
     """
     problem = SystemProblem(system)
     times = np.linspace(0.0, period, samples + 1)
@@ -75,23 +77,23 @@ def find_cycle(
     begun, ended = list[Vector](), list[Vector]()
     for periods in range(1, most_periods + 1):
         # Stops at samples take most of the time of a period: only the last one makes them.
-        end = _move(problem, x, times, times[[0, -1]])[-1, :n]
+        end = _move(problem, x, times, times[[0, -1]], tolerance)[-1, :n]
         change = np.abs(end - x)[~held] / (system.state.nominal + np.abs(x))[~held]
         if (worst := float(np.max(change, initial=0.0))) <= STEADY or periods == most_periods:
             break
         begun.append(scaling.flat(x))
         ended.append(scaling.flat(end))
         x = scaling.state(_extrapolate(begun[-MEMORY:], ended[-MEMORY:]), x)
-    states = _move(problem, x, times, times)
+    states = _move(problem, x, times, times, tolerance)
     inputs, outputs, _ = observe(problem, times, states)
     return Cycle(system, times, inputs, outputs, end.copy(), worst, periods)
 
 
-def _move(problem: SystemProblem, x: Vector, times: Vector, stops: Vector) -> Vector:
+def _move(problem: SystemProblem, x: Vector, times: Vector, stops: Vector, tolerance: float) -> Vector:
     """States at `stops`, from `x` at the first; steps are no longer than the distances of `times`."""
     z = problem.start(x)
     stiff, longest = stiffness(problem, 0.0, z, times)
-    states, _ = march(problem, Cvode(problem, TOLERANCE, stiff, longest), z, 0.0, stops)
+    states, _ = march(problem, Cvode(problem, tolerance, stiff, longest), z, 0.0, stops)
     return states
 
 
