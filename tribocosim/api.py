@@ -168,15 +168,18 @@ def _open_complete(summary: Summary, folder: Path) -> Result:
     return open(folder)
 
 
-def resume(folder: str | Path, *, figures: bool = True, progress: Progress | None = None) -> Result:
+def resume(
+    folder: str | Path, *, figures: bool = True, progress: Progress | None = None, keep: bool = False
+) -> Result:
     """Continue a run that was stopped, from its last checkpoint, with the same results.
 
-    `figures` are drawn unless the run was begun without. MistakeError if it cannot go on.
+    `figures` are drawn unless the run was begun without. `keep` makes the result of what was recorded, and
+    does not go on. MistakeError if it cannot go on.
     """
     from orchestrator.run.resume import resume as resume_pipeline
 
-    summary = resume_pipeline(Path(folder), build_cached_fmu, SilentReporter(progress), figures)
-    return _open_complete(summary, Path(folder))
+    summary = resume_pipeline(Path(folder), build_cached_fmu, SilentReporter(progress), figures, keep)
+    return open(Path(folder)) if keep else _open_complete(summary, Path(folder))
 
 
 def report(folder: str | Path, path: str | Path | None = None) -> Path:

@@ -14,6 +14,7 @@ from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
 from .opened_fmu import FmuSettings
 from .opening import open_here
+from .own_process import Limits
 from .protocol import GivesDerivatives, GivesWarnings, Participant
 from .third_party import ThirdPartyComponent, read_component
 from .transformed import Transformed as transformed
@@ -23,6 +24,7 @@ __all__ = [
     "GivesDerivatives",
     "GivesWarnings",
     "InOwnProcess",
+    "Limits",
     "Participant",
     "ThirdPartyComponent",
     "collect_settings",
@@ -30,7 +32,6 @@ __all__ = [
     "in_process",
     "is_made_here",
     "open_fmu",
-    "open_in_own_process",
     "read_component",
     "transformed",
 ]
@@ -40,26 +41,18 @@ NO_STRINGS: Mapping[str, str] = {}
 
 
 def open_fmu(
-    name: str, path: Path, instance: Instance, strings: Mapping[str, str] = NO_STRINGS
-) -> Participant:
-    """The FMU at `path` in the place of `instance`, which knows no texts."""
-    return open_here(name, path, collect_settings(instance, strings))
-
-
-def open_in_own_process(
     name: str,
     path: Path,
     instance: Instance,
     strings: Mapping[str, str] = NO_STRINGS,
-    memory_mb: int | None = None,
-) -> InOwnProcess:
-    """As `fmu`, in a process of its own."""
-    return InOwnProcess(name, path, collect_settings(instance, strings, memory_mb))
+    limits: Limits | None = None,
+) -> Participant:
+    """The FMU at `path` in the place of `instance`, which knows no texts; `limits`: of its own process."""
+    settings = collect_settings(instance, strings)
+    return open_here(name, path, settings) if limits is None else InOwnProcess(name, path, settings, limits)
 
 
-def collect_settings(
-    instance: Instance, strings: Mapping[str, str] = NO_STRINGS, memory_mb: int | None = None
-) -> FmuSettings:
+def collect_settings(instance: Instance, strings: Mapping[str, str] = NO_STRINGS) -> FmuSettings:
     """What the FMU in the place of `instance` is asked for and given."""
     component = instance.component
     about = component.about if isinstance(component, ThirdPartyComponent) else None
@@ -69,4 +62,4 @@ def collect_settings(
     interface = MODEL_EXCHANGE if about and about.integrated else CO_SIMULATION
     values = {**instance.parameters, **starts}
     sizes = about.sizes if about else {}
-    return FmuSettings(component.outputs.names, values, instance.inputs, strings, interface, memory_mb, sizes)
+    return FmuSettings(component.outputs.names, values, instance.inputs, strings, interface, sizes)

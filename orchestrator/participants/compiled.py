@@ -25,7 +25,7 @@ from .fmi_instance import DISCARD, WARNING
 # An FMU of FMI 3 reports on its step in the memory `told`: event, end, early return (a byte each), at 8 the
 # time. `warned` counts the calls that return a warning.
 # If `saved` is not 0, the state is saved there before a step and released after it; a step that fails leaves
-# it for its participant. If `cell` is not 0, every call first stores its mark there.
+# it for its participant.
 CALLS = np.dtype(
     [
         (name, np.int64)
@@ -34,7 +34,6 @@ CALLS = np.dtype(
             "given", "given_references", "given_count",
             "taken", "taken_references", "taken_count", "warned",
             "saved", "save", "release",
-            "cell", "mark_set", "mark_step", "mark_get", "mark_save", "mark_release",
         )
     ]
 )  # fmt: skip
@@ -158,17 +157,6 @@ def _call_state(typing: Any, function: Any, component: Any, state: Any) -> Any:
 
 
 @intrinsic
-def _store(typing: Any, address: Any, value: Any) -> Any:
-    """Store 8 bytes at this address."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        builder.store(arguments[1], builder.inttoptr(arguments[0], ir.IntType(64).as_pointer()))
-        return context.get_dummy_value()
-
-    return types.void(types.int64, types.int64), generate
-
-
-@intrinsic
 def _byte(typing: Any, address: Any) -> Any:
     """What is at this address."""
 
@@ -226,12 +214,6 @@ def _step(fmu: Any, time: float, step: float) -> int:
 
 
 @numba.njit(cache=True)
-def _mark(fmu: Any, mark: int) -> None:
-    if fmu.cell:
-        _store(fmu.cell, mark)
-
-
-@numba.njit(cache=True)
 def _transfer_state(fmu: Any, function: int) -> int:
     if fmu.in_python:
         return _call_state(function, fmu.component, fmu.saved)
@@ -244,7 +226,6 @@ def _transfer_state(fmu: Any, function: int) -> int:
 @numba.njit(cache=True)
 def give(fmu: Any) -> tuple[int, int]:
     """Set the inputs; the call that did not succeed, or FINE, and its status."""
-    _mark(fmu, fmu.mark_set)
     status = _call_transfer(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
     if status > WARNING:
         return SET, status
@@ -260,18 +241,15 @@ def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
     if call != FINE:
         return call, status
     if fmu.saved:
-        _mark(fmu, fmu.mark_save)
         status = _transfer_state(fmu, fmu.save)
         if status > WARNING:
             return SAVE, status
-    _mark(fmu, fmu.mark_step)
     status = _step(fmu, time, step)
     if status > WARNING:
         return STEP, status
     if status == WARNING:
         fmu.warned += 1
     if fmu.saved:
-        _mark(fmu, fmu.mark_release)
         status = _transfer_state(fmu, fmu.release)
         if status > WARNING:
             return RELEASE, status
@@ -281,7 +259,6 @@ def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
 @numba.njit(cache=True)
 def take(fmu: Any) -> tuple[int, int]:
     """Get outputs and rates; as `give`."""
-    _mark(fmu, fmu.mark_get)
     status = _call_transfer(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken)
     if status > WARNING:
         return GET, status

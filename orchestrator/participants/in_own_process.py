@@ -17,7 +17,7 @@ from .capabilities import signal_degrees
 from .description import read_description
 from .messages import ADVANCE, READ, TIMES
 from .opened_fmu import FmuSettings
-from .own_process import OwnProcess
+from .own_process import NO_LIMITS, Limits, OwnProcess
 from .protocol import BoundVariables
 from .side_channel import RemoteSideChannel, has_side_channel
 
@@ -29,8 +29,8 @@ class InOwnProcess(OwnProcess):
 
     server = f"{__package__}.process"
 
-    def __init__(self, name: str, path: Path, settings: FmuSettings) -> None:
-        super().__init__(name, path, settings)
+    def __init__(self, name: str, path: Path, settings: FmuSettings, limits: Limits = NO_LIMITS) -> None:
+        super().__init__(name, path, settings, limits)
         self._about = read_description(path, settings.interface, settings.sizes)
         self.restorable, self.variable_step = self._about.restorable, self._about.variable_step
         self.divisible = self._about.divisible
@@ -105,6 +105,8 @@ class InOwnProcess(OwnProcess):
         return self._inputs.tobytes() if written else b""
 
     def _store_outputs(self, content: bytes) -> None:
+        if len(content) != self._outputs.nbytes + self._rates.nbytes:
+            self._raise_garbled()
         self._taken = np.frombuffer(content)
         self._fresh = True
 

@@ -28,8 +28,7 @@ class FmuSettings:
 
     `outputs` are to be recorded. `values` are those of parameters and starts, `inputs` those of inputs that
     nothing drives, `strings` those of strings and binary values, `sizes` those of structural parameters.
-    It takes part by `interface`. A process of its own may have `memory_mb` (MB) of memory; None: as much as
-    there is.
+    It takes part by `interface`.
     """
 
     outputs: Sequence[str]
@@ -37,7 +36,6 @@ class FmuSettings:
     inputs: Mapping[str, float] = field(default_factory=dict)
     strings: Mapping[str, str] = field(default_factory=dict)
     interface: str = CO_SIMULATION
-    memory_mb: int | None = None
     sizes: Mapping[str, int] = field(default_factory=dict)
 
 

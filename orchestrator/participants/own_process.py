@@ -1,7 +1,7 @@
 """A process in which an FMU runs: if it crashes, the run keeps its results. It is no sandbox.
 
 Messages and their answers go through pipes: JSON, or raw doubles where a call is made in every step. If the
-process ends, by a signal or an exit, `LostParticipantError` is raised.
+process ends, by a signal or an exit, or answers with what is no message, `LostParticipantError` is raised.
 """
 
 from __future__ import annotations
@@ -12,13 +12,20 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
 from .. import errors
-from ..errors import Command, DiscardedStepError, EndedError, LostParticipantError, ParticipantError, Words
+from ..errors import (
+    Command,
+    DiscardedStepError,
+    EndedError,
+    LostParticipantError,
+    ParticipantError,
+    StalledError,
+    Words,
+)
 from .messages import CALL, FAILED, receive, send
 from .opened_fmu import FmuSettings
 from .unpacked import UnpackedFolder
@@ -27,20 +34,28 @@ from .unpacked import UnpackedFolder
 PATIENCE_S = 5.0
 
 
+@dataclass(frozen=True)
+class Limits:
+    """Of an FMU's own process: its memory (MB), and the wall time of a call (s). None: no limit."""
+
+    memory_mb: int | None = None
+    call_s: float | None = None
+
+
+NO_LIMITS = Limits()
+
+
 class OwnProcess:
     """The process of the FMU at `path`; `server` is the module whose `main` it runs, and the first message is
     the call `instantiate` with the settings and what else is given."""
 
     server: str
 
-    def __init__(self, name: str, path: Path, settings: FmuSettings, **given: Any) -> None:
-        self.name = name
+    def __init__(self, name: str, path: Path, settings: FmuSettings, limits: Limits, **given: Any) -> None:
+        self.name, self._limits = name, limits
         # Kept here, as a crashed process does not delete what it unpacked.
         self._unpacked = UnpackedFolder()
-        self._process = _start_process(self.server)
-        self._memory_mb = settings.memory_mb
-        if settings.memory_mb is not None:
-            limit_memory(self._process.pid, settings.memory_mb)
+        self._process = _start_process(self.server, limits.memory_mb)
         self._lost = self._made = self._stepped = False
         self._path = path
         self._doing = "start"
@@ -78,19 +93,38 @@ class OwnProcess:
         """Send a message and return the answer; raise the error that it contains."""
         try:
             send(self._process.stdin, kind, *parts)
-            answer, content = receive(self._process.stdout)
+            answer, content = receive(self._process.stdout, self._limits.call_s)
+        except TimeoutError:
+            self._lost = True
+            raise StalledError(
+                f"{self.name}: the {self._doing} did not return within {self._limits.call_s:g} s; look at "
+                "what the FMU waits for, or raise call_time_limit"
+            ) from None
         except (OSError, EOFError):
-            self._raise_lost()
+            self._raise_lost(self._describe_end())
+        except ValueError:
+            self._raise_garbled()
         except BaseException:
             self._lost = True  # interrupted between a message and its answer
             raise
         if answer == FAILED:
-            self._raise(json.loads(content))
+            self._raise(self._decode(content))
         return content
 
     def _call(self, method: str, **arguments: Any) -> Any:
         self._doing = f"call {method}"
-        return json.loads(self._ask(CALL, json.dumps({"method": method, **arguments}).encode()))
+        return self._decode(self._ask(CALL, json.dumps({"method": method, **arguments}).encode()))
+
+    def _decode(self, content: bytes) -> Any:
+        try:
+            return json.loads(content)
+        except ValueError:
+            self._raise_garbled()
+
+    def _raise_garbled(self) -> NoReturn:
+        self._raise_lost(
+            "gave an answer that cannot be read (the FMU may write to descriptors that are not its own)"
+        )
 
     def _raise(self, said: dict[str, Any]) -> NoReturn:
         kind = getattr(errors, said["kind"], ParticipantError)
@@ -98,22 +132,25 @@ class OwnProcess:
             raise kind(said["message"], said["reached"])
         raise kind(said["message"])
 
-    def _raise_lost(self) -> NoReturn:
-        """Raise the error of a process that has ended."""
-        self._lost = True
+    def _describe_end(self) -> str:
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(PATIENCE_S)
+        return f"ended {_describe_status(self._process.returncode)}"
+
+    def _raise_lost(self, what: str) -> NoReturn:
+        """Raise the error of a process that does not answer any more: what it did."""
+        self._lost = True
         if self._stepped:
             remedy: Words = "look at the FMU, its inputs and parameters; what was recorded before is kept"
         elif self._made:
             remedy = "look at the FMU, its inputs and parameters"
         else:
-            what = f"{self._path} may be damaged, or lack what it needs on this machine ("
+            file = f"{self._path} may be damaged, or lack what it needs on this machine ("
             look = Command("fmu validate", (self._path,))
-            remedy = what, look, " looks at its library); give another file"
-        limit = self._memory_mb and f"; its memory is limited to {self._memory_mb} MB (memory_limit_mb)"
-        how = _describe_end(self._process.returncode)
-        fault = f"{self.name}: its process ended {how} in the {self._doing}"
+            remedy = file, look, " looks at its library); give another file"
+        memory_mb = self._limits.memory_mb
+        limit = memory_mb and f"; its memory is limited to {memory_mb} MB (memory_limit_mb)"
+        fault = f"{self.name}: its process {what} in the {self._doing}"
         raise LostParticipantError(fault, (remedy, limit or ""))
 
     def warnings(self) -> tuple[int, str]:
@@ -132,7 +169,10 @@ class OwnProcess:
                 process.wait(PATIENCE_S)
         self._lost = True
         if process.poll() is None:
-            process.kill()
+            process.terminate()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(PATIENCE_S)
+        process.kill()
         process.wait()
         for pipe in (process.stdin, process.stdout):
             with contextlib.suppress(OSError):
@@ -140,15 +180,7 @@ class OwnProcess:
         self._unpacked.delete()
 
 
-def limit_memory(pid: int, memory_mb: int) -> None:
-    """Have the allocations of a process fail beyond this limit (Linux)."""
-    import resource  # which Windows lacks
-
-    limit = memory_mb * 1_000_000
-    resource.prlimit(pid, resource.RLIMIT_DATA, (limit, limit))
-
-
-def _describe_end(status: int | None) -> str:
+def _describe_status(status: int | None) -> str:
     if status is None:
         return "its connection"
     if status >= 0:
@@ -159,26 +191,16 @@ def _describe_end(status: int | None) -> str:
         return f"by signal {-status}"
 
 
-def _start_process(server: str) -> subprocess.Popen[bytes]:
-    """Start it with SIGINT blocked: Ctrl-C is for the run only."""
+def _start_process(server: str, memory_mb: int | None) -> subprocess.Popen[bytes]:
+    """Start it by its keeper, in a session of its own: Ctrl-C is for the run only."""
     path = os.pathsep.join(filter(None, [*sys.path, os.environ.get("PYTHONPATH", "")]))
-    with _block_interrupts():
-        return subprocess.Popen(
-            [sys.executable, "-P", "-c", f"from {server} import main; main()"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            bufsize=0,
-            env={**os.environ, "PYTHONPATH": path},
-        )
-
-
-@contextlib.contextmanager
-def _block_interrupts() -> Iterator[None]:
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    keeper = Path(__file__).with_name("keeper.py")
+    return subprocess.Popen(
+        [sys.executable, "-P", str(keeper), server, "" if memory_mb is None else str(memory_mb)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        bufsize=0,
+        env={**os.environ, "PYTHONPATH": path},
+        start_new_session=True,
+        creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
+    )

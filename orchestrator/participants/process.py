@@ -6,7 +6,6 @@ to standard error. The process ends when the messages do.
 
 from __future__ import annotations
 
-import ctypes
 import json
 import os
 import signal
@@ -29,8 +28,6 @@ from .side_channel import get_side_channel
 if TYPE_CHECKING:
     from .fmu import FmuParticipant
     from .model_exchange.integrated import IntegratedFmu
-
-_DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
 
 
 class Server:
@@ -128,8 +125,7 @@ def main() -> None:
 def serve(server: Any) -> NoReturn:
     """Answer messages by `server.carry_out` until standard input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
+    itself = os.getpid()
     asked = os.fdopen(os.dup(0), "rb", buffering=0)
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
     # The FMU must neither read the messages nor print among the answers.
@@ -148,6 +144,8 @@ def serve(server: Any) -> NoReturn:
             reached = getattr(error, "reached", None)
             said = {"kind": known, "message": str(error), "reached": reached}
             answer = FAILED, json.dumps(said).encode()
+        if os.getpid() != itself:  # a copy, which the FMU has made by `fork`
+            os._exit(0)
         send(answers, *answer)
     c_output.flush()
     sys.stdout.flush()

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from functools import partial
 
 from models.core.quantities import Vector
 
@@ -15,32 +13,22 @@ from ..compilation import PREPARING, announce_compilation
 from ..engine.energy import Ledger, Trimmed
 from ..engine.observer import Observer
 from ..engine.step import Step
-from ..errors import (
-    Command,
-    MistakeError,
-    ParticipantError,
-    RefusedError,
-    RunError,
-    StalledError,
-    Words,
-    in_command_line,
-)
+from ..errors import ParticipantError, RefusedError, RunError, StalledError
 from ..participants import GivesWarnings, Participant
 from ..reporter import Reporter
-from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
+from ..store.journal import FLUSH_SECONDS
 from ..store.json_codec import Plain
 from ..store.output_folder import SCENARIO, SUMMARY, TEXTS, OutputFolder, format_path
 from .checkpoint import Checkpoints, Identity
-from .interruption import Interruption, guard_exit
+from .interruption import Interruption
 from .nan_monitor import NotNumbers
 from .participants import open_participants
 from .plan import Plan
-from .record import ENDS, FAILED, Ending, Record, Warnings, classify_ending
+from .record import ENDS, Ending, Record, Warnings, classify_ending
 from .recording import ResultRecorder
 from .simulation import Statistics, simulate
 from .summary import summarise
 from .text_recorder import TextRecorder, list_texts
-from .watchdog import watching
 from .workload import Forecast
 
 Checkpoint = tuple[Identity, Plain]
@@ -121,57 +109,32 @@ def _couple(
     """Make the participants and step them."""
     system, stop = observation.system, plan.stop_time
     stage = reporter.stage(f"coupled run, master {plan.scenario.master.name}", stop)
-    tell = partial(_report_exit, plan, folder, observation) if plan.exposed else None
-    summary = summarise(plan, Ending(), Record())
-    with guard_exit(tell, FAILED), watching(plan.scenario, folder.path / SUMMARY, summary) as watchdog:
-        units: dict[str, Participant] = {}
-
-        def wrap(name: str, make: Callable[[], Participant]) -> Participant:
-            return watchdog.made(name, lambda: units.setdefault(name, make()))
-
-        with open_participants(system, plan.participants, wrap) as participants:
-            try:
-                with stage as bar, Interruption() as interruption:
-                    observers = [*watchdog.observers, *observation.observers]
-                    if every := plan.scenario.checkpoint_every:
-                        path, say = folder.checkpoint, reporter.line
-                        observers.append(
-                            Checkpoints(path, identity, every, stop, lambda: interruption.asked, say)
-                        )
-                    forecast = Forecast(stop, reporter.line)
-                    with announce_compilation(PREPARING, begin=lambda: None, end=forecast.restart):
-                        return simulate(
-                            system,
-                            participants,
-                            plan.master,
-                            plan.make_steps(),
-                            stop,
-                            [*observers, bar, forecast, interruption],
-                            resumed=checkpoint[1] if checkpoint else None,
-                            lines=plan.side_lines,
-                        )
-            finally:
-                observation.warnings = _collect_warnings(units)
-
-
-def _report_exit(plan: Plan, folder: OutputFolder, observation: _Observation) -> None:
-    """One of the exposed FMUs has called `exit`: say so, also in the summary."""
-    names, last = plan.exposed, None
-    with suppress(RunError, MistakeError):
-        last = Recorded(folder.unfinished / f"coupled{SUFFIX}").last_time()
-    after = "before the first step" if last is None else f"after t = {last:.9g} s"
-    who = names[0] if len(names) == 1 else f"one of {', '.join(names)}"
-    apart = " and ".join(f"components.{name}.process = 'own'" for name in names)
-    message: Words = (
-        f"incomplete: {who}: the FMU ended the process of the whole command by calling exit, {after}; "
-        f"set {apart}, which keeps it apart; ",
-        Command("resume", (format_path(folder.path),)),
-        " makes the result of what was recorded",
-    )
-    print(f"tribocosim: {in_command_line(message)}", file=sys.stderr)
-    with suppress(OSError):
-        record = Record(contacts=observation.contacts.summaries())
-        summarise(plan, Ending(message=message), record).write(folder.path / SUMMARY)
+    units: dict[str, Participant] = {}
+    with open_participants(
+        system, plan.participants, lambda name, make: units.setdefault(name, make())
+    ) as participants:
+        try:
+            with stage as bar, Interruption() as interruption:
+                observers = observation.observers
+                if every := plan.scenario.checkpoint_every:
+                    path, say = folder.checkpoint, reporter.line
+                    observers.append(
+                        Checkpoints(path, identity, every, stop, lambda: interruption.asked, say)
+                    )
+                forecast = Forecast(stop, reporter.line)
+                with announce_compilation(PREPARING, begin=lambda: None, end=forecast.restart):
+                    return simulate(
+                        system,
+                        participants,
+                        plan.master,
+                        plan.make_steps(),
+                        stop,
+                        [*observers, bar, forecast, interruption],
+                        resumed=checkpoint[1] if checkpoint else None,
+                        lines=plan.side_lines,
+                    )
+        finally:
+            observation.warnings = _collect_warnings(units)
 
 
 def _collect_warnings(units: Mapping[str, Participant]) -> dict[str, Warnings]:

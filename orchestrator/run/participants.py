@@ -13,7 +13,7 @@ from models.core.system import Instance, System
 from ..engine.energy.correction import Compensated, bond_inputs
 from ..engine.energy.estimate import EstimatedComponent, Estimating, without_estimates
 from ..engine.substeps import Substepped
-from ..participants import Participant, in_process, open_fmu, open_in_own_process, transformed
+from ..participants import Limits, Participant, in_process, open_fmu, transformed
 from ..participants.proven import Proof, Proven
 from ..participants.transformed import Linear
 
@@ -31,15 +31,14 @@ class ParticipantPlan:
     """An FMU and how it runs, or without a `file` the component's equations in this process.
 
     `linear` transforms inputs, by name. A `compensated` one gets back what its inputs missed in the last
-    step. An FMU that is `exposed` can end this process at any moment; of one with a `proof` it is tried
-    whether it restores its state.
+    step. With `limits` an FMU has its own process; one that is `exposed` can end this one at any moment. Of
+    one with a `proof` it is tried whether it restores its state.
     """
 
     file: FmuFile | None = None
     strings: Mapping[str, str] = field(default_factory=dict)
-    own_process: bool = False
+    limits: Limits | None = None
     exposed: bool = False
-    memory_limit_mb: int | None = None
     proof: Proof | None = None
     substeps: int = 1
     retries: int = 0
@@ -51,9 +50,7 @@ class ParticipantPlan:
         bare = without_estimates(instance)
         if self.file is None:
             return in_process(name, bare)
-        if self.own_process:
-            return open_in_own_process(name, self.file.path, bare, self.strings, self.memory_limit_mb)
-        return open_fmu(name, self.file.path, bare, self.strings)
+        return open_fmu(name, self.file.path, bare, self.strings, self.limits)
 
     def make_opener(self, name: str, instance: Instance) -> Callable[[], Participant]:
         """Opens the bare participant, which proves what it says."""

@@ -179,9 +179,8 @@ def plan_participants(
         plans[name] = ParticipantPlan(
             file=file,
             strings=table.strings,
-            own_process=table.own_process,
+            limits=scenario.process_limits(name),
             exposed=table.untrusted and not table.own_process,
-            memory_limit_mb=table.memory_limit_mb,
             proof=plan_proof(scenario, name),
             substeps=table.substeps,
             retries=table.retries,

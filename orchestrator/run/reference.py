@@ -95,10 +95,10 @@ def _solve_by_parts(
             for name, component in plan.third_party.items():
                 instance, how = system.instances[name], plan.participants[name]
                 assert how.file
-                settings = collect_settings(instance, how.strings, how.memory_limit_mb)
+                settings = collect_settings(instance, how.strings)
                 settings = replace(settings, interface=MODEL_EXCHANGE)
                 inputs = tuple(n for n in component.inputs.names if n not in instance.inputs)
-                opened[name] = open_equations(name, how.file.path, settings, inputs, how.own_process)
+                opened[name] = open_equations(name, how.file.path, settings, inputs, how.limits)
         except BaseException:
             for fmu in opened.values():
                 fmu.close()

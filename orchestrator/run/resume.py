@@ -32,13 +32,15 @@ from .record import FAILED, Ending, Record
 from .summary import Summary
 
 
-def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) -> Summary:
+def resume(
+    out: Path, build: Builder, reporter: Reporter, figures: bool = True, keep: bool = False
+) -> Summary:
     """Continue the run in `out` from its last checkpoint; it ends as it would have without the stop.
 
     `figures` are drawn unless the run was started without. A run that was stopped before it had computed
-    anything starts anew. The result of a run without checkpoints is made of what was recorded, and marked
-    incomplete. Raises CheckpointError or another MistakeError where the run cannot continue; nothing that it
-    needs is changed then.
+    anything starts anew. With `keep`, or if there is no checkpoint, the result is made of what was recorded,
+    and marked incomplete. Raises CheckpointError or another MistakeError where the run cannot continue;
+    nothing that it needs is changed then.
     """
     start = clock.perf_counter()
     if not (out / SCENARIO).is_file():
@@ -59,12 +61,15 @@ def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) 
         plan = make_plan(load(out / SCENARIO), build, reporter, figures and before.get("figures", True))
         folder = OutputFolder(out, pending, Backup(out))
         checkpoint = None
-        if folder.checkpoint.exists():
+        recorded = _count_rows(pending, "coupled") > 1
+        if keep and not recorded:
+            raise OutputFolderError(f"{format_path(out)}: the run has recorded nothing; leave out --keep")
+        if folder.checkpoint.exists() and not keep:
             checkpoint = read(folder.checkpoint)
             # A killed process has left no wall time, but that of its steps.
             start -= max(before.get("wall_time_s", 0.0), checkpoint[1]["elapsed"])
-        elif _count_rows(pending, "coupled") > 1:
-            return conclude(plan, _recover_record(plan, pending), folder, reporter, start)
+        elif recorded:
+            return conclude(plan, _recover_record(plan, pending, keep), folder, reporter, start)
         else:
             clear_run_state(pending)
         with keep_prints(plan, folder, reporter):
@@ -107,13 +112,11 @@ def _count_rows(folder: Path, name: str) -> int:
     return Recorded(found[name]).rows if name in found else 0
 
 
-def _recover_record(plan: Plan, pending: Path) -> Record:
-    """The record of a run that left journals and no checkpoint."""
-    message = (
-        "incomplete: the run was stopped and has left no checkpoint (checkpoint_every = 0, or "
-        "an FMU that cannot be serialised); the result is what it had recorded"
-    )
-    if names := plan.exposed:
+def _recover_record(plan: Plan, pending: Path, keep: bool) -> Record:
+    """The record of a run that is not continued from a checkpoint: because it left none, or with `keep`."""
+    why = " and has left no checkpoint (checkpoint_every = 0, or an FMU that cannot be serialised)"
+    message = f"incomplete: the run was stopped{'' if keep else why}; the result is what it had recorded"
+    if names := plan.scenario.exposed:
         message += (
             f"; if one of its FMUs ended it ({', '.join(names)}), components.{names[0]}.process = 'own' says "
             "which and where"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import select
 import sys
 import zipfile
 from collections import Counter
@@ -90,6 +91,7 @@ def check_capabilities(scenario: Scenario) -> None:
             raise ScenarioError(
                 f"components.{name}.memory_limit_mb: limits a process of its own, on Linux; {remedy}"
             )
+    _check_time_limit(scenario)
     shared = Counter(
         path.resolve() for name, path in files.items() if not scenario.components[name].own_process
     )
@@ -99,6 +101,19 @@ def check_capabilities(scenario: Scenario) -> None:
                 f"components.{name}.participant: {path}: allows one instance per process "
                 f"(canBeInstantiatedOnlyOncePerProcess); set components.{name}.process = 'own'"
             )
+
+
+def _check_time_limit(scenario: Scenario) -> None:
+    """ScenarioError where `call_time_limit` would be without effect."""
+    if scenario.call_time_limit is None:
+        return
+    if not hasattr(select, "poll"):
+        raise ScenarioError("call_time_limit: needs a POSIX system; leave it out")
+    for name in scenario.exposed:
+        raise ScenarioError(
+            f"components.{name}.process: 'shared' has no call_time_limit; take 'own', or leave "
+            "call_time_limit out"
+        )
 
 
 def _find_library_fault(path: Path, about: Description) -> str:

@@ -12,6 +12,7 @@ from models.core.quantities import Vector
 
 from ..errors import MistakeError
 from ..masters import MASTERS
+from ..participants import Limits
 from ..stepping import ControlledSteps, FixedSteps, ForwardSteps, RefinedSteps, check_estimator, control_steps
 from .component_table import ComponentTable
 from .connection import parse_named_line
@@ -95,7 +96,7 @@ class Scenario(Table):
         "equilibrium", description="Start at rest in balance, or from the start values as given"
     )
     call_time_limit: Seconds | None = Field(
-        None, description="Longest wall time of a participant's call; default: no limit"
+        None, description="Longest wall time of a call of an FMU in its own process; default: no limit"
     )
     reference: ReferenceTable = ReferenceTable()
     tolerance: dict[str, Tolerance] = Field(
@@ -239,6 +240,16 @@ class Scenario(Table):
         forward = self.step_control is not None and self.step_control.forward
         located = EVENT_TOLERANCE if self.step_control and not forward else None
         return RefinedSteps(ends, parts, self.event_tolerance or located)
+
+    def process_limits(self, name: str) -> Limits | None:
+        """The limits of the FMU's own process; None where it has none."""
+        table = self.components[name]
+        return Limits(table.memory_limit_mb, self.call_time_limit) if table.own_process else None
+
+    @property
+    def exposed(self) -> list[str]:
+        """Third-party FMUs in the process of the run, which they can end at any moment."""
+        return [name for name, table in self.components.items() if table.untrusted and not table.own_process]
 
     @property
     def record_every(self) -> int:

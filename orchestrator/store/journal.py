@@ -182,6 +182,12 @@ def journals(folder: Path) -> dict[str, Path]:
     return found
 
 
+def find_last_time(folder: Path) -> float | None:
+    """Of the last row (s) that a run has recorded in this folder; None if there is none."""
+    found = journals(folder)
+    return Recorded(found["coupled"]).last_time() if "coupled" in found else None
+
+
 def _header(columns: Mapping[str, Quantity]) -> bytes:
     content = {name: _plain(quantity) for name, quantity in columns.items()}
     return json.dumps({"format": FORMAT, "columns": content}).encode() + b"\n"

@@ -23,12 +23,10 @@ from orchestrator.participants import in_process, open_fmu
 from orchestrator.participants.fmi2 import Fmi2
 from orchestrator.participants.transformed import Linear, Transformed
 from orchestrator.run.simulation import simulate
-from orchestrator.run.watchdog import Watched
 
 from .coupled import Wrapper, run_coupled
 from .recorder import Recorder
 from .small_fmus import small_fmu
-from .test_watchdog import watchdog
 from .two_masses import two_masses
 
 STEP = 1e-2
@@ -99,25 +97,21 @@ def test_the_same_bits_and_calls_as_in_python(kind, signal, compiled):
 
 
 WRAPPERS = {
-    "retries": lambda unit, dog: Substepped(unit, halvings=2),
-    "unit conversion": lambda unit, dog: Transformed(
+    "retries": lambda unit: Substepped(unit, halvings=2),
+    "unit conversion": lambda unit: Transformed(
         unit, {"force": Linear(1.01, 1e-3), "other_position": Linear(-0.99, 2e-3)}
     ),
-    "call_time_limit": lambda unit, dog: Watched(unit, dog, ["first", "second"].index(unit.name)),
-    "all": lambda unit, dog: WRAPPERS["unit conversion"](
-        WRAPPERS["retries"](WRAPPERS["call_time_limit"](unit, dog), dog), dog
-    ),
+    "all": lambda unit: WRAPPERS["unit conversion"](WRAPPERS["retries"](unit)),
 }
 
 
 @pytest.mark.parametrize("wrapper", WRAPPERS)
 @pytest.mark.parametrize("kind", [Jacobi, GaussSeidel, Iterated])
-def test_wrapped_fmus_keep_compiled_sweeps_and_their_bits(kind, wrapper, compiled, tmp_path):
-    with watchdog(tmp_path, 60.0) as dog:
-        found = run(kind("hermite"), None, lambda unit: WRAPPERS[wrapper](unit, dog))
-        assert compiled.made >= 30
-        compiled.made = 0
-        expected = run(kind("hermite"), None, lambda unit: WRAPPERS[wrapper](Wrapped(unit), dog))
+def test_wrapped_fmus_keep_compiled_sweeps_and_their_bits(kind, wrapper, compiled):
+    found = run(kind("hermite"), None, WRAPPERS[wrapper])
+    assert compiled.made >= 30
+    compiled.made = 0
+    expected = run(kind("hermite"), None, lambda unit: WRAPPERS[wrapper](Wrapped(unit)))
     assert compiled.made == 0
     assert found[1:] == expected[1:]
     np.testing.assert_array_equal(found[0], expected[0])

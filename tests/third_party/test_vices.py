@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import platform
 import re
 import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from fmus.build import build
 from orchestrator.errors import MistakeError
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
+from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import to_short_toml
 from orchestrator.store.result_file import open_result
 
@@ -92,55 +93,95 @@ def test_a_process_of_its_own_is_for_all_but_what_is_as_we_made_it(tmp_path: Pat
     assert re.search(VICES["crashing"], summary.message)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="processes are others on Windows")
 @pytest.mark.parametrize(
-    ("vice", "version"),
-    [("crashing", 2), *(pytest.param("quitting", version, marks=pytest.mark.long) for version in (2, 3))],
+    ("vice", "how"),
+    [
+        ("slipping away", "exit status 0"),
+        pytest.param("crashing", "SIGSEGV", marks=pytest.mark.long),
+        pytest.param("quitting", "exit status 0", marks=pytest.mark.long),
+        pytest.param("closing", "exit status 1", marks=pytest.mark.long),
+    ],
 )
-def test_what_ends_the_run_s_process_leaves_what_was_recorded(
-    vice: str, version: int, tmp_path: Path
+def test_what_ends_the_run_s_process_ends_the_command_as_a_failure(
+    vice: str, how: str, tmp_path: Path
 ) -> None:
-    """Where `shared` was chosen: the summary tells that it did not end, `resume` makes the result."""
+    """Where `shared` was chosen; also when the run is continued. What was recorded can be made a result."""
     out, file = tmp_path / "out", tmp_path / "one.toml"
-    file.write_text(to_short_toml(case(fmu(vice, version, tmp_path), "shared"), tmp_path), "utf-8")
-    ended = command("run", str(file), "--out", str(out))
-    assert ended.returncode == (3 if vice == "quitting" else -signal.SIGSEGV)
-    left = json.loads((out / "summary.json").read_text("utf-8"))
-    assert (left["complete"], left["exit_status"]) == (False, 3)
-    if vice == "quitting":
-        said = "decay: the FMU ended the process of the whole command by calling exit, after t = 0.5 s; set"
+    one = case(fmu(vice, 2, tmp_path), "shared", checkpoint_every=1e-3)
+    file.write_text(to_short_toml(one, tmp_path), "utf-8")
+    for arguments in (("run", str(file), "--out", str(out)), ("resume", str(out))):
+        ended = command(*arguments)
+        assert ended.returncode == 3
+        said = (
+            f"decay: the FMU ended the process of the whole command ({how}); set components.decay.process ="
+        )
         assert said in ended.stderr
-        assert said in left["message"]
-    done = command("resume", str(out))
+        assert f"resume {out} --keep makes the result of what was recorded, to t = 0.5 s" in ended.stderr
+        left = json.loads((out / "summary.json").read_text("utf-8"))
+        assert (left["complete"], left["exit_status"]) == (False, 3)
+    done = command("resume", str(out), "--keep")
     assert done.returncode == 3
     assert "components.decay.process = 'own' says which and where" in done.stderr
     with open_result(out / "result.nc") as result:
         assert len(result["coupled"].time) == len(recorded(out)["time"]) == 51
 
 
-@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="the C library is another")
-def test_an_exit_before_the_first_step_is_told(tmp_path: Path) -> None:
+@pytest.mark.skipif(os.name != "posix", reason="signals are others on Windows")
+@pytest.mark.parametrize("process", mark_long(["own", "shared"], ["own"]))
+def test_the_second_interrupt_ends_a_call_that_does_not_return(process: str, tmp_path: Path) -> None:
     out, file = tmp_path / "out", tmp_path / "one.toml"
-    file.write_text(to_short_toml(case(fmu("absent", 2, tmp_path), "shared"), tmp_path), "utf-8")
-    ended = command("run", str(file), "--out", str(out))
-    assert ended.returncode == 3
-    assert "decay: the FMU ended the process of the whole command by calling exit, before the" in ended.stderr
+    file.write_text(to_short_toml(case(fmu("spinning", 2, tmp_path), process), tmp_path), "utf-8")
+    code = "from tribocosim.command_line import main; main()"
+    started = subprocess.Popen(
+        [sys.executable, "-c", code, "run", str(file), "--out", str(out)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    rows = out / "unfinished" / "coupled.journal"
+    while not rows.exists() and started.poll() is None:
+        time.sleep(0.1)
+    for _ in range(2):
+        time.sleep(1.0)  # for fifty steps
+        started.send_signal(signal.SIGINT)
+    _, said = started.communicate(timeout=60)
+    assert started.returncode == 130, said
+    assert "interrupted" in said
+    if process == "shared":
+        assert command("resume", str(out), "--keep").returncode == 3
+    assert len(recorded(out)["time"]) == 51
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="exit of the C library is another on Windows")
+GARBLED = r"decay: its process gave an answer that cannot be read .* in the step from t = 0.5 s by 0.01 s"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="descriptors and fork are others on Windows")
 @pytest.mark.parametrize(
-    ("last", "status"),
+    ("vice", "said"),
     [
-        pytest.param("", 0, marks=pytest.mark.long),
-        pytest.param("import sys; sys.exit(9)", 9, marks=pytest.mark.long),
-        ("import ctypes; ctypes.CDLL(None).exit(7)", 7),
+        ("scribbling", GARBLED),
+        ("claiming", GARBLED),
+        ("closing", "decay: its process ended .* in the step from t = 0.5 s"),
+        ("killing", GONE.format("by SIGKILL")),
     ],
 )
-def test_a_process_whose_runs_have_ended_ends_as_it_likes(last: str, status: int, tmp_path: Path) -> None:
-    path = fmu("dahlquist", 2, tmp_path)
-    runs = [f"ran(case(Path({str(path)!r}), 'shared'), Path({str(tmp_path / name)!r}))" for name in "ab"]
-    names = ["from pathlib import Path", "from tests.third_party.test_vices import case, ran"]
-    code = "; ".join([*names, *runs, last])
-    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=300).returncode == status
+def test_an_fmu_cannot_confuse_or_end_the_run(vice: str, said: str, tmp_path: Path) -> None:
+    """It writes into all descriptors, also what looks like a message; it closes them; it kills its parent."""
+    summary, found = ran(case(fmu(vice, 2, tmp_path), "own"), tmp_path / "out")
+    assert summary.exit_status == 3
+    assert re.search(said, summary.message), summary.message
+    assert len(found["time"]) == 51
+
+
+@pytest.mark.skipif(os.name != "posix", reason="descriptors and fork are others on Windows")
+def test_copies_that_an_fmu_makes_of_its_process_do_not_answer(tmp_path: Path) -> None:
+    import psutil
+
+    summary, found = ran(case(fmu("forking", 2, tmp_path), "own"), tmp_path / "out")
+    assert summary.complete, summary.message
+    assert len(found["time"]) == 101
+    assert not psutil.Process().children(recursive=True)
 
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -210,13 +251,16 @@ def test_a_file_that_cannot_be_instantiated_is_a_mistake(process: str, version: 
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")
-def test_one_that_hangs_is_ended(tmp_path: Path) -> None:
+@pytest.mark.parametrize("vice", mark_long(["hanging", "spinning"], ["hanging"]))
+def test_one_that_hangs_is_ended(vice: str, tmp_path: Path) -> None:
     # The limit holds for the start of its process as well.
-    path = fmu("hanging", 3, tmp_path)
+    path = fmu(vice, 3, tmp_path)
     summary, found = ran(case(path, "own", call_time_limit=5.0), tmp_path / "out")
     assert summary.exit_status == 3
-    assert "decay: the step did not return within 5 s after t = 0.5 s" in summary.message
+    assert "decay: the step from t = 0.5 s by 0.01 s did not return within 5 s" in summary.message
     assert len(found["time"]) == 51
+    with pytest.raises(ScenarioError, match=r"components\.decay\.process: 'shared' has no call_time_limit"):
+        ran(case(path, "shared", call_time_limit=5.0), tmp_path / "other")
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from .analyse import run_analysis
+from .apart import remember_arguments
 from .cam import draw_cam
 from .compare import compare_sweeps
 from .components import print_components
@@ -56,6 +57,7 @@ app.add_typer(packages, name="ssp")
 
 def main() -> None:
     """Run the command line."""
+    remember_arguments()
     app()
 
 

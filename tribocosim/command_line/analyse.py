@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from .apart import carry_out_apart
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
 
@@ -54,6 +55,7 @@ def run_analysis(
     from orchestrator.analyses.stability.analyse import analyse_scenario, is_scenario
     from orchestrator.analyses.stability.report import build_dataset
     from orchestrator.errors import MistakeError, Option
+    from orchestrator.scenario.files import load as load_scenario
 
     from ..cached_fmus import build_fmu
 
@@ -66,6 +68,7 @@ def run_analysis(
         remedy = Option("set"), " changes any of its keys, as for run"
         raise MistakeError((Option("parameters"), f": {name} is a scenario"), remedy)
     elif is_scenario(name):
+        carry_out_apart(load_scenario(name, set_ or []), None)
         found = analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter, build_fmu, responses)
         result = build_dataset(found).to_dict()
     elif at or responses:

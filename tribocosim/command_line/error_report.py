@@ -13,6 +13,7 @@ import typer
 from orchestrator.run.interruption import Noticed
 
 from ..messages import say
+from .apart import state
 
 # NO_READER: 128 + 13, as after SIGPIPE.
 MISTAKE, FAILED, INTERRUPTED, NO_READER = 2, 3, 130, 141
@@ -24,28 +25,39 @@ def report_errors(command: Callable[..., int | None]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def report(*arguments: Any, **options: Any) -> None:
-        noticed = Noticed()
-        try:
-            with noticed:
-                status = command(*arguments, **options)
-                sys.stdout.flush()
-        except KeyboardInterrupt as interruption:
-            say(str(interruption) or "interrupted")
-            raise typer.Exit(INTERRUPTED) from None
-        except BrokenPipeError:  # the reader has ended, e.g. `| head -1`
-            _discard_output()
-            raise typer.Exit(NO_READER) from None
-        except Exception as error:
-            if noticed.asked:
-                say("interrupted")
-                raise typer.Exit(INTERRUPTED) from None
-            if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
-                raise
-            text, status = describe_error(error)
-            say(text)
-        raise typer.Exit(status or 0)
+        status = _carry_out(command, arguments, options)
+        state(status)
+        raise typer.Exit(status)
 
     return report
+
+
+def _carry_out(
+    command: Callable[..., int | None], arguments: tuple[Any, ...], options: dict[str, Any]
+) -> int:
+    """Its exit status; an error is told."""
+    noticed = Noticed()
+    try:
+        with noticed:
+            status = command(*arguments, **options)
+            sys.stdout.flush()
+    except typer.Exit as ended:  # in a child process
+        return ended.exit_code
+    except KeyboardInterrupt as interruption:
+        say(str(interruption) or "interrupted")
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader has ended, e.g. `| head -1`
+        _discard_output()
+        return NO_READER
+    except Exception as error:
+        if noticed.asked:
+            say("interrupted")
+            return INTERRUPTED
+        if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
+            raise
+        text, status = describe_error(error)
+        say(text)
+    return status or 0
 
 
 def _discard_output() -> None:

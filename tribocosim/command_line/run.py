@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..messages import say
+from .apart import carry_out_apart
 from .completion import ScenarioName
 from .error_report import INTERRUPTED, report_errors
 from .json_output import Json, build_reporter, print_json
@@ -75,6 +76,7 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     check_native(loaded)
     folder = out or Path("results") / loaded.name
     refuse_overwriting_source(find(scenario), to_full_toml(loaded), folder)
+    carry_out_apart(loaded, folder)
     summary = run(
         loaded, folder, build_fmu, build_reporter(as_json, verbose), overwrite, figures=not no_figures
     )
@@ -84,6 +86,9 @@ def run_scenario(  # noqa: PLR0913  # options of a command
 @report_errors
 def resume_run(
     folder: Annotated[Path, typer.Argument(help="Output folder of the run.")],
+    keep: Annotated[
+        bool, typer.Option("--keep", help="Do not go on: make the result of what was recorded.")
+    ] = False,
     no_figures: NoFigures = False,
     verbose: Verbose = False,
     as_json: Json = False,
@@ -94,10 +99,15 @@ def resume_run(
     damaged checkpoint).
     """
     from orchestrator.run.resume import resume
+    from orchestrator.scenario.files import load
+    from orchestrator.store.output_folder import SCENARIO
 
     from ..cached_fmus import build_fmu
 
-    summary = resume(folder, build_fmu, build_reporter(as_json, verbose), figures=not no_figures)
+    if (folder / SCENARIO).is_file():
+        carry_out_apart(load(folder / SCENARIO), folder)
+    reporter = build_reporter(as_json, verbose)
+    summary = resume(folder, build_fmu, reporter, figures=not no_figures, keep=keep)
     return _finish(summary, folder, as_json)
 
 

@@ -11,7 +11,7 @@ from models.core.quantities import Vector
 
 from ..messages import ADVANCE, READ
 from ..opened_fmu import FmuSettings
-from ..own_process import OwnProcess
+from ..own_process import Limits, OwnProcess
 
 
 class EquationsInOwnProcess(OwnProcess):
@@ -19,8 +19,10 @@ class EquationsInOwnProcess(OwnProcess):
 
     server = f"{__package__}.process"
 
-    def __init__(self, name: str, path: Path, settings: FmuSettings, inputs: Sequence[str]) -> None:
-        super().__init__(name, path, settings, inputs=list(inputs))
+    def __init__(
+        self, name: str, path: Path, settings: FmuSettings, limits: Limits, inputs: Sequence[str]
+    ) -> None:
+        super().__init__(name, path, settings, limits, inputs=list(inputs))
         self.states, self.indicators = self._call("get_sizes")
 
     def outputs(self, t: float, x: Vector, u: Vector) -> Vector:

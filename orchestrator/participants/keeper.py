@@ -1,0 +1,64 @@
+"""The process between a run and an FMU. Standard library only: run as a script it starts at once.
+
+Usage: keeper.py SERVER MEMORY_MB, with the module whose `main` serves the FMU and its limit of memory (empty:
+none). An FMU that ends its parent ends this process and not the run. What the FMU has started goes with it.
+"""
+
+import contextlib
+import ctypes
+import importlib
+import os
+import signal
+import sys
+
+DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
+
+
+def main() -> None:
+    server, memory_mb = sys.argv[1:]
+    if hasattr(os, "fork"):
+        _tie_to_parent(signal.SIGTERM)
+        if kept := os.fork():
+            _keep(kept)
+        os.setpgid(0, 0)
+        _tie_to_parent(signal.SIGKILL)
+    if memory_mb:
+        import resource  # which Windows lacks
+
+        limit = int(memory_mb) * 1_000_000
+        resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
+    importlib.import_module(server).main()
+
+
+def _tie_to_parent(number: int) -> None:
+    """This process gets the signal when its parent ends (Linux)."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(DIE_WITH_PARENT, number)
+
+
+def _keep(kept: int) -> None:
+    """Wait for the end of the FMU's process, end its group and end in the same way. SIGTERM ends both."""
+
+    def end(number: int, frame: object) -> None:
+        with contextlib.suppress(OSError):
+            os.kill(kept, signal.SIGKILL)
+
+    signal.signal(signal.SIGTERM, end)
+    os.close(0)
+    os.close(1)
+    os.waitid(os.P_PID, kept, os.WEXITED | os.WNOWAIT)
+    with contextlib.suppress(OSError):  # there is no group yet, or nothing in it
+        os.killpg(kept, signal.SIGKILL)
+    status = os.waitstatus_to_exitcode(os.waitpid(kept, 0)[1])
+    if status < 0:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        if -status not in (signal.SIGKILL, signal.SIGSTOP):
+            signal.signal(-status, signal.SIG_DFL)
+        os.kill(os.getpid(), -status)
+    os._exit(status)
+
+
+if __name__ == "__main__":
+    main()

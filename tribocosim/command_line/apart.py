@@ -1,0 +1,111 @@
+"""Commands that call an FMU in their own process (`process = "shared"`) are carried out by a child process.
+
+Such an FMU may end the process with any status, or never return. The child states its exit status as the last
+thing it does; without that statement the command has failed.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time as clock
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from ..messages import say
+
+if TYPE_CHECKING:
+    from orchestrator.scenario import Scenario
+
+FAILED, INTERRUPTED = 3, 130
+CHANNEL = "TRIBOCOSIM_CHANNEL"  # the descriptor to which a child states its status
+PATIENCE_S = 2.0  # how long a child may take to end after the second Ctrl-C
+_arguments: list[str] | None = None
+
+
+def remember_arguments() -> None:
+    """This process was started for the command. In others, as in tests, a command has no child."""
+    global _arguments
+    _arguments = sys.argv[1:]
+
+
+def state(status: int) -> None:
+    """The command has come to its end with this status."""
+    if _arguments is not None and CHANNEL in os.environ:
+        with os.fdopen(int(os.environ[CHANNEL]), "wb") as channel:
+            channel.write(b"ended %d." % status)
+
+
+def carry_out_apart(scenario: Scenario, out: Path | None) -> None:
+    """Have a child carry out the command if the scenario needs that, and end with its status.
+
+    `out` is the output folder of a run.
+    """
+    if not scenario.exposed or _arguments is None or CHANNEL in os.environ or os.name != "posix":
+        return
+    reading, writing = os.pipe()
+    child = subprocess.Popen(
+        [sys.executable, "-m", "tribocosim", *_arguments],
+        env=os.environ | {CHANNEL: str(writing)},
+        pass_fds=[writing],
+        start_new_session=True,
+    )
+    os.close(writing)
+    interruptions = _wait(child)
+    told = os.read(reading, 100)
+    if told.startswith(b"ended ") and told.endswith(b"."):
+        raise typer.Exit(int(told[6:-1]))
+    if interruptions > 1:
+        say("interrupted" + _describe_records(out))
+        raise typer.Exit(INTERRUPTED)
+    names = scenario.exposed
+    who = names[0] if len(names) == 1 else f"one of {', '.join(names)}"
+    remedy = " and ".join(f"components.{name}.process = 'own'" for name in names)
+    say(
+        f"incomplete: {who}: the FMU ended the process of the whole command ({_describe_end(child)}); set "
+        f"{remedy}, which keeps it apart{_describe_records(out)}"
+    )
+    raise typer.Exit(FAILED)
+
+
+def _wait(child: subprocess.Popen[bytes]) -> int:
+    """Until it has ended; how often Ctrl-C came. Signals are passed on; the second Ctrl-C ends it."""
+    came: list[float] = []
+
+    def pass_on(number: int, frame: Any) -> None:
+        if number == signal.SIGINT:
+            came.append(clock.monotonic())
+        child.send_signal(number)
+
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, pass_on)
+    while True:
+        try:
+            child.wait(0.5)
+            return len(came)
+        except subprocess.TimeoutExpired:
+            if len(came) > 1 and clock.monotonic() - came[1] > PATIENCE_S:
+                child.kill()
+
+
+def _describe_end(child: subprocess.Popen[bytes]) -> str:
+    status = child.returncode
+    return f"exit status {status}" if status >= 0 else signal.Signals(-status).name
+
+
+def _describe_records(out: Path | None) -> str:
+    if out is None:
+        return ""
+    from orchestrator.store.journal import find_last_time
+    from orchestrator.store.output_folder import find_run_state, format_path
+
+    last = find_last_time(find_run_state(out))
+    if last is None:
+        return "; nothing was recorded"
+    resume = f"tribocosim resume {format_path(out)} --keep"
+    return f"; {resume} makes the result of what was recorded, to t = {last:.9g} s"
