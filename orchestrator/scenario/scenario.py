@@ -76,7 +76,9 @@ class EnergyTable(Table):
 class Scenario(Table):
     """A coupled run and what it is compared with."""
 
-    name: str = Field(description="Name of the scenario; default: that of the file", pattern=r"^[\w .-]+$")
+    name: str = Field(
+        description="Name of the scenario; default: that of the file", pattern=r"^[ .-]*\w[\w .-]*$"
+    )
     description: str = Field("", description="What the scenario shows, in a line")
     stop_time: Seconds = Field(
         description="End of the run (s, or a text with a unit: '120 ms', '2 revolutions' of the drive)"

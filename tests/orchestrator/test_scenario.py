@@ -161,3 +161,9 @@ def test_files_of_other_kinds_are_told_their_place(tmp_path: Path, suffix: str, 
     other.write_bytes(b"\x9d;")
     with pytest.raises(ScenarioError, match=re.escape(use)):
         load(other)
+
+
+@pytest.mark.parametrize("name", ["..", ".", "", "a/b"])
+def test_a_name_is_that_of_a_folder_below_the_results(name):
+    with pytest.raises(ScenarioError, match="name"):
+        load("two-masses", [f"name={name!r}"])
