@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import list_shipped, load, override, read_contents
-from orchestrator.scenario.ssp import export
+from orchestrator.scenario.ssp import export, read_package
 from tests.archives import repack, replace_text
 from tests.fmus.names import mark_long
 from tests.third_party.c_fmus import fmu
@@ -163,8 +163,10 @@ def test_a_package_decides_nothing_that_is_the_users(made: Path, tmp_path: Path)
     for old, new in (
         ('"component": "sprung_mass"', '"process": "shared", "component": "code:factory"'),
         ('{"name": "two-masses"', '{"extends": "/etc/passwd", "name": "two-masses"'),
+        ('"component": "coupled_mass"', '"lift_table": "/etc/passwd", "component": "coupled_mass"'),
     ):
         path = replace_text(path, tmp_path / f"{len(new)}.ssp", old, new, file)
+    assert "lift_table" not in read_package(path)["components"]["first"]
     second = load(path).components["second"]
     assert second.third_party
     assert second.process is None

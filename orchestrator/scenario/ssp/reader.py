@@ -46,6 +46,12 @@ DEEPEST = 3
 # Steps of a run if no step size is stated.
 STEPS = 1000
 
+# Keys of a component's table that a package of ours may state; others could read any file here.
+OWN_KEYS = (
+    "component", "structure", "participant", "process", "interface", "memory_limit_mb", "substeps", "retries",
+    "sha256",
+)  # fmt: skip
+
 
 def read_package(path: Path) -> dict[str, Any]:
     """The tables of the scenario; its FMUs are unpacked into the user's cache folder."""
@@ -198,8 +204,8 @@ def _build_tables(
 
 
 def _restrict(stated: Mapping[str, Any]) -> dict[str, Any]:
-    """A component's table from a package, without code that it would have imported."""
-    own = dict(stated)
+    """A component's table from a package, without keys that read files, and code that it would import."""
+    own = {key: value for key, value in stated.items() if key in OWN_KEYS}
     if ":" in str(own.get("component", "")):
         del own["component"]
     return own
@@ -221,7 +227,7 @@ def _build_defaults(found: Structure, fmus: Mapping[Place, Path], where: str) ->
     if not stop:
         raise ScenarioError(f"{where}: nothing says when it ends; give its DefaultExperiment a stopTime")
     content = {
-        "name": re.sub(r"[^\w .-]", "_", found.name) or "ssp",
+        "name": re.sub(r"[^\w .-]", "_", found.name) if re.search(r"\w", found.name) else "ssp",
         "description": " ".join(found.description.split()),
         "stop_time": stop,
         "macro_step": min(_find_step(found, about) or stop / STEPS, stop),
