@@ -81,19 +81,21 @@ def build(
     destination: Path | None = None,
     structure: Mapping[str, int] | None = None,
     libpython: str | None = None,
+    references: bool = True,
 ) -> Path:
     """Build the FMU `name` and return its path.
 
     `destination` is a file (*.fmu) or a folder. Without it the file goes to the user's cache folder, is built
-    only if it is missing there, is deleted after some weeks without use, and has no reference results, which
-    take seconds to compute. `structure` gives structural sizes, such as {"coil_masses": 8}; the component's
-    own are the default. `libpython` names a Python library that the Linux binary loads, for hosts that are
-    not Python. Existing files are replaced atomically.
+    only if it is missing there, is deleted after some weeks without use, and has no `references`, results
+    that take seconds to compute. `structure` gives structural sizes, such as {"coil_masses": 8}; the
+    component's own are the default. `libpython` names a Python library that the Linux binary loads, for hosts
+    that are not Python. Existing files are replaced atomically.
     KeyError for an unknown name; ValueError for sizes that the component refuses, and for a bad `libpython`.
     """
     if destination is not None:
         files = collect_files(name, structure, libpython)
-        files |= compute_references(name, structure, exchange=False)
+        if references:
+            files |= compute_references(name, structure, exchange=False)
         return write_fmu(pack_files(files), identify(name), Path(destination))
 
     def find() -> Path:

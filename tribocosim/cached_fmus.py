@@ -23,9 +23,7 @@ WITHOUT: Words = ("leave out ", Option("native"), " (participant = 'fmu')")
 def build_fmu(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
     """Build the component's FMU, in Python or `native`, unless it is in the cache. If the cache cannot be
     written, use a folder that lasts as long as this process."""
-    from fmus.build import build
-
-    make = _build_native_here if kind == "native" else build
+    make = _build_native_here if kind == "native" else _build_in_python
     try:
         try:
             return make(name, None, structure)
@@ -40,6 +38,12 @@ def build_fmu(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Pat
         raise
     except (ImportError, KeyError, ValueError) as error:
         raise RunError(f"building the FMU {name}: {error.args[-1] if error.args else error}") from None
+
+
+def _build_in_python(name: str, destination: Path | None, structure: Mapping[str, int]) -> Path:
+    from fmus.build import build
+
+    return build(name, destination, structure, references=False)
 
 
 def _build_native_here(name: str, destination: Path | None, structure: Mapping[str, int]) -> Path:

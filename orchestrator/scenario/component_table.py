@@ -220,6 +220,10 @@ class ComponentTable(Table):
         """What reading its files chose, and what it doubts."""
         return self._notes
 
+    def __eq__(self, other: object) -> bool:
+        """Whether they describe the same component, however its table of lifts was read."""
+        return isinstance(other, ComponentTable) and dict(self) == dict(other)
+
     @property
     def third_party(self) -> bool:
         """Whether it is a third-party FMU."""

@@ -237,10 +237,10 @@ VICES = {
     "crashing": "raise(SIGSEGV);",
     "leaving": "_exit(7);",
     "slipping away": "_exit(0);",
-    "closing": "for (int i = 0; i < 200; i++) close(i);",
-    "scribbling": 'for (int i = 3; i < 200; i++) { ssize_t n = write(i, "nonsense nonsense", 17); (void)n; }',
-    "claiming": '{ char head[17] = "tribocosd"; memset(head + 9, 7, 8); '
-    "for (int i = 3; i < 200; i++) { ssize_t n = write(i, head, 17); (void)n; } }",
+    "closing": "for (int i = 0; i < 999; i++) close(i);",
+    "scribbling": 'for (int i = 3; i < 999; i++) { ssize_t n = write(i, "nonsense nonsense", 17); (void)n; }',
+    "feigning": '{ char head[17] = "tribocosd"; memset(head + 9, 7, 8); '
+    "for (int i = 3; i < 999; i++) { ssize_t n = write(i, head, 17); (void)n; } }",
     "forking": "fork();",
     "killing": "{ kill(getppid(), SIGKILL); for (;;) pause(); }",
     "spinning": "for (;;) ;",

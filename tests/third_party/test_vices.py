@@ -161,7 +161,7 @@ GARBLED = r"decay: its process gave an answer that cannot be read .* in the step
     ("vice", "said"),
     [
         ("scribbling", GARBLED),
-        ("claiming", GARBLED),
+        ("feigning", GARBLED),
         ("closing", "decay: its process ended .* in the step from t = 0.5 s"),
         ("killing", GONE.format("by SIGKILL")),
     ],
@@ -178,10 +178,11 @@ def test_an_fmu_cannot_confuse_or_end_the_run(vice: str, said: str, tmp_path: Pa
 def test_copies_that_an_fmu_makes_of_its_process_do_not_answer(tmp_path: Path) -> None:
     import psutil
 
+    before = set(psutil.Process().children(recursive=True))
     summary, found = ran(case(fmu("forking", 2, tmp_path), "own"), tmp_path / "out")
     assert summary.complete, summary.message
     assert len(found["time"]) == 101
-    assert not psutil.Process().children(recursive=True)
+    assert set(psutil.Process().children(recursive=True)) <= before
 
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:
