@@ -115,7 +115,7 @@ def _couple(
     ) as participants:
         try:
             with stage as bar, Interruption() as interruption:
-                observers = observation.observers
+                observers = [*observation.observers]
                 if every := plan.scenario.checkpoint_every:
                     path, say = folder.checkpoint, reporter.line
                     observers.append(
