@@ -63,7 +63,7 @@ class _Observation:
 
     def __init__(self, plan: Plan, folder: OutputFolder) -> None:
         system, every, stop = plan.system, plan.scenario.record_every, plan.stop_time
-        held_for = 0.0 if plan.exposed else FLUSH_SECONDS  # a process that ends takes no rows along
+        held_for = 0.0 if plan.scenario.exposed else FLUSH_SECONDS  # a process that ends takes no rows along
         self.not_numbers, self.contacts = NotNumbers(every, stop), ContactObserver(system)
         self.counter = _Counter(folder.backup.delete)
         self.warnings: dict[str, Warnings] = {}

@@ -31,14 +31,13 @@ class ParticipantPlan:
     """An FMU and how it runs, or without a `file` the component's equations in this process.
 
     `linear` transforms inputs, by name. A `compensated` one gets back what its inputs missed in the last
-    step. With `limits` an FMU has its own process; one that is `exposed` can end this one at any moment. Of
-    one with a `proof` it is tried whether it restores its state.
+    step. With `limits` an FMU has its own process. Of one with a `proof` it is tried whether it restores its
+    state.
     """
 
     file: FmuFile | None = None
     strings: Mapping[str, str] = field(default_factory=dict)
     limits: Limits | None = None
-    exposed: bool = False
     proof: Proof | None = None
     substeps: int = 1
     retries: int = 0

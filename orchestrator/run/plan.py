@@ -96,11 +96,6 @@ class Plan:
         """The sum of every FMU, by instance."""
         return {name: one.file.sha256 for name, one in self.participants.items() if one.file}
 
-    @property
-    def exposed(self) -> list[str]:
-        """Third-party FMUs in this process, which they can end at any moment."""
-        return [name for name, one in self.participants.items() if one.exposed]
-
     @cached_property
     def third_party(self) -> dict[str, ThirdPartyComponent]:
         """The instances whose equations are unknown."""
@@ -180,7 +175,6 @@ def plan_participants(
             file=file,
             strings=table.strings,
             limits=scenario.process_limits(name),
-            exposed=table.untrusted and not table.own_process,
             proof=plan_proof(scenario, name),
             substeps=table.substeps,
             retries=table.retries,
