@@ -6,8 +6,6 @@
 `python -m tests --machines [--all] [WORD ...]` compares these numbers between machines, see `machines`.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

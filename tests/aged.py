@@ -1,7 +1,5 @@
 """Files that were used days ago."""
 
-from __future__ import annotations
-
 import os
 import time
 from pathlib import Path

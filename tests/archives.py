@@ -1,7 +1,5 @@
 """Copies of archives with changed files."""
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path

@@ -6,8 +6,6 @@ spreads over more than a tenth on docs/validation.md. It fails where three sprea
 number leave the tolerance: another machine could. As a pytest plugin it writes what a session recorded.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

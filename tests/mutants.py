@@ -4,8 +4,6 @@ The table of errors is mutants.toml. Each is made in a copy of the tree, and the
 must fail; with `--default` all tests of the default part run, and those that fail are listed.
 """
 
-from __future__ import annotations
-
 import itertools
 import os
 import re

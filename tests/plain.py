@@ -4,8 +4,6 @@ Laws of a few evaluations take milliseconds so, and seconds to compile. That com
 is the law of `models/test_plain_python.py`.
 """
 
-from __future__ import annotations
-
 import ctypes
 import sys
 from typing import Any

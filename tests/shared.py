@@ -1,7 +1,5 @@
 """What takes long to make is made once for all processes of a run of the tests: FMUs, libraries, programs."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from collections.abc import Callable

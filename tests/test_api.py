@@ -1,7 +1,5 @@
 """The Python interface: the same results as the command, nothing global, and its page runs."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """The reference of scenario files has every key and choice, and the examples of the documents are read."""
 
-from __future__ import annotations
-
 import math
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Errors: one family, with remedies that command line and Python say in their own words."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import pickle

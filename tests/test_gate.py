@@ -1,7 +1,5 @@
 """The files around the code: hosted checks, hooks, citation, and the benchmarks' help."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Files and folders with the name of one of our packages are named, and what we start does not see them."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

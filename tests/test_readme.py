@@ -1,8 +1,6 @@
 """The README and the documents: CI runs exactly the README's test command on an empty cache, all commands are
 understood, and all linked pages exist."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

@@ -1,7 +1,5 @@
 """Sessions: a run step by step from Python, with the bits of the run, and inputs that are set on the way."""
 
-from __future__ import annotations
-
 import os
 import threading
 from typing import Any

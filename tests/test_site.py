@@ -1,7 +1,5 @@
 """The site of the documentation: built whole, with all of the interface; tutorials print what they say."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import re

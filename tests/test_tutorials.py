@@ -1,7 +1,5 @@
 """Tutorials with cells print what the comments behind their `print` say."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

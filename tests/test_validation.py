@@ -1,7 +1,5 @@
 """The validation manual is well formed and has every test that records; a recorded number is checked."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

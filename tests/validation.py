@@ -4,8 +4,6 @@ Loaded as a pytest plugin (`-p tests.validation`), it writes the page at the end
 that did not run stay on the page as they are.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import tomllib

@@ -1,7 +1,5 @@
 """The packaged files, built once, and a way to run code where the repository cannot be imported."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """The components of which FMUs are made in every run of the tests, and the others, which take long."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import pytest

@@ -1,8 +1,6 @@
 """An FMU of a component of the tests: slave, description and C layer are the packaged ones; the physics is
 imported from the repository instead of shipped."""
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Callable
 from pathlib import Path

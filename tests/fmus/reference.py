@@ -1,7 +1,5 @@
 """The components in this process, as what the FMUs must agree with to the last bit; and inputs for both."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """A packaged FMU gives the numbers of the component to the last bit."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

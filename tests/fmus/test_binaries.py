@@ -1,7 +1,5 @@
 """Libraries in FMUs that are cut off, or for another platform than their folder says, are found unloaded."""
 
-from __future__ import annotations
-
 import contextlib
 import random
 import re

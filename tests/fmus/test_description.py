@@ -1,7 +1,5 @@
 """The model description says what the component's metadata says, and other tools find no fault with it."""
 
-from __future__ import annotations
-
 import math
 import re
 import subprocess

@@ -3,8 +3,6 @@
 docs/reference/tools.csv has the whole table.
 """
 
-from __future__ import annotations
-
 import shutil
 import sys
 import sysconfig

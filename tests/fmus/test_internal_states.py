@@ -1,7 +1,5 @@
 """States that are evolving data but no variables: not in the FMU's description, and yet saved with it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

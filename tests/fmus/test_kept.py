@@ -1,7 +1,5 @@
 """The cache of built FMUs: what is used stays, what was not for weeks goes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

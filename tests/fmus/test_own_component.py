@@ -1,7 +1,5 @@
 """A component in a user's own file: FMUs that need nothing else, runs, references, refusals."""
 
-from __future__ import annotations
-
 import re
 import sys
 import tomllib

@@ -1,7 +1,5 @@
 """An FMU as participant gives what the component in this process gives, rates of outputs as well."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Many instances, versions and processes: no code is mixed up, nothing is compiled twice."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What an FMU refuses, and that the host hears of it although it did not ask for logging."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from pathlib import Path

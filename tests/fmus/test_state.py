@@ -1,7 +1,5 @@
 """A saved state restores an FMU to the last bit: at once, later, elsewhere, and after a reset."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Terminals: what they join is what the scenarios connect, and what is wrong with a file is said."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Files that are no FMU, or no safe one, are named as such in one line."""
 
-from __future__ import annotations
-
 import hashlib
 import zipfile
 from pathlib import Path

@@ -1,8 +1,6 @@
 """Command lines of other tools run our FMUs: the commands of the how-to as they stand there, with the
 inputs in files, give the numbers of the component."""
 
-from __future__ import annotations
-
 import csv
 import os
 import shlex

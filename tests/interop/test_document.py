@@ -1,7 +1,5 @@
 """docs/reference/tools.md is what its program writes, and its table sums up the results."""
 
-from __future__ import annotations
-
 from itertools import product
 
 from fmus.native.fmu import NAMES

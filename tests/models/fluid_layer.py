@@ -6,8 +6,6 @@ to plate and wall. The sheets' velocities are internal states. The advance is th
 second order and exact for the balance of a quadratic energy; Newton's method solves it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

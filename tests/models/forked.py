@@ -1,7 +1,5 @@
 """Code in a process that has imported numba and nothing of ours: a fresh one that need not wait for it."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import multiprocessing

@@ -4,8 +4,6 @@ Nothing here comes from `models`: an error of the physics there shows as a diffe
 and Jin 2000; the parameters are the set `kushwaha2000`. SI units; the cam's nose is at pi.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

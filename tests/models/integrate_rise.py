@@ -1,7 +1,5 @@
 """Integrates the models over a given rise and prints their errors; `test_independent_train` runs it."""
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

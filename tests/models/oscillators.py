@@ -1,7 +1,5 @@
 """Bouncing motions with closed forms: the harmonic impact oscillator and the bouncing ball."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

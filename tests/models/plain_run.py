@@ -1,7 +1,5 @@
 """Prints what components compute, for `test_plain_python`: run with and without compilation."""
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Reynolds' equation of a plain bearing by finite differences, with Reynolds' condition of cavitation."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

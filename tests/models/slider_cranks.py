@@ -1,7 +1,5 @@
 """Slider-cranks that tests share: F's engine with M = l = 1, the tilting piston, and steps of both."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

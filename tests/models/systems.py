@@ -1,7 +1,5 @@
 """Systems that tests share."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Greenwood and Tripp's integrals and pressure, by quadrature of other kinds, and the mean gap."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

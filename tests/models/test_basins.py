@@ -1,7 +1,5 @@
 """Basins of attraction: coexisting attractors are told apart, one attractor is one from every start."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

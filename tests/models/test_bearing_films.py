@@ -1,7 +1,5 @@
 """Films of journal bearings: Ocvirk's against quadrature, wider ones against Reynolds' equation."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The benchmark oscillators: the components are what their exact solutions solve, and energy closes."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Energies counted inside steps: closed forms, closure, jumps of inputs, an undisturbed motion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The event machinery against closed forms: impact oscillator, bouncing ball, sliding, tangent vectors."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

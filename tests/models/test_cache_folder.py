@@ -1,7 +1,5 @@
 """Nothing is read from a cache folder that another user may have written: what lies there is run."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import stat

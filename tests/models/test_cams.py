@@ -1,7 +1,5 @@
 """Cam profiles: closed forms of the laws, ramps, tables as exact polynomials, smoothing of rounded lifts."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 import math

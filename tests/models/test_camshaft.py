@@ -1,7 +1,5 @@
 """Flexible camshaft: its modes and their damping, and what it does to the rotor that drives it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

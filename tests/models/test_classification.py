@@ -1,7 +1,5 @@
 """Chaotic, transient or periodic: known motions, and the evidence for each."""
 
-from __future__ import annotations
-
 from models.slider_crank.motions.classification import (
     CHAOTIC,
     PERIODIC,

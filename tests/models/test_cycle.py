@@ -1,7 +1,5 @@
 """Steady cycles: independent numbers over speed, the same motion waited for, and motions without a cycle."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """DOP853 with compiled stages is scipy's DOP853, and right between the ends of its steps too."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

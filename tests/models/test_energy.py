@@ -1,7 +1,5 @@
 """Energy balance: what is stored and dissipated is what was supplied, per component and as a whole."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

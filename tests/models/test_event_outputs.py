@@ -1,7 +1,5 @@
 """What components tell masters: when the next event comes, that one has happened, where a mode changes."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Friction of the contact whose film is solved for: of its own profiles."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Film formulas: similarity, asymptotes, and the relaxation equation of the film."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Power series and the tabulated flow: roots, the Wronskian, and independent integration."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

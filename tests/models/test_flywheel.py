@@ -1,7 +1,5 @@
 """Flywheel: closed forms of the ramps and of free motion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

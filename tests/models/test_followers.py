@@ -1,7 +1,5 @@
 """Followers on the shape of a cam, against independent numbers, round trips and virtual work."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Sharing of the load between film and asperities, and the friction of both."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

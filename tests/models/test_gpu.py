@@ -1,7 +1,5 @@
 """The core on a CUDA device agrees with the processor to rounding, over the horizon that rounding allows."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Hertz's line contact: printed numbers, round trip, energy, symmetry."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

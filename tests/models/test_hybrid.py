@@ -1,7 +1,5 @@
 """Events: located in time, not missed, chatter carried to its limit, independent of how a step is cut."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The valve train against an integration that shares nothing with it, which notices wrong physics."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """The micro-step integrator inside components: tolerance, cutting, inputs, restoring, failure."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Journal bearings: steady loads against Ocvirk's closed forms, whirl of a rotor, symmetry."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

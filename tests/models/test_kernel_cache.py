@@ -1,7 +1,5 @@
 """Compiled kernels kept on disk: reused wherever the same code is run, never one for another."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import shutil

@@ -1,7 +1,5 @@
 """The cam of the set `kushwaha2000` against closed forms and an independent evaluation."""
 
-from __future__ import annotations
-
 import math
 import re
 from decimal import Decimal, getcontext

@@ -1,7 +1,5 @@
 """Lash adjusters: stiffness, leak, oil with air, and a direct train on one."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

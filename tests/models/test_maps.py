@@ -1,7 +1,5 @@
 """Maps and bifurcation diagrams: closed form of the impact oscillator, order of work, users' mistakes."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Contact law of the piston's corners: closed forms of a free block, complementarity, friction, energy."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Mechanics of crank, rod and tilting piston: against Lagrange's equations derived by sympy."""
 
-from __future__ import annotations
-
 from functools import cache
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """The tilting piston in motion: roller limit, energy, symmetry, walls, cutting of time, bad input."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

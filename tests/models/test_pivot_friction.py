@@ -1,7 +1,5 @@
 """Friction of pivots: laws of Coulomb's friction, sticking, hysteresis, and what no friction may do."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

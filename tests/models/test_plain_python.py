@@ -1,7 +1,5 @@
 """Without compilation the kernels are the same functions."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

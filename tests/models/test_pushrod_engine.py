@@ -1,7 +1,5 @@
 """Pushrod trains, one alone and eight on an elastic shaft, against independent numbers."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rates of outputs: derivatives known in closed form, other differences along the true motion, kinks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """Recurrence: the period of constructed sequences, whatever comes before them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

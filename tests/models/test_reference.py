@@ -1,7 +1,5 @@
 """The monolithic reference: two methods, located events, interpolation, refusals."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A requirement's message has the numbers and the word that its kernel left."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

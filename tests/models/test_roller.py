@@ -1,7 +1,5 @@
 """The spin of a roller: rolling, slipping, closed forms, and what traction and pin must balance."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Shafts with cams: modes against independent numbers, statics in closed form, whirl and its stability."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The slider-crank component: its numbers, energy, walls, and independence of how time is cut."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

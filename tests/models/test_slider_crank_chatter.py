@@ -1,7 +1,5 @@
 """The end of the slider-crank's chatter is the limit point of its bounces."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

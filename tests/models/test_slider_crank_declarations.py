@@ -1,7 +1,5 @@
 """Ranges, start values and feedthrough that slider-crank and tilting pistons declare."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

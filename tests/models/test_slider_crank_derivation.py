@@ -4,8 +4,6 @@ Two coordinates: theta (crank) and psi; lengths over l, masses over M. The rod's
 phi - psi, so that it turns at phi' - psi'. F (2.13) follows from phi' + psi' instead: F's sign error.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Iterator
 

@@ -1,7 +1,5 @@
 """Equations of the slider-crank against what Farahanchi (F) prints."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

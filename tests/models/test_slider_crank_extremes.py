@@ -1,7 +1,5 @@
 """Motions at the ends of the parameters' ranges: closed forms, an independent integration, finite work."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Walls that follow their films: kinematics, lag, energy, and bounces on walls that move in any way."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motions that Farahanchi (F 4.3, 4.4) lists, their Lyapunov exponents, and the component along them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

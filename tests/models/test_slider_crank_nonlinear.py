@@ -1,7 +1,5 @@
 """The slider-crank without the small-angle step: closed forms, limits, symmetries, impacts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """A motion dense enough to draw: the same motion, with both sides of its impacts."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Where the walls can hold the slider (F 2.6): zeros of the constraint forces, regions, thresholds."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

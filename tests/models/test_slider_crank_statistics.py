@@ -1,7 +1,5 @@
 """Impact profiles, spectra and wear (F 3.2, 3.3): sums, bins, bounds of the entropy."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Springs: the coil masses' frequencies, static rate and limit of the continuous spring, coils that close."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Systems: refusals name the fault and the remedy; algebraic loops are closed exactly."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

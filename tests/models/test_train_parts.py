@@ -1,7 +1,5 @@
 """Parts of valve trains: the power balance of all, and what each one is for by closed forms."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Escape from transient chaos: the fit of an exponential distribution, and its starts."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

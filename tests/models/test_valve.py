@@ -1,7 +1,5 @@
 """Valve seat, lash and loss of contact."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

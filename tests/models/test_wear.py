@@ -1,7 +1,5 @@
 """Archard's wear of passing contacts: conservation of volume and the closed form of a steady pass."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

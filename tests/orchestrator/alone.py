@@ -1,7 +1,5 @@
 """One participant by itself, in process or as an FMU, of which one input is given."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

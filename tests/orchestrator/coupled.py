@@ -1,7 +1,5 @@
 """Short coupled runs in process."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

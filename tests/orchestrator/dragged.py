@@ -1,7 +1,5 @@
 """A mass on a spring that shears a layer of fluid in many sheets, moved by its own implicit steps."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

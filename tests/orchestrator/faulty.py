@@ -1,7 +1,5 @@
 """A participant with faults put in: it discards, fails, stalls, jumps, gives nan, or has a wrong clock."""
 
-from __future__ import annotations
-
 import random
 import time as clock
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Two masses, the second of which may misbehave, with step control or steps of one length."""
 
-from __future__ import annotations
-
 import functools
 
 import numpy as np

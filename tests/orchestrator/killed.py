@@ -6,8 +6,6 @@ have begun to step, as they make the n-th of the calls that checkpoints are made
 their start. Checkpoints are written without pause.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import random

@@ -1,7 +1,5 @@
 """Systems and trajectories about which tests linearise participants."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """An observer that keeps everything in memory."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@ They know nothing of this project, as a third-party FMU. The mass on its spring 
 constant force is solved exactly, so that what is seen is the exchange.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The command `analyse`: what it writes reads back, and what it refuses."""
 
-from __future__ import annotations
-
 import csv
 import shlex
 from pathlib import Path

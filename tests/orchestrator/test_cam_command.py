@@ -1,7 +1,5 @@
 """The command `cam`: its drawings lift the follower as asked, and scenarios give the cam that they have."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Checkpoints: a run goes on from any macro step to the last bit; damaged and foreign ones are refused."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Steps that resolve a motion coarsely are no unstable coupling: what `analyse` calls stable is run."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Passes in compiled code over FMUs: the same bits, calls and errors as the passes in Python."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The page of the components' variables: it is current, and lacks none."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

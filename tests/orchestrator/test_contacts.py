@@ -1,7 +1,5 @@
 """What contacts go through in a run is accumulated at every macro step, whatever is recorded."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Masters and tools on solved problems: what is counted and compared, and tools at the same times as ours."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 from pathlib import Path

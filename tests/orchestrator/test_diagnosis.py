@@ -1,7 +1,5 @@
 """What limited the steps of a run: numbers by their definitions, rules that speak only with ground."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """FMUs linearised by their directional derivatives: those of the components in whose place they are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from typer.testing import CliRunner

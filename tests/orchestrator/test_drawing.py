@@ -1,7 +1,5 @@
 """Drawings of shafts in scenarios."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

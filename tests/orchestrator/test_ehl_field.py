@@ -1,7 +1,5 @@
 """The contact with a pressure field in the valve train: rolled back, continued, packaged, and refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

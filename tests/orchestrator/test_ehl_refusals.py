@@ -1,8 +1,6 @@
 """A contact with a solved film whose inputs make no sense, as participant, as FMU and in a run; the engine's
 walls with it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

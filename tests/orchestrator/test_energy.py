@@ -1,7 +1,5 @@
 """The energy ledger: it closes, it is exact where the coupling is, and what it finds falls with the order."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

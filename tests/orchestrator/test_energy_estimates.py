@@ -1,7 +1,5 @@
 """Estimated energies of participants that do not count theirs: against counts, and unseen by all others."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import h5py

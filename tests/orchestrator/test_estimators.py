@@ -5,8 +5,6 @@ inputs at the same instant. Steps are short enough for the leading term of the e
 reference is solved to 1e-13, far below the local errors compared (1e-9 and more).
 """
 
-from __future__ import annotations
-
 import functools
 import math
 

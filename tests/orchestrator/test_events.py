@@ -1,7 +1,5 @@
 """Events inside macro steps: against exact instants, conservation, and the monolithic reference."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Participants that misbehave: retried where that helps, otherwise named, with what was computed kept."""
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import math

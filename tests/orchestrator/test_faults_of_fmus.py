@@ -1,7 +1,5 @@
 """FMUs that misbehave are named and freed, and what a retry helps is retried."""
 
-from __future__ import annotations
-
 import json
 import re
 import tempfile

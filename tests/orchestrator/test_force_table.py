@@ -1,7 +1,5 @@
 """Measured forces of springs in scenarios."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Step control without a way back: what it sees, what it costs, and what it says of itself."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Friction and wear over a cam revolution: sums against closed forms, and the command."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

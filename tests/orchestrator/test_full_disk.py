@@ -1,7 +1,5 @@
 """A disk without room: no record on it is lost, and the run goes on when there is room."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

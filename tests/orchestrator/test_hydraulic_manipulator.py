@@ -1,7 +1,5 @@
 """The hydraulic manipulator of cosim-benchmarks, which a benchmark couples: its equations."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What an iteration makes agree, and what is looked for inside a step."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

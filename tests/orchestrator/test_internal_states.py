@@ -1,7 +1,5 @@
 """States that are no variables, as scenarios meet them: not at all."""
 
-from __future__ import annotations
-
 import pytest
 
 from models.catalogue import CATALOGUE

@@ -1,7 +1,5 @@
 """--json: standard output is the result and nothing else."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Cams by segments of their acceleration."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

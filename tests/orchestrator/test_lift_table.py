@@ -1,7 +1,5 @@
 """Lift tables: what is read from a file, what is refused, and that a run takes it."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

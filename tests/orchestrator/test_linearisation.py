@@ -1,7 +1,5 @@
 """Participants linearised by their responses: against their equations, and against what runs do."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from typer.testing import CliRunner

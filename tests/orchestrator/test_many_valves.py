@@ -1,7 +1,5 @@
 """The shipped scenario with 16 valves: phases, and camshafts that do not feel each other."""
 
-from __future__ import annotations
-
 import tomllib
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Masters on a linear two-mass problem: order of convergence, stability, iteration, errors."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Parts of figures: windows, ticks, cuts at impacts."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A component that only its own steps move: analysed by its responses, refused by solvers of ODEs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Folders and disks that cannot be written: commands go on without them, or leave nothing half done."""
 
-from __future__ import annotations
-
 import errno
 import os
 import zipfile

@@ -1,7 +1,5 @@
 """A step whose implicit equations do not converge: discarded, nothing changed, and shortened by who can."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Oils in scenarios: the same run as with their numbers, what is told, and what is refused."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A component of a thousand states that its own implicit steps move, in every part of the orchestrator."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figures of a run: what they leave out, what they are drawn against, where their lines are cut."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Pressure tables: what is read, what is refused, and the gas that follows one."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

@@ -6,8 +6,6 @@ held inputs, which leaves its quadratic signals at second order, and happens to 
 linear ones: hence Gauss-Seidel in that row, and the Jacobi one beside it with the method's own error.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What is recorded of a run: its end, and enough for the comparison with the reference."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

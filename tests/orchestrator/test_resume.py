@@ -1,7 +1,5 @@
 """A run killed at any moment is resumed and ends with the same bits; what cannot be resumed is refused."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

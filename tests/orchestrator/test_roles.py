@@ -1,7 +1,5 @@
 """Roles decide what a component is, not its name: an own follower has all that shipped ones have."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Shipped scenarios, run as a user runs them, are within their tolerances of the monolithic reference."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

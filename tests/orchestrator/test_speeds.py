@@ -1,7 +1,5 @@
 """tribocosim speeds: cycles of a scenario over speed, continued where it stopped."""
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path

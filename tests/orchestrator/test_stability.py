@@ -1,7 +1,5 @@
 """Behaviour of a coupling before the run: against closed forms, and against what runs do."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`tribocosim analyse SCENARIO`: what it prints and writes, and mistakes."""
 
-from __future__ import annotations
-
 import csv
 
 import numpy as np

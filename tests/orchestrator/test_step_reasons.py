@@ -1,7 +1,5 @@
 """What set a step's length: the error only where it did."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

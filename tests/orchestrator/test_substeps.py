@@ -1,7 +1,5 @@
 """Multirate and retried steps: the same signals however they are cut, and no state left behind."""
 
-from __future__ import annotations
-
 import functools
 
 import numpy as np

@@ -5,8 +5,6 @@ contact load of 1e-6, weighed by time: ten times fewer than with the best explic
 at 1000 r/min and at 3000 r/min, where the follower leaves the cam.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -4,8 +4,6 @@ Eight milliseconds at 1000 r/min in the lift, components in process (FMUs agree 
 bit, see tests/fmus).
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The multibody witness: it stands beside run and reference, agrees, and refuses what it does not know."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

@@ -3,8 +3,6 @@
 Both subsystems are integrated to 1e-10, so what is seen is the coupling.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from models.core.quantities import Vector

@@ -1,7 +1,5 @@
 """Runs without interruption, to compare others with."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Results of many rows, made up."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A sweep over speed, made up: load and film are known functions of speed and angle."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """report.html: what is in the file, without a browser."""
 
-from __future__ import annotations
-
 import base64
 import json
 import math

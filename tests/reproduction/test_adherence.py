@@ -1,7 +1,5 @@
 """The constrained form: the loads of Kushwaha's valve train, its films, and its limit of a stiff contact."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

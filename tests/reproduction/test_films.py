@@ -1,7 +1,5 @@
 """The judgement of film formulas: its numbers, laws and page."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

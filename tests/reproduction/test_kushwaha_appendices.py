@@ -1,7 +1,5 @@
 """Appendices 1 to 3 of Kushwaha et al. 2000: each line by another way than the judgement's."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

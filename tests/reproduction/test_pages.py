@@ -1,7 +1,5 @@
 """The pages on the sources: statements, figures and verdicts are those that the command writes."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

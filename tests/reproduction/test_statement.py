@@ -1,7 +1,5 @@
 """Tables of statements: how a claim is judged, and how its texts are written."""
 
-from __future__ import annotations
-
 import pytest
 
 from reproduction.statement import Claim, Numbers, Verdict, format_numbers, state_verdict

@@ -1,7 +1,5 @@
 """SSP packages as other tools write them."""
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The schemas of SSP 1.0, as fmpy ships them."""
 
-from __future__ import annotations
-
 import functools
 import zipfile
 from pathlib import Path

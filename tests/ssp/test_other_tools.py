@@ -1,7 +1,5 @@
 """Other tools run our packages, and come to what our own simplest master comes to."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Public packages of other tools run, or are refused with the reason before anything is written."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A scenario that goes out as an SSP and comes back is the same scenario."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 from typing import Any

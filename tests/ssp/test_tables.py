@@ -1,7 +1,5 @@
 """Mapping tables of SSP packages."""
 
-from __future__ import annotations
-
 import logging
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """SSPs of other tools with third-party FMUs run here, and mean what the standard says."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 

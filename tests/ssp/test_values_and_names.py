@@ -1,7 +1,5 @@
 """Values of packages pass through connectors as signals do, and files and elements have any names."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """FMUs in C as they come from elsewhere, of FMI 2.0 and 3.0, compiled with whatever C compiler is there."""
 
-from __future__ import annotations
-
 import functools
 import importlib.util
 import platform

@@ -1,7 +1,5 @@
 """FMUs in C with event mode and clocks (`sampler.c`, `intervals.c`)."""
 
-from __future__ import annotations
-
 import platform
 import sys
 import zipfile

@@ -1,7 +1,5 @@
 """Descriptions of FMUs, with an empty library: enough for what is decided before anything runs."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 

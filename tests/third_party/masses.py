@@ -1,7 +1,5 @@
 """Two masses: one of our components, and an FMU in C that is coupled with it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

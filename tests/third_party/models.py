@@ -1,7 +1,5 @@
 """Models of the FMUs in C (`c_fmus`), as of the Modelica Reference-FMUs, and their vices."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 

@@ -1,7 +1,5 @@
 """Public FMUs and packages of other tools, which are not in the repository."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Runs of scenarios with third-party FMUs."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager

@@ -4,8 +4,6 @@ y = gain u + x and dx/dt = push - decay u in every FMU, u being the y of the one
 starts with 1, 2, ..., or with zero where it is pushed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Two names of one variable have one value: what is said of both must agree."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Analyses of the coupling of third-party FMUs: their responses, by saved states or by fresh instances."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Arrays as values of a scenario, and structural parameters that set their sizes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

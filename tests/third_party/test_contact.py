@@ -1,7 +1,5 @@
 """A mass falls from 0.1 m onto a stiff spring; both are FMUs that tell of no contact."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Derivatives of inputs that third-party FMUs take, and rates of outputs that they give."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Descriptions that cannot be read are refused with the attribute that is wrong."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

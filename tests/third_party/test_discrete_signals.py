@@ -1,7 +1,5 @@
 """What changes at events only is held over a macro step: it has no values in between (FMI 2.0, 2.2.7)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A third-party FMU that asks to end the simulation: records go to the time that it reached."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """References by the equations of third-party FMUs: model exchange, solved together without splitting."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Event mode of FMI 3.0 co-simulation FMUs: clocks, time events and discrete inputs."""
 
-from __future__ import annotations
-
 import warnings
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Co-simulation FMUs of FMI 1.0."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 

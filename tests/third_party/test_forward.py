@@ -1,7 +1,5 @@
 """Step control of FMUs that cannot restore their state."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """FMUs that hold their inputs over a macro step: they get the mean of their signal, and a run says so."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

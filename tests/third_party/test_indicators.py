@@ -1,7 +1,5 @@
 """Events whose indicator is met exactly at zero happen once: x' = 1 before, 1/2 after."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

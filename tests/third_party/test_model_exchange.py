@@ -1,7 +1,5 @@
 """FMUs for model exchange as participants: their equations are integrated by the run."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

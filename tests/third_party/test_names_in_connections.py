@@ -1,7 +1,5 @@
 """An output's own name wins over the grammar of connections, in which it may read as a number."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """A result that is to be overwritten stays until the run that replaces it has begun."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

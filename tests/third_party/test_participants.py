@@ -1,7 +1,5 @@
 """Third-party FMUs, of both versions of FMI, take part as what they are, here or in their own process."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

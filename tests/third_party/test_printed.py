@@ -1,7 +1,5 @@
 """What the libraries of FMUs print does not bury the lines of a command, and is not lost."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

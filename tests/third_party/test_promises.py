@@ -1,7 +1,5 @@
 """What an FMU says that it can do is tried before the run depends on it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Every public FMU at hand runs, or is refused with its reason before anything is written."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

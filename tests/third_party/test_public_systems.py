@@ -3,8 +3,6 @@
 A linear system of three states (StateSpace, model exchange) is driven by others, or coupled with its like.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """References by refinement: their errors are the true ones within their stated uncertainty."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

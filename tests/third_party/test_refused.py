@@ -1,7 +1,5 @@
 """What third-party FMUs cannot do, or only equations could say, is refused before the run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile

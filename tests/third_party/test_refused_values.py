@@ -1,7 +1,5 @@
 """Values that do not fit a third-party FMU are refused by name, when the scenario is read."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Differences (relativeQuantity) are converted by the factor of their units alone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What FMUs of others can and cannot do: memory, what they leave behind."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

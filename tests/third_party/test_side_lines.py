@@ -1,7 +1,5 @@
 """Connections of strings and binary values, and of whole numbers, enumerations and truth values by type."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Texts as parameters of third-party FMUs: they arrive as they are, before the initialisation."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Values for third-party FMUs: numbers in the FMU's unit, items of enumerations, names of other tables."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A third-party FMU that fails is named, and what was recorded before is kept, whatever it does."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """A ball that bounces until it rests: a component with events, whose instants are a geometric series."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

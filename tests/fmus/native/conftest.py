@@ -1,7 +1,5 @@
 """The native FMUs for this machine, each built once."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

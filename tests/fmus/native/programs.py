@@ -1,7 +1,5 @@
 """Programs in C that host native FMUs, compiled here; and libraries with checks of every access to memory."""
 
-from __future__ import annotations
-
 import functools
 import math
 import re

@@ -1,7 +1,5 @@
 """A native FMU gives the numbers of the component to the last bit, where both use the same libm."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The libraries in native FMUs: small, each of its platform, with the functions of FMI and nothing more."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 

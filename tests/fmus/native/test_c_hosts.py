@@ -4,8 +4,6 @@ what is not theirs, or an answer that the standard does not know.
 Where gcc's sanitizers are, the runtime is compiled with them; valgrind runs the library as it is shipped.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Derivatives of inputs and outputs by the standard's calls are those by the variables, to the last bit."""
 
-from __future__ import annotations
-
 from ctypes import c_double, c_int, c_size_t, c_uint
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Model exchange: a host that integrates native FMUs by itself finds the motion that their own steps make."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import fmpy

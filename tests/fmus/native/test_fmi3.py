@@ -1,7 +1,5 @@
 """Native FMUs of FMI 3.0: the component to the last bit, and what those of FMI 2.0 can do."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Vectors are arrays in FMI 3.0: one reference, all elements in one call, the same numbers as one by one."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Steps of FMI 3.0 that end early, event mode, and what hosts do in the course of a step."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

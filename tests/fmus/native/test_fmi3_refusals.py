@@ -1,7 +1,5 @@
 """What native FMUs of FMI 3.0 refuse: an error with its cause, the instance as it was, never a crash."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Native FMUs reproduce the reference results that they ship: their own steps, and a host that integrates."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

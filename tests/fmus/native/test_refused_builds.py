@@ -1,7 +1,5 @@
 """What cannot be made in machine code is said in one line that can be read."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

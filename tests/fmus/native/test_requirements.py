@@ -1,7 +1,5 @@
 """What ranges cannot say is refused with the same words in-process, by the Python and by the native FMU."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path

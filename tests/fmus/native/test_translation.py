@@ -1,7 +1,5 @@
 """Kernels in LLVM's language: they depend on their sources only."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The coupled valve train with native FMUs, with FMUs in Python and in this process: the same numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """FMUs are run and compared with their references: what agrees is said to, what does not is named."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

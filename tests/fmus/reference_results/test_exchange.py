@@ -1,7 +1,5 @@
 """The host of model exchange, on FMUs of known motion: events of either sign, in time, and of inputs."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Any

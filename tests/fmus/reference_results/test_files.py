@@ -1,7 +1,5 @@
 """Files that are not as the rules say are refused with the file, the place and what must be there."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What ships inside an FMU: files told by the manifest of FMI-LS-REF."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 from pathlib import Path

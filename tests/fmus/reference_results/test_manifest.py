@@ -1,7 +1,5 @@
 """Results that FMUs of others ship by FMI-LS-REF."""
 
-from __future__ import annotations
-
 import math
 import zipfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Reference results: two solvers and the component's own steps agree; files are as the rules have them."""
 
-from __future__ import annotations
-
 import dataclasses
 from pathlib import Path
 

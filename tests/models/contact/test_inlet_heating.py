@@ -1,7 +1,5 @@
 """Heat in the inlet: limits, similarity, another fit, and the film of the contact."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

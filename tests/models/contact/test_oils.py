@@ -1,7 +1,5 @@
 """Oils: Walther's equation, bands of grades, measured oils, and the limits of the correlations."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

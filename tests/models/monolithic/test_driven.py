@@ -1,7 +1,5 @@
 """A component under given inputs: both methods find the closed form, through corners and jumps."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

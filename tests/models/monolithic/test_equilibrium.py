@@ -1,7 +1,5 @@
 """A follower rests where its cam does not move it."""
 
-from __future__ import annotations
-
 import math
 import re
 

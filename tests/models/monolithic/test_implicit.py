@@ -1,7 +1,5 @@
 """The reference of systems with pressure fields: two implicit methods, their orders, what checks them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise

@@ -3,8 +3,6 @@
 Exudyn has its own bodies, joints and connectors, and a generalized-alpha method of index 3.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -4,8 +4,6 @@ Hairer and Wanner (1996), Solving Ordinary Differential Equations II, section VI
 with the first method, but neither the form nor the formulas, and uses gamma, which that one does not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

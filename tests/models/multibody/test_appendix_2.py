@@ -1,7 +1,5 @@
 """Appendix 2 of Kushwaha et al. 2000: a part's inertia in Euler angles 3-1-3, against a body's kernel."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@ Two bodies move along q = q0 + q1 t + q2 t^2/2 with arbitrary coefficients; the 
 Rx Ry Rz. Nothing of the kernels is used but their results: J v + C_t and J v' - gamma.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import cache

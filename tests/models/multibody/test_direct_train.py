@@ -1,7 +1,5 @@
 """K's valve train as K writes it, with 21 constraints, against reference numbers and minimal models."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import cache

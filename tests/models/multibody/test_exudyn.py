@@ -1,7 +1,5 @@
 """Q's single train built in Exudyn from Euler parameters and joints: loads, motion and reactions."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -4,8 +4,6 @@ Exudyn has the joints, the shaft as its own elastic connector, whose frames lie 
 and generalized-alpha. The contact is a constraint of its coordinates, with gradients by complex steps.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """Force elements against sympy: their power is the loss of a potential, less what a damper takes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Mechanisms with a known motion, by both methods; and those that cannot be built."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Q's whole train: eight single trains on a shaft of Timoshenko segments, against independent numbers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Q's single train of rigid and of elastic parts, against closed forms and independent numbers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

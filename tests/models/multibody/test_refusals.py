@@ -1,7 +1,5 @@
 """What is no mechanism, or no motion, is refused by name."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rollers and points on cams as constraints: motion, loads and their work, against independent numbers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """The valve train as one component: the mechanism's equations, energies, and the minimal model's motion."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Any

@@ -1,7 +1,5 @@
 """Mechanisms that tests share."""
 
-from __future__ import annotations
-
 from models.core.quantities import Layout
 from models.multibody.pushrod_train import PushrodTrain
 from models.valve_train.rocker import RockerParameters

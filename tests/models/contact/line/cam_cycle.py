@@ -1,7 +1,5 @@
 """The set kushwaha2000 on a rigid camshaft with a massless spring: what its contact sees."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """A contact with a solved film, stepped as a master does it."""
 
-from __future__ import annotations
-
 import functools
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Rates by divided differences over the last instants: exact for polynomials, of their order otherwise."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable

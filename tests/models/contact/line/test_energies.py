@@ -1,7 +1,5 @@
 """The contact's account of its energies: it closes, with the order of steps and of nodes; limits of it."""
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import pairwise
 

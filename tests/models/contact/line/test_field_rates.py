@@ -1,7 +1,5 @@
 """Rates of what a contact with a solved film shows: those of the outputs along a finely stepped motion."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Iterable

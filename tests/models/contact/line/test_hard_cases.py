@@ -1,7 +1,5 @@
 """The solved film where it is hard: inputs that make no sense, opening and closing, rest, jumps, any step."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The film along a given motion: its limits and symmetries."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

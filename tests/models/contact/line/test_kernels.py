@@ -1,7 +1,5 @@
 """What the line contact's solver is made of: grid and deflection, balance and its derivatives, factors."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

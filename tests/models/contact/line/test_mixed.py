@@ -1,7 +1,5 @@
 """Film and asperities that carry the load together, inside the solved film."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from functools import cache

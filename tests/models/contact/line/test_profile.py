@@ -1,7 +1,5 @@
 """Profiles across a contact: they carry its load, and have its extremes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

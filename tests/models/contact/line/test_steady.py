@@ -1,7 +1,5 @@
 """The steady line contact: known numbers and limits, laws of conservation, and what it says of its error."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import itertools

@@ -1,7 +1,5 @@
 """The film in time: order, limits, the cam cycle, and what a component owes to masters."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
