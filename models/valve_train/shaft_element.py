@@ -69,16 +69,6 @@ def shaft_element(p: Any) -> Shaft:
 
 
 @kernel
-def static_slope(load: float, p: Any) -> float:
-    """Slope of the shaft at the cam under a steady load W (N): K (bending, slope) = (-W, 0), -W l^2/(2 E J).
-
-    A flat follower or a roller is misaligned by it: the gap opens towards the shaft's free end.
-    """
-    e = shaft_element(p)
-    return load * e.k12 / (e.k11 * e.k22 - e.k12 * e.k12)
-
-
-@kernel
 def tilt_lag(x: Any) -> float:
     """Angle (rad) that the cam's tilt takes from its turn: half the product of both slopes.
 

@@ -1,1 +1,1 @@
-"""Film solutions for analyses: infinite and finite line contacts. No component uses them."""
+"""Film solutions for analyses: line contacts. No component uses them."""

@@ -25,7 +25,6 @@ from ...line.mixed import Bodies, fill_total
 from ...line.newton import integrate_pressure
 from ...line.reynolds import Flow
 from ...line.transient import central, least, wanted_scale
-from ..inlet import inlet_width
 from .faults import likely_cause
 from .fixed_grid import Fields, Mesh, cold_start, interpolate_film, steady_on_grid, workspace
 from .line_contact import LineContact, real
@@ -243,8 +242,14 @@ def _expected(contact: LineContact) -> float:
 def _sharpness(contact: LineContact) -> float:
     """Sharpness of the grid, a power of two, so that contacts share grids."""
     b = contact.half_width
-    width = inlet_width(b, _expected(contact), contact.radius) / b  # of the zone in which the film forms
+    width = _inlet_width(b, _expected(contact), contact.radius) / b  # of the zone in which the film forms
     return 2.0 ** round(math.log2(2.0 / width)) if width < NARROW_INLET else 0.0
+
+
+def _inlet_width(half_width: float, film: float, radius: float) -> float:
+    """b (2 R h/b^2)^(2/3) (m): at a distance s from the edge the gap of the dry contact is some
+    (b^2/2R) (s/b)^(3/2), and in the inlet, where the film forms, it is of the size of the film."""
+    return half_width * (2.0 * radius * film / half_width**2) ** (2.0 / 3.0)
 
 
 def _on(mesh: Mesh, contact: LineContact, found: Sequence[Fields]) -> Fields | None:
