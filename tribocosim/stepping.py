@@ -182,8 +182,7 @@ class Session:
 
     def _keep_start(self) -> None:
         """For `reset`, where all FMUs can save their state."""
-        restorable = all(participant.restorable for participant in self._session.participants.values())
-        if self._start is None and self.time == 0.0 and restorable:
+        if self._start is None and self.time == 0.0 and self._session.coupling.restorable:
             self._start = self.save()
 
     def save(self) -> Snapshot:

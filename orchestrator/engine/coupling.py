@@ -46,7 +46,7 @@ class Coupling:
     ) -> None:
         self.wiring = w = wire(system, participants, degree, watched or {})
         self.participants = [participants[name] for name in w.names]
-        self.divisible = all(getattr(participant, "divisible", True) for participant in self.participants)
+        self.divisible = all(participant.abilities.divisible for participant in self.participants)
         self.calls = np.zeros(len(w.names), dtype=np.int64)
         rated = np.zeros(len(w.sources), dtype=np.bool_)
         self.state = CouplingState(len(w.sources), rated, w.degrees)
@@ -130,11 +130,11 @@ class Coupling:
     @property
     def restorable(self) -> bool:
         """Whether all participants can restore their states."""
-        return all(participant.restorable for participant in self.participants)
+        return all(participant.abilities.restorable for participant in self.participants)
 
     def prove(self, time: float) -> None:
         """At the start, after `initialise`: try whether participants restore their states."""
-        proofs = [found for one in self.participants if (found := getattr(one, "prove", None))]
+        proofs = [prove for one in self.participants if (prove := one.abilities.prove)]
         self.unproven = [reason for prove in proofs if (reason := prove(time))]
         if proofs:  # which may be other instances now
             self._rebind()

@@ -10,7 +10,6 @@ from models.core.system import Connection
 
 from ..errors import RunError
 from ..participants.clock_schedule import find_latest
-from ..participants.side_channel import get_side_channel
 
 if TYPE_CHECKING:
     from .coupling import Coupling
@@ -39,8 +38,8 @@ class Instants:
     def __init__(self, coupling: Coupling, lines: SideLines) -> None:
         self._coupling = coupling
         number = {name: i for i, name in enumerate(coupling.wiring.names)}
-        found = [get_side_channel(participant) for participant in coupling.participants]
-        self._sides = {i: side for i, side in enumerate(found) if side is not None}
+        abilities = [participant.abilities for participant in coupling.participants]
+        self._sides = {i: can.side for i, can in enumerate(abilities) if can.side is not None}
         self._eventful = {i: side for i, side in self._sides.items() if side.has_events}
         self._clocks: dict[tuple[int, str], list[tuple[int, str]]] = {}
         for c in lines.clocks:
@@ -50,9 +49,7 @@ class Instants:
             (number[c.source.instance], c.source.variable, number[c.target.instance], c.target.variable)
             for c in lines.texts
         ]
-        self.ends_steps = bool(self._eventful) and all(
-            getattr(participant, "variable_step", True) for participant in coupling.participants
-        )
+        self.ends_steps = bool(self._eventful) and all(can.variable_step for can in abilities)
 
     def next_event(self, time: float) -> float:
         """When the next known event after `time` is, at which steps end; infinite if none is known."""

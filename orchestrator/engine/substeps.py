@@ -34,7 +34,7 @@ class Substepped(StatelessWrapper):
         super().__init__(participant)
         self._substeps, self._halvings = substeps, halvings
         self._smallest = 0.5**halvings / substeps
-        self._saves = bool(halvings) and self.restorable
+        self._saves = bool(halvings) and self.abilities.restorable
         self._attempt = self._save_and_advance if self._saves else participant.advance
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:

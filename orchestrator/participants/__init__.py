@@ -15,14 +15,12 @@ from .in_process import InProcessParticipant as in_process
 from .opened_fmu import FmuSettings
 from .opening import open_here
 from .own_process import Limits
-from .protocol import GivesDerivatives, GivesWarnings, Participant
+from .protocol import Participant
 from .third_party import ThirdPartyComponent, read_component
 from .transformed import Transformed as transformed
 
 __all__ = [
     "FmuParticipant",
-    "GivesDerivatives",
-    "GivesWarnings",
     "InOwnProcess",
     "Limits",
     "Participant",

@@ -19,7 +19,7 @@ from .fmi2 import Fmi2
 from .fmi3 import Fmi3
 from .fmi3_events import Fmi3WithEvents
 from .opened_fmu import FmuSettings, OpenedFmu
-from .protocol import BoundVariables
+from .protocol import Abilities, BoundVariables
 from .side_channel import FmuSideChannel, has_side_channel, uses_event_mode
 
 FAILED_CALLS = {
@@ -50,7 +50,9 @@ class FmuParticipant(OpenedFmu):
         super().__init__(name, path, settings, folder)
         description = self._fmu.description
         self._records: list[Any] = []
-        self.side = FmuSideChannel(self._fmu) if has_side_channel(description) else None
+        side = FmuSideChannel(self._fmu) if has_side_channel(description) else None
+        steps = description.variable_step, description.divisible
+        self.abilities = Abilities(description.restorable, *steps, side, self, self.warnings)
         self._step = self._fmi.bind_step(self._errors.fail_step)
         holds = 0 in signal_degrees(description, [v.name for v in description.list_variables("input")])
         # What runs in every step are such functions themselves, not methods around them.

@@ -18,7 +18,7 @@ from .description import read_description
 from .messages import ADVANCE, READ, TIMES
 from .opened_fmu import FmuSettings
 from .own_process import NO_LIMITS, Limits, OwnProcess
-from .protocol import BoundVariables
+from .protocol import Abilities, BoundVariables
 from .side_channel import RemoteSideChannel, has_side_channel
 
 Saved = int  # the process's number of a state
@@ -31,11 +31,10 @@ class InOwnProcess(OwnProcess):
 
     def __init__(self, name: str, path: Path, settings: FmuSettings, limits: Limits = NO_LIMITS) -> None:
         super().__init__(name, path, settings, limits)
-        self._about = read_description(path, settings.interface, settings.sizes)
-        self.restorable, self.variable_step = self._about.restorable, self._about.variable_step
-        self.divisible = self._about.divisible
-        has_side = has_side_channel(self._about)
-        self.side = RemoteSideChannel(self._about, self._call_between) if has_side else None
+        self._about = about = read_description(path, settings.interface, settings.sizes)
+        side = RemoteSideChannel(about, self._call_between) if has_side_channel(about) else None
+        steps = about.variable_step, about.divisible
+        self.abilities = Abilities(about.restorable, *steps, side, self, self.warnings)
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return signal_degrees(self._about, input_names)

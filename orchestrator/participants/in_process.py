@@ -13,7 +13,7 @@ from models.core.system import Instance
 from ..errors import DiscardedStepError, ParticipantError, instead_of_discarded
 from ..store.json_codec import from_text, to_text
 from .compiled import IN_PROCESS
-from .protocol import BoundVariables
+from .protocol import Abilities, BoundVariables
 
 # Time, states, inputs in effect, their slopes, outputs, whether these are yet to be computed.
 Saved = tuple[float, Vector, Vector, Vector, Vector, bool]
@@ -22,7 +22,7 @@ Saved = tuple[float, Vector, Vector, Vector, Vector, bool]
 class InProcessParticipant:
     """Implements `Participant` for an instance of a component."""
 
-    restorable = True
+    abilities = Abilities()
 
     def __init__(self, name: str, instance: Instance) -> None:
         self.name = name

@@ -75,8 +75,6 @@ class OpenedFmu:
         except BaseException:
             self.close()
             raise
-        self.restorable, self.variable_step = description.restorable, description.variable_step
-        self.divisible = description.divisible
         self._fmu = OpenFmu(description, self._fmi, self._errors)
 
     def initialise(self, start_time: float, stop_time: float) -> None:
@@ -115,7 +113,7 @@ class OpenedFmu:
                 self._fmi.set(whole, [given.get(v.memory, v.start or 0.0) for v in whole])
 
     def save(self) -> Any:
-        if not self.restorable:
+        if not self._fmu.description.restorable:
             raise ParticipantError(
                 f"{self.name}: the FMU cannot save its state (canGetAndSetFMUstate = false); take the master "
                 "jacobi or gauss_seidel with steps of fixed length"

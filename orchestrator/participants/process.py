@@ -22,8 +22,7 @@ from ..errors import RunError
 from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
 from .opened_fmu import FmuSettings
 from .opening import open_here
-from .protocol import BoundVariables, GivesDerivatives
-from .side_channel import get_side_channel
+from .protocol import BoundVariables
 
 if TYPE_CHECKING:
     from .fmu import FmuParticipant
@@ -44,6 +43,7 @@ class Server:
     def __init__(self) -> None:
         self._states: dict[int, Any] = {}
         self._number = 0
+        self._owners: list[Any] = [self]
 
     def carry_out(self, kind: bytes, content: bytes) -> bytes:
         """The answer to a message."""
@@ -55,8 +55,7 @@ class Server:
             self._set_inputs(content)
             return self._get_outputs()
         assert kind == CALL
-        unit = getattr(self, "unit", None)
-        return answer_call(content, self, unit, get_side_channel(unit))
+        return answer_call(content, *self._owners)
 
     def _set_inputs(self, values: bytes) -> None:
         if values:
@@ -71,6 +70,7 @@ class Server:
         if hasattr(self, "unit"):
             self.unit.close()
         self.unit = open_here(name, Path(path), FmuSettings(**given), Path(folder))
+        self._owners = [self, self.unit, self.unit.abilities.side, self.unit.abilities]
 
     def connect(self, inputs: list[str], rows: int, outputs: list[str], rated: bool) -> list[bool]:
         self.inputs = np.zeros((rows, len(inputs)))
@@ -85,7 +85,8 @@ class Server:
         return values
 
     def find_states(self, names: list[str]) -> Any:
-        return self.unit.find_states(names) if isinstance(self.unit, GivesDerivatives) else None
+        derivatives = self.unit.abilities.derivatives
+        return derivatives and derivatives.find_states(names)
 
     def save(self) -> int:
         return self._store_state(self.unit.save())

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
 
 from models.core.quantities import Vector
 
@@ -26,13 +27,70 @@ class BoundVariables(NamedTuple):
     rates: Vector
 
 
-@runtime_checkable
-class GivesWarnings(Protocol):
-    """A participant that counts the warnings of an FMU."""
+class SideChannel(Protocol):
+    """Events, clocks and texts, between steps. `has_events`: there may be events at times of its own, or
+    clocks."""
 
-    def warnings(self) -> tuple[int, str]:
-        """How many there were, and the first message."""
+    has_events: bool
+
+    def next_event(self) -> float:
+        """When something is due next (s); infinite if nothing is known."""
         ...
+
+    def handle(self, time: float, clocks: Sequence[str]) -> list[str] | None:
+        """Handle what is due at `time`, the present, with these triggered input clocks ticking; the output
+        clocks that tick then, or None if nothing is due."""
+        ...
+
+    def get_texts(self, names: Sequence[str]) -> list[str]:
+        """Strings, and binary values as hexadecimal digits."""
+        ...
+
+    def set_texts(self, values: Mapping[str, str]) -> None:
+        """As `get_texts`, for inputs."""
+        ...
+
+
+class Derivatives(Protocol):
+    """The directional derivatives of an FMU."""
+
+    def get_followed(self) -> Any:
+        """After `connect`: which of the bound `inputs` it takes, values and derivatives."""
+        ...
+
+    def find_states(self, names: Sequence[str]) -> Sequence[tuple[str, str, float]] | None:
+        """Its states, each with the name of its derivative by time and its nominal size; None unless
+        directional derivatives by and of these variables and the states are its linearisation."""
+        ...
+
+    def jacobian(self, unknown: Sequence[str], known: Sequence[str]) -> Vector:
+        """d unknown / d known (rows x columns), at the present point, by directional derivatives."""
+        ...
+
+
+def no_warnings() -> tuple[int, str]:
+    """Of a participant that gives none."""
+    return 0, ""
+
+
+@dataclass(frozen=True)
+class Abilities:
+    """What a participant can do; final after its proof.
+
+    `restorable`: it can save and restore its state. `variable_step`: it takes steps of any length.
+    `divisible`: several short steps bring it to the same state as a long one. `side` has its events, clocks
+    and texts, `derivatives` its directional derivatives. `warnings()` is the number of warnings of the FMU,
+    and the first message. `prove(time)`, called after initialisation, tries whether the state is restored,
+    and returns why it is not, or an empty text.
+    """
+
+    restorable: bool = True
+    variable_step: bool = True
+    divisible: bool = True
+    side: SideChannel | None = None
+    derivatives: Derivatives | None = None
+    warnings: Callable[[], tuple[int, str]] = no_warnings
+    prove: Callable[[float], str] | None = None
 
 
 class Participant(Protocol):
@@ -40,15 +98,13 @@ class Participant(Protocol):
 
     Order of calls: `connect`, `initialise`, then any of the rest, `close` last. Memory that `connect` is
     given is kept: `inputs` is what the next `advance` or `read` sees after `write`, and `read` fills
-    `outputs` and `rates`. One with events, clocks or texts has an attribute `side` (see `side_channel`).
+    `outputs` and `rates`.
     """
 
     name: str
 
     @property
-    def restorable(self) -> bool:
-        """Whether `save` and `restore` are possible; final once the start is proven (see `proven`)."""
-        ...
+    def abilities(self) -> Abilities: ...
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         """The degree of the polynomial in time that it follows, for each input; 0: it holds the value."""
@@ -112,22 +168,4 @@ class Participant(Protocol):
 
     def close(self) -> None:
         """Free everything; calling it twice does no harm."""
-        ...
-
-
-@runtime_checkable
-class GivesDerivatives(Protocol):
-    """An FMU in this process or another, which may give directional derivatives."""
-
-    def get_followed(self) -> Any:
-        """After `connect`: which of the bound `inputs` it takes, values and derivatives."""
-        ...
-
-    def find_states(self, names: Sequence[str]) -> Sequence[tuple[str, str, float]] | None:
-        """Its states, each with the name of its derivative by time and its nominal size; None unless
-        directional derivatives by and of these variables and the states are its linearisation."""
-        ...
-
-    def jacobian(self, unknown: Sequence[str], known: Sequence[str]) -> Vector:
-        """d unknown / d known (rows x columns), at the present point, by directional derivatives."""
         ...

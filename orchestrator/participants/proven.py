@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,12 +12,8 @@ from models.core.quantities import Layout, Vector
 
 from ..errors import EndedError, ParticipantError, RecoverableError
 from .compiled import CompiledCalls
-from .protocol import BoundVariables, GivesWarnings, Participant
+from .protocol import BoundVariables, Participant
 from .reopened import Reopened
-from .side_channel import get_side_channel
-
-Advance = Callable[[float, float], None]
-Guard = Callable[[Advance], Advance]
 
 # Relative to nominal + |value|, by which outputs of the same step may differ.
 ROUNDING = 1e-12
@@ -35,7 +31,7 @@ class Proof:
 class Proven:
     """Implements `Participant` by `open_unit()`, whose outputs are `outputs`.
 
-    `prove` makes a step, takes it back and makes it again. If the outputs differ the FMU does not come back
+    Its proof makes a step, takes it back and makes it again. If the outputs differ the FMU does not come back
     to the state it saved, as one that saves a part only. It is then opened afresh, and not restorable.
     """
 
@@ -45,27 +41,22 @@ class Proven:
         self._outputs, self._proof = outputs, proof
         self._warned = 0
         unit = self._first.unit
-        self.name, self.restorable = unit.name, unit.restorable
-        self.side = get_side_channel(unit)
-        self.variable_step = getattr(unit, "variable_step", True)
-        self.divisible = getattr(unit, "divisible", True)
-        self.signal_degrees = unit.signal_degrees
+        self.name, self.signal_degrees = unit.name, unit.signal_degrees
+        self.abilities = replace(
+            unit.abilities, derivatives=None, warnings=self._count_warnings, prove=self._prove
+        )
 
-    def prove(self, time: float, guard: Guard = lambda call: call) -> str:
-        """After initialisation, at the start: why its state is not restored in this run; "" if it can be.
-
-        `guard` watches calls of `advance`.
-        """
+    def _prove(self, time: float) -> str:
         self._unit = unit = self._first.unit
-        before, self._warned = self.warnings()[0], 0
+        before, self._warned = self._count_warnings()[0], 0
         try:
-            first, second = self._step_twice(unit, guard(unit.advance), time)
+            first, second = self._step_twice(unit, time)
         except (RecoverableError, EndedError):
             return ""  # which the run meets too
         except ParticipantError:
             self._reopen()
             return ""
-        self._warned = self.warnings()[0] - before
+        self._warned = self._count_warnings()[0] - before
         differing = np.abs(second - first) > ROUNDING * (self._outputs.nominal + np.abs(first))
         if not differing.any():
             return ""
@@ -78,10 +69,10 @@ class Proven:
         if self._proof.required:
             raise ParticipantError(f"{reason}; {self._proof.required}, or give another file")
         self._reopen()
-        self.restorable = False
+        self.abilities = replace(self.abilities, restorable=False)
         return f"{reason}: no step of it is taken back, and there are no checkpoints"
 
-    def _step_twice(self, unit: Participant, advance: Advance, time: float) -> list[Vector]:
+    def _step_twice(self, unit: Participant, time: float) -> list[Vector]:
         """The outputs after both; the FMU is then where it was."""
         found = [np.zeros(self._outputs.size) for _ in range(2)]
         saved = unit.save()
@@ -89,7 +80,7 @@ class Proven:
             for values in found:
                 try:
                     unit.write()
-                    advance(time, self._proof.step)
+                    unit.advance(time, self._proof.step)
                     unit.read_all(values)
                 finally:
                     unit.restore(saved)
@@ -98,7 +89,7 @@ class Proven:
         return found
 
     def _reopen(self) -> None:
-        if self.side is not None:
+        if self.abilities.side is not None:
             raise ParticipantError(
                 f"{self.name}: the FMU cannot be taken back to the start, as it has events, clocks or texts; "
                 "give a copy of it whose modelDescription.xml does not say canGetAndSetFMUstate"
@@ -149,10 +140,9 @@ class Proven:
     def release(self, saved: Any) -> None:
         self._unit.release(saved)
 
-    def warnings(self) -> tuple[int, str]:
-        """As `FmuParticipant`, without those of the steps that were tried."""
-        unit = self._first.unit
-        count, first = unit.warnings() if isinstance(unit, GivesWarnings) else (0, "")
+    def _count_warnings(self) -> tuple[int, str]:
+        """Without those of the steps that were tried."""
+        count, first = self._first.unit.abilities.warnings()
         return count - self._warned, first
 
     def close(self) -> None:

@@ -8,7 +8,7 @@ from typing import Any, NoReturn
 from models.core.quantities import Vector
 
 from .in_own_process import InOwnProcess
-from .protocol import BoundVariables, Participant
+from .protocol import Abilities, BoundVariables, Participant
 
 # A call that changes it: its name, its arguments, and the inputs that were written before it.
 Call = tuple[str, tuple[Any, ...], Vector]
@@ -21,11 +21,10 @@ class Reopened:
     a new instance, which gives the same bits as long as the FMU depends on nothing else.
     """
 
-    restorable = True
-
     def __init__(self, open_unit: Callable[[], Participant]) -> None:
         self._open, self.unit = open_unit, open_unit()
         self.name = self.unit.name
+        self.abilities = Abilities()
         self._calls: list[Call] = []
         self._changed = False
 

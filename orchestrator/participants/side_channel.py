@@ -3,34 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 from .bound_variables import OpenFmu
 from .description import Description
 from .fmi3_events import Fmi3WithEvents
-
-
-class SideChannel(Protocol):
-    """Between steps. `has_events`: it may have events at times of its own, or clocks."""
-
-    has_events: bool
-
-    def next_event(self) -> float:
-        """When something is due next (s); infinite if nothing is known."""
-        ...
-
-    def handle(self, time: float, clocks: Sequence[str]) -> list[str] | None:
-        """Handle what is due at `time`, the present, with these triggered input clocks ticking; the output
-        clocks that tick then, or None if nothing is due."""
-        ...
-
-    def get_texts(self, names: Sequence[str]) -> list[str]:
-        """Strings, and binary values as hexadecimal digits."""
-        ...
-
-    def set_texts(self, values: Mapping[str, str]) -> None:
-        """As `get_texts`, for inputs."""
-        ...
 
 
 def has_side_channel(about: Description) -> bool:
@@ -41,12 +18,6 @@ def has_side_channel(about: Description) -> bool:
 def uses_event_mode(about: Description) -> bool:
     """Whether an FMU is run in its event mode. Those of our components do the same without."""
     return about.events is not None and not about.is_own
-
-
-def get_side_channel(participant: Any) -> SideChannel | None:
-    """That of a participant, or None."""
-    found: SideChannel | None = getattr(participant, "side", None)
-    return found
 
 
 class FmuSideChannel:

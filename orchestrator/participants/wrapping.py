@@ -9,8 +9,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from .protocol import Participant
-from .side_channel import get_side_channel
+from .protocol import Abilities, Participant
 
 
 class ParticipantWrapper:
@@ -26,15 +25,10 @@ class ParticipantWrapper:
         self.finish_initialisation = participant.finish_initialisation
         self.set_inputs = participant.set_inputs
         self.close = participant.close
-        self.side = get_side_channel(participant)
-        self.variable_step = getattr(participant, "variable_step", True)
-        self.divisible = getattr(participant, "divisible", True)
-        self.prove = getattr(participant, "prove", None)
 
     @property
-    def restorable(self) -> bool:
-        """As long as the participant is."""
-        return self._participant.restorable
+    def abilities(self) -> Abilities:
+        return self._participant.abilities
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return self._participant.signal_degrees(input_names)

@@ -113,7 +113,7 @@ def serialise_participants(participants: Mapping[str, Participant]) -> dict[str,
     """The evolving data of each; CannotSerializeError where one cannot give it."""
     found = {}
     for name, participant in participants.items():
-        if not participant.restorable:
+        if not participant.abilities.restorable:
             raise CannotSerializeError(
                 f"{name}: the FMU cannot save its state, or does not come back to it (canGetAndSetFMUstate)"
             )

@@ -14,7 +14,7 @@ from ..engine.energy import Ledger, Trimmed
 from ..engine.observer import Observer
 from ..engine.step import Step
 from ..errors import ParticipantError, RefusedError, RunError, StalledError
-from ..participants import GivesWarnings, Participant
+from ..participants import Participant
 from ..reporter import Reporter
 from ..store.journal import FLUSH_SECONDS
 from ..store.json_codec import Plain
@@ -141,11 +141,10 @@ def _collect_warnings(units: Mapping[str, Participant]) -> dict[str, Warnings]:
     """The warnings of the FMUs that gave any."""
     found = {}
     for name, unit in units.items():
-        if isinstance(unit, GivesWarnings):
-            with suppress(RunError):  # the run has ended, and the reason is known
-                count, first = unit.warnings()
-                if count:
-                    found[name] = Warnings(count, first)
+        with suppress(RunError):  # the run has ended, and the reason is known
+            count, first = unit.abilities.warnings()
+            if count:
+                found[name] = Warnings(count, first)
     return found
 
 

@@ -13,7 +13,7 @@ from models.core.quantities import Vector
 from ..engine.coupling import Coupling
 from ..engine.step import Step
 from ..participants import ThirdPartyComponent
-from ..participants.side_channel import SideChannel, get_side_channel
+from ..participants.protocol import SideChannel
 from ..store.json_codec import Plain
 
 HEADER = ("time", "variable", "text")
@@ -43,7 +43,7 @@ class TextRecorder:
     def watch(self, coupling: Coupling) -> None:
         units = dict(zip(coupling.wiring.names, coupling.participants, strict=True))
         for name in self._texts:
-            side = get_side_channel(units[name])
+            side = units[name].abilities.side
             assert side is not None  # it has texts
             self._sides[name] = side
 

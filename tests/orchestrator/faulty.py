@@ -68,8 +68,7 @@ class Faulty:
         value: Callable[[float, str, float], float] | None = None,
         drift: float = 0.0,
     ) -> None:
-        self.name, self.restorable = inner.name, inner.restorable
-        self._inner = inner
+        self.name, self._inner = inner.name, inner
         self._discards, self._arrives, self._silent = discards, arrives, silent
         self._fails, self._dies, self._stalls, self._stall = fails, dies, stalls, stall
         self._value, self._drift = value, 1.0 + drift

@@ -11,6 +11,7 @@ from orchestrator.engine.observer import Observer
 from orchestrator.engine.step import Step
 from orchestrator.masters import MASTERS
 from orchestrator.participants import in_process
+from orchestrator.participants.protocol import Abilities
 from orchestrator.run.simulation import Statistics, simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
@@ -31,7 +32,7 @@ class OneWay:
     """A participant that fails where it is asked to go back."""
 
     def __init__(self, unit: Any) -> None:
-        self._unit, self.restorable = unit, False
+        self._unit, self.abilities = unit, Abilities(restorable=False)
 
     def __getattr__(self, name: str) -> Any:
         assert name not in ("save", "restore")

@@ -12,6 +12,7 @@ from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import DiscardedStepError, RecoverableError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process, open_fmu
+from orchestrator.participants.protocol import Abilities
 
 from .coupled import run_coupled
 from .faulty import Faulty, after, at_random, every, longer_than
@@ -131,7 +132,7 @@ def test_what_cannot_be_restored_and_does_not_say_where_it_is_is_not_tried_again
     for error, fault in ((DiscardedStepError, {"discards": after(0.5), "silent": True}),
                          (RecoverableError, {"fails": after(0.5)})):  # fmt: skip
         unit = Faulty(second(), **fault)
-        unit.restorable = False
+        unit.abilities = Abilities(restorable=False)
         with pytest.raises(error, match=r"t = 0\.5 s by 0\.01 s"):
             run(Substepped(unit, halvings=4))
 

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from orchestrator.participants import Participant
-from orchestrator.participants.side_channel import get_side_channel
 from orchestrator.reporter import Reporter
 from orchestrator.run.participants import open_participants
 from orchestrator.run.pipeline import run
@@ -63,7 +62,7 @@ def find_texts(one: Scenario, name: str, variables: list[str]) -> list[str]:
     with opened(one) as (plan, units):
         steps, lines = plan.make_steps(), plan.side_lines
         simulate(plan.system, units, plan.master, steps, plan.stop_time, lines=lines)
-        side = get_side_channel(units[name])
+        side = units[name].abilities.side
         assert side
         return side.get_texts(variables)
 

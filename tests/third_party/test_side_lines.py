@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from orchestrator.engine.step import Step
+from orchestrator.participants.protocol import Abilities
 from orchestrator.run.text_recorder import TextRecorder
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.ssp import export
@@ -56,11 +57,11 @@ class Speaking:
 
 
 def test_texts_are_recorded_where_they_change_also_by_a_resumed_run(tmp_path: Path) -> None:
-    unit = SimpleNamespace(side=Speaking())
+    unit = SimpleNamespace(abilities=Abilities(side=Speaking()))  # type: ignore[arg-type]
     coupling = SimpleNamespace(wiring=SimpleNamespace(names=("one",)), participants=[unit])
 
     def say(recorder: TextRecorder, time: float, text: str) -> None:
-        unit.side.text = text
+        unit.abilities.side.text = text  # type: ignore[union-attr]
         recorder.observe(time, np.zeros, Step(time, 0.1, 1))
 
     def record() -> TextRecorder:

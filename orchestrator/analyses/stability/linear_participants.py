@@ -22,7 +22,7 @@ from ...engine.signals import NEEDED, POINTS
 from ...masters import Master
 from ...participants.capabilities import HIGHEST
 from ...participants.compiled import IN_PROCESS
-from ...participants.protocol import BoundVariables
+from ...participants.protocol import Abilities, BoundVariables
 from ...participants.signal_degrees import find_highest_degrees
 from .extrapolation_error import HERMITE, build_shapes, evaluate_ends
 from .linear import ROWS, Linear
@@ -73,7 +73,7 @@ class LinearParticipant:
     trajectory is at rest unless `LinearCoupling.add_extrapolation_error` changes it for the next step.
     """
 
-    restorable = True
+    abilities = Abilities()
 
     def __init__(self, name: str, instance: Instance, linear: Linear, count: int = 1) -> None:
         self.name, self.count = name, count

@@ -18,7 +18,7 @@ from models.core.system import Instance, ModelError, Port, System
 from models.monolithic.trajectory import Trajectory
 
 from ...errors import Option, ParticipantError, Set, Words
-from ...participants import GivesDerivatives, Participant, transformed
+from ...participants import Participant, transformed
 from ...participants.reopened import Reopened
 from ...run.participants import ParticipantPlan
 from ...scenario import Scenario, ScenarioError
@@ -137,9 +137,9 @@ class Directional(ParticipantLinearisation):
 
     def __init__(self, name: str, participant: Participant, system: System) -> None:
         super().__init__(name, participant, system)
-        assert isinstance(participant, GivesDerivatives)
-        self._fmu = participant
-        self._states = participant.find_states([*self.input_names, *self.output_names]) or ()
+        assert participant.abilities.derivatives
+        self._fmu = participant.abilities.derivatives
+        self._states = self._fmu.find_states([*self.input_names, *self.output_names]) or ()
 
     def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
         self._advance_to(trajectory, row)
@@ -292,17 +292,13 @@ def open_linearisations(
             plan, instance = participants[name], system.instances[name]
             unit = plan.open_bare(name, instance)
             exchanged = [*list_connected_inputs(name, system), *list_continuous_outputs(name, system)]
-            if (
-                not every
-                and not plan.linear
-                and isinstance(unit, GivesDerivatives)
-                and unit.find_states(exchanged) is not None
-            ):
+            derivatives = None if every or plan.linear else unit.abilities.derivatives
+            if derivatives and derivatives.find_states(exchanged) is not None:
                 stack.callback(unit.close)
                 linearisations[name] = Directional(name, unit, system)
                 continue
             returns = SAVED
-            if not unit.restorable:
+            if not unit.abilities.restorable:
                 unit.close()
                 check_repetition(scenario, name, len(list_connected_inputs(name, system)))
                 unit = Reopened(partial(plan.open_bare, name, instance))

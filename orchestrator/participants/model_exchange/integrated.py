@@ -26,7 +26,7 @@ from models.monolithic.runge_kutta import RungeKutta
 from ...errors import ParticipantError
 from ..capabilities import signal_degrees
 from ..opened_fmu import FmuSettings
-from ..protocol import BoundVariables
+from ..protocol import Abilities, BoundVariables
 from .crossing import cross
 from .equations import ExchangeFmu
 
@@ -125,12 +125,11 @@ class IntegratedFmu:
     def __init__(self, name: str, path: Path, settings: FmuSettings, folder: Path | None = None) -> None:
         self.name, self._settings = name, settings
         self._fmu = ExchangeFmu(name, path, settings, (), folder)
-        self.restorable = self._fmu.restorable
+        self.abilities = Abilities(self._fmu.description.restorable, warnings=self._fmu.warnings)
         self._problem = DrivenEquations(self._fmu)
         self._time, self._z = 0.0, np.zeros(self._problem.nominal.size)
         self._stiff = self._jumped = False
         self.initialise, self.close = self._fmu.initialise, self._fmu.close
-        self.warnings = self._fmu.warnings
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return signal_degrees(self._fmu.description, input_names)
