@@ -1,7 +1,8 @@
-"""The oil of a part in a scenario: a grade or data of a sheet, at a temperature, for its parameters."""
+"""The oil of a scenario or of a part: a grade or data of a sheet, at a temperature, for parameters."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, TypeAdapter, ValidationError
@@ -16,6 +17,7 @@ from .messages import place_faults
 from .values import Faults, WithUnit, build_component
 
 if TYPE_CHECKING:
+    from .component_table import ComponentTable
     from .scenario import Scenario
 
 Viscosity = Annotated[float, in_unit("m2/s")]
@@ -29,6 +31,8 @@ RANGES = (
 )
 # Parts with the viscosity of an oil.
 OILED = (roles.Contact, roles.Bearing, roles.Adjuster)
+# Numbers of an oil that parts state, with their units.
+STATED = {"viscosity": "Pa.s", "pressure_viscosity": "1/Pa"}
 # Of a scenario's parts with the same oil, so many are named in a line.
 NAMED = 3
 
@@ -48,6 +52,46 @@ class OilSheet(Table):
 
 def insert_oil(table: dict[str, Any]) -> dict[str, Any]:
     """A component's table with the numbers of its `oil` at its `temperature` among the parameters."""
+    temperature, found = _evaluate(table)
+    known = build_component(table["component"]).parameters
+    given = {name: value for name, value in found.items() if name in known}
+    own = table.get("parameters", {})
+    if both := [name for name in given if name in own]:
+        faults = (
+            (f"parameters.{name}", f" = {own[name]!r}: the oil gives it too; leave out one of both")
+            for name in both
+        )
+        raise Faults(*faults)
+    return table | {"temperature": temperature, "parameters": {**given, **own}}
+
+
+def share_oil(content: dict[str, Any]) -> dict[str, Any]:
+    """A scenario's content with the numbers of its `oil` at its `temperature` in every part that has an oil,
+    but for those that the part states itself; Faults."""
+    components = content.get("components")
+    if content.keys().isdisjoint(("oil", "temperature")) or not isinstance(components, dict):
+        return content
+    temperature, found = _evaluate(content)
+
+    def share(table: Any) -> Any:
+        if not isinstance(table, dict) or table.get("oil") is not None:
+            return table
+        try:
+            component = build_component(str(table.get("component")))
+        except ValueError:
+            return table  # which the check of `component` refuses, or a third-party FMU
+        own = table.get("parameters", {})
+        if not component.has_role(*OILED) or not isinstance(own, dict):
+            return table
+        given = {name: value for name, value in found.items() if name in component.parameters}
+        return table | {"parameters": {**given, **own}}
+
+    shared = {name: share(table) for name, table in components.items()}
+    return content | {"temperature": temperature, "components": shared}
+
+
+def _evaluate(table: Mapping[str, Any]) -> tuple[float, dict[str, WithUnit]]:
+    """The temperature (K) of the table's `oil`, and its numbers by the names of parameters; Faults."""
     for key, other in (("oil", "temperature"), ("temperature", "oil")):
         if table.get(key) is None:
             example = {"oil": "'SAE 5W-30'", "temperature": "'90 degC'"}[key]
@@ -58,23 +102,8 @@ def insert_oil(table: dict[str, Any]) -> dict[str, Any]:
         state = evaluate_oil(oil, temperature)
     except ValueError as error:
         raise Faults(("temperature", f" = {_in_celsius(temperature)}: {error}")) from None
-    found = {
-        "viscosity": state.viscosity,
-        "pressure_viscosity": state.pressure_viscosity,
-        "roelands_exponent": state.roelands_exponent,
-        "roelands_pressure": ROELANDS_PRESSURE,
-        "temperature_viscosity": state.temperature_viscosity,
-    }
-    known = build_component(table["component"]).parameters
-    given = {name: WithUnit(value) for name, value in found.items() if name in known}
-    own = table.get("parameters", {})
-    if both := [name for name in given if name in own]:
-        faults = (
-            (f"parameters.{name}", f" = {own[name]!r}: the oil gives it too; leave out one of both")
-            for name in both
-        )
-        raise Faults(*faults)
-    return table | {"temperature": temperature, "parameters": {**given, **own}}
+    numbers = {**state._asdict(), "roelands_pressure": ROELANDS_PRESSURE}
+    return temperature, {name: WithUnit(value) for name, value in numbers.items()}
 
 
 def read_oil(written: Any) -> Oil:
@@ -111,10 +140,55 @@ def read_oil(written: Any) -> Oil:
 def list_oils(scenario: Scenario) -> list[str]:
     """What each oil of a scenario has at its temperature, a line each."""
     lines: dict[str, list[str]] = {}
-    for name, table in scenario.components.items():
-        if table.oil is not None and table.temperature is not None:
-            lines.setdefault(_describe(table.oil, table.temperature), []).append(name)
+    for name, table in _list_oiled(scenario).items():
+        if (own := table if table.oil is not None else scenario).oil is not None:
+            lines.setdefault(_describe(own.oil, own.temperature or 0.0), []).append(name)
     return [f"{_join(names)}: {text}" for text, names in lines.items()]
+
+
+def doubt_oils(scenario: Scenario) -> list[str]:
+    """Tell of numbers beside the scenario's oil, and of parts without one oil."""
+    values: dict[tuple[str, float], list[str]] = {}
+    parts = _list_oiled(scenario)
+    for name, table in parts.items():
+        if scenario.oil is not None and table.oil is not None:
+            continue
+        layout = table.resolve().parameters
+        for key in STATED:
+            if key in layout:
+                value = float(table.parameters.get(key, layout.field(key).start))
+                values.setdefault((key, value), []).append(name)
+    if scenario.oil is not None:
+        temperature, oil = _evaluate({"oil": scenario.oil, "temperature": scenario.temperature})
+        return [
+            f"{key} of components.{_join(names)} is set by hand: {value:.4g} {STATED[key]}; the oil has "
+            f"{oil[key]:.4g} {STATED[key]} at {_in_celsius(temperature)}"
+            for (key, value), names in values.items()
+            if value != oil[key]
+        ]
+    oils = [table.oil for table in parts.values()]
+    if None not in oils and all(oil == oils[0] for oil in oils):
+        return []  # at the temperature of each part
+    found = []
+    for key, unit in STATED.items():
+        each = [f"{v:.4g} {unit} in {_join(names)}" for (k, v), names in values.items() if k == key]
+        if len(each) > 1:
+            found.append(f"{key} is {', '.join(each)}")
+    if not found:
+        return []
+    return [
+        f"{'; '.join(found)}: no oil has all of these at one temperature; state one for all parts, above the "
+        'first table, e.g. oil = "SAE 5W-30" and temperature = "100 degC"'
+    ]
+
+
+def _list_oiled(scenario: Scenario) -> dict[str, ComponentTable]:
+    """The parts with an oil; a dry contact has none."""
+    return {
+        name: table
+        for name, table in scenario.components.items()
+        if table.resolve().has_role(*OILED) and table.parameters.get("film_model") != "dry"
+    }
 
 
 def _describe(written: str | OilSheet, temperature: float) -> str:

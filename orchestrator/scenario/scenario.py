@@ -19,6 +19,7 @@ from .connection import parse_named_line
 from .fields import Seconds, SecondsOr0, Table, Tolerance
 from .master_table import MasterTable
 from .messages import REMEDIES, Location, list_messages
+from .oil import OilSheet, Temperature, share_oil
 from .revolutions import convert_to_seconds
 from .step_control_table import CONVERGED, EVENT_TOLERANCE, StepControlTable
 from .values import Faults
@@ -96,6 +97,15 @@ class Scenario(Table):
     )
     start: Literal["equilibrium", "given"] = Field(
         "equilibrium", description="Start at rest in balance, or from the start values as given"
+    )
+    oil: str | OilSheet | None = Field(
+        None,
+        description="Oil of all contacts, bearings and lash adjusters: a grade, or a table of its data; with "
+        "`temperature` it becomes their `parameters`, but for those that a part states itself",
+        exclude=True,
+    )
+    temperature: Temperature | None = Field(
+        None, description="Temperature of the oil (K, or a text with a unit)", exclude=True
     )
     call_time_limit: Seconds | None = Field(
         None, description="Longest wall time of a call of an FMU in its own process; default: no limit"
@@ -274,7 +284,7 @@ def _split_message(line: str) -> tuple[str, str]:
 def build_scenario(content: dict[str, Any]) -> Scenario:
     """Build a scenario from a file's content; ScenarioError with a line for each fault."""
     try:
-        return Scenario.model_validate(convert_to_seconds(content))
+        return Scenario.model_validate(share_oil(convert_to_seconds(content)))
     except ValidationError as error:
         raise ScenarioError("\n".join(map(_add_place, list_messages(error, _list_keys)))) from None
     except Faults as error:

@@ -8,6 +8,7 @@ from ..participants import ThirdPartyComponent
 from . import Scenario, parse_line
 from .capabilities import list_renamed_libraries, list_unsynchronised
 from .fmu_limits import list_limit_warnings
+from .oil import doubt_oils
 from .third_party_values import list_bare_numbers
 from .values import WithUnit
 
@@ -30,6 +31,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
         *found,
         *list_doubtful(scenario),
         *_list_notes(scenario),
+        *doubt_oils(scenario),
         *_list_unloaded(scenario),
         *_list_other_units(scenario),
         *_list_late_starts(scenario),

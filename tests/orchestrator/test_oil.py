@@ -11,7 +11,7 @@ from models.contact.oils import evaluate_oil
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario import ScenarioError, build_scenario
-from orchestrator.scenario.files import SHIPPED, load, read_contents, to_full_toml
+from orchestrator.scenario.files import SHIPPED, list_shipped, load, read_contents, to_full_toml
 from orchestrator.scenario.oil import list_oils
 from orchestrator.scenario.warnings import list_warnings
 from tribocosim.cached_fmus import build_fmu
@@ -141,3 +141,87 @@ def test_parts_with_a_viscosity_alone_take_that_of_the_oil(tmp_path, base, part)
     given = load(write(tmp_path, text, base)).components[part].parameters
     assert given["viscosity"] == evaluate_oil(GRADES["SAE 5W-30"], 363.15).viscosity
     assert "pressure_viscosity" not in given
+
+
+ONE_OIL = 'oil = "SAE 5W-30"\ntemperature = "100 degC"\n'
+HOT = evaluate_oil(GRADES["SAE 5W-30"], 373.15)
+OILED = {
+    "finger-follower-hla": ("cam_contact", "valve_contact", "adjuster"),
+    "shaft-in-bearings": ("contact", "bearing_1", "bearing_2"),
+    "rocker-friction": ("cam_contact", "valve_contact"),
+    "engine": ("contact", "upper_wall", "lower_wall"),
+}
+
+
+@pytest.mark.parametrize("base", OILED)
+def test_every_part_has_the_viscosity_of_the_scenarios_oil(tmp_path, base):
+    """11 mm2/s at 100 degC (the sheet) times 855 kg/m3 expanded by ASTM D1250: 8.81 mPa.s."""
+    scenario = load(write(tmp_path, ONE_OIL, base))
+    assert HOT.viscosity == pytest.approx(8.81e-3, rel=1e-3)
+    for part in OILED[base]:
+        given = scenario.components[part].parameters
+        assert given["viscosity"] == HOT.viscosity
+        if "contact" in part:
+            assert given["pressure_viscosity"] == HOT.pressure_viscosity
+    assert not any("viscosity" in line for line in list_warnings(scenario))
+    assert f"viscosity of {1e3 * HOT.viscosity:.4g} mPa.s" in list_oils(scenario)[0]
+
+
+def test_a_viscosity_beside_the_scenarios_oil_is_said_once(tmp_path):
+    by_hand = "".join(f"[components.{part}.parameters]\nviscosity = 0.01\n" for part in OILED["engine"][1:])
+    scenario = load(write(tmp_path, ONE_OIL + by_hand, "engine"))
+    assert scenario.components["upper_wall"].parameters["viscosity"] == 0.01
+    (line,) = (line for line in list_warnings(scenario) if "viscosity" in line)
+    assert line == (
+        "viscosity of components.upper_wall, lower_wall is set by hand: 0.01 Pa.s; "
+        f"the oil has {HOT.viscosity:.4g} Pa.s at 100 degC"
+    )
+
+
+def test_a_part_keeps_its_own_oil(tmp_path):
+    scenario = load(write(tmp_path, ONE_OIL + OIL))
+    assert (
+        scenario.components["contact"].parameters["viscosity"]
+        == evaluate_oil(GRADES["SAE 5W-30"], 363.15).viscosity
+    )
+    assert [line.partition(":")[0] for line in list_oils(scenario)] == ["contact"]
+
+
+TWO_OILS = "[components.{part}.parameters]\nviscosity = 0.02\n"
+
+
+@pytest.mark.parametrize(
+    ("base", "text", "doubted"),
+    [
+        ("engine", TWO_OILS.format(part="upper_wall"), True),
+        ("engine", "", False),
+        ("engine", OIL, True),
+        ("engine", OIL + OIL.replace("contact", "upper_wall") + OIL.replace("contact", "lower_wall"), False),
+        ("engine", "".join(OIL.replace("contact", p).replace("90", t) for p, t in (
+            ("contact", "120"), ("upper_wall", "150"), ("lower_wall", "150"))), False),
+        ("engine", '[components.upper_wall.parameters]\nfilm_model = "dry"\nviscosity = 0.02\n', False),
+    ],
+)  # fmt: skip
+def test_parts_that_no_temperature_of_one_oil_explains_are_doubted(tmp_path, base, text, doubted):
+    """Of one oil at several stated temperatures each part is explained; a dry contact has no oil."""
+    found = [line for line in list_warnings(load(write(tmp_path, text, base))) if "no oil has" in line]
+    assert len(found) == doubted
+    assert not found or ("0.036 Pa.s in" in found[0] and 'temperature = "100 degC"' in found[0])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('oil = "SAE 5W-30"\n', r"temperature: missing beside oil"),
+        ('oil = "SAE 5W-3"\ntemperature = "90 degC"\n', r"oil = 'SAE 5W-3': no such grade"),
+        ('oil = "SAE 30"\ntemperature = 90\n', r"temperature = -183.15 degC: must be -20 to 200 degC"),
+    ],
+)
+def test_a_scenarios_oil_is_refused_as_a_parts(tmp_path, text, said):
+    with pytest.raises(ScenarioError, match=said):
+        load(write(tmp_path, text))
+
+
+@pytest.mark.parametrize("name", list_shipped())
+def test_shipped_scenarios_have_one_oil(name):
+    assert not [line for line in list_warnings(load(name)) if "viscosity" in line]
