@@ -1,16 +1,31 @@
-"""Recurrence: the period of constructed sequences, whatever comes before them."""
+"""Recurrence and kinds of motion: periods of constructed sequences, escape from chaos, known motions."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from models.slider_crank.motions.classification import (
+    CHAOTIC,
+    PERIODIC,
+    TRANSIENT_CHAOS,
+    UNDECIDED,
+    WINDOW,
+    classify,
+)
+from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.recurrence import (
     REPEATS,
     SETTLED,
     TOLERANCE,
     find_recurrence,
     run_until_recurrent,
+)
+from models.slider_crank.motions.transients import (
+    Transients,
+    draw_starts,
+    fit_escape_time,
+    measure_transients,
 )
 
 
@@ -109,3 +124,86 @@ def test_looking_ends_with_the_cycles() -> None:
     seen, found = run_until_recurrent(stream, 1000)
     assert found is None
     assert len(seen) == stream.given == 1000
+
+
+def drawn(mean: float, seed: int, count: int, cycles: int) -> Transients:
+    """Lengths from an exponential distribution beyond 30, seen for so many cycles."""
+    lengths = 30.0 + np.random.default_rng(seed).exponential(mean, count)
+    settled = lengths < cycles
+    return Transients(np.zeros((count, 2)), np.where(settled, lengths, cycles), settled.astype(int), cycles)
+
+
+@given(mean=st.floats(50.0, 5000.0), seed=st.integers(0, 1000))
+@settings(derandomize=True, deadline=None, max_examples=50)
+def test_the_mean_escape_time_is_found_within_its_error_though_some_never_escape(
+    mean: float, seed: int
+) -> None:
+    found = fit_escape_time(drawn(mean, seed, 4000, 5000))
+    assert found is not None
+    # 50 draws: 4.5 standard errors are passed with probability 3e-4.
+    assert abs(found.mean - mean) < 4.5 * found.error
+    # Kolmogorov and Smirnov: 2/sqrt(n) is passed with probability 7e-4 at most.
+    assert found.distance < 2.0 / np.sqrt(4000)
+
+
+def test_lengths_that_are_not_exponential_are_far_from_their_fit_and_none_has_no_fit() -> None:
+    found = fit_escape_time(Transients(np.zeros((500, 2)), np.full(500, 130.0), np.ones(500), 1000))
+    assert found is not None
+    assert found.mean == 100.0
+    assert found.distance > 0.3
+    assert fit_escape_time(Transients(np.zeros((3, 2)), np.full(3, 100.0), np.zeros(3), 100)) is None
+
+
+def test_starts_are_between_the_walls_and_repeat_with_their_seed() -> None:
+    machine = Machine(gap=0.01)
+    starts = draw_starts(machine, 1000, seed=3)
+    assert np.all(np.abs(starts) <= [0.01, 0.1])
+    assert np.abs(starts).max(axis=0) == pytest.approx([0.01, 0.1], rel=0.02)
+    np.testing.assert_array_equal(starts, draw_starts(machine, 1000, seed=3))
+
+
+@pytest.mark.long
+def test_transient_chaos_of_the_thesis_does_not_depend_on_the_workers() -> None:
+    machine = Machine(damping=0.075, gap=0.01, form="as_published")
+    starts = draw_starts(machine, 40)
+    one, two = (measure_transients(machine, starts, 4000, workers) for workers in (1, 2))
+    np.testing.assert_array_equal(one.lengths, two.lengths)
+    assert one.settled.all()
+    assert one.lengths.max() > 100
+
+
+THESIS = "as_published"
+
+
+def test_without_rebound_the_motion_slides_and_repeats_every_cycle() -> None:
+    # Low friction: both walls are reached in every cycle, and each impact ends the motion's memory.
+    found = classify(Machine(damping=0.05, gap=0.01, restitution=0.0), 2000)
+    assert (found.kind, found.period, found.slides) == (PERIODIC, 1, True)
+    assert "to the last bit" in found.evidence
+
+
+def test_sustained_chaos_of_the_thesis() -> None:
+    found = classify(Machine(damping=0.05, gap=0.01, form=THESIS), 5000)
+    assert (found.kind, found.period) == (CHAOTIC, 0)
+    assert found.exponent > 3.0 * found.uncertainty > 0.0
+
+
+def test_transient_chaos_of_the_thesis() -> None:
+    found = classify(Machine(damping=0.025, gap=0.01, form=THESIS), 10_000)
+    assert (found.kind, found.period) == (TRANSIENT_CHAOS, 1)
+    assert found.transient_exponent > 3.0 * found.transient_uncertainty > 0.0
+    assert found.exponent + 3.0 * found.uncertainty < 0.0
+
+
+def test_a_long_orbit_that_slides_tells_of_chaos_between_its_slides() -> None:
+    found = classify(Machine(damping=0.228, gap=0.015, form=THESIS), 2000)
+    assert (found.kind, found.slides) == (PERIODIC, True)
+    assert "chaos that each slide ends" in found.evidence
+    assert found.period >= 2 * WINDOW
+
+
+def test_what_neither_grows_nor_dies_out_is_undecided_and_says_what_helps() -> None:
+    # No friction, no loss, no forcing: the middle is an orbit that neither attracts nor repels.
+    rest = classify(Machine(damping=0.0, gap=0.01, restitution=1.0, xi=0.0, alpha=0.0, beta=0.0), 200)
+    assert rest.kind == UNDECIDED
+    assert "would help" in rest.evidence

@@ -1,6 +1,8 @@
-"""The shipped scenario with 16 valves: phases, and camshafts that do not feel each other."""
+"""Shipped scenarios are within their tolerances; of 16 valves: phases, camshafts that are independent."""
 
+import json
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,9 +10,10 @@ import pytest
 from benchmarks.many_valves import ENGINE, FILE, FIRING_ORDER, build_content, build_engine, list_phases
 from models.core.system import System
 from orchestrator.masters import GaussSeidel
-from orchestrator.scenario.files import load
+from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.system import build_system
 
+from .commands import called
 from .coupled import run_coupled
 
 
@@ -94,3 +97,19 @@ def test_cylinders_turn_in_firing_order_and_as_they_do_alone():
 
 def test_the_engine_file_is_what_the_script_writes():
     assert tomllib.loads(ENGINE.read_text("utf-8")) == build_engine()
+
+
+# Those with solved films or sixteen valves and pistons take many minutes.
+LENGTHY = {"engine-ehl", "valve-train-ehl", "valve-train-ehl-sweep", "engine-16v"}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", sorted(set(list_shipped()) - LENGTHY))
+def test_a_run_is_within_its_tolerance_of_the_reference(name: str, tmp_path: Path, record) -> None:
+    done = called("run", name, "--no-figures", "--out", str(tmp_path / name))
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / name / "summary.json").read_text("utf-8"))
+    for variable, allowed in summary["tolerance"].items():
+        quantity = f"scenario {name}: relative RMS error of {variable}"
+        error = summary["errors"][variable]["relative_rms"]
+        record("Coupling", quantity, error, 0.0, "monolithic solution", tolerance=allowed)

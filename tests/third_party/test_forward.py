@@ -1,5 +1,6 @@
-"""Step control of FMUs that cannot restore their state."""
+"""Step control of FMUs that cannot restore their state, or tell of no contact."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,9 @@ from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.system import build_system
 from orchestrator.scenario.warnings import list_warnings
 
+from .c_fmus import fmu
 from .masses import exact_position, masses
-from .runs import ran
+from .runs import ran, scenario
 
 SECOND = "stateless_mass"
 
@@ -47,3 +49,23 @@ def test_what_does_not_go_is_refused_with_its_remedy(
 ) -> None:
     with pytest.raises(ScenarioError, match=said):
         build_system(masses(SECOND, tmp_path, **changes))
+
+
+STIFFNESS, HEIGHT, GRAVITY = 1e6, 0.1, 9.81
+# Where the spring has all of the energy: k d^2 / 2 = g (h + d).
+DEEPEST = (GRAVITY + math.sqrt(GRAVITY**2 + 2.0 * STIFFNESS * GRAVITY * HEIGHT)) / STIFFNESS
+
+
+def test_an_explicit_master_with_step_control_meets_the_contact(tmp_path: Path) -> None:
+    one = scenario(
+        {name: {"participant": fmu(name, 2, tmp_path)} for name in ("falling", "stop")},
+        connections=["falling.position -> stop.position", "stop.force -> falling.force"],
+        stop_time=0.16,
+        step_control={"relative": 1e-6},
+    )
+    summary, found = ran(one, tmp_path / "out")
+    assert summary.complete
+    position, velocity = found["falling.position"], found["falling.velocity"]
+    assert position.min() == pytest.approx(-DEEPEST, rel=0.02)
+    energy = 0.5 * velocity**2 + GRAVITY * position + 0.5 * STIFFNESS * np.minimum(position, 0.0) ** 2
+    assert energy[-1] == pytest.approx(GRAVITY * HEIGHT, rel=0.1)

@@ -1,10 +1,16 @@
-"""Every public FMU at hand runs, or is refused with its reason before anything is written."""
+"""Every public FMU at hand runs, or is refused; the errors that coupled ones report are the true ones.
 
+Of coupled ones a linear system of three states (StateSpace, model exchange) is driven by others or its like.
+"""
+
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from fmus.fmi.validate import info
 from models.core.difference import difference, time_weights
@@ -101,3 +107,133 @@ def test_what_is_inside_is_recorded_of_an_fmu_without_outputs(tmp_path: Path) ->
     path = replace_text(plain, tmp_path / "inside.fmu", 'causality="output"', 'causality="local"')
     _, found = ran(scenario({"one": {"participant": path}}), tmp_path / "out")
     np.testing.assert_allclose(found["one.x"], np.exp(-found["time"]), rtol=1e-12)
+
+
+# Of the solutions that are integrated here.
+EXACT = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
+A = np.array([[0.0, 1.0, 0.0], [-9.0, -0.5, 0.0], [0.0, 0.0, -1.0]])
+B = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+
+
+def linear(**changes: Any) -> dict[str, Any]:
+    """y = x, dx/dt = A x + B u, from rest; the second input is constant."""
+    table = {
+        "participant": public("reference-fmus-3/StateSpace.fmu"),
+        "interface": "model_exchange",
+        "parameters": {"A": A.tolist(), "B": B.tolist(), "D": np.zeros((3, 3)).tolist()},
+        "inputs": {"u[2]": 0.0, "u[3]": 0.0},
+    }
+    return table | changes
+
+
+def answer_step(times: np.ndarray) -> np.ndarray:
+    """The first state of the linear system at these times, driven by 1 from t = 0 on."""
+
+    def rate(t: float, x: np.ndarray) -> np.ndarray:
+        return np.asarray(A @ x + B[:, 0])
+
+    return np.asarray(solve_ivp(rate, (0.0, times[-1]), np.zeros(3), t_eval=times, **EXACT).y[0])
+
+
+def check(
+    components: dict[str, Any], lines: list[str], true: Callable[[np.ndarray], np.ndarray], case: str,
+    tmp_path: Path, record: Any, compared: str = "filter.y[1]", own: float = 1e-9, **changes: Any,
+) -> None:  # fmt: skip
+    """The reported error is the true one, within its uncertainty and what the FMUs' own solvers miss."""
+    settings = {"macro_step": 0.02, "master": {"name": "jacobi", "extrapolation": "linear"}} | changes
+    one = scenario(components, connections=lines, reference={}, tolerance={compared: 1.0}, **settings)
+    summary, found = ran(one, tmp_path / "out")
+    assert summary.complete, summary.message
+    error = summary.errors[compared]
+    wanted = difference(found[compared], true(found["time"])).relative_rms
+    tolerance = error.uncertainty.relative_rms + own
+    name = f"public {case}: relative RMS error of {compared}, as reported"
+    record("FMUs", name, error.relative_rms, wanted, "independent solution", tolerance=tolerance)
+    assert wanted > 10.0 * own  # else nothing is compared
+
+
+def test_two_linear_systems_in_a_ring(tmp_path: Path, record: Any) -> None:
+    """Each drives the other with its first state; a constant drives one. The matrix exponential of both."""
+
+    def true(times: np.ndarray) -> np.ndarray:
+        whole = np.zeros((7, 7))
+        whole[:3, :3] = whole[3:6, 3:6] = A
+        whole[:3, 3] = whole[3:6, 0] = B[:, 0]
+        whole[:3, 6] = B[:, 1]
+        start = np.append(np.zeros(6), 1.0)
+        return np.array([(expm(whole * t) @ start)[3] for t in times])
+
+    tables = {"driven": linear(inputs={"u[2]": 1.0, "u[3]": 0.0}), "filter": linear()}
+    lines = ["filter.y[1] -> driven.u[1]", "driven.y[1] -> filter.u[1]"]
+    check(tables, lines, true, "StateSpace twice in a ring", tmp_path, record, stop_time=3.0)
+
+
+# Of an FMU that drives the system: its output, the equation and start of its state, whose first element that
+# is, and for how long (the ball until it bounces).
+SOURCES: dict[str, tuple[str, Callable[[np.ndarray], list[float]], list[float], float]] = {
+    "VanDerPol": ("x0", lambda z: [z[1], (1.0 - z[0] ** 2) * z[1] - z[0]], [2.0, 0.0], 3.0),
+    "Dahlquist": ("x", lambda z: [-z[0]], [1.0], 3.0),
+    "BouncingBall": ("h", lambda z: [z[1], -9.81], [1.0, 0.0], 0.4),
+}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("name", SOURCES)
+def test_a_source_drives_a_linear_system(name: str, version: int, tmp_path: Path, record: Any) -> None:
+    """Both equations integrated in one."""
+    output, rate, start, stop = SOURCES[name]
+    size = len(start)
+
+    def true(times: np.ndarray) -> np.ndarray:
+        solved = solve_ivp(
+            lambda t, z: np.append(rate(z), A @ z[size:] + B[:, 0] * z[0]),
+            (0.0, times[-1]), [*start, 0.0, 0.0, 0.0], t_eval=times, **EXACT,
+        )  # fmt: skip
+        return np.asarray(solved.y[size])
+
+    path = public(f"reference-fmus-{version}/{name}.fmu")
+    tables = {"source": {"participant": path, "interface": "model_exchange"}, "filter": linear()}
+    case = f"{name} of FMI {version} and StateSpace"
+    check(tables, [f"source.{output} -> filter.u[1]"], true, case, tmp_path, record, stop_time=stop)
+
+
+def test_time_events_of_one_fmu_are_seen_by_another_at_their_instants(tmp_path: Path, record: Any) -> None:
+    """The stair's counter in event mode, whose steps at whole seconds lie inside macro steps of 0.3 s: these
+    end there, so that no error is left. Without, it would be of the size of a macro step."""
+    tables = {"source": {"participant": public("reference-fmus-3/Stair.fmu")}, "filter": linear()}
+    one = scenario(
+        tables, connections=["source.counter -> filter.u[1]"], stop_time=3.3, macro_step=0.3,
+        master={"name": "gauss_seidel", "extrapolation": "hold"},
+    )  # fmt: skip
+    summary, found = ran(one, tmp_path / "out")
+    assert summary.complete, summary.message
+    true = np.zeros(len(found["time"]))
+    for start in (0.0, 1.0, 2.0, 3.0):
+        since = found["time"][found["time"] >= start] - start
+        true[found["time"] >= start] += answer_step(since)
+    error = difference(found["filter.y[1]"], true).relative_rms
+    case = "public Stair in event mode and StateSpace: relative RMS error of filter.y[1]"
+    record("FMUs", case, error, 0.0, "independent solution", tolerance=1e-8)
+
+
+@pytest.mark.long
+def test_fmus_that_take_slopes_only_are_coupled_by_signals_of_any_order(tmp_path: Path) -> None:
+    """A drive train and its controller, of a tool that ignores a call with a second derivative and whose
+    rates are no numbers at the start, against their equations: any signal is as good as a line."""
+    tables = {
+        "drive": {"participant": public("fmpy/Drivetrain.fmu")},
+        "control": {"participant": public("fmpy/Controller.fmu"), "parameters": {"PI.k": 20.0}},
+    }
+    lines = ["drive.w -> control.u_m", "control.y -> drive.tau"]
+    error = {}
+    for signal in ("linear", "quadratic", "hermite"):
+        one = scenario(
+            tables, connections=lines, master={"name": "jacobi", "extrapolation": signal}, macro_step=4e-3,
+            reference={"method": "monolithic"}, tolerance={"drive.w": 1.0},
+        )  # fmt: skip
+        summary, _ = ran(one, tmp_path / signal)
+        error[signal] = summary.errors["drive.w"].relative_rms
+        told = any("drive, control: rates of change" in line for line in summary.tell())
+        assert told == (signal == "hermite")
+    assert max(error.values()) < 2.0 * error["linear"] < 0.01

@@ -1,4 +1,4 @@
-"""What third-party FMUs cannot do, or only equations could say, is refused before the run."""
+"""What third-party FMUs cannot do, say wrongly, or only equations could say, is refused before the run."""
 
 from pathlib import Path
 from typing import Any
@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from fmus.fmi.validate import validate
+from orchestrator.participants.description import DescriptionError, read_description
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import list_shipped, read_contents
 from orchestrator.scenario.system import build_system
 
 from ..archives import rename_files, replace_text
 from .c_fmus import fmu
+from .described import describe2, describe3, real2
 from .runs import ran, scenario
 
 VERSIONS = (2, 3)
@@ -89,3 +91,54 @@ def test_two_of_an_fmu_that_fills_its_process_take_processes_of_their_own(tmp_pa
     summary, found = ran(scenario(twice), tmp_path / "out")
     assert summary.complete
     np.testing.assert_array_equal(found["one.x"], found["other.x"])
+
+
+Y = real2("y", 0, "output")
+FAULTS = {
+    "index": (
+        {"structure": '<Outputs><Unknown index="9"/></Outputs>'},
+        "Unknown has index = '9', which must be from 1 to 1",
+    ),
+    "no number": (
+        {"structure": '<Outputs><Unknown index="one"/></Outputs>'},
+        "index = 'one', which must be a whole number",
+    ),
+    "no index": (
+        {"structure": "<Outputs><Unknown/></Outputs>"},
+        "the element Unknown lacks the attribute index",
+    ),
+    "dependencies": (
+        {"structure": '<Outputs><Unknown index="1" dependencies="7"/></Outputs>'},
+        "dependencies = '7', which must be from 1 to 1",
+    ),
+    "guid": ({"guid": ""}, "fmiModelDescription lacks the attribute guid"),
+    "reference": (
+        {"variables": Y.replace('valueReference="0"', "")},
+        "ScalarVariable 'y' lacks the attribute valueReference",
+    ),
+    "name": (
+        {"variables": Y.replace('name="y"', "") + Y},
+        "the element ScalarVariable lacks the attribute name",
+    ),
+    "type": (
+        {"variables": real2("y", 0, "output", 'declaredType="length"')},
+        "'y' has declaredType = 'length', which Type",
+    ),
+    "derivative": (
+        {"variables": real2("y", 0, "output", 'derivative="4"')},
+        "'y' has derivative = '4', which must be from",
+    ),
+}
+
+
+@pytest.mark.parametrize(("changes", "said"), FAULTS.values(), ids=FAULTS)
+def test_the_attribute_is_named(changes: dict[str, str], said: str, tmp_path: Path) -> None:
+    path = describe2(tmp_path / "one.fmu", **({"variables": Y} | changes))
+    with pytest.raises(DescriptionError, match=f"{said}.*, in its modelDescription.xml"):
+        read_description(path)
+
+
+def test_the_attribute_of_fmi_3_is_named(tmp_path: Path) -> None:
+    variable = '<Float64 name="y" valueReference="0" causality="output" derivative="7"/>'
+    with pytest.raises(DescriptionError, match="'y' has derivative = '7', which is the valueReference of no"):
+        read_description(describe3(tmp_path / "one.fmu", variable))

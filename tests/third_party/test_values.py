@@ -1,4 +1,4 @@
-"""Values for third-party FMUs: numbers in the FMU's unit, items of enumerations, names of other tables."""
+"""Values for third-party FMUs: numbers in the FMU's unit, enumerations, texts; what does not fit."""
 
 from pathlib import Path
 
@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 
 from fmus.fmi.validate import info
+from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
+from orchestrator.scenario.ssp.reader import read_package
+from orchestrator.scenario.ssp.writer import export
 from orchestrator.scenario.warnings import list_warnings
 
 from .c_fmus import fmu
 from .described import describe2
 from .models import MODELS, Model, V
-from .runs import ran, scenario
+from .runs import never, ran, scenario
 
 VERSIONS = (2, 3)
 TAKEN = "components.one.start.length = 0.002 mm: numbers without a unit are in the FMU's"
@@ -74,3 +77,68 @@ def test_what_is_told_of_a_file_has_ranges_and_items(
     assert "0.5..20" in length.split()
     (choice,) = (line for line in shown if line.startswith("material "))
     assert choice.endswith("(steel = 1, brass = 2, other = 9)")
+
+
+KNOWN = r"must be one of steel, brass, other, or their numbers \(1, 2, 9\)"
+# The FMU, the table and its values, and what is said.
+REFUSED = [
+    ("dahlquist", "parameters", {"K": 1.0}, r"\.K: no such parameter"),
+    ("dahlquist", "parameters", {"k": "8 mm"}, "states no unit; write a plain number"),
+    ("dahlquist", "structure", {"n": 3}, "structure.n: .*leave it out"),
+    ("reading", "parameters", {"table file": 8.0}, r"file = 8\.0 \(String\): must be a string"),
+    ("reading", "parameters", {"table file": "a\0b"}, "without null characters"),
+    ("reading", "parameters", {"raw": "0ff"}, r"raw = .0ff. \(Binary\): must be pairs of hexadecimal digits"),
+    ("reading", "parameters", {"scale": "much"}, "scale.*much"),
+    ("sized", "structure", {"m": 3}, "structure.m: no such structural parameter; .*n"),
+    ("sized", "structure", {"n": 5}, r"structure.n = 5 \(n\): must be at least 1 and at most 4"),
+    ("sized", "structure", {"n": 3}, "parameters.x0: has 3 elements .* give all of them"),
+    ("sized", "parameters", {"x0": [1.0]}, r"parameters.x0 = \[1.0\]: must have 2 values"),
+    ("sized", "parameters", {"x0": [[1.0], [2.0]]}, "parameters.x0 = .*: must have 2 values"),
+    ("sized", "parameters", {"n": 3}, "parameters.n: no such parameter; it belongs in structure"),
+    (
+        "stretched",
+        "parameters",
+        {"material": "stel"},
+        rf"'stel' \(material\): did you mean steel\? It {KNOWN}",
+    ),
+    ("stretched", "parameters", {"material": 1.5}, rf"material = 1\.5 \(material\): {KNOWN}"),
+    ("stretched", "parameters", {"material": True}, rf"material = True \(material\): {KNOWN}"),
+    ("stretched", "start", {"material": 2}, "material: no such state; it belongs in parameters"),
+    ("stretched", "inputs", {"length": 2}, "length: no such input; it belongs in start"),
+    ("stretched", "inputs", {"force": 2}, "force: no such input; leave it out$"),
+]
+
+
+@pytest.mark.parametrize(("name", "table", "values", "said"), REFUSED)
+def test_a_value_that_does_not_fit_is_named(
+    name: str, table: str, values: dict[str, object], said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(ScenarioError, match=said):
+        scenario({"one": {"participant": fmu(name, 3, tmp_path), table: values}})
+
+
+ODD = "µ/a \"b\" 'c' \\ #.csv"
+
+
+@pytest.mark.parametrize(
+    ("version", "process", "text"), [(3, "shared", ""), (2, "shared", "8 mm"), (3, "own", ODD)]
+)
+def test_a_text_arrives_in_utf_8(version: int, process: str, text: str, tmp_path: Path) -> None:
+    """Also one that would be a value with a unit elsewhere, and by the run's own scenario file."""
+    path, raw = fmu("reading", version, tmp_path), text.encode()
+    table = {"participant": path, "process": process, "parameters": {"table file": text, "scale": 2.0}}
+    summary, found = ran(scenario({"one": table}, stop_time=0.02), tmp_path / "out")
+    assert summary.complete, summary.message
+    assert set(found["one.length"]) == {2.0 * len(raw)}
+    first, second = (raw + b"\0\0")[:2]
+    assert (found["one.first"][0], found["one.second"][0]) == (first, second)
+    _, again = ran(load(tmp_path / "out" / "scenario.toml"), tmp_path / "again")
+    np.testing.assert_array_equal(again["one.length"], found["one.length"])
+
+
+def test_texts_go_through_packages(tmp_path: Path) -> None:
+    """SSP's ssv:String."""
+    table = {"participant": fmu("reading", 3, tmp_path), "parameters": {"table file": ODD, "scale": 2.0}}
+    package = tmp_path / "one.ssp"
+    export(scenario({"one": table}), package, never)
+    assert read_package(package)["components"]["one"]["parameters"] == table["parameters"]

@@ -1,5 +1,8 @@
-"""The libraries in native FMUs: small, each of its platform, with the functions of FMI and nothing more."""
+"""Machine code in native FMUs: small, of its platform and sources only; what cannot be made is said."""
 
+import os
+import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -10,6 +13,8 @@ from fmus.fmi.libraries import libraries
 from fmus.fmi.validate import validate
 from fmus.native.fmu import NAMES, build
 from fmus.native.machine_code import PLATFORMS
+from fmus.native.translate import TranslationError, translate
+from tests.orchestrator.commands import called, said
 
 from ..names import mark_long
 
@@ -40,3 +45,42 @@ def test_all_platforms_export_the_functions_of_fmi(name: str, fmi: int, tmp_path
         assert library.exports == functions(fmi) | own, folder
     assert validate(path) == []
     assert path.stat().st_size < LIMIT or name in (LARGER if fmi == 2 else LARGER_IN_FMI_3)
+
+
+def test_a_component_that_needs_python_is_refused_before_the_work(tmp_path: Path) -> None:
+    with pytest.raises(TranslationError, match=r"^ehl_line_contact: .*Python.*ehl_contact"):
+        build("ehl_line_contact", tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_run_with_it_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    done = called("run", "valve-train-ehl", "--native", "--out", str(tmp_path / "out"))
+    assert done.returncode == 2
+    assert "components.contact.component = ehl_line_contact" in said(done)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.long
+def test_what_the_compiler_says_is_one_line_without_colours(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its error and the first line of the explanation, not the last line of all."""
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    with pytest.raises(TranslationError) as raised:
+        translate("ehl_line_contact", {"nodes": 51})
+    said = str(raised.value)
+    assert said.startswith("native code of ehl_line_contact: ")
+    assert "\x1b" not in said
+    assert "\n" not in said
+    assert "During:" not in said
+
+
+@pytest.mark.long
+def test_kernels_do_not_depend_on_what_was_compiled_before(tmp_path: Path) -> None:
+    """With an empty cache and with the one that this fills."""
+    environment = os.environ | {"TRIBOCOSIM_CACHE": str(tmp_path / "cache"), "XDG_CACHE_HOME": str(tmp_path)}
+    command = [sys.executable, "-m", "fmus.native.translate", "flywheel"]
+    cold, warm = (
+        subprocess.run(command, env=environment, capture_output=True, check=True, text=True).stdout
+        for _ in range(2)
+    )
+    assert "kernel_" in cold
+    assert cold == warm

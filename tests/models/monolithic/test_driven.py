@@ -1,6 +1,7 @@
 """A component under given inputs: both methods find the closed form, through corners and jumps."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -9,10 +10,13 @@ from models.contact.ehl_line_contact import ehl_line_contact
 from models.core.component import Component
 from models.core.system import ModelError
 from models.monolithic.driven import Piece, solve_driven
+from models.monolithic.equilibrium import equilibrium, list_moving_cams
 from models.oscillators.bouncing_mass import falling_mass
 from models.oscillators.two_masses import sprung_mass
 
+from ..independent_train import cam
 from ..slider_cranks import CRANK, advance
+from ..systems import valve_train
 
 # Integrators are asked for 1e-12 a step; some hundred steps add up, and times 10.
 CLOSE = 1e-9
@@ -89,3 +93,26 @@ def test_what_cannot_be_solved_is_refused() -> None:
         solve_driven(mass, pieces(mass, "force", [(0.1, 0.0, 0.0), (0.1, 1.0, 0.0)]), np.array([1.0]))
     with pytest.raises(ModelError, match="must not be behind"):
         solve_driven(mass, pieces(mass, "force", [(0.5, 0.0, 0.0)]), np.array([0.0, 1.0]))
+
+
+@pytest.mark.parametrize("phase", [80.0, 120.0, 180.0, 200.0])
+def test_a_cam_that_moves_its_follower_is_told_with_its_velocity(phase: float) -> None:
+    """s' w; none on the base circle and at the nose."""
+    system = valve_train(1000.0, camshaft={"phase": math.radians(phase)})
+    lift, slope, _ = cam(math.radians(phase))
+    lines = list_moving_cams(system, 0.0, equilibrium(system, 0.0))
+    if phase in (80.0, 180.0):
+        assert lines == []
+    else:
+        numbers = re.search(r"lifts by (\S+) mm and moves the follower at (\S+) m/s", lines[0])
+        assert numbers
+        velocity = slope * 1000.0 * math.pi / 30.0
+        assert [float(n) for n in numbers.groups()] == pytest.approx([1e3 * lift, velocity], rel=5e-3)
+
+
+def test_where_it_leaves_no_equilibrium_the_cam_is_named() -> None:
+    system = valve_train(3000.0, camshaft={"phase": math.radians(150.0), "flexible": 1.0})
+    with pytest.raises(
+        ModelError, match=r"camshaft: .* its cam lifts by 6\.55 mm .* begin on the base circle"
+    ):
+        equilibrium(system, 0.0)
