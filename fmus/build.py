@@ -118,6 +118,8 @@ def write_fmu(content: bytes, name: str, destination: Path) -> Path:
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
         os.chmod(temporary, 0o644)  # mkstemp makes it readable for its owner only
         os.replace(temporary, target)
         note_built(content)

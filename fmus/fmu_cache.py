@@ -1,6 +1,7 @@
 """The cache of built FMUs in the user's cache folder.
 
-A file's name has the digest of its sources, so a cached file is never out of date. `tidy` deletes files that
+A file's name has the digest of its sources, so a cached file is never out of date. One whose content is not
+what was built, as after a power cut, counts as missing. `tidy` deletes files that
 were not used for a while, such as those of older code; each build that adds a file calls it.
 """
 
@@ -9,14 +10,15 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
+import re
 from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
-from fmus.fmi.origin import SUFFIX
+from fmus.fmi.origin import SUFFIX, is_built
 from models.compile import cache_eviction
 from models.compile.cache_eviction import use
-from models.compile.cache_folder import private_folder
+from models.compile.cache_folder import UntrustedFolderError, open_folder, private_folder
 
 
 def cache_path(name: str, digest: str) -> Path:
@@ -30,14 +32,15 @@ def recall(label: str, choice: str, find: Callable[[], Path]) -> Path:
     `find` takes a third of a second, since it reads the imports of all sources. `choice` has everything that
     the file depends on besides the sources. OSError if no cache folder can be used.
     """
-    folder = private_folder("fmus")
-    note = folder / f"{label}-{hashlib.sha256(f'{_sources()} {choice}'.encode()).hexdigest()[:16]}.note"
-    use(note)
-    with contextlib.suppress(OSError, UnicodeDecodeError):
-        if use_cached(known := folder / note.read_text()):
+    note = f"{label}-{hashlib.sha256(f'{_sources()} {choice}'.encode()).hexdigest()[:16]}.note"
+    use(private_folder("fmus") / note)
+    with contextlib.suppress(FileNotFoundError, UntrustedFolderError), open_folder("fmus") as folder:
+        name = folder.read(note).decode("utf-8", "replace")
+        if re.fullmatch(r"[\w-]+\.fmu", name) and use_cached(known := folder.path / name):
             return known
     found = find()
-    note.write_text(found.name)
+    with open_folder("fmus") as folder:
+        folder.write(note, found.name.encode())
     return found
 
 
@@ -54,9 +57,11 @@ def _sources() -> str:
 
 
 def use_cached(file: Path) -> bool:
-    """Whether the file exists. If so, it counts as used now, so that it is not evicted."""
+    """Whether the cached file is whole. If so, it counts as used now, so that it is not evicted."""
     use(file)
-    return file.is_file()
+    with contextlib.suppress(FileNotFoundError, UntrustedFolderError), open_folder("fmus") as folder:
+        return is_built(folder.read(file.name))
+    return False
 
 
 def tidy(folder: Path) -> None:

@@ -18,6 +18,15 @@ DESCRIPTION = "modelDescription.xml"
 
 # More than any FMU here has by a factor of a hundred; a compressed bomb is refused before it is unpacked.
 MAXIMUM_UNPACKED_BYTES = 2_000_000_000
+MAXIMUM_ENTRIES = 100_000
+
+_KINDS = {
+    stat.S_IFLNK: "a symbolic link",
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
 
 
 class FmuFileError(MistakeError):
@@ -48,14 +57,24 @@ def _begins_like_archive(path: Path) -> bool:
         return False
 
 
-def archive_faults(archive: zipfile.ZipFile) -> list[str]:
-    """Entries that would be unpacked elsewhere, damage, and what is missing; a line each."""
+def count_unpacked(archive: zipfile.ZipFile) -> int:
+    """How many bytes the archive unpacks to."""
+    return sum(entry.file_size for entry in archive.infolist())
+
+
+def archive_faults(archive: zipfile.ZipFile, room: int = MAXIMUM_UNPACKED_BYTES) -> list[str]:
+    """Entries that would be unpacked elsewhere, damage, and what is missing; a line each. `room` is how many
+    bytes it may unpack to, with what it is a part of."""
+    if len(archive.infolist()) > MAXIMUM_ENTRIES:
+        return [f"{len(archive.infolist())} files: must be at most {MAXIMUM_ENTRIES}"]
     faults = [fault for entry in archive.infolist() if (fault := _entry_fault(entry))]
     names = [name for name in archive.namelist() if not name.endswith("/")]  # folders do no harm
     faults += [f"{name}: is in the archive twice, with different content" for name in _ambiguous(archive)]
-    unpacked = sum(entry.file_size for entry in archive.infolist())
-    if unpacked > MAXIMUM_UNPACKED_BYTES:
-        faults.append(f"{unpacked:.3g} bytes when unpacked: must be at most {MAXIMUM_UNPACKED_BYTES:.3g}")
+    unpacked = count_unpacked(archive)
+    if unpacked > room:
+        inside = "" if room == MAXIMUM_UNPACKED_BYTES else " with the package that it is in"
+        limit = f"{MAXIMUM_UNPACKED_BYTES:.3g}{inside}"
+        faults.append(f"{unpacked:.3g} bytes when unpacked: must be at most {limit}")
     if faults:
         return faults
     try:
@@ -121,8 +140,12 @@ def _entry_fault(entry: zipfile.ZipInfo) -> str | None:
         return f"{name!r}: the path leaves the archive; the FMU is not safe to unpack"
     if "\\" in name:
         return f"{name!r}: the path has a backslash; FMUs separate folders by /"
-    if stat.S_ISLNK(entry.external_attr >> 16):
-        return f"{name!r}: is a symbolic link; the FMU is not safe to unpack"
+    mode = entry.external_attr >> 16
+    if stat.S_IFMT(mode) not in (0, stat.S_IFREG, stat.S_IFDIR):
+        kind = _KINDS.get(stat.S_IFMT(mode), "neither a file nor a folder")
+        return f"{name!r}: is {kind}; the FMU is not safe to unpack"
+    if mode & (stat.S_ISUID | stat.S_ISGID) and not stat.S_ISDIR(mode):
+        return f"{name!r}: would run with the rights of its owner; the FMU is not safe to unpack"
     return None
 
 

@@ -10,25 +10,32 @@ import hashlib
 from pathlib import Path
 
 from models.compile.cache_eviction import use
-from models.compile.cache_folder import private_folder
+from models.compile.cache_folder import open_folder
 
 SUFFIX = ".built"
 
 
 def note_built(content: bytes) -> None:
     """Remember that an FMU of this content was built here, if there is a cache folder to remember it in."""
-    with contextlib.suppress(OSError):
-        _find_note(content).touch()
+    with contextlib.suppress(OSError), open_folder("fmus") as folder:
+        folder.write(_name_note(content), b"")
+
+
+def is_built(content: bytes) -> bool:
+    """Whether this is the content of an FMU that was built here."""
+    with contextlib.suppress(OSError), open_folder("fmus") as folder:
+        use(folder.path / _name_note(content))
+        folder.read(_name_note(content))
+        return True
+    return False
 
 
 def is_built_here(path: Path) -> bool:
     """Whether the file has the content of an FMU that was built here."""
     with contextlib.suppress(OSError):
-        note = _find_note(path.read_bytes())
-        use(note)
-        return note.is_file()
+        return is_built(path.read_bytes())
     return False
 
 
-def _find_note(content: bytes) -> Path:
-    return private_folder("fmus") / f"{hashlib.sha256(content).hexdigest()}{SUFFIX}"
+def _name_note(content: bytes) -> str:
+    return f"{hashlib.sha256(content).hexdigest()}{SUFFIX}"

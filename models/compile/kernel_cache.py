@@ -17,7 +17,6 @@ import io
 import pickle
 import sys
 import types as python_types
-import uuid
 from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
@@ -30,7 +29,7 @@ import numpy as np
 from numba.core import caching, compiler, serialize, sigutils
 
 from .cache_eviction import due, tidy, use
-from .cache_folder import private_folder
+from .cache_folder import open_folder, user_cache_directory
 from .kernel_content import PACKAGE, compute_digest, describe, is_ours, relative_name
 
 # numba's, whose types say little.
@@ -41,6 +40,7 @@ assemble: Any = compiler.compile_result
 
 # The module that compiled kernels say they are from: the same for every copy of this package.
 HOME = "tribocosim_kernels"
+FOLDER = "kernels"
 sys.modules.setdefault(HOME, python_types.ModuleType(HOME))
 
 # Settings of numba's that change the code it makes.
@@ -58,7 +58,7 @@ class KernelCache(caching._Cache):
     @property
     def cache_path(self) -> str:
         """The folder."""
-        return str(_folder())
+        return str(user_cache_directory() / FOLDER)
 
     def enable(self) -> None:
         """Read and write files."""
@@ -86,7 +86,7 @@ class KernelCache(caching._Cache):
             self._function.__module__ = HOME
             self._function.__qualname__ = f"{name}_{key[:16]}"
             if self._enabled:
-                folder = _folder() / _versions(target_context.codegen())
+                folder = user_cache_directory() / FOLDER / _versions(target_context.codegen())
                 own = hashlib.sha256(f"{key} {PACKAGE}".encode()).hexdigest()
                 files = [folder / f"{_plain(name)}-{digest[:32]}.nbc" for digest in (key, own)]
                 self._files[sig] = files
@@ -103,8 +103,9 @@ class KernelCache(caching._Cache):
             file = files[self._names_this_package(data)]
             _known[file] = data
             _write(file, self._reduce(data))
-            if due(_folder() / "tidied"):
-                tidy(_folder().glob("*/*.nbc*"))
+            folder = file.parents[1]
+            if due(folder / "tidied"):
+                tidy(folder.glob("*/*.nbc*"))
 
     def _key(self, sig: Any, codegen: Any) -> str:
         arguments, result = normalized(sig)
@@ -189,10 +190,6 @@ def finalize(library: Any) -> None:
     library._finalized = True
 
 
-def _folder() -> Path:
-    return private_folder("kernels")
-
-
 @functools.cache
 def _versions(codegen: Any) -> str:
     """A digest of what compiles, and for which processor."""
@@ -233,7 +230,8 @@ def _read(file: Path) -> Any:
     """What `_write` wrote; None if the file is missing or damaged."""
     use(file)
     try:
-        content = file.read_bytes()
+        with open_folder(f"{FOLDER}/{file.parent.name}") as folder:
+            content = folder.read(file.name)
     except FileNotFoundError:
         return None
     check, payload = content[:32], content[32:]
@@ -247,14 +245,8 @@ def _write(file: Path, kept: Any) -> None:
     pickler: Any = _Pickler
     pickler(stream, protocol=4).dump(kept)
     payload = stream.getvalue()
-    file.parent.mkdir(parents=True, exist_ok=True)
-    new = file.with_name(f"{file.name}.{uuid.uuid4().hex[:16]}")
-    try:
-        new.write_bytes(hashlib.sha256(payload).digest() + payload)
-        new.replace(file)
-    except OSError:
-        new.unlink(missing_ok=True)
-        raise
+    with open_folder(f"{FOLDER}/{file.parent.name}") as folder:
+        folder.write(file.name, hashlib.sha256(payload).digest() + payload)
 
 
 class _Pickler(serialize.NumbaPickler):

@@ -6,11 +6,12 @@ import contextlib
 import difflib
 import functools
 import math
+import os
 import re
 import unicodedata
 from typing import Any
 
-from models.compile.cache_folder import private_folder
+from models.compile.cache_folder import open_folder
 
 from ..errors import MistakeError
 from ..participants.description import Unit
@@ -153,8 +154,14 @@ def _load_registry() -> Any:
     import pint  # slow to import, and most numbers have no unit
 
     # Reading pint's file of units takes 0.3 s, its cache 0.02 s.
-    with contextlib.suppress(Exception):  # the cache cannot be used, or another process is writing it
-        return pint.UnitRegistry(cache_folder=private_folder(f"pint-{pint.__version__}"))
+    # The cache may be of no use, or another process may be writing it.
+    with contextlib.suppress(Exception), open_folder(f"pint-{pint.__version__}") as folder:
+        folder.check_files()
+        mask = os.umask(0o077)  # files that others may write would not be read again
+        try:
+            return pint.UnitRegistry(cache_folder=folder.path)
+        finally:
+            os.umask(mask)
     return pint.UnitRegistry()
 
 

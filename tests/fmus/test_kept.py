@@ -38,6 +38,26 @@ def test_a_deleted_fmu_is_built_again(cache: Path) -> None:
     assert build("coupled_mass").read_bytes() == content
 
 
+@pytest.mark.parametrize("damage", [b"\0", b"", "half"])
+@pytest.mark.parametrize("kind", ["fmu", "note", "built"])
+def test_a_damaged_file_is_built_again(damage: bytes | str, kind: str, cache: Path) -> None:
+    """As a power cut leaves it: zeroed, empty or cut."""
+    file = build("coupled_mass")
+    content = file.read_bytes()
+    for damaged in cache.glob(f"*.{kind}"):
+        whole = damaged.read_bytes()
+        damaged.write_bytes(whole[: len(whole) // 2] if isinstance(damage, str) else damage * len(whole))
+    assert build("coupled_mass").read_bytes() == content
+
+
+def test_a_note_leads_to_no_file_elsewhere(cache: Path) -> None:
+    file = build("coupled_mass")
+    (cache.parent / "other.fmu").write_bytes(file.read_bytes())
+    for note in cache.glob("*.note"):
+        note.write_text("../other.fmu")
+    assert build("coupled_mass") == file
+
+
 def test_a_known_fmu_is_found_by_its_note_until_a_source_changes(
     cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

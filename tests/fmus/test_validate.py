@@ -103,13 +103,26 @@ def test_not_an_archive(tmp_path: Path) -> None:
         info(text)
 
 
-def test_symbolic_link(tmp_path: Path) -> None:
-    entry = zipfile.ZipInfo("binaries/link")
-    entry.external_attr = 0o120777 << 16
+@pytest.mark.parametrize(
+    ("mode", "said"),
+    [
+        (0o120777, "symbolic link"),
+        (0o010644, "named pipe"),
+        (0o020644, "device"),
+        (0o060644, "device"),
+        (0o140644, "socket"),
+        (0o104755, "rights of its owner"),
+        (0o102755, "rights of its owner"),
+    ],
+)
+@pytest.mark.parametrize("name", ["binaries/entry", "binaries/entry/"])
+def test_entries_that_are_no_plain_files_are_refused(mode: int, said: str, name: str, tmp_path: Path) -> None:
+    entry = zipfile.ZipInfo(name)
+    entry.external_attr = mode << 16
     path = tmp_path / "link.fmu"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr(entry, "/etc/passwd")
-    assert "symbolic link" in validate(path)[0]
+    assert said in validate(path)[0]
 
 
 def test_damage_anywhere_is_found(fmu_files: dict[str, Path], tmp_path: Path) -> None:

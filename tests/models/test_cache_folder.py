@@ -9,7 +9,7 @@ import pytest
 
 from fmus.build import build
 from models.compile import cache_folder
-from models.compile.cache_folder import SAID, UntrustedFolderError, private_folder
+from models.compile.cache_folder import SAID, UntrustedFolderError, open_folder, private_folder
 from models.compile.kernel import COMPILED
 from orchestrator.scenario import units
 from tribocosim.cached_fmus import build_fmu, make_folder
@@ -69,13 +69,60 @@ def test_a_folder_that_others_may_write_is_refused(
     assert private_folder("kernels") == folder
 
 
-def test_a_folder_in_one_that_everyone_may_write_is_refused(cache: Path) -> None:
-    """They could put another in its place, but for the sticky bit."""
-    cache.parent.chmod(0o777)
-    with pytest.raises(UntrustedFolderError, match=str(cache.parent)):
+@pytest.mark.parametrize("writable", [0o777, 0o770, 0o720, 0o702])
+def test_a_folder_in_one_that_others_may_write_is_refused(
+    writable: int, cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They could put another in its place, but for the sticky bit; however far above it is."""
+    for place in (cache, cache / "deep" / "er"):
+        monkeypatch.setenv("TRIBOCOSIM_CACHE", str(place))
+        tmp_path.chmod(writable)
+        with pytest.raises(UntrustedFolderError, match=f"'{tmp_path}'"):
+            private_folder("kernels")
+        tmp_path.chmod(writable | stat.S_ISVTX)
         private_folder("kernels")
-    cache.parent.chmod(0o1777)
-    private_folder("kernels")
+
+
+@pytest.mark.skipif(os.name == "posix" and os.getuid() != 0, reason="only root gives folders away")
+@pytest.mark.parametrize("sticky", [0, stat.S_ISVTX])
+def test_a_folder_in_one_of_another_user_is_refused(sticky: int, cache: Path, tmp_path: Path) -> None:
+    os.chown(tmp_path, 12345, 0)
+    tmp_path.chmod(0o755 | sticky)
+    with pytest.raises(UntrustedFolderError, match="another user"):
+        private_folder("kernels")
+
+
+def test_what_was_checked_is_what_is_read(cache: Path) -> None:
+    """Although another folder takes its place between the check and the reading."""
+    with open_folder("kernels") as folder:
+        folder.write("file", b"own")
+        folder.path.rename(cache / "before")
+        folder.path.mkdir()
+        (folder.path / "file").write_bytes(b"planted")
+        assert folder.read("file") == b"own"
+        folder.write("other", b"own")
+    assert [file.name for file in folder.path.iterdir()] == ["file"]
+    assert mode(cache / "before" / "other") == 0o600
+
+
+@pytest.mark.parametrize("kind", ["writable", "link", "pipe", "folder"])
+def test_a_file_that_others_may_have_written_is_not_read(kind: str, cache: Path) -> None:
+    with open_folder("kernels") as folder:
+        file = folder.path / "file"
+        if kind == "link":
+            file.symlink_to(cache.parent / "elsewhere")
+            (cache.parent / "elsewhere").write_bytes(b"planted")
+        elif kind == "pipe":
+            os.mkfifo(file)
+        elif kind == "folder":
+            file.mkdir()
+        else:
+            file.write_bytes(b"planted")
+            file.chmod(0o666)
+        with pytest.raises(OSError):  # noqa: PT011
+            folder.read("file")
+        with pytest.raises(UntrustedFolderError):
+            folder.check_files()
 
 
 def test_a_folder_of_another_user_is_refused(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:

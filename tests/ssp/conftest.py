@@ -1,13 +1,17 @@
 """Packages are unpacked into a folder of the test's own."""
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
-from orchestrator.scenario.ssp import reader as imported
+from models.compile.cache_folder import PrivateFolder
+from orchestrator.scenario.ssp import unpack
 
 
 @pytest.fixture(autouse=True)
 def unpacked_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "cache").mkdir()
-    monkeypatch.setattr(imported, "private_folder", lambda name: tmp_path / "cache")
+    monkeypatch.setattr(
+        unpack, "open_folder", lambda name: nullcontext(PrivateFolder(tmp_path / "cache", None))
+    )

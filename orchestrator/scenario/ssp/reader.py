@@ -6,15 +6,12 @@ import hashlib
 import json
 import logging
 import re
-import tempfile
-import zipfile
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, open_archive
-from models.compile.cache_folder import private_folder, user_cache_directory
 from models.core.component import Component
 from models.core.quantities import Quantity
 from models.core.system import suggestion
@@ -33,16 +30,15 @@ from ..component_table import KINDS
 from ..conversion import convert_units, explain_differences
 from ..side_lines import list_side_variables
 from ..values import WithUnit, build_component
-from .names import NAMESPACES, OURS, STRUCTURE, UNPACKED
+from .names import NAMESPACES, OURS, STRUCTURE
 from .schema import find_schema_fault
 from .structure import Path as Place
 from .structure import Port, Structure, read_structure, trace_back
+from .unpack import unpack, unpack_into_cache
 from .values import StatedValue, read_values
 from .writer import START
 
 _log = logging.getLogger("tribocosim")
-# How deep packages may be inside of packages.
-DEEPEST = 3
 # Steps of a run if no step size is stated.
 STEPS = 1000
 
@@ -55,48 +51,18 @@ OWN_KEYS = (
 
 def read_package(path: Path) -> dict[str, Any]:
     """The tables of the scenario; its FMUs are unpacked into the user's cache folder."""
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    folder = unpack_into_cache(path)
     try:
-        folder = private_folder("ssp") / digest
-        if not folder.is_dir():
-            with tempfile.TemporaryDirectory(dir=folder.parent) as made:
-                whole = Path(made, "whole")
-                _unpack(path, whole)
-                if not folder.is_dir():
-                    whole.rename(folder)
-    except OSError as error:
-        raise ScenarioError(
-            f"{path}: {user_cache_directory()} cannot be used ({error.strerror}); set TRIBOCOSIM_CACHE to "
-            "another folder"
-        ) from None
-    return _read_folder(path.name, folder)
+        return _read_folder(path.name, folder)
+    except ScenarioError:
+        shutil.rmtree(folder, ignore_errors=True)  # what is refused takes no room
+        raise
 
 
 def unpack_package(path: Path, folder: Path) -> dict[str, Any]:
     """As `read_package`, with the FMUs unpacked into `folder`."""
-    _unpack(path, folder)
+    unpack(path, folder)
     return _read_folder(path.name, folder)
-
-
-def _unpack(path: Path, folder: Path, depth: int = 0) -> None:
-    if depth > DEEPEST:
-        raise ScenarioError(
-            f"{path.name}: packages inside of packages, more than {DEEPEST} deep; unpack them"
-        )
-    try:
-        with open_archive(path) as archive:
-            faults = [text for text in archive_faults(archive) if DESCRIPTION not in text]
-            if faults:
-                raise ScenarioError(f"{path}: {faults[0]}")
-            # In a package that was cut off, the last list of files that is found is that of an FMU inside.
-            if min((entry.header_offset for entry in archive.infolist()), default=0):
-                raise ScenarioError(f"{path}: damaged archive: a part of it is missing; fetch it again")
-            folder.mkdir(parents=True, exist_ok=True)
-            archive.extractall(folder)
-        for inner in [file for file in sorted(folder.rglob("*.ssp")) if file.is_file()]:
-            _unpack(inner, inner.with_name(inner.name + UNPACKED), depth + 1)
-    except (FmuFileError, zipfile.BadZipFile) as error:
-        raise ScenarioError(str(error).replace("so not an FMU", "so not an SSP")) from None
 
 
 def _read_folder(name: str, folder: Path) -> dict[str, Any]:
