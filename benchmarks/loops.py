@@ -15,18 +15,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 from fmus.build import build
-from models.core.system import System
+from models.core.system import Instance, System
 from orchestrator.engine.observer import Observer
 from orchestrator.masters import Master
 from orchestrator.participants import open_fmu
 from orchestrator.run.simulation import simulate
 from orchestrator.stepping import FixedSteps, Stepper
 
-from .coupling.peers import describe_system
-from .coupling.peers.fmpy_script import open_slaves
 from .measure import Clock
 
 STEPS, STEP = 10_000, 2e-6
@@ -55,25 +54,53 @@ def build_files(system: System) -> dict[str, Path]:
 
 
 def open_units(system: System) -> dict[str, Unit]:
-    """The system's FMUs as a script would set them up."""
-    slaves, references, folders = open_slaves(describe_system(system, build_files(system)))
+    """The system's FMUs, initialised, as a script of fmpy's user sets them up."""
+    references: dict[str, dict[str, int]] = {}
+    slaves, folders = {}, {}
+    for name, path in build_files(system).items():
+        description = read_model_description(str(path))
+        references[name] = {v.name: v.valueReference for v in description.modelVariables}
+        folders[name] = extract(str(path))
+        slaves[name] = slave = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=folders[name],
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        slave.instantiate()
+        slave.setupExperiment(startTime=0.0)
+        slave.enterInitializationMode()
+        _set_values(slave, system.instances[name], {v.name: v for v in description.modelVariables})
+        slave.exitInitializationMode()
     exchanged = {
         name: sorted({c.source.variable for c in system.connections if c.source.instance == name})
         for name in slaves
     }
     units = {}
-    for (name, slave), folder in zip(slaves.items(), folders, strict=True):
-        slave.exitInitializationMode()
+    for name, slave in slaves.items():
         feeding = [c for c in system.connections if c.target.instance == name]
         ports = [c.source for c in feeding]
         units[name] = Unit(
             slave,
-            folder,
+            folders[name],
             [references[name][c.target.variable] for c in feeding],
             [(port.instance, exchanged[port.instance].index(port.variable)) for port in ports],
             [references[name][variable] for variable in exchanged[name]],
         )
     return units
+
+
+def _set_values(slave: FMU2Slave, instance: Instance, known: Mapping[str, Any]) -> None:
+    """Parameters, start states and inputs of the instance."""
+    starts = {instance.component.state.field(k).add_suffix("_start"): v for k, v in instance.start.items()}
+    for key, value in {**instance.parameters, **starts, **instance.inputs}.items():
+        kind, reference = known[key].type, [known[key].valueReference]
+        if kind == "Real":
+            slave.setReal(reference, [float(value)])
+        elif kind == "Boolean":
+            slave.setBoolean(reference, [bool(value)])
+        else:
+            slave.setInteger(reference, [int(value)])
 
 
 def run_script(system: System) -> float:

@@ -1,4 +1,4 @@
-"""Published coupling problems: the fewest doSteps for an error by tool, and our advice against the best.
+"""Published coupling problems: the fewest doSteps for an error by master, and our advice against the best.
 
 Equations are our own components', or those of public FMUs. These, and published solutions, are looked for in
 the folder that the environment variable TRIBOCOSIM_THIRD_PARTY names, or beside the repository. Solutions are
@@ -27,8 +27,7 @@ from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import assemble, build_system
 
-from .coupling import methods, peers
-from .coupling.methods import Method, Trace
+from .coupling.methods import Method, Trace, measure_method
 from .coupling.problem import PROBLEMS, CouplingProblem, build_problem, solve_reference
 from .coupling.row import Row, build_fmus, compute_errors
 
@@ -195,10 +194,9 @@ def _build_truck(folder: Path) -> Published:
 def _measure_problem(published: Published) -> Iterator[tuple[str, str]]:
     problem, files = published.problem, published.files
     rows = {
-        method.name: [methods.measure_method(problem, files, method, s) for s in method.settings(problem)]
+        method.name: [measure_method(problem, files, method, s) for s in method.settings(problem)]
         for method in published.ours
     }
-    rows |= {peer: list(peers.measure_peer(problem, files, peer)) for peer in peers.PEERS}
     for error in published.errors:
         found = {method: least for method, own in rows.items() if (least := _find_least(own, error))}
         shown = [f"{m} {n}" for m, n in sorted(found.items(), key=lambda item: item[1])]

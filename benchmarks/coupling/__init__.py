@@ -1,1 +1,1 @@
-"""Error over doStep calls of the masters here and of other tools, on problems whose solution is known."""
+"""Error over doStep calls of the masters, on problems whose solution is known."""

@@ -1,4 +1,4 @@
-"""Our own masters: over the problem's macro steps, or with step control over tolerances."""
+"""Masters over the problem's macro steps, or with step control over tolerances."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The result of one run of a master, ours or another tool's."""
+"""The result of one run of a master."""
 
 from __future__ import annotations
 
