@@ -10,7 +10,6 @@ import numpy as np
 import xarray
 
 from models.core.quantities import Vector
-from models.slider_crank.motions.gpu import NoDeviceError
 from models.slider_crank.motions.maps import VARIABLES
 
 from ..errors import MistakeError
@@ -43,8 +42,8 @@ def read_coordinate(values: Mapping[str, Any], letter: str) -> xarray.Variable:
 
 @contextmanager
 def report_mistakes() -> Iterator[None]:
-    """Report values that a machine refuses, and a missing device, as mistakes of the user."""
+    """Report values that a machine refuses as mistakes of the user."""
     try:
         yield
-    except (ValueError, NoDeviceError) as error:
+    except ValueError as error:
         raise MistakeError(str(error)) from None

@@ -10,7 +10,7 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from models.slider_crank.motions.maps import exponent_map, exponent_map_on_device
+from models.slider_crank.motions.maps import exponent_map
 
 from ..plots.cells import LABELS, draw_cells
 from ..plots.motion.titles import create_figure, drop_varied
@@ -18,17 +18,14 @@ from ._axes import declare_axis, read_axis, read_coordinate, report_mistakes
 from ._machine import MACHINE, build_machine, declare_duration
 from ._progress import show_progress
 from ._table import column, evaluate_by
-from .protocol import Analysis, Parameter, Result
+from .protocol import Analysis, Result
 
 
 def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine, x, y = build_machine(values), read_axis(values, "x"), read_axis(values, "y")
     length = values["cycles"], values["transient"]
     with report_mistakes(), show_progress("exponent map") as shown:
-        if values["device"] == "cuda":
-            found = exponent_map_on_device(machine, x, y, *length)
-        else:
-            found = exponent_map(machine, x, y, *length, progress=shown)
+        found = exponent_map(machine, x, y, *length, progress=shown)
     return xarray.Dataset(
         {
             "largest": column(("y", "x"), found.largest, "1/rad", "largest exponent, -inf: slides"),
@@ -78,7 +75,6 @@ ANALYSIS = Analysis(
         **declare_axis("x", "damping", 0.01, 0.25, 60),
         **declare_axis("y", "gap", 0.005, 0.02, 60),
         **declare_duration(1000, 200),
-        "device": Parameter("cpu", "1", "where it is computed", choices=("cpu", "cuda")),
     },
     results={
         "chaotic_share": Result("1", "part of the points with an exponent 3 standard errors above 0"),

@@ -27,7 +27,6 @@ from ..flight.bouncing import (
     FRACTION,
     FREE,
     LOWER,
-    POSITION_SIZE,
     RATE_OF_Y,
     RELEASE,
     SIDE,
@@ -116,8 +115,7 @@ def make_follow_tangents(next_event: Any, carry: Any, kick: Any) -> Any:
         for _ in range(cycles):
             code = -1
             while code != END:
-                for i in range(POSITION_SIZE):  # one by one: what a GPU thread can do
-                    start[i] = position[i]
+                start[:] = position
                 code = next_event(flow, walls, position, last, 1.0, scratch)
                 if start[SIDE] == FREE:
                     carry(flow, start, position, v, scratch)

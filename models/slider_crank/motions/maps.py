@@ -11,7 +11,6 @@ import numpy as np
 
 from ...compile.parallel import each, no_progress
 from ...core.quantities import Vector
-from . import gpu
 from .machine import Machine, Motion
 from .recurrence import run_until_recurrent
 
@@ -49,18 +48,6 @@ def exponent_map(
         return largest_exponent(at, cycles, transient)
 
     found = np.array(each(point, build_grid(machine, x, y), workers, progress))
-    return ExponentMap(*found.T.reshape(3, len(y[1]), len(x[1])))
-
-
-def exponent_map_on_device(
-    machine: Machine, x: tuple[str, Vector], y: tuple[str, Vector], cycles: int = 1000, transient: int = 200
-) -> ExponentMap:
-    """`exponent_map` on a CUDA device; its errors and those of `gpu.grow_tangents`.
-
-    Values agree within their uncertainty: in chaos, rounding decides after some 80 rad what happens.
-    """
-    every = gpu.compute_exponents(build_grid(machine, x, y), cycles, transient)
-    found = np.array([(one.largest, one.uncertainty, one.impacts_per_cycle) for one in every])
     return ExponentMap(*found.T.reshape(3, len(y[1]), len(x[1])))
 
 
