@@ -3,8 +3,6 @@
 With names, the page's other figures stay as they are.
 """
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import os

@@ -4,8 +4,6 @@ A map of 20 x 20 points over F's ranges of (lambda, rho), as published, is compu
 100 times as long, since its points lie over the same ranges.
 """
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

@@ -21,8 +21,6 @@ The valve follows the sinusoidal manoeuvre M2 (2 Hz, as its data have it), from 
 counted in the cylinder, whose fluid comes from outside.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The transient line contact over the cam's turn: time and memory against nodes and dense factors."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ All call the same FMUs in the same order (Gauss-Seidel: set, step, get) and retu
 step, which other programs disturb less than wall time.
 """
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import time

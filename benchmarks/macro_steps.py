@@ -3,8 +3,6 @@
 A bare loop over ctypes calls with prepared arguments shows how little a master could cost at best.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial

@@ -5,8 +5,6 @@ Four cylinders that fire in the order 1-3-4-2 with four valves each. Each valve 
 that it has alone on a rigid shaft.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Timing by paired repetition: all candidates in turn, several rounds, the median of each."""
 
-from __future__ import annotations
-
 import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence

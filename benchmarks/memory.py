@@ -1,7 +1,5 @@
 """Peak memory of a run with a million macro steps, results streamed to disk, in a process of its own."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

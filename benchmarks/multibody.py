@@ -1,7 +1,5 @@
 """Constrained multibody models: processor time of a turn of Kushwaha's train, and of eight pushrod trains."""
 
-from __future__ import annotations
-
 import math
 import time
 

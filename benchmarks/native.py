@@ -1,7 +1,5 @@
 """Native FMUs against those in Python: `valve-train` in ecos, and by processor time in our master."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial

@@ -5,8 +5,6 @@ the folder that the environment variable TRIBOCOSIM_THIRD_PARTY names, or beside
 matrix exponentials, and the monolithic reference of the hydraulic manipulator.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -4,8 +4,6 @@
 Each train's start values are those of its steady cycle alone, on a rigid shaft, at its cam's angle.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

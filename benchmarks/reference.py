@@ -1,7 +1,5 @@
 """The monolithic reference: seconds per cam revolution of `valve-train`, and its own uncertainty."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from models.monolithic import solve

@@ -3,8 +3,6 @@
 A zoom draws four plots and a phase plot. Its time is that of the page's thread, until the third picture.
 """
 
-from __future__ import annotations
-
 import shutil
 import statistics
 import tempfile

@@ -1,7 +1,5 @@
 """Crank revolutions per second of the slider-crank: chaotic, (lambda, rho) = (0.05, 0.01), as published."""
 
-from __future__ import annotations
-
 import time
 
 from models.slider_crank.motions.machine import Machine, Motion

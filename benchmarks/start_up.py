@@ -1,7 +1,5 @@
 """Import, build and start-up times, in fresh processes: cold (nothing compiled) and warm."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

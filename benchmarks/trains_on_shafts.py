@@ -1,7 +1,5 @@
 """Valve trains on elastic camshafts: the start of each in its own steady cycle, and its connections."""
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 The command runs in a process of its own, with everything compiled; its child processes are included.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -3,8 +3,6 @@
 Needs the extra `docs`. A warning is an error. Without a folder it is in build/site.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

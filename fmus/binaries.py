@@ -1,7 +1,5 @@
 """Checks the shared libraries in an FMU: complete, for the right platform, with the standard's functions."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 from functools import cache

@@ -1,7 +1,5 @@
 """What the folder of a component's FMU, or the module of a user's own component, declares."""
 
-from __future__ import annotations
-
 import importlib
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The documentation inside an FMU: its folder's README.md with the table of variables, as one HTML page."""
 
-from __future__ import annotations
-
 import html
 from typing import Any
 

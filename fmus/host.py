@@ -13,8 +13,6 @@ Read from the source of the C layer of pythonfmu 0.7.0 (`PySlaveInstance.cpp`, `
   (processes with numba abort). Run before both, its own clean-up function leaves null to them.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import os

@@ -4,8 +4,6 @@ Extension modules such as numpy's use the Python symbols that are global in the 
 built-in modules only, because no extension module can be imported before it has run.
 """
 
-from __future__ import annotations
-
 import _imp
 import contextlib
 import os

@@ -1,7 +1,5 @@
 """Adds Python's library to those that a binary loads, for hosts that are not Python."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

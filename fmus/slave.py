@@ -16,8 +16,6 @@ parameters or start values out of range, give fmi2Fatal, since pythonfmu's C lay
 reach the host's logger even if logging is off (see `host`).
 """
 
-from __future__ import annotations
-
 import hashlib
 import math
 import sys

@@ -1,7 +1,5 @@
 """The source files in an FMU: a component's module, its imports, and the slave."""
 
-from __future__ import annotations
-
 import ast
 import functools
 import inspect

@@ -1,7 +1,5 @@
 """The kinds of terminals that several components have, with the names of their members."""
 
-from __future__ import annotations
-
 from .fmi.terminals import Terminal
 
 

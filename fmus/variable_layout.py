@@ -13,8 +13,6 @@ to set.
 Shipped inside every FMU, so it knows components only by their attributes.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, replace
 from typing import Any

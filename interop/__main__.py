@@ -4,8 +4,6 @@ Without names it runs every tool that is installed. --install first makes an env
 --fmu limits the run to these FMUs. docs/reference/tools.csv keeps the results of other FMUs and other tools.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

@@ -1,7 +1,5 @@
 """The program in C (host.c), compiled for a platform, and how the tools that use it run it."""
 
-from __future__ import annotations
-
 import os
 import struct
 import subprocess

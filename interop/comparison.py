@@ -1,7 +1,5 @@
 """The cases, and the outputs that the component computes for them in this process."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

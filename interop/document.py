@@ -1,7 +1,5 @@
 """docs/reference/tools.csv has the result of every FMU in every tool, docs/reference/tools.md sums it up."""
 
-from __future__ import annotations
-
 import csv
 import os
 import platform

@@ -1,7 +1,5 @@
 """Starts each tool in its own process and environment."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import os

@@ -5,8 +5,6 @@ LOADED; VALUES, the outputs after each step; RATE, steps per second, the best of
 UNTRIED, what is missing.
 """
 
-from __future__ import annotations
-
 import importlib
 import json
 import sys

@@ -1,7 +1,5 @@
 """Flywheel: the rotor that drives the mechanisms, free under torques or at a prescribed speed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

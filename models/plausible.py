@@ -3,8 +3,6 @@
 Each range is wide: it says what engines and their valve trains have, not what is a good design.
 """
 
-from __future__ import annotations
-
 import math
 
 from .core.quantities import Plausible

@@ -1,7 +1,5 @@
 """Where this process prints: descriptors of its streams, and what C libraries hold in their buffers."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 from typing import Any

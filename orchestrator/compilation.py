@@ -1,7 +1,5 @@
 """Notice when kernels are compiled: the time counts for no participant, and the user is told."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 

@@ -1,7 +1,5 @@
 """Errors of a run. Each message names the thing, what was seen and the remedy."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable, Mapping
 from pathlib import Path

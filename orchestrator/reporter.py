@@ -1,7 +1,5 @@
 """Lines and progress bars of a command: bars on a terminal, plain lines elsewhere."""
 
-from __future__ import annotations
-
 import errno
 import os
 import sys

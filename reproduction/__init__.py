@@ -3,8 +3,6 @@
 To add one: a module with a `Publication` named PUBLICATION, listed here.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import Any
 

@@ -1,7 +1,5 @@
 """`python -m reproduction SOURCE` draws the figures of a published source and checks its statements."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

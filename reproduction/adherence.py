@@ -10,8 +10,6 @@ evaluated with the components' own kernels, which are affine in W. W may become 
 pulls where a real contact would open.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import replace

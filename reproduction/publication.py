@@ -1,7 +1,5 @@
 """A published source: what is computed for it, judged, drawn and written."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path

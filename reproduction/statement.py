@@ -1,7 +1,5 @@
 """Statements of a source: a table of claims, the models' numbers for each, and the verdict."""
 
-from __future__ import annotations
-
 import string
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Tables on the terminal, as CSV, JSON and Markdown."""
 
-from __future__ import annotations
-
 import csv
 import json
 import textwrap

@@ -6,8 +6,6 @@
 >>> result.coupled["contact.load"]
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:

@@ -1,7 +1,5 @@
 """The command `tribocosim`, also as `python -m tribocosim`."""
 
-from __future__ import annotations
-
 import gc
 import os
 import sys

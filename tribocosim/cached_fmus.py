@@ -3,8 +3,6 @@
 What builds FMUs is imported when one is built: most runs find theirs in the cache.
 """
 
-from __future__ import annotations
-
 import atexit
 import functools
 import tempfile

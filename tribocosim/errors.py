@@ -4,8 +4,6 @@
 that cannot be built or solved. `RunError`: a run that cannot go on; what was computed before it is valid.
 """
 
-from __future__ import annotations
-
 from models.core.system import ModelError as ModelError
 from orchestrator.errors import DiscardedStepError as DiscardedStepError
 from orchestrator.errors import EndedError as EndedError

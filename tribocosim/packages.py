@@ -1,7 +1,5 @@
 """Packages that are missing, and files of the user that hide one of ours."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

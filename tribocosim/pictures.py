@@ -1,7 +1,5 @@
 """Figures that notebooks show."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Sequence
 

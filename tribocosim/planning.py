@@ -1,7 +1,5 @@
 """Plans of runs: scenarios resolved once, for runs and sessions that repeat."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from orchestrator.run.plan import Plan, make_plan

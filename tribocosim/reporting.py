@@ -1,7 +1,5 @@
 """What a run from Python tells while it computes."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Masters over the problem's macro steps, or with step control over tolerances."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 

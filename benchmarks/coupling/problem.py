@@ -3,8 +3,6 @@
 Macro steps are the samples' spacing over powers of two, so that every fixed step ends at every sample.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ scalars, element by element: each may be connected to another participant, and o
 read all outputs some stop at arrays.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """modelDescription.xml of a component, generated from the metadata of its quantities."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Vectors that no tool connects are arrays (`arrays`), with the reference of their first element.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement

@@ -5,8 +5,6 @@ ABI, chapters 4 and 5 (and its GNU hash section); Microsoft's PE Format; Apple's
 trie of exports.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

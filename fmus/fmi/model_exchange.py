@@ -4,8 +4,6 @@ An event indicator z becomes a guard s z, with the sign s that it has after each
 a guard falls below zero.
 """
 
-from __future__ import annotations
-
 import math
 from ctypes import POINTER, c_double
 from typing import Any

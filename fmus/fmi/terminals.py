@@ -4,8 +4,6 @@ The file is that of FMI 3.0, which FMI 2.0.4 takes over. Each component's folder
 Members of connected terminals have the same name, and equal values.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import count

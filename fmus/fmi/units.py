@@ -3,8 +3,6 @@
 A unit is a product of symbols with exponents, with at most one quotient: `N.s/m`, `kg.m2`, `1/Pa`.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

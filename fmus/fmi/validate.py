@@ -4,8 +4,6 @@
 each; `validate` lists both. `info` says what an FMU is.
 """
 
-from __future__ import annotations
-
 import hashlib
 import zipfile
 from collections.abc import Collection

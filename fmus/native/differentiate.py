@@ -8,8 +8,6 @@ the branch that is taken. A function that a kernel calls becomes a function that
     kernel_output(t, x, u, p, y)  becomes  tangent_output(t, dt, x, dx, u, du, p, dp, y, dy).
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence, Set
 from typing import Any

@@ -3,8 +3,6 @@
 Each entry names the sizes of what its pointers point to; `runtime/kernels.h` has the same signatures in C.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Builds native FMUs: `build("camshaft")` gives the path of the packaged file."""
 
-from __future__ import annotations
-
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache

@@ -4,8 +4,6 @@ LLVM, as numba has it, makes machine code of the translated kernels; the C compi
 platforms come with the package `ziglang`.
 """
 
-from __future__ import annotations
-
 import platform
 import subprocess
 import sys

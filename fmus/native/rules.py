@@ -4,8 +4,6 @@ Each rule gives the tangent of the result r from the arguments and their tangent
 not ZERO.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 ZERO = "0.0"

@@ -1,7 +1,5 @@
 """The metadata of a component as C: sizes, places in the memory, variables, start values."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable, Iterable, Sequence

@@ -5,8 +5,6 @@ What the code calls must be elementary mathematics or LLVM's own: kernels that a
 are refused by name.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

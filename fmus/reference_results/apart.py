@@ -1,7 +1,5 @@
 """FMUs compared in a process of their own, so that one that crashes is an answer and not the end."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool

@@ -3,8 +3,6 @@
 Co-simulation is fmpy's; model exchange `exchange`'s, over fmpy's calls.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 from collections.abc import Iterator, Mapping, Sequence

@@ -3,8 +3,6 @@
 CSV: names in double quotes, commas, numbers as in C, time first and never falling, no units, no comments.
 """
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Iterable, Mapping, Sequence

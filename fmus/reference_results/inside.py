@@ -3,8 +3,6 @@
 `extra/` is for additional data in FMI 2.0 (since 2.0.2) and 3.0; tools that do not know the standard skip it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from xml.sax.saxutils import quoteattr
 

@@ -4,8 +4,6 @@ The standard says nothing of how a result is written. Reference-FMUs write array
 truth values as true and false, and texts as they are.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Reference results of a component along its stimulus, and how far its own steps are from them."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Mapping, Sequence

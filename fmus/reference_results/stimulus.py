@@ -1,7 +1,5 @@
 """The stimulus of a component's reference results: inputs as broken lines in time, and the outputs."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

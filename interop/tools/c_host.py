@@ -1,7 +1,5 @@
 """A program in C (`interop/host.c`)."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """CoFmuPy: a coordinator, with the inputs as literal streams."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

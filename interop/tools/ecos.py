@@ -1,7 +1,5 @@
 """ecos, through its Python package."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

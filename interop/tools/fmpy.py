@@ -1,7 +1,5 @@
 """FMPy: `simulate_fmu`, with the inputs as a table."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

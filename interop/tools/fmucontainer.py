@@ -1,7 +1,5 @@
 """FMUContainer: an FMU in C that has ours inside, run by FMPy."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

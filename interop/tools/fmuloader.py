@@ -1,7 +1,5 @@
 """fmuloader: the standard's calls, one by one, from Python."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

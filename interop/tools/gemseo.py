@@ -1,7 +1,5 @@
 """GEMSEO: a discipline with the inputs as time series."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

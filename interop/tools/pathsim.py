@@ -1,7 +1,5 @@
 """PathSim: a block `CoSimulationFMU` with a source at every input."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager

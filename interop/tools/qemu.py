@@ -1,7 +1,5 @@
 """The program in C for Linux on ARM64, run by qemu."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import tempfile

@@ -1,7 +1,5 @@
 """The program in C for Windows, run by wine."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

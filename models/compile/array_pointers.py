@@ -4,8 +4,6 @@ Each array argument of a compiled function costs time at every call from Python.
 step takes one record with the addresses of all its arrays instead. The arrays must stay where they are.
 """
 
-from __future__ import annotations
-
 import ctypes
 from functools import cache
 from typing import Any

@@ -1,7 +1,5 @@
 """Eviction from the user's cache folder: files unused for three weeks are deleted."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import time

@@ -5,8 +5,6 @@ come from the repository, an installed package or an unpacked FMU. Comments, lin
 files and of this package are no part of it.
 """
 
-from __future__ import annotations
-
 import dis
 import functools
 import hashlib

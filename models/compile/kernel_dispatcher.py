@@ -4,8 +4,6 @@ Most kernels are called by kernels only. The machine code and the entry for Pyth
 each of them take a third of the time of compilation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The same function at many points, on all cores."""
 
-from __future__ import annotations
-
 import os
 import threading
 from collections.abc import Callable, Sequence

@@ -20,8 +20,6 @@ vanishes with lambda -> -inf, where the asperities carry any load.
 for it at every node: F_5/2 by quintic Hermite interpolation of its logarithm.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

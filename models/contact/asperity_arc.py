@@ -5,8 +5,6 @@ F_5/2 over the angle is B(1/2, 7/2) sqrt(2 sigma/c) F_3(lambda), lambda = d/sigm
 B(1/2, 7/2) = 5 pi/16.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

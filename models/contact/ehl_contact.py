@@ -9,8 +9,6 @@ deflection is delta = approach - retreat + h and W = W_Hertz(delta) (1 + c delta
 *adherence* (`load_is_given`): load in, film out.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -8,8 +8,6 @@ The field begins in the first step. Before, outputs are those of Hertz's contact
 relaxes to Moes' and Venner's steady film: an equilibrium at the start has that film.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

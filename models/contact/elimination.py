@@ -4,8 +4,6 @@ Matrices are whole arrays, parts of them told by where they begin: of parts, com
 rows lie side by side.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..compile.kernel import kernel

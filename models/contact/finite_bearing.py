@@ -10,8 +10,6 @@ differ from the solution of Reynolds' equation with his condition of cavitation,
 eps = 0.4, 14 % for 0.8 and 23 % for 0.9 at most; those of the short bearing by 16, 42 and 60 %.
 """
 
-from __future__ import annotations
-
 import math
 
 from ..compile.kernel import kernel

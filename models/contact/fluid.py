@@ -4,8 +4,6 @@ Laws of viscosity: Roelands, ln(eta/eta0) = (alpha p_r/z) [(1 + p/p_r)^z - 1]; B
 Laws of density: Dowson and Higginson, rho/rho0 = (0.59e9 + 1.34 p)/(0.59e9 + p); constant.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

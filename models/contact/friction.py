@@ -9,8 +9,6 @@ The asperities add mu_b W_a + tau_b A_c (real area A_c). Isothermal; only slidin
 rolling friction is left out.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -4,8 +4,6 @@ compliance = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (1/Pa). K (5) reads b/p = 2 R compl
 printed 4b is twice the axial half length, that is 2 L_c.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -8,8 +8,6 @@ Gupta, Cheng, Zhu, Forster and Schrand (1992), Tribology Transactions 35, 269, a
 with the largest Hertz pressure p0, the coefficient beta = -d ln(eta0)/dT of the oil and its conductivity k.
 """
 
-from __future__ import annotations
-
 from ..compile.kernel import kernel
 
 # Least numerator. The fit crosses zero at loads and speeds far beyond the solutions behind it.

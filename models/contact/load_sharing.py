@@ -7,8 +7,6 @@ there is one solution. A formula whose film grows with its load (`kushwaha`) can
 kept. No film presses the surfaces closer than they come dry, where W_a = W.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

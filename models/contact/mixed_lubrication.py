@@ -1,7 +1,5 @@
 """Load sharing and friction of the contact's records: Hertzian pressure and a film of one thickness."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel

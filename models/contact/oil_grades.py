@@ -6,8 +6,6 @@ grade at 40 degC; the viscosity at 100 degC is that of viscosity index 95 (ISO 2
 oil.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from .oils import Oil

@@ -17,8 +17,6 @@ Pressure-viscosity coefficient (So and Klaus 1980, ASLE Trans. 23, 409), nu in m
 Roelands' exponent that goes with it, p_r = 196 MPa: z = alpha p_r/(ln eta0 + 9.67).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -3,8 +3,6 @@
 Numbers in parentheses refer to Kushwaha et al. 2000 (K).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """The squeeze term of a film formula as a relaxation (Kushwaha et al. 2000, K 10)."""
 
-from __future__ import annotations
-
 import math
 
 from ..compile.kernel import kernel

@@ -19,8 +19,6 @@ van Leeuwen 1977 have it in closed form. It is half of the second derivatives of
 with the components xi of eps along u and zeta across. The mobility is the inverse: the u under a given force.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

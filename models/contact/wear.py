@@ -7,8 +7,6 @@ its width keeps the depth finite. So every record spreads its dose W |u_s| dt ov
 pressure does. Profiles and loads are those of the unworn surfaces.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..core.quantities import Vector

@@ -5,8 +5,6 @@ long for a hundred of them as for one. Groups are joined in pairs, and these aga
 as deep as the logarithm of their number.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

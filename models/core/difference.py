@@ -1,7 +1,5 @@
 """The difference of two signals, as the whole project states it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One step of the method of Dormand and Prince, of order 5 with an error estimate of order 4."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel

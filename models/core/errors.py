@@ -1,7 +1,5 @@
 """The one family of errors: each is a mistake of the user, or the failure of a run."""
 
-from __future__ import annotations
-
 from .remedies import ExplainedError
 
 

@@ -1,7 +1,5 @@
 """Outputs, inputs and derivatives of a whole system at an instant."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -5,8 +5,6 @@ falls and rises again within a step is seen if it falls by more than the step's 
 other lengths from the same start then locate the event, as accurately as the integrator steps.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Implicit steps of a component that is no ODE, for solvers of whole systems."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

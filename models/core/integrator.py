@@ -4,8 +4,6 @@ It restarts at every call: (t, x) is all that evolves, and a saved copy of x res
 Inputs vary inside the call as polynomials u(t + s) = sum_k U[k] s^k / k!.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..compile.kernel import borrow, kernel

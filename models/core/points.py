@@ -1,7 +1,5 @@
 """Points of a function that repeats itself."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

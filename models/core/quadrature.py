@@ -5,8 +5,6 @@ the inputs' polynomials U, and weights that add up to the time that passed. It m
 of `work`; the motion does not see it.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

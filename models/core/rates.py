@@ -14,8 +14,6 @@ of (its largest term)/T or some times that. In a contact, whose deflection is a 
 is relative to the positions. With a kink nearer than 3e-5 T the rate lies between those of its two sides.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ..compile.kernel import borrow, kernel, shaped

@@ -4,8 +4,6 @@ Words are a string, an action, an error, or a tuple of words that follow each ot
 has a function that renders them: `in_command_line`, `in_python`.
 """
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass

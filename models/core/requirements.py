@@ -4,8 +4,6 @@ A rule is a kernel and a text, so that a component says the same wherever it run
 code.
 """
 
-from __future__ import annotations
-
 import contextlib
 import re
 from dataclasses import dataclass

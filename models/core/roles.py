@@ -4,8 +4,6 @@ A role promises variables and parameters of the component; a field of a role nam
 component's own. `Component` checks the outputs that its roles promise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar, TypeVar

@@ -1,7 +1,5 @@
 """Method A: SUNDIALS CVODE (variable order and step), with its own root finding for the guards."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Steady cycles: motions of a system that repeat themselves after a period."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

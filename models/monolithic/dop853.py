@@ -10,8 +10,6 @@ the step, where it is largest: u is off by an eighth of it in smooth steps, and 
 corner of the equations.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -4,8 +4,6 @@ The two methods of the reference solve it. They restart at every corner of the i
 smoothness. The result does not depend on the component's own steps or on its FMU.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

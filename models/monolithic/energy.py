@@ -1,7 +1,5 @@
 """Energy bookkeeping of a system: stored, dissipated, from sources, received over power bonds."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A consistent static start: the state in which everything that can rest is at rest."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import least_squares, root
 

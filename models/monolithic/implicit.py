@@ -7,8 +7,6 @@ the fields for the inputs that follow, in turn until nothing changes: a field wh
 a mass m, and a turn leaves interval^2 K/m of a change, some 1e-3.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

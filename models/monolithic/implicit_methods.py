@@ -4,8 +4,6 @@ A mass that rings on a hard film decides how long steps may be: of methods of or
 error of 8 us (the one-step method here) or 2 us (the multistep one).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field

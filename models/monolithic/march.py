@@ -1,7 +1,5 @@
 """Integrate a problem through its events to requested instants, by any method."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Protocol
 

@@ -1,7 +1,5 @@
 """What the two methods integrate: an initial value problem with events, and a System as one."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, Protocol

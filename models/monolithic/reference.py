@@ -4,8 +4,6 @@ The methods share nothing but the components' kernels. Their difference is publi
 own uncertainty; coupled runs are compared with the reference only above it.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Mapping

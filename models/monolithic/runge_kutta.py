@@ -3,8 +3,6 @@
 The guards are sampled along every step's continuous extension; a dip between samples is searched for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

@@ -3,8 +3,6 @@
 It has no estimate of its error: it is no reference.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Stiffness and damping of a round beam between two frames, K (33), Q (2)."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

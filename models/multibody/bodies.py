@@ -1,7 +1,5 @@
 """Rigid bodies and the axes in which joints are drawn."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

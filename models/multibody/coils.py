@@ -1,7 +1,5 @@
 """A valve's spring as masses on springs (Q section 1.2, K (1) to (3)), each in its own guide."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple

@@ -4,8 +4,6 @@ Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems I, sec
 gamma holds the terms of -C'' without accelerations, so that J v' = gamma.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

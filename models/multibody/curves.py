@@ -1,7 +1,5 @@
 """Contacts of curves: cams with flat and round followers, and ends of levers."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from typing import Any

@@ -1,7 +1,5 @@
 """Constraints that depend on others: they hold the same, or they contradict each other."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

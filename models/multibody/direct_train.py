@@ -1,7 +1,5 @@
 """The valve train of Kushwaha et al. 2000 (K), sections 2 and 4, as a mechanism."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..valve_train.cams.law import LAW

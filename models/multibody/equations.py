@@ -1,7 +1,5 @@
 """The equations of motion: kernels that evaluate a mechanism, and the residual of its stabilised form."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

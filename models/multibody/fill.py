@@ -1,7 +1,5 @@
 """The tables of a mechanism from its bodies, joints and force elements."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 

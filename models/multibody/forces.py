@@ -1,7 +1,5 @@
 """Force elements between two bodies: springs with dampers, and elastic fields such as beams."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

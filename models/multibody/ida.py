@@ -1,7 +1,5 @@
 """First method: the stabilised form of index 2, by SUNDIALS IDA (backward differences of order 1 to 5)."""
 
-from __future__ import annotations
-
 import warnings
 from typing import Any
 

@@ -4,8 +4,6 @@ Points and axes are given in the bodies' own axes, from their centres of mass; a
 ground, whose axes are those of the global frame.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Small motions about a place: natural frequencies, and the place where a mechanism rests."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

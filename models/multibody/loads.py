@@ -1,7 +1,5 @@
 """Force elements: springs and dampers between points, elastic fields between frames."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

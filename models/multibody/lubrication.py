@@ -1,7 +1,5 @@
 """The oil film between a cam and a flat face: the contact's law of the components, between two bodies."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel

@@ -1,7 +1,5 @@
 """A mechanism: bodies, joints and force elements, put together."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The motion of a mechanism: places, multipliers, reactions of joints, drift of the constraints."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass

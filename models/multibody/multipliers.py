@@ -4,8 +4,6 @@ J M^-1 J^T lambda = J M^-1 f - gamma. Its matrix is positive definite where no c
 that Cholesky's factors do; M^-1 of a rigid body is known.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Which unknowns of the stabilised form appear in which of its equations, for its matrix by differences."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

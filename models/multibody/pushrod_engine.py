@@ -1,7 +1,5 @@
 """The whole valve train of Qin and Zuo 2000, section 1: single trains on one shaft, for its torsion."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ..valve_train.cams.law import LAW

@@ -5,8 +5,6 @@ translational and fixed joints and contacts of curves. The pushrod is rigid, or 
 Q (1).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

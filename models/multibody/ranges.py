@@ -1,7 +1,5 @@
 """Allowed ranges of what bodies and force elements are made of."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Places and inertia of rigid bodies, in kernels."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..compile.kernel import kernel

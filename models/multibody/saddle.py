@@ -1,7 +1,5 @@
 """Linear systems of the form [M J^T; J 0]: accelerations and multipliers of a mechanism."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu

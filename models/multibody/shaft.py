@@ -1,7 +1,5 @@
 """A shaft as rigid segments on Timoshenko beams, Q (2), with what sits on it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

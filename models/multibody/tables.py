@@ -1,7 +1,5 @@
 """The numbers of a mechanism as arrays, for kernels. Body 0 is the ground."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Energies of the direct train: stored, dissipated, and from sources inside."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

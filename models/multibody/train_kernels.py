@@ -4,8 +4,6 @@
 that length. Coordinates count from where the parts stand before the cam lifts, and turn with the drive.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ parts have 30 coordinates; 4 (cylindrical), 1 (drive), 15 (translational) and 1 
 constraints. On a rigid shaft a fixed joint holds the cam with 6 more.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

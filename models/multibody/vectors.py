@@ -1,7 +1,5 @@
 """Vectors in space and rotation matrices, for kernels."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

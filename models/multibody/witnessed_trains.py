@@ -1,7 +1,5 @@
 """The valve trains that the multibody witness knows: their parts in a system, and their mechanisms."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

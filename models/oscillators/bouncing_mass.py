@@ -9,8 +9,6 @@ a sine. A damper takes hold at once, so that with d > 0 the force jumps when the
 `exact.bouncing_mass` has the solution and the instants of touch and release.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated
 

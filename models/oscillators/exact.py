@@ -3,8 +3,6 @@
 The systems are those that the components make when they are connected; parameters are theirs.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -10,8 +10,6 @@ computes the suspension's force itself. The suspension's energy is booked with t
 the wheel. `exact.quarter_car` has the solution.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated
 

@@ -7,8 +7,6 @@ The coupling's spring belongs to `coupled_mass`, which is given the other mass's
 k = K = 0 the pair is free. `exact.two_masses` has the solution.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated
 

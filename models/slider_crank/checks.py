@@ -1,7 +1,5 @@
 """Requirements on several parameters or start values of the slider-crank."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Crank and rod: quantities and a requirement that slider-cranks and cylinder gas share."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 from ..compile.kernel import kernel

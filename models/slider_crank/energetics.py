@@ -13,8 +13,6 @@ speed; against the exact mechanism the energy is in error by O(3) in (psi, psi')
 O(2). F's error is a term of B (its phi' + psi'), so `as_published` balances with its own energy.
 """
 
-from __future__ import annotations
-
 from ..compile.kernel import kernel
 from .equations import (
     Mechanism,

@@ -9,8 +9,6 @@ equations are F's dimensionless ones, per radian of crank; with a speed in rad/s
 c2 / (M l^2) they are the same in seconds, for varying speed too, and nothing is divided by the speed.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

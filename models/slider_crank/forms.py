@@ -4,8 +4,6 @@
 moments over M l^2, forces over M l, distances over l.
 """
 
-from __future__ import annotations
-
 from ..compile.kernel import kernel
 from . import energetics, equations, nonlinear
 from .equations import Mechanism, inertia

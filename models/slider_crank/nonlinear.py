@@ -13,8 +13,6 @@ speed sigma = theta + eta swings as a damped pendulum in free flight: a sigma'' 
 sigma = 0 per radian of crank.
 """
 
-from __future__ import annotations
-
 import math
 
 from ..compile.kernel import kernel

@@ -1,7 +1,5 @@
 """Parameters, state, inputs and outputs of the slider-crank with clearance."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Annotated

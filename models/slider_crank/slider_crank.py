@@ -5,8 +5,6 @@ the films on the walls. The crank's angle, speed and acceleration are given; F a
 the acceleration counts too, to the order of the form.
 """
 
-from __future__ import annotations
-
 import math
 
 from ..compile.kernel import kernel

@@ -8,8 +8,6 @@ so that its place, velocity and acceleration are consistent at every instant. A 
 constant rate is followed 2 T late.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from ..compile.kernel import kernel

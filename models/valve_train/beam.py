@@ -5,8 +5,6 @@ stiffness with consistent inertia, also of rotation. A disc is a cam, a gear or 
 shaft. The shaft turns about z; x and y are its two planes of bending, which have the same modes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

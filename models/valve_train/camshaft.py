@@ -4,8 +4,6 @@ Kushwaha et al. 2000 (K), section 4.2. Contact load bends the shaft by W and twi
 it across. The turning of shaft and cam couples both planes of bending. Nothing moves the cam along the shaft.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

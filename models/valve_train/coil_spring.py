@@ -5,8 +5,6 @@ first natural frequency f0 exactly. A segment whose gap is used up meets a stop.
 close one after the other, and rate and natural frequency rise.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ The pivot stands on the engine's head, elastically, or on a lash adjuster, and m
 All positions count away from the cam, also those of valve and pivot.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple

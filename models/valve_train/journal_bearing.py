@@ -12,8 +12,6 @@ explicit step of a coupling can bear. Asperities carry N where the film is thin;
 the mean gap of the rough surfaces (Patir and Cheng 1978), which vanishes under no load.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple

@@ -5,8 +5,6 @@ w = A x - q, where q has left by the plunger's clearance (laminar, concentric) a
 valve. The pressure p over the supply's follows from w; the force on both bodies is A p + F_spring.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

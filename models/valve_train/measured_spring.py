@@ -11,8 +11,6 @@ with the stiffness k_s of closed coils. The share of closed coils is
 Segment i closes at the mean of F while c goes from (i - 1)/N to i/N. Then the last measured force is met.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

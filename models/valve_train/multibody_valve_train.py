@@ -6,8 +6,6 @@ load out: the component and a film formula are K's own coupling. Its equations a
 those of `camshaft` and `valve_spring`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, make_dataclass
 from typing import Any, NamedTuple
 

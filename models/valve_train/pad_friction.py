@@ -4,8 +4,6 @@ The friction of a contact jumps where its sliding turns back. This one goes thro
 surfaces give elastically. Its dry part has the limit mu W under the load W; the whole one is T + c v_s.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel

@@ -4,8 +4,6 @@ The dry torque T has the limit T_c = mu r |F| + T_0, which varies with the load 
 T + c omega.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel

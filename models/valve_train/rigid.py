@@ -1,7 +1,5 @@
 """What the contact sees on a rigid camshaft of steady speed, with a massless spring."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from .cams.law import law_lift

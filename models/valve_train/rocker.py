@@ -1,7 +1,5 @@
 """Rocker: a lever on a fixed pivot in its middle, with a pushrod at one end and a valve at the other."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

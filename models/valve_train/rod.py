@@ -4,8 +4,6 @@ Qin and Zuo 2000: N equal rigid segments of mass m/N, springs of rate A E/l betw
 distance l, and springs of twice that rate at both ends. So the static rate A E/L is exact for every N.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel

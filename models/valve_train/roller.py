@@ -9,8 +9,6 @@ The traction T sticks and slides as a `slider` with the slip v - r omega and the
 rotation of the carrier against the spin, T_p + c omega the friction of the pin.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel

@@ -4,8 +4,6 @@ The modes are parameters: `beam` finds them for a round shaft, and those of any 
 shaft turns about z, anticlockwise. Damping of bending turns with the shaft, as that of its material does.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -5,8 +5,6 @@ read as a modal damping ratio (taken as 0.02 s times K it would be a ratio of 31
 anticlockwise; y is the follower's direction and x across it. Its parameters are those of `camshaft`.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Quantities and inputs that several parts of a train declare alike."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated
 

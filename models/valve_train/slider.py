@@ -9,8 +9,6 @@ event. With the limit T_c, which may vary, and the rate v at which the bodies mo
 T v is the rate of k z^2/2 and losses, none of them negative. Forces and metres, or torques and radians.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, NamedTuple
 

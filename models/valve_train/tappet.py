@@ -4,8 +4,6 @@ The follower is a body of its own, so that a pushrod, a lash adjuster or a valve
 with the cam is another component, which takes the overlap and gives the load back.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

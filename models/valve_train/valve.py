@@ -1,7 +1,5 @@
 """Valve: a body with its seat, loaded by its train, by springs and by the gas."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ..compile.kernel import kernel

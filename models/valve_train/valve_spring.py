@@ -4,8 +4,6 @@ Kushwaha et al. 2000 (K), section 2.3 and equations (1)-(3), (40)-(42), with the
 of pi in (1) and the signs of (40)-(42), as printed solutions grow. N = 2 is K's spring.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple

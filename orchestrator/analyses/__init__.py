@@ -1,7 +1,5 @@
 """Analyses by name: each file of this folder without a leading underscore defines an `ANALYSIS`."""
 
-from __future__ import annotations
-
 import sys
 from importlib import import_module
 from pathlib import Path

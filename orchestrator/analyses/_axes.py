@@ -1,7 +1,5 @@
 """Axes of maps and bifurcation diagrams as parameters of analyses."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any

@@ -1,7 +1,5 @@
 """The profile and the followers that the analysis of a cam is asked for, from its parameters."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields

@@ -1,7 +1,5 @@
 """Where a cam comes from: a lift table, a law, or a component of a scenario."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

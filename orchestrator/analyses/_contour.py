@@ -4,8 +4,6 @@ The axis of the cam is the origin. The follower is above, along +y at the cam an
 anticlockwise. For a cam that turns clockwise, mirror x.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 

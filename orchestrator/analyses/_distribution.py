@@ -1,7 +1,5 @@
 """Impact velocities summed along the walls and around the crank cycle: two tables of one kind."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Impacts of a motion, for the analyses of impacts."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

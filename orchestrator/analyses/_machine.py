@@ -1,7 +1,5 @@
 """Parameters that all analyses of the slider-crank with clearance share."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any

@@ -1,7 +1,5 @@
 """Time trace and phase portrait: one table, two figures."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Tables with units, and the `evaluate` of an analysis from its table."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

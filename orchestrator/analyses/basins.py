@@ -1,7 +1,5 @@
 """Basins of attraction."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """A cam with its follower: shape, curvature, pressure angle, entrainment and derivatives of the lift."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path

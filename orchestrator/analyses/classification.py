@@ -1,7 +1,5 @@
 """Chaotic, transiently chaotic or periodic, with the evidence."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Largest Lyapunov exponent over two parameters."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Lyapunov exponents of the slider-crank with clearance."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

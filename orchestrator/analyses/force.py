@@ -1,7 +1,5 @@
 """Constraint force over crank angle."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Poincaré map of impacts on one wall."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

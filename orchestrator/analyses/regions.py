@@ -1,7 +1,5 @@
 """Regions of sliding over friction and clearance."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Length of transient chaos over many starts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

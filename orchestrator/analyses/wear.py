@@ -1,7 +1,5 @@
 """Wear along the walls."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Speeds at which a train loses contact, in the table of a sweep."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray
 from numpy.typing import NDArray

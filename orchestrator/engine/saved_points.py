@@ -1,7 +1,5 @@
 """Points of a coupled run to go back to: the participants' states and the state of the coupling."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A macro step that was made, and what set its length."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 # What set the length of a step, by number in result files.

@@ -1,7 +1,5 @@
 """Which output goes to which input: participants, exchanged values and signals by their numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -4,8 +4,6 @@ A master's `step` advances all participants by one macro step and leaves their o
 values. Its fields are the options of a scenario's [master] table.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from .gauss_seidel import GaussSeidel

@@ -4,8 +4,6 @@ To add one: a class with `next`, listed in ACCELERATIONS. What it keeps for the 
 start, plain arrays that a checkpoint can store.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Protocol
 

@@ -1,7 +1,5 @@
 """Iteration of a macro step: rollback and sweeps until the exchanged end values agree."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

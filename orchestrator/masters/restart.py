@@ -7,8 +7,6 @@ Hermite signals need one such step for their fourth. Where a participant cannot 
 is made in parts that begin very short and double.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..engine.coupling import Coupling

@@ -1,7 +1,5 @@
 """Participants of a co-simulation behind one protocol: components, and FMUs in this process or their own."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 One call transfers all doubles, and one all variables of each other type. Arrays of FMI 3 go as a whole.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 

@@ -4,8 +4,6 @@ Their arguments are bound once. ctypes functions without argument types pass the
 methods build lists at every call.
 """
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Callable, Iterable
 from pathlib import Path

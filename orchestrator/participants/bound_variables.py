@@ -1,7 +1,5 @@
 """An FMU's inputs and outputs bound to memory, with derivatives of inputs and rates of outputs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 

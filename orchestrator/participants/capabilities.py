@@ -1,7 +1,5 @@
 """What the file of an FMU offers, before anything of it is run."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """When the clocks of an FMU tick."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple, Protocol

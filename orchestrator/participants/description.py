@@ -1,7 +1,5 @@
 """Reads modelDescription.xml of FMI 1.0, 2.0 and 3.0, with all scalars by their names."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import math

@@ -1,7 +1,5 @@
 """What fmpy does not read of descriptions of FMI 1.0."""
 
-from __future__ import annotations
-
 from typing import Any
 from xml.etree import ElementTree
 

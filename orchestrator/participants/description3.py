@@ -1,8 +1,6 @@
 """What fmpy does not read of descriptions of FMI 3.0: event mode, clocks, ranges of unsigned integers; and
 the arrays whose sizes follow from structural parameters."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

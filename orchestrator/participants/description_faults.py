@@ -1,7 +1,5 @@
 """What of a modelDescription.xml keeps it from being read, by element and attribute."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 

@@ -1,7 +1,5 @@
 """Messages of an FMU, and the errors of its failed calls."""
 
-from __future__ import annotations
-
 import contextlib
 from collections import deque
 from typing import Any, NoReturn

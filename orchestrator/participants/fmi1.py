@@ -4,8 +4,6 @@ It has no initialisation mode: `enter_initialization` initialises it, with the i
 state can be neither saved nor restored.
 """
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Callable, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """FMI 2.0: an instance of an FMU for co-simulation."""
 
-from __future__ import annotations
-
 import ctypes
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -4,8 +4,6 @@ The FMU handles its events itself (see `fmi3_events` for the others). The rest o
 follows.
 """
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NoReturn

@@ -1,7 +1,5 @@
 """The interface of an FMU's instance, for both versions of FMI."""
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Protocol

@@ -7,8 +7,6 @@ input at once, and rates, are those of the end of the step once the FMU has the 
 Signals are polynomials: row k of `signals` has their k-th derivatives at the start of the step.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numba

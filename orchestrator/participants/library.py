@@ -1,7 +1,5 @@
 """The shared library of an FMU for this machine."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 The FMU can write to any descriptor of its process. The mark tells what it writes there from a message.
 """
 
-from __future__ import annotations
-
 import struct
 import time as clock
 from typing import Any

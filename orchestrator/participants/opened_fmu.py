@@ -1,7 +1,5 @@
 """An FMU that is unpacked and instantiated: what its participants of each kind share."""
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import shutil

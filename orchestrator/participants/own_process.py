@@ -4,8 +4,6 @@ Messages and their answers go through pipes: JSON, or raw doubles where a call i
 process ends, by a signal or an exit, or answers with what is no message, `LostParticipantError` is raised.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

@@ -1,7 +1,5 @@
 """What a co-simulation FMU has at communication points besides numbers: events, clocks and texts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The degree that the signal through an exchanged value may have, from what participants follow."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

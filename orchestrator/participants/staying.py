@@ -1,7 +1,5 @@
 """Load an FMU's library without a change of the working folder, which all threads share."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import threading

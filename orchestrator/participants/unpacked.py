@@ -1,7 +1,5 @@
 """Temporary folders into which FMUs are unpacked; those of processes that were killed are deleted later."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import os

@@ -1,7 +1,5 @@
 """Base classes of participants that wrap another."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -3,8 +3,6 @@
 Each file draws one kind of figure from `FigureData` and saves nothing.
 """
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Callable, Mapping
 from functools import partial

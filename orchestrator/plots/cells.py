@@ -1,7 +1,5 @@
 """The machine's parameters on axes, and coloured cells around their values."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Error of the judged variables, each in a panel, over the reference's RMS spread, as tolerances count it."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

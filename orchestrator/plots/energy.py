@@ -3,8 +3,6 @@
 A panel for each bond with the larger part, in joules; the title says how much went over it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 

@@ -4,8 +4,6 @@ A column for each contact, over the angle of the shaft that drives it; of many, 
 of the load. Shaded, and without film, where the contact carries no load.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """Friction, its torque, film ratio and wear over a cam revolution, and the wear along the follower."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator

@@ -1,7 +1,5 @@
 """Orbits of journals in their bushes, in parts of the clearance, and the least films below."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle

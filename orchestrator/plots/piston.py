@@ -1,7 +1,5 @@
 """Tilting piston: gaps and wall forces of its four corners, tilt, impacts, gas pressure."""
 
-from __future__ import annotations
-
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 

@@ -1,7 +1,5 @@
 """Slider-crank with clearance: the piston between its walls, wall forces and impacts."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

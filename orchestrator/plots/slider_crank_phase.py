@@ -1,7 +1,5 @@
 """Phase portrait of the slider-crank's deviation: flights and slides, and between them the impacts."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure

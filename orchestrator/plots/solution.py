@@ -3,8 +3,6 @@
 Elements of an array share a panel.
 """
 
-from __future__ import annotations
-
 from itertools import chain
 
 import numpy as np

@@ -3,8 +3,6 @@
 Over the angle of the shaft that drives it; shaded where the contact is lost.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

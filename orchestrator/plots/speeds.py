@@ -1,7 +1,5 @@
 """A train over speed: summary, map of a load over angle and speed, and its orders."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

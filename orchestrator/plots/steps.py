@@ -1,7 +1,5 @@
 """Macro steps: how long they were, what limited them, their errors and iterations, over time and in sum."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

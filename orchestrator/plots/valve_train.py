@@ -4,8 +4,6 @@ Shaded where the follower has left its cam; there the film has no meaning and th
 several valve trains it is the one with the highest contact load.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """All valve trains of an engine: contact load and lift of each over the angle of their common drive."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Cams and their followers, drawn."""
 
-from __future__ import annotations
-
 import math
 from typing import get_type_hints
 

@@ -1,7 +1,5 @@
 """What the scripts of a run's page need, as plain JSON values: times, packed variables, drawings, marks."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Slider-cranks, drawn with their play wider than it is; walls light up when they are struck."""
 
-from __future__ import annotations
-
 import math
 
 from .sketch import GROUND, MM, Parts, Sketch

@@ -1,7 +1,5 @@
 """The mechanisms of a scenario, as drawings that its results move."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 from models.core import roles

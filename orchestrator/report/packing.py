@@ -1,7 +1,5 @@
 """Numbers for a page: float32, their bytes sorted by place, deflated, in base64."""
 
-from __future__ import annotations
-
 import base64
 import zlib
 from typing import Any

@@ -1,7 +1,5 @@
 """Write report.html from the folder of a run, or of a sweep over speed."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping

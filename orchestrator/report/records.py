@@ -1,7 +1,5 @@
 """What a result file has, read group by group and variable by variable."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass

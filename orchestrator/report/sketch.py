@@ -4,8 +4,6 @@ A sketch has frames and shapes. A frame turns about a point and is shifted by va
 is a line through points of frames. Lengths are in mm; y points along the lift of the follower on its cam.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

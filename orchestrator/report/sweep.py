@@ -1,7 +1,5 @@
 """What the page of a sweep over speed needs: all its cycles, their numbers, the mechanism."""
 
-from __future__ import annotations
-
 import json
 import math
 import tomllib

@@ -1,7 +1,5 @@
 """Valve trains, drawn: direct, with tappet, pushrod and rocker, with finger."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

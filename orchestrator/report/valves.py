@@ -1,7 +1,5 @@
 """Valves with their springs and seats, drawn."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a run is worth: its contacts, its steps, and its errors against the reference."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """The coupled run against the monolithic reference, variable by variable."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

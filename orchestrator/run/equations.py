@@ -4,8 +4,6 @@ FMUs give x' = f(t, x, u), y = g(t, x, u) and event indicators; components of ou
 kernels. At an event of any part all FMUs go to event mode and iterate until no output changes any more.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

@@ -3,8 +3,6 @@
 What is connected ends a run at once (`coupling`); what is only recorded does not, and is told at the end.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np

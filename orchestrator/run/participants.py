@@ -1,7 +1,5 @@
 """How each instance of a system takes part in its coupled run, and its participant."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """One run of a scenario: plan, execute, assess, publish."""
 
-from __future__ import annotations
-
 import time as clock
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace

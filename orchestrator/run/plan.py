@@ -1,7 +1,5 @@
 """Plan a run: resolve the scenario once, check everything, build the FMUs. Nothing is written."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Publish a run: its result file, tables, figures and summary, and what is printed at its end."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext

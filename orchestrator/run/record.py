@@ -1,7 +1,5 @@
 """What a coupled run did, and how it ended."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The observer that records a run, in journals of which result and CSV are made."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

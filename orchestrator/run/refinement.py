@@ -12,8 +12,6 @@ the nearest whole order. The reference sees the error of the coupling only: what
 in all three runs.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

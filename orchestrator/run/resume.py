@@ -1,7 +1,5 @@
 """Continue a run that was killed or interrupted."""
 
-from __future__ import annotations
-
 import json
 import time as clock
 from pathlib import Path

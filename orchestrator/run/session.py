@@ -1,7 +1,5 @@
 """A coupling under way: participants that a master steps from a start to a stop time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The coupled run: macro steps from start to stop, watched by observers."""
 
-from __future__ import annotations
-
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack

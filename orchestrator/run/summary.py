@@ -1,7 +1,5 @@
 """The summary of a run: summary.json."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The observer that records what is no number: strings and binary values of FMUs."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Scenarios: tables, files, units, checks, warnings and the JSON schema."""
 
-from __future__ import annotations
-
 from .component_table import BUILT_KINDS, ComponentTable
 from .connection import Line, parse_ends, parse_line
 from .fields import Written

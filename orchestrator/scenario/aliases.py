@@ -1,7 +1,5 @@
 """Names of third-party FMUs that stand for one variable."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 
 from ..participants import ThirdPartyComponent

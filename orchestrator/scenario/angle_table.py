@@ -5,8 +5,6 @@ separate; with semicolon or tab a comma may be the decimal sign. Lines that begi
 Angles may pass zero once, as 359, 0, 1. What a file leaves open is chosen, and said in the table's `notes`.
 """
 
-from __future__ import annotations
-
 import codecs
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Values of whole arrays, and structural parameters of third-party FMUs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path

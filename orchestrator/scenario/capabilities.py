@@ -1,7 +1,5 @@
 """Checks that FMU files have the capabilities that the scenario needs."""
 
-from __future__ import annotations
-
 import select
 import sys
 import zipfile

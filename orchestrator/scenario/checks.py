@@ -1,7 +1,5 @@
 """Check a scenario against its system, before a run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 

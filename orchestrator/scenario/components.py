@@ -1,7 +1,5 @@
 """The components' parameters, start values, inputs and outputs as a page of tables, made of their types."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any
 

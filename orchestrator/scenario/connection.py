@@ -1,7 +1,5 @@
 """The lines of `connections`: instance.output [* factor] [+ offset] -> instance.input."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable

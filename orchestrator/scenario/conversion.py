@@ -1,7 +1,5 @@
 """Linear transformations of connected values: unit conversions, factors and offsets."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

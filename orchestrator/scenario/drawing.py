@@ -1,7 +1,5 @@
 """The drawing of a shaft in a scenario, which becomes the modes of the component `shaft`."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """Types of a scenario's fields: times with units, tolerances, values, tables."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any
 

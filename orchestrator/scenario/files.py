@@ -5,8 +5,6 @@ merged into the other's and its connections are added. Options of a replaced mas
 [step_control] the other's `output_step`.
 """
 
-from __future__ import annotations
-
 import difflib
 import tomllib
 from collections.abc import Mapping, Sequence

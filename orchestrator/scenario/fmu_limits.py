@@ -1,7 +1,5 @@
 """Limits that the FMU files of a scenario set on signals and steps."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Any

@@ -1,7 +1,5 @@
 """The measured force of a coil spring in a scenario, which becomes the gaps of its coils."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """Keys of a component's table that become its structure and parameters: tables, drawings, oils."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

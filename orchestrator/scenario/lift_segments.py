@@ -1,7 +1,5 @@
 """A cam by segments of its acceleration in a scenario, which becomes the points of its profile."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """The table [master]."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 from typing import Any
 

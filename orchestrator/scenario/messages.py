@@ -1,7 +1,5 @@
 """Messages about wrong scenario files, from pydantic's errors."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import Any

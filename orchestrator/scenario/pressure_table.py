@@ -4,8 +4,6 @@ Between the points goes the monotone cubic of Fritsch and Carlson (1980), which 
 its ends: a spline would swing beyond them at ignition, or where a trace is coarse.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields
 from pathlib import Path

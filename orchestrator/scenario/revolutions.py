@@ -1,7 +1,5 @@
 """Durations given as angles of a drive of constant speed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any

@@ -1,7 +1,5 @@
 """The scenario: all tables of a file."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields, replace
 from typing import Annotated, Any, Literal

@@ -1,7 +1,5 @@
 """The JSON schema of scenario files, for editors: names, units and descriptions of all variables."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import fields
 from typing import Any

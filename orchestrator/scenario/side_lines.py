@@ -1,7 +1,5 @@
 """Connections of what is no number: clocks, strings and binary values of third-party FMUs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 

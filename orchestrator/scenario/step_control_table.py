@@ -1,7 +1,5 @@
 """The table [step_control]."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """The system that a scenario describes: components with their values, connections, start values."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The header of a table over an angle: names, units and whose angle it is, in the words of engineers."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from .units import UnitError, to_unit

@@ -1,7 +1,5 @@
 """Values for third-party FMUs: strings, enumerations, numbers in units other than SI."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from string import hexdigits
 

@@ -1,7 +1,5 @@
 """Values of parameters, start values and inputs, in scenarios and in models."""
 
-from __future__ import annotations
-
 import functools
 import inspect
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Warnings about scenarios that run, but probably not as intended."""
 
-from __future__ import annotations
-
 from models.core import roles
 
 from ..participants import ThirdPartyComponent

@@ -1,7 +1,5 @@
 """Macro steps as long as a tolerance on their local error allows."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """How long the next step may be, from the errors of the last ones."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

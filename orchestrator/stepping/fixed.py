@@ -1,7 +1,5 @@
 """Macro steps of one length."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Macro steps for participants without a way back: each is as long as the ones before it allow."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from typing import Any
 

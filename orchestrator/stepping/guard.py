@@ -1,7 +1,5 @@
 """Names an unstable explicit coupling before it ends in numbers that are not finite."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

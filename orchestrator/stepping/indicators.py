@@ -4,8 +4,6 @@ The review of Kyllingstad, Sadjina and Skjong 2024 (arXiv 2406.17353) names such
 more of a participant than its outputs. They see what a signal has missed, not what that did inside of it.
 """
 
-from __future__ import annotations
-
 from typing import Any, Protocol
 
 import numpy as np

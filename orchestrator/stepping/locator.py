@@ -1,7 +1,5 @@
 """Finds, by rollback, when something happens inside a macro step, and what is known to happen ahead."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the run needs of a way to choose macro steps."""
 
-from __future__ import annotations
-
 from typing import Any, Protocol
 
 from ..engine.coupling import Coupling

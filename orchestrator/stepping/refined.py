@@ -1,7 +1,5 @@
 """Macro steps that are parts of those of another run."""
 
-from __future__ import annotations
-
 from bisect import bisect_right
 
 from models.core.quantities import Vector

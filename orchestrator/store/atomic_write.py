@@ -1,7 +1,5 @@
 """Replace a file as a whole: after a kill at any moment it is the old one or the new one."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import os

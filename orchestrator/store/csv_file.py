@@ -5,8 +5,6 @@ A unit in a name or a second line would make tools of that layout miss the varia
 that units stand in a file of their own.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import os

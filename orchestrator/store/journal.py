@@ -5,8 +5,6 @@ follow. A process killed at any moment leaves whole rows and at most one begun, 
 file killed in the middle of a flush may be unreadable as a whole.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import time as clock

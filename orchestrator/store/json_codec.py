@@ -4,8 +4,6 @@ Plain data are None, booleans, numbers, strings, bytes, numpy arrays of numbers,
 strings as keys) of these. Unlike a pickle, reading it never runs code.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import math

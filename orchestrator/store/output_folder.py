@@ -4,8 +4,6 @@ The folder `unfinished` holds the journals and the last checkpoint, from which a
 locked while a process works on the run, and removed when the result is whole.
 """
 
-from __future__ import annotations
-
 import difflib
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Workers for the points of a study: local processes, or those of a running scheduler."""
 
-from __future__ import annotations
-
 import logging
 import signal
 import sys

@@ -1,7 +1,5 @@
 """Sends points to workers and receives their outcomes."""
 
-from __future__ import annotations
-
 import pickle
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError

@@ -1,7 +1,5 @@
 """Results of a study over its one or two axes: curves, or maps where both axes have many values."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Where a study evaluates: grids, Sobol' points, lists. Tables of the study file, and what they expand to."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Evaluates and stores the pending points of a study."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A scenario as the subject of a study: each point is a run."""
 
-from __future__ import annotations
-
 import copy
 import functools
 import hashlib

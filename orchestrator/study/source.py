@@ -1,7 +1,5 @@
 """Versions of source and libraries, which must be equal on all workers of a study."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import inspect

@@ -5,8 +5,6 @@ status. Nothing depends on the time or order of points. So a study that is kille
 ends with the same store.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

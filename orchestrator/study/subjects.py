@@ -1,7 +1,5 @@
 """Subjects of a study: an analysis or a scenario, with all other values fixed."""
 
-from __future__ import annotations
-
 import functools
 import json
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The points of a study as a CSV table: parameters, results, status and message, with units in the head."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

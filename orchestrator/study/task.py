@@ -1,7 +1,5 @@
 """Evaluation of one point on a worker."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ F: Faramarz Farahanchi, "Chaotic and Periodic Dynamics of a Slider Crank Mechani
 M.S. thesis, Michigan State University (1991).
 """
 
-from __future__ import annotations
-
 from ..publication import Publication
 from .chapters_1_to_3 import CLAIMS as CHAPTERS_1_TO_3
 from .chapters_4_and_5 import CLAIMS as CHAPTERS_4_AND_5

@@ -1,7 +1,5 @@
 """Claims that F's equation and the right one are both asked for."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import partial
 

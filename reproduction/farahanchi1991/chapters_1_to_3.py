@@ -1,7 +1,5 @@
 """F's statements: abstract, derivation, walls and their forces, Poincaré section."""
 
-from __future__ import annotations
-
 from models.slider_crank.motions.regions import TURN
 
 from ..statement import Claim, Verdict, is_near, state_verdict

@@ -1,7 +1,5 @@
 """F's statements: the motions of F's engine, and F's discussion."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS

@@ -1,7 +1,5 @@
 """F 2.1 to 2.6 and appendix A: the engine, the equations as printed, walls and impacts."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from itertools import product

@@ -1,7 +1,5 @@
 """What the sign error changes for somebody who designs an engine: numbers of both forms side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """F's figures 2.2 and 2.4 to 4.44, with its numbering. 2.1, 2.3, A.1 and B.1 are sketches."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from models.slider_crank.flight.bouncing import LOWER, UPPER

@@ -1,7 +1,5 @@
 """F 2.6 and 4.4: the forces of the walls on a sliding roller, and where they can hold it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """F chapters 3 and 4: records of impacts, over the walls and their velocities."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

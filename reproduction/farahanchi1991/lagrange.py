@@ -4,8 +4,6 @@ Everything over M l^2 Omega^2, with tau = theta. `rotation` is +1 for F's rate o
 phi' + psi', -1 for that of the rod's angle phi - psi.
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 

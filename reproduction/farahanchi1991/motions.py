@@ -1,7 +1,5 @@
 """F chapter 4: kinds of motion, over cases and starts."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from functools import cache

@@ -1,7 +1,5 @@
 """How F's figures are drawn: a panel for each form of the equations."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, cast

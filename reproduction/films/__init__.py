@@ -4,8 +4,6 @@ Through the cam cycle of the valve train at several speeds, transient and steady
 Kushwaha's Table 3; and power laws fitted anew over those ranges.
 """
 
-from __future__ import annotations
-
 from ..publication import Publication
 from .cam import NODES
 from .figures import FIGURES, NUMBERS

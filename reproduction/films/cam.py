@@ -1,7 +1,5 @@
 """Films through the cam cycle of the valve train: transient and steady numerical solutions, formulas."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Figures and their numbers: films through the cam cycle and across the contact, formulas over Table 3."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, Literal
 

@@ -1,7 +1,5 @@
 """The formulas that are judged, with their sources, and the conditions for which they were made."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

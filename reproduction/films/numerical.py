@@ -1,7 +1,5 @@
 """Steady numerical films of many line contacts, side by side on the machine's cores."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """What the judgement of the film formulas computes, each when first asked for."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import cache, cached_property, partial
 

@@ -1,7 +1,5 @@
 """Line contacts sampled over the ranges of Kushwaha's Table 3, and power laws fitted to their films."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """What each formula is worth: a statement for every one, over the cam cycle and over Kushwaha's Table 3."""
 
-from __future__ import annotations
-
 from functools import cache, partial
 
 import numpy as np

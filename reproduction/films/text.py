@@ -1,7 +1,5 @@
 """The page's text with its numbers: what the verdicts amount to, films by speed, films across the contact."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace

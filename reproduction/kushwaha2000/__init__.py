@@ -4,8 +4,6 @@ Kushwaha, Rahnejat and Jin, "Valve-train dynamics: a simplified tribo-elasto-mul
 Instn Mech. Engrs 214 K (2000).
 """
 
-from __future__ import annotations
-
 from ..publication import Publication
 from .figures import FIGURES
 from .runs import Runs

@@ -4,8 +4,6 @@ Gradients are taken of the constraints as K prints them, by complex steps, exact
 from K's rotation alone: omega = L (psi', theta', phi'), K = omega I omega/2.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """The source's Figs 2 to 8, with its numbering, over the cam angle in degrees (nose at 180)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Section 5, Figs 4, 5 and 7: film thickness and squeeze velocity."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Sections 3 and 4.4: the film formula (10), its ranges, and the paper's iteration for squeeze (37)-(39)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

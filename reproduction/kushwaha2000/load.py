@@ -1,7 +1,5 @@
 """Section 5, Figs 6 and 8: the contact load with spring surge and with a flexible camshaft."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Sections 2 and 4, Figs 2 and 3: parts, spring, Hertz's contact, multibody equations, cam, entrainment."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from typing import Any

@@ -1,7 +1,5 @@
 """Runs of the shipped valve train in adherence form; each is computed when first asked for."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cache, cached_property

@@ -1,7 +1,5 @@
 """Every quantitative statement of the source, in its order."""
 
-from __future__ import annotations
-
 from ..statement import Claim, Verdict, is_near, is_rising, state_verdict
 from . import appendices, film, formula, load, parts
 from .runs import Runs

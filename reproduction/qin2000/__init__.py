@@ -4,8 +4,6 @@ Qin and Zuo, "Multibody system dynamics analysis for valve trains", Journal of B
 9 (2000) 375-379.
 """
 
-from __future__ import annotations
-
 from ..publication import Publication
 from .figures import FIGURES
 from .runs import Runs

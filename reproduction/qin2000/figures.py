@@ -1,7 +1,5 @@
 """The valve of the pushrod train at low and at high speed, and its contacts: the source's kind of figures."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 

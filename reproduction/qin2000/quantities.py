@@ -1,7 +1,5 @@
 """The numbers behind the statements."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

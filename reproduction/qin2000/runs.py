@@ -1,7 +1,5 @@
 """Steady cycles of the pushrod train, and of valves under gas; each is computed when first asked for."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every statement of the source that tells how valve trains behave or are modelled, in its order."""
 
-from __future__ import annotations
-
 from ..statement import Claim, Verdict, is_near
 from . import quantities as q
 from .runs import Runs

@@ -3,8 +3,6 @@
 Slow imports are inside functions, so that --help answers at once.
 """
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import typer

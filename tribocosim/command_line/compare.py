@@ -1,7 +1,5 @@
 """tribocosim compare."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Names that the shell completes: from the files that carry them, so that the key answers at once."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

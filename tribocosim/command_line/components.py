@@ -1,7 +1,5 @@
 """tribocosim components."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import typer

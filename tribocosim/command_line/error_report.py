@@ -1,7 +1,5 @@
 """Exit statuses and error messages of all commands."""
 
-from __future__ import annotations
-
 import functools
 import os
 import sys

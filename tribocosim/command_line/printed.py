@@ -1,7 +1,5 @@
 """What FMUs of others print goes to a file in the result, where it does not bury the lines of the command."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """tribocosim ssp."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -4,8 +4,6 @@ Each kernel is film(load, velocity, radius, length, compliance, viscosity, press
 positive load and reduced radius and an entraining speed from zero on. A film is finite and not negative.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ...compile.kernel import kernel

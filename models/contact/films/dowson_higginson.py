@@ -1,7 +1,5 @@
 """Minimum film of Dowson and Higginson."""
 
-from __future__ import annotations
-
 from ...compile.kernel import kernel
 from .groups import groups
 

@@ -1,7 +1,5 @@
 """Central film of Dowson and Toyoda."""
 
-from __future__ import annotations
-
 from ...compile.kernel import kernel
 from .groups import groups
 

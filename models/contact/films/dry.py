@@ -1,7 +1,5 @@
 """No film: a dry Hertzian contact."""
 
-from __future__ import annotations
-
 from ...compile.kernel import kernel
 
 

@@ -1,7 +1,5 @@
 """Dimensionless groups of the line contact."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from ...compile.kernel import kernel

@@ -5,8 +5,6 @@ E = pi / compliance. The printed load exponent is +0.059; physics wants it negat
 equation of `ehl_contact`.
 """
 
-from __future__ import annotations
-
 import math
 
 from ...compile.kernel import kernel

@@ -1,7 +1,5 @@
 """Kushwaha et al. 2000, equation (10), with the negative load exponent that physics wants."""
 
-from __future__ import annotations
-
 import math
 
 from ...compile.kernel import kernel

@@ -1,7 +1,5 @@
 """Minimum film of Moes and Venner: a fit between the four asymptotes of the line contact."""
 
-from __future__ import annotations
-
 import math
 
 from ...compile.kernel import kernel

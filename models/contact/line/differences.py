@@ -9,8 +9,6 @@ An implicit method tells these rates itself, as those of its last stage, but of 
 step only to first order, and those of inner stages are no better than these stages.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ...compile.kernel import kernel

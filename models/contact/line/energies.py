@@ -27,8 +27,6 @@ asperities take the room, integral of p d(h - d)/dt, goes to nobody in that mode
 is noticed where films are thinner than three roughnesses, and comes back as they part.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

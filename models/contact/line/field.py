@@ -5,8 +5,6 @@ gives the film. The field begins in the first step, from film_thickness: Hertz's
 thickness.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

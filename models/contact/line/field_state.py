@@ -3,8 +3,6 @@
 Outputs have their rates from `differences` of what is seen at the ends of micro-steps.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 

@@ -9,8 +9,6 @@ Pressure is linear between nodes. The deflection that a distribution p causes on
 away and agrees with the approach of the finite line contact (Kushwaha et al. 2000, K 9).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

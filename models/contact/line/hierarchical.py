@@ -11,8 +11,6 @@ J is not formed: its elements follow from the bands and D where they are asked f
 largest element near the diagonal of 1. All is kept by columns, so that what is summed up lies side by side.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel

@@ -5,8 +5,6 @@ d(scale)/dt = (wanted scale - scale)/GRID_TIME (the law that `transient` takes s
 central film, curvature and approach.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ...compile.kernel import kernel, record_of

@@ -7,8 +7,6 @@ first stage is it goes on at the rate that led there, so that a gap which sprang
 far, and the oil to close it again is not there.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -10,8 +10,6 @@ becomes A + (B h' - A p_a') D, of the same form; cavitated nodes ask for q = p_a
 the row of a node that changes sides changes, and Newton's method stays quadratic.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel

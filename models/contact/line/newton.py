@@ -8,8 +8,6 @@ The factors of the Jacobian are used until convergence is slow or many nodes hav
 `woodbury`).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -3,8 +3,6 @@
 No variable of the component shows them: they are 2 x `nodes` numbers at every instant.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -10,8 +10,6 @@ the logarithmic mean of its nodes', for which the flow of a fluid with eta ~ exp
 viscosity rises a thousandfold within a few nodes, any other mean sets a wrong film.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

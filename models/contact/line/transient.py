@@ -10,8 +10,6 @@ Jacobian (Shampine), as a change of load and film.
 The grid's scale follows the contact, a^2 = b^2 + 2 R h with Hertz's half width b, linearly within a step.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

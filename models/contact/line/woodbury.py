@@ -6,8 +6,6 @@ x = J0^-1 (b + E s), where s follows from what is asked of these nodes: no chang
 balance where they no longer do (Woodbury's formula).
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel

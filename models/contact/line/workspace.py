@@ -4,8 +4,6 @@ Nothing in it outlives a step but the grid and the deflection matrix, which are 
 with as many nodes and are made at the first use.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel

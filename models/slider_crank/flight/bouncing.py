@@ -10,8 +10,6 @@ is shorter than CHATTER_LEFT: their limit point. Sliding ends where the pressing
 zero. No decision depends on a step size.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

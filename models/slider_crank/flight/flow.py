@@ -7,8 +7,6 @@ which fall below rounding within the modes that the samples can tell apart. The 
 solutions' series fall below rounding too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple

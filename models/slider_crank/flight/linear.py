@@ -1,7 +1,5 @@
 """Flights and tangent vectors of the linear forms, along the tabulated `flow`."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

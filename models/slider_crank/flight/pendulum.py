@@ -7,8 +7,6 @@ In sigma = theta + eta, eta = phi - psi the rod's angle, free flight is a damped
 solved by its power series from any position (the series of sine and cosine follow from sigma's).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Samples of the equation of motion in y at unit speed, from which its `flow` is tabulated."""
 
-from __future__ import annotations
-
 import math
 
 from ...compile.kernel import kernel

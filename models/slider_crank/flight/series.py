@@ -4,8 +4,6 @@ A series is the vector of its coefficients, c(u) = c[0] + c[1] u + ... + c[DEGRE
 length of one cell of a `flow`, short against the radius of convergence.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

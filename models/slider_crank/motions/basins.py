@@ -1,7 +1,5 @@
 """Basins of attraction: which attractor a motion ends on, by its start."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Bifurcation diagrams over any parameter of the machine."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 

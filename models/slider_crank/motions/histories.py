@@ -13,8 +13,6 @@ begins at the release, whose phase does not depend on the past: both vectors bec
 exponents are -infinity.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

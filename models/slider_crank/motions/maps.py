@@ -1,7 +1,5 @@
 """Maps over two parameters of the machine: largest exponent and period."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace

@@ -1,7 +1,5 @@
 """A motion dense enough to draw, with both sides of every impact."""
 
-from __future__ import annotations
-
 from copy import deepcopy
 from typing import NamedTuple
 

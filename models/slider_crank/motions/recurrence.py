@@ -1,7 +1,5 @@
 """Periodicity of a motion from its states at crank angle zero (the stroboscopic map)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Protocol
 
 import numpy as np

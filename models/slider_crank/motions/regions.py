@@ -5,8 +5,6 @@ one where f_l is. Both are affine in lambda, with a slope that has one sign, so 
 one lambda at which a wall's force is zero there; its maximum over the revolution bounds the regions.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Where and how hard the slider hits its walls: F 3.2 (profile), F 3.3 (spectra), and a measure of wear."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

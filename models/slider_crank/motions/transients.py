@@ -1,7 +1,5 @@
 """How long chaos lasts before a motion settles on a periodic orbit, over many starts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

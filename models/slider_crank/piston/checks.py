@@ -1,7 +1,5 @@
 """Requirements on several parameters or start values of the slider-crank with a tilting piston."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

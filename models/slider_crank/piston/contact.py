@@ -11,8 +11,6 @@ Contact law, for all touching corners at once (Moreau; Flores, Leine and Glocker
 (e_T = 0). Lasting contact: N >= 0, gap'' >= 0, one of them zero, with sliding friction.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -12,8 +12,6 @@ overlap of the valves to the intake's; both changes are smooth (3 r^2 - 2 r^3), 
 Or it goes through points, a measured cycle: the cubics that have p and dp/dtheta of both ends.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

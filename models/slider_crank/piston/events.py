@@ -1,7 +1,5 @@
 """Impacts and releases of the piston's corners as events of a component."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel

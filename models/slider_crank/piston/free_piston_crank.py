@@ -1,7 +1,5 @@
 """Slider-crank with a tilting piston; a torque drives the crank."""
 
-from __future__ import annotations
-
 from ...compile.kernel import kernel
 from ...core.bonds import counts_energies
 from ...core.component import Component, PowerBond

@@ -10,8 +10,6 @@ With a symmetric piston whose pin is at its centre of mass these are the equatio
 Glocker (2010), section 5, with theta_2 = -eta.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ The states are the piston's offset and tilt: by them, gaps do not depend on the 
 corners determine are computed from the walls, so that integration cannot drift off them.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Slider-crank with a tilting piston; the crank's motion is an input."""
 
-from __future__ import annotations
-
 from ...compile.kernel import kernel
 from ...core import roles
 from ...core.bonds import counts_energies

@@ -1,7 +1,5 @@
 """Parameters, states, inputs and outputs of the slider-crank with a tilting piston."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Cam profile of a closed form: rise by a law, dwell about the nose at pi, fall by the same law; ramps."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """The lift of a cam and its derivatives by the cam angle. The nose is at pi."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

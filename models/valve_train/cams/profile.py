@@ -4,8 +4,6 @@ Kushwaha et al. 2000 (K), section 4.6; the entraining velocity with the speed th
 Angles in rad; a prime is d/d(cam angle).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

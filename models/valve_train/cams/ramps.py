@@ -4,8 +4,6 @@ A ramp is added to the event: a velocity that blends in as a half cosine, stays,
 event begins. So s'' has no jump where the event has none.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

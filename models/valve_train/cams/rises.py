@@ -4,8 +4,6 @@ To add one: a kernel, listed in `RISES`. All laws but the harmonic one begin wit
 Norton, Cam Design and Manufacturing Handbook, chapters 2 to 4.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -5,8 +5,6 @@ and the lift with the one that is asked for. Lift and slope at the joints are ex
 each segment, which the points of `table` have without error.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

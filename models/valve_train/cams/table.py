@@ -4,8 +4,6 @@ Quintic splines, and all piecewise polynomials up to degree 5 with continuous s'
 Ramps may be added, as to a law.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -13,8 +13,6 @@ cosine acceleration of Norton, Cam Design and Manufacturing Handbook, chapter 3,
 1/4, 1/4, 1/4 is the modified trapezoid, 1/4, 0, 1/2, 0 the cycloidal law, 1/8, 0, 3/4, 0 the modified sine.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -4,8 +4,6 @@ The cam turns about the origin, anticlockwise by the cam angle; its follower lie
 prime is d/d(cam angle). The arc's centre moves as the cam's pitch curve asks.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Contact of a cam with flat and translating followers and with fingers about an end pivot, for a lift."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ cam's axis is displaced by a. The overlap is d = n . (C_w + a - C) with the norm
 torque act along the gradients of d, so that no energy is lost between them. A prime is d/d(cam angle).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple

@@ -3,8 +3,6 @@
 The tip is normal to the valve's path. The pad's centre moves on a circle about the lever's pivot.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple

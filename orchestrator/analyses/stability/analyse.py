@@ -1,7 +1,5 @@
 """`tribocosim analyse SCENARIO`: predict how a scenario's coupling behaves."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

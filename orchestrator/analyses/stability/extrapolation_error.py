@@ -1,7 +1,5 @@
 """The error of a signal's extrapolation over a step, as amounts of a few polynomial shapes."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

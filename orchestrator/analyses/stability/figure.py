@@ -1,7 +1,5 @@
 """Spectral radius and estimated error over the macro step: a column a master, a line a signal."""
 
-from __future__ import annotations
-
 import math
 
 from matplotlib.artist import Artist

@@ -1,7 +1,5 @@
 """Linear systems x' = A x + B u, y = C x + D u, and eigenvalues of large sparse matrices."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field

@@ -3,8 +3,6 @@
 Components are linearised by their equations, FMUs by directional derivatives, others by their responses.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ evolving data: the participants' states, and the exchanged values (with Hermite 
 communication points that signals remember.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any

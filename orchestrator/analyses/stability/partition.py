@@ -4,8 +4,6 @@ A connection counts if its input acts on an output, by a nonzero slope at some p
 load torque on a flywheel with prescribed motion closes no loop.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """The trajectory of a system, rates along it, and a participant advanced along it for linearisation."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping
 

@@ -1,7 +1,5 @@
 """The summary of contacts, accumulated from macro step to macro step by compiled code."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

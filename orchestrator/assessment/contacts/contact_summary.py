@@ -1,7 +1,5 @@
 """What a contact went through, as a run's summary has it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any

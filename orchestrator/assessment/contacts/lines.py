@@ -1,7 +1,5 @@
 """What contacts went through, in sentences."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from .contact_summary import RESOLVED, ContactSummaries, ContactSummary

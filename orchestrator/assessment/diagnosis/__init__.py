@@ -1,7 +1,5 @@
 """Diagnosis of a run: what limited its steps, the effort by participant, and suggestions."""
 
-from __future__ import annotations
-
 from .facts import Facts
 from .numbers import Diagnosis, Interval, Limit, Share, diagnose_steps
 from .steps import Steps, read_steps, read_written_steps

@@ -1,7 +1,5 @@
 """What rules look at: a run's numbers, its steps and its scenario."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

@@ -1,7 +1,5 @@
 """What set the steps of a run, as numbers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any

@@ -1,7 +1,5 @@
 """The diagnosis of a run from its output folder."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A diagnosis in words: a few lines after a run, and everything on demand."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from ...scenario.units import choose_time_unit

@@ -1,7 +1,5 @@
 """A contact over the last whole revolution of its cam: friction, its torque and power, and wear."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

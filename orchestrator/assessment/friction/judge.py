@@ -1,7 +1,5 @@
 """Friction and wear of a run's contacts over a cam revolution, from its output folder."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Friction and wear of contacts as a table to read, and what to beware of."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

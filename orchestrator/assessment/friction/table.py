@@ -1,7 +1,5 @@
 """The table of a revolution as netCDF, JSON or CSV."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

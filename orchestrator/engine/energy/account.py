@@ -1,7 +1,5 @@
 """What the ledger comes to at the end, for the summary and for the reader."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """Power bonds between instances: the connections over which energy flows."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from models.core.component import PowerBond

@@ -1,7 +1,5 @@
 """A system whose components count their energies, and observers that need not know of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any

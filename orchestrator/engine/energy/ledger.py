@@ -1,7 +1,5 @@
 """The ledger: an observer that books the energies of every record."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields

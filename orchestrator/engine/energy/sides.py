@@ -1,7 +1,5 @@
 """Who counts what of a bond: the variables of its two sides."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from models.core.bonds import CountingComponent, energy_through

@@ -1,7 +1,5 @@
 """Equations of FMUs for model exchange, to be integrated by tribocosim's solvers."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ..opened_fmu import FmuSettings

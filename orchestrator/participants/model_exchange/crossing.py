@@ -4,8 +4,6 @@ The event is a change of the domain, from z <= 0 to z > 0 or back (FMI 2.0, 3.1)
 either, and one that sees no change would have the same event again, without end.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

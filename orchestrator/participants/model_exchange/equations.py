@@ -1,7 +1,5 @@
 """The equations of an FMU: x' = f(t, x, u), y = g(t, x, u), event indicators and event mode."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace

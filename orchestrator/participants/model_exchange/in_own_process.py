@@ -1,7 +1,5 @@
 """The equations of an FMU in its own process."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

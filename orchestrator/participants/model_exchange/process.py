@@ -1,7 +1,5 @@
 """The process of an FMU's equations: it answers what `EquationsInOwnProcess` asks."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Crank angles on axes."""
 
-from __future__ import annotations
-
 import math
 
 from matplotlib.axes import Axes

@@ -1,7 +1,5 @@
 """Impact distribution profile (F 4.6 to 4.14) and impact spectrum (F 4.16, 4.17)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Constraint forces over crank angle (F 2.4 to 2.9)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

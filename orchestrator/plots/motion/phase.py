@@ -1,7 +1,5 @@
 """psi' over psi (F 4.2)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

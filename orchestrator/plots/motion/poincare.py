@@ -1,7 +1,5 @@
 """Poincaré map: psi' before impacts on one wall over crank angle (F 4.3 to 4.5)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Regions of sliding in lambda and rho (F 2.10)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

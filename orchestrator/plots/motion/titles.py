@@ -1,7 +1,5 @@
 """Title of a figure of one machine."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """psi over crank angle, between its walls (F 4.1)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

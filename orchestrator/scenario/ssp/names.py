@@ -1,7 +1,5 @@
 """Names of the standard: namespaces, files, kinds; and of annotations, ours and other tools'."""
 
-from __future__ import annotations
-
 from typing import Any
 from xml.etree import ElementTree
 

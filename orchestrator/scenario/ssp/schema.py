@@ -1,7 +1,5 @@
 """Validates packages against the schemas of SSP 1.0, which fmpy contains."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import fmpy

@@ -3,8 +3,6 @@
 A path is the names of systems and component from the outside in. What is not supported is refused by name.
 """
 
-from __future__ import annotations
-
 import posixpath
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field

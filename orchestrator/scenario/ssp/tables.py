@@ -1,7 +1,5 @@
 """Mapping tables of the standard: truth values, whole numbers or items to others, entry by entry."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from .. import ScenarioError

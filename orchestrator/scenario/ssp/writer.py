@@ -5,8 +5,6 @@ that it starts from, which other tools cannot find, in another. What SSP has no 
 outputs) is an annotation.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

@@ -3,8 +3,6 @@
 The estimator makes the step, because most compute it more than once.
 """
 
-from __future__ import annotations
-
 from .energy import EnergyResidual
 from .predictor_corrector import PredictorCorrector
 from .protocol import Attempt, Estimator

@@ -1,7 +1,5 @@
 """Energy residual: power that the coupling creates at the end of a step (Sadjina et al. 2017)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...engine.coupling import Coupling

@@ -1,7 +1,5 @@
 """For estimators that compare extrapolated signals."""
 
-from __future__ import annotations
-
 from ...masters import Jacobi, Master, find_name
 
 

@@ -5,8 +5,6 @@ times a derivative of that function. What a step's end values are wrong by follo
 over the step, and directly from its end value where an output depends on an input at the same instant.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

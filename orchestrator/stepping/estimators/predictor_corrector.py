@@ -1,7 +1,5 @@
 """Predictor against corrector: what an iterated step's first sweep arrived at, and its last."""
 
-from __future__ import annotations
-
 from ...engine.coupling import Coupling
 from ...masters import Master
 from .nodes import effective_degree, extrapolation_nodes, interpolation_nodes

@@ -1,7 +1,5 @@
 """What step control needs of an estimator."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

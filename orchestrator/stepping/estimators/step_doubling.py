@@ -1,7 +1,5 @@
 """Step doubling: the step once as a whole and once in two halves."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from models.core.quantities import Vector

@@ -1,7 +1,5 @@
 """Two designs side by side, from their sweeps over speed."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import asdict, dataclass

@@ -3,8 +3,6 @@
 To add a number: a row in the table of its part.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass

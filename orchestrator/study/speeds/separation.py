@@ -1,7 +1,5 @@
 """The speed at which a train first loses contact, with its film formula and with a second one."""
 
-from __future__ import annotations
-
 import copy
 import functools
 import math

@@ -1,7 +1,5 @@
 """The steady cycle of a scenario at a speed, as the subject of a study."""
 
-from __future__ import annotations
-
 import copy
 import functools
 import math

@@ -1,7 +1,5 @@
 """A sweep over speed: a study of steady cycles, its tables and figures."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

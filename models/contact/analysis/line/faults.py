@@ -1,7 +1,5 @@
 """Mistakes about a line contact: messages name the thing, its value, what is allowed and what to do."""
 
-from __future__ import annotations
-
 from .line_contact import LineContact
 
 # The largest Moes' groups up to which films were found wherever they were tried.

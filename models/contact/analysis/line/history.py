@@ -1,7 +1,5 @@
 """The film along a given motion: load, entraining velocity and radius of curvature as functions of time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

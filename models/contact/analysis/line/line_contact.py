@@ -1,7 +1,5 @@
 """A line contact in steady motion, by its dimensions or by Moes' groups M and L."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields

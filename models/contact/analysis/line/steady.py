@@ -6,8 +6,6 @@ Grids grow sharper about the edges of heavily loaded contacts, whose films form 
 where films are thick against the flattening, since they draw their oil from far away.
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 Each rule states in its docstring when it speaks.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from ..facts import Facts

@@ -1,7 +1,5 @@
 """Rules on which connection is the stiff one, and on its signals."""
 
-from __future__ import annotations
-
 from ....engine.signals import DEGREES
 from ..facts import Facts
 from .marks import MOST, percent

@@ -1,7 +1,5 @@
 """Rules on how often steps are iterated, and on iterations that end nowhere."""
 
-from __future__ import annotations
-
 from ....scenario import CONVERGED
 from ..facts import Facts
 from .marks import OFTEN, percent

@@ -1,7 +1,5 @@
 """The shares from which more than one rule speaks: marks of what is worth a user's time, not physics."""
 
-from __future__ import annotations
-
 MOST = 0.5  # of the steps: what sets so many is what limits the run
 OFTEN = 0.1  # of the attempts, or of the steps
 

@@ -1,7 +1,5 @@
 """Rules on what keeps steps short."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....engine.step import REASONS
