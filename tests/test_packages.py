@@ -61,10 +61,7 @@ def test_processes_that_a_run_starts_do_not_look_into_the_current_folder(tmp_pat
     for name in NAMES:
         occupied(tmp_path, name, False)
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    settings = [
-        "stop_time=1.0",
-        *(f"components.{n}.process='own'" for n in ("first", "second")),
-    ]
+    settings = ["stop_time=1.0", *(f"components.{n}.process='own'" for n in ("first", "second"))]
     arguments = [word for setting in settings for word in ("--set", setting)]
     done = subprocess.run(
         [sys.executable, "-P", "-m", "tribocosim", "run", "two-masses", *arguments, "--out", "out"],

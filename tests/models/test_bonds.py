@@ -20,8 +20,7 @@ def made(name, **settings):
 
 
 @pytest.mark.parametrize(
-    "name",
-    [n if n in ALWAYS else pytest.param(n, marks=pytest.mark.long) for n in COMPONENTS],
+    "name", [n if n in ALWAYS else pytest.param(n, marks=pytest.mark.long) for n in COMPONENTS]
 )
 def test_the_motion_does_not_see_that_energies_are_counted(name):
     plain, counts = Stepped(CATALOGUE[name]()), made(name)

@@ -10,14 +10,7 @@ from scipy.integrate import solve_ivp
 
 from models.slider_crank.flight.linear import carry
 from models.slider_crank.flight.samples import offset_acceleration
-from models.slider_crank.flight.series import (
-    NEVER,
-    TERMS,
-    bounds_of_bend,
-    divide_by_u,
-    first_fall,
-    next_fall,
-)
+from models.slider_crank.flight.series import NEVER, TERMS, bounds_of_bend, divide_by_u, first_fall, next_fall
 from models.slider_crank.motions.machine import Machine
 
 from .oscillators import position_at, scratch

@@ -9,15 +9,7 @@ import numpy as np
 import pytest
 
 from models.core.quantities import Quantity
-from orchestrator.assessment.diagnosis import (
-    RULES,
-    Facts,
-    Steps,
-    brief,
-    diagnose_steps,
-    full,
-    read_steps,
-)
+from orchestrator.assessment.diagnosis import RULES, Facts, Steps, brief, diagnose_steps, full, read_steps
 from orchestrator.assessment.diagnosis.report import diagnose
 from orchestrator.assessment.friction.judge import judge_friction
 from orchestrator.engine.energy import Trimmed, add_counting
@@ -146,11 +138,7 @@ CONTROLLED = made(np.full(200, 1e-5), iterations=3)
 EQUAL = made(np.full(100, 1e-5), "fixed", -1)
 GROUNDS = {
     "stiff_connection": (CONTROLLED, ["master.name=gauss_seidel"], 'name = "iterated"'),
-    "smaller_part": (
-        CONTROLLED,
-        ["master.iterate=[]"],
-        'iterate = ["camshaft", "valve_spring", "contact"]',
-    ),
+    "smaller_part": (CONTROLLED, ["master.iterate=[]"], 'iterate = ["camshaft", "valve_spring", "contact"]'),
     "higher_degree": (CONTROLLED, ["master.extrapolation=linear"], 'extrapolation = "hermite"'),
     "convergence": (
         made(np.full(100, 1e-5), ["convergence"] * 40 + ["error"] * 60, rejected=[1] * 40 + [0] * 60),
@@ -172,11 +160,7 @@ GROUNDS = {
         ["step_control.maximum_step=1e-5"],
         "step_control.maximum_step = 1e-05 s",
     ),
-    "discontinuity": (
-        made([1e-5, 1e-12, 1e-5], ["error", "discontinuity", "error"]),
-        [],
-        "contact.load",
-    ),
+    "discontinuity": (made([1e-5, 1e-12, 1e-5], ["error", "discontinuity", "error"]), [], "contact.load"),
     "rough": (
         made(np.r_[np.full(90, 1e-4), np.full(10, 1e-6)], rejected=np.r_[np.zeros(90, int), np.full(10, 3)]),
         [],
@@ -187,11 +171,7 @@ GROUNDS = {
         [],
         "17 % of the attempts",
     ),
-    "chatter": (
-        made(np.full(100, 1e-5), ["event"] * 20 + ["error"] * 80),
-        [],
-        "contact.load",
-    ),
+    "chatter": (made(np.full(100, 1e-5), ["event"] * 20 + ["error"] * 80), [], "contact.load"),
     "costly_estimator": (CONTROLLED, ["step_control.estimator=step_doubling"], '"predictor_corrector"'),
     "suggest_held_inputs": (EQUAL, ["master.extrapolation=hold"], "extrapolation"),
     "uneven_work": (

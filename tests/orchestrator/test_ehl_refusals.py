@@ -133,8 +133,7 @@ def test_slips_of_the_unit_and_sizes_beyond_reason_are_refused_with_the_range(
 
 
 @pytest.mark.parametrize(
-    "setting",
-    ["roughness=20 um", "viscosity=13", "length=1000 mm", "field_tolerance=1e-9"],
+    "setting", ["roughness=20 um", "viscosity=13", "length=1000 mm", "field_tolerance=1e-9"]
 )
 def test_extremes_that_exist_are_allowed(setting: str) -> None:
     """The roughest surfaces, the thickest oil, the longest roller, the least tolerance."""

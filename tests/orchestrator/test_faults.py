@@ -14,12 +14,7 @@ from models.oscillators import exact as solutions
 from models.oscillators.bouncing_mass import falling_mass, spring_stop
 from models.oscillators.two_masses import CoupledMassParameters
 from orchestrator.engine.step import DISCARD, EVENT, SHORTEST
-from orchestrator.errors import (
-    DiscardedStepError,
-    LostParticipantError,
-    NotFiniteError,
-    RecoverableError,
-)
+from orchestrator.errors import DiscardedStepError, LostParticipantError, NotFiniteError, RecoverableError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
 from orchestrator.stepping import ControlledSteps, StepControl

@@ -10,12 +10,7 @@ from fmpy.fmi2 import FMU2Slave
 from fmus.build import build
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
-from orchestrator.errors import (
-    DiscardedStepError,
-    LostParticipantError,
-    NotFiniteError,
-    ParticipantError,
-)
+from orchestrator.errors import DiscardedStepError, LostParticipantError, NotFiniteError, ParticipantError
 from orchestrator.masters import GaussSeidel, Jacobi
 from orchestrator.participants import open_fmu
 from orchestrator.participants.failures import ErrorReporter
@@ -76,10 +71,7 @@ def test_an_fmu_that_cannot_be_instantiated_is_named_and_the_others_are_closed(t
         made.append(Faulty(make()))
         return made[-1]
 
-    plans = {
-        first: ParticipantPlan(),
-        second: ParticipantPlan(FmuFile(small_fmu("unborn", tmp_path), "")),
-    }
+    plans = {first: ParticipantPlan(), second: ParticipantPlan(FmuFile(small_fmu("unborn", tmp_path), ""))}
     with (
         pytest.raises(ParticipantError, match=rf"^{second}: instantiate: RuntimeError\('no licence'\)"),
         open_participants(system, plans, watched),

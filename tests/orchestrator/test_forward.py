@@ -115,8 +115,7 @@ def test_the_error_falls_with_the_tolerance_and_is_compared_with_fixed_steps(
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    ("estimator", "master"),
-    [("defect", "gauss_seidel"), ("defect", "jacobi"), ("residual_energy", "jacobi")],
+    ("estimator", "master"), [("defect", "gauss_seidel"), ("defect", "jacobi"), ("residual_energy", "jacobi")]
 )
 def test_where_equal_steps_are_best_controlled_ones_come_near(
     estimator: str, master: str, record: Any

@@ -11,14 +11,7 @@ import pytest
 import xarray
 
 from models.core.remedies import find_actions
-from orchestrator.assessment.friction.cycle import (
-    OF_CAM,
-    OF_CONTACT,
-    Cycle,
-    last_revolution,
-    summary,
-    wear,
-)
+from orchestrator.assessment.friction.cycle import OF_CAM, OF_CONTACT, Cycle, last_revolution, summary, wear
 from orchestrator.assessment.friction.judge import find_cams
 from orchestrator.assessment.friction.report import WORN, Judged, remarks, tables
 from orchestrator.errors import MistakeError, Option

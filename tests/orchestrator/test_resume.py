@@ -204,14 +204,7 @@ def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed: Path
     with pytest.raises(OutputFolderError) as unfinished:
         open_result(killed)
     assert find_actions(unfinished.value) == (Command("resume", (killed,)),)
-    run(
-        load("valve-train", [*SHORT, EVERY]),
-        killed,
-        build_fmu,
-        quiet(),
-        overwrite=True,
-        figures=False,
-    )
+    run(load("valve-train", [*SHORT, EVERY]), killed, build_fmu, quiet(), overwrite=True, figures=False)
     assert_same_run(killed, whole)
 
 

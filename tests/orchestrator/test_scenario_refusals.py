@@ -184,18 +184,9 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (
-            "[components.contact]\nmacro_step = 1",
-            "contact.macro_step: unknown key; put macro_step",
-        ),
-        (
-            "[components.contact.parameters]\nstop_time = 1",
-            "no such parameter; put stop_time",
-        ),
-        (
-            "[master]\nname = 'iterated'\nstop_time = 1",
-            "no such option; put stop_time",
-        ),
+        ("[components.contact]\nmacro_step = 1", "contact.macro_step: unknown key; put macro_step"),
+        ("[components.contact.parameters]\nstop_time = 1", "no such parameter; put stop_time"),
+        ("[master]\nname = 'iterated'\nstop_time = 1", "no such option; put stop_time"),
         ("ledger = true", "ledger: unknown key; did you mean energy.ledger?"),
     ],
 )
@@ -221,7 +212,7 @@ def test_without_an_equilibrium_the_odd_parameter_and_the_cure_are_named() -> No
                 "component": "tappet",
                 "parameters": {"mass": 80.0, "guide_damping": 5.0},
                 "inputs": {"load": 100.0},
-            },
+            }
         },
     }
     scenario = build_scenario(content)

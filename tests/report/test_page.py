@@ -146,12 +146,7 @@ def test_profiles_across_a_contact_are_in_the_page(tmp_path: Path) -> None:
 def test_steps_have_their_reason_and_connection_and_bonds_their_energy(tmp_path: Path) -> None:
     """Of a run whose steps are controlled; the shares of what set them add up to all."""
     scenario = tribocosim.load("two-masses").with_(
-        {
-            "stop_time": "2 s",
-            "reference.enabled": False,
-            "energy.ledger": True,
-            "step_control.relative": 1e-4,
-        }
+        {"stop_time": "2 s", "reference.enabled": False, "energy.ledger": True, "step_control.relative": 1e-4}
     )
     tribocosim.run(scenario, tmp_path / "out")
     page = write_report(tmp_path / "out").read_text("utf-8")

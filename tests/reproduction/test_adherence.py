@@ -81,10 +81,7 @@ def test_load_with_rigid_camshaft_and_surge(speed_rpm, low, high, record):
 
 @pytest.mark.parametrize(
     ("speed_rpm", "low", "high"),
-    [
-        (600, 326.84, 606.42),
-        pytest.param(1000, 323.39, 607.40, marks=pytest.mark.long),
-    ],
+    [(600, 326.84, 606.42), pytest.param(1000, 323.39, 607.40, marks=pytest.mark.long)],
 )
 def test_load_with_flexible_camshaft(speed_rpm, low, high, record):
     load = adherence(speed_rpm, camshaft=FLEXIBLE)("contact.load")

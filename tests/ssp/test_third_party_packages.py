@@ -14,16 +14,7 @@ from tests.orchestrator.commands import called
 from tests.third_party.c_fmus import fmu
 from tests.third_party.runs import ran
 
-from .packages import (
-    binding,
-    bindings,
-    component,
-    connection,
-    connectors,
-    linear,
-    package,
-    parameters,
-)
+from .packages import binding, bindings, component, connection, connectors, linear, package, parameters
 
 DECAY = {"x": "output", "k": "parameter"}
 VECTOR = {"u[1]": "input", "u[2]": "input", "y[1]": "output", "y[2]": "output"}

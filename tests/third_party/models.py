@@ -301,10 +301,7 @@ MODELS["called_late"] = replace(
 # The same that gives no rates.
 MODELS["unrated"] = replace(MODELS["called"], abilities="", rates={})
 # Takes the first derivative of its input only: a call with others is ignored, as the standard allows.
-MODELS["first_slope"] = replace(
-    MODELS["integral"],
-    highest=1,
-)
+MODELS["first_slope"] = replace(MODELS["integral"], highest=1)
 # Takes none, though it says so.
 MODELS["claiming"] = replace(MODELS["integral"], highest=-1)
 # The mass that takes no slope of its force, and can be taken back.

@@ -145,14 +145,7 @@ def test_public_fmus_move_as_their_equations_say(name: str, version: str, record
     result = run({"one": {"participant": file}}, {f"one.{variable}": 1.0}, stop_time=stop)
     found = result.reference[f"one.{variable}"].values
     largest = float(np.max(np.abs(found - solve(result.reference["time"].values))))
-    record(
-        "FMUs",
-        f"{name} of FMI {version}: {variable}",
-        largest,
-        0.0,
-        "its equations",
-        tolerance=tolerance,
-    )
+    record("FMUs", f"{name} of FMI {version}: {variable}", largest, 0.0, "its equations", tolerance=tolerance)
 
 
 @pytest.mark.long

@@ -37,10 +37,7 @@ def integrated(file: Path, **table: Any) -> dict[str, Any]:
     return {"participant": str(file), "interface": "model_exchange", "process": "shared", **table}
 
 
-@pytest.mark.parametrize(
-    ("signal", "order"),
-    [("hold", 1), ("linear", 2), ("quadratic", 3)],
-)
+@pytest.mark.parametrize(("signal", "order"), [("hold", 1), ("linear", 2), ("quadratic", 3)])
 @pytest.mark.long
 def test_integrated_fmus_follow_signals_at_their_orders(
     signal: str, order: int, files: dict[str, Path], tmp_path: Path, record: Any

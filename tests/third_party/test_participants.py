@@ -73,10 +73,7 @@ MASTERS: dict[str, dict[str, Any]] = {
 # Each starts two processes.
 @pytest.mark.parametrize(
     ("version", "master"),
-    [
-        (3, "iterated"),
-        *(pytest.param(2, master, marks=pytest.mark.long) for master in MASTERS),
-    ],
+    [(3, "iterated"), *(pytest.param(2, master, marks=pytest.mark.long) for master in MASTERS)],
 )
 def test_a_process_of_its_own_changes_no_bit(version: int, master: str, tmp_path: Path) -> None:
     """Whatever the master saves, restores and exchanges."""

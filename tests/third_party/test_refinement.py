@@ -20,11 +20,7 @@ from .runs import ran, recorded, scenario
 TIMES = np.linspace(0.0, 1.0, 41)
 
 
-@given(
-    order=st.floats(0.6, 5.5),
-    scale=st.floats(1e-6, 10.0),
-    slope=st.floats(-3.0, 3.0),
-)
+@given(order=st.floats(0.6, 5.5), scale=st.floats(1e-6, 10.0), slope=st.floats(-3.0, 3.0))
 def test_an_error_of_one_order_is_extrapolated_exactly(order: float, scale: float, slope: float) -> None:
     """To rounding of the values, over what the extrapolation divides by."""
     true, error = np.sin(7.0 * TIMES), scale * (1.0 + slope * TIMES**2)

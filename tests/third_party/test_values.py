@@ -23,8 +23,7 @@ MILLIMETRES = [(0.002, 0.002, True), ("2 um", 0.002, False), ("0.002 m", 2.0, Fa
 
 
 @pytest.mark.parametrize(
-    ("version", "value", "millimetres", "named"),
-    [(2 + i % 2, *case) for i, case in enumerate(MILLIMETRES)],
+    ("version", "value", "millimetres", "named"), [(2 + i % 2, *case) for i, case in enumerate(MILLIMETRES)]
 )
 def test_a_number_without_a_unit_is_in_the_fmus_and_named(
     version: int, value: float | str, millimetres: float, named: bool, tmp_path: Path

@@ -110,10 +110,7 @@ def arguments_of_fuzz(description: ModelDescription, folder: Path, seed: int, ca
 
 @pytest.mark.parametrize(
     ("name", "count"),
-    [
-        ("valve_spring", LIVES),
-        *(pytest.param(name, 1_000_000, marks=pytest.mark.long) for name in HOSTED),
-    ],
+    [("valve_spring", LIVES), *(pytest.param(name, 1_000_000, marks=pytest.mark.long) for name in HOSTED)],
 )
 def test_lives_under_sanitizers(
     name: str,
@@ -171,13 +168,7 @@ def test_random_calls_under_valgrind(fmi: int, files: Files, compiled: Compiled,
     ],
 )
 def test_random_calls(
-    name: str,
-    calls: int,
-    fmi: int,
-    files: Files,
-    compiled: Compiled,
-    sanitized_library: Made,
-    tmp_path: Path,
+    name: str, calls: int, fmi: int, files: Files, compiled: Compiled, sanitized_library: Made, tmp_path: Path
 ) -> None:
     """Any function with any arguments in any phase: what fuzz.c says must hold, and every function is taken
     as well as refused, but for those that can only be one of them. With sanitizers where they are."""

@@ -129,11 +129,7 @@ def test_inputs_given_within_steps_are_cubic(fmi3_files: Files) -> None:
         one.initialize(push=cubic(0.0))
     for i in range(10):
         t = i * h
-        slopes = {
-            "push_der1": 40.0 - 1e4 * t + 18e5 * t**2,
-            "push_der2": -1e4 + 36e5 * t,
-            "push_der3": 36e5,
-        }
+        slopes = {"push_der1": 40.0 - 1e4 * t + 18e5 * t**2, "push_der2": -1e4 + 36e5 * t, "push_der3": 36e5}
         other.set({"push": cubic(t)} | slopes)
         for one in (slave, other):
             one.step(t, h)

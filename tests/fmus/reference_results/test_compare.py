@@ -115,11 +115,7 @@ def test_a_third_party_fmu_against_its_closed_form(version: int, tmp_path: Path)
 
 
 def test_a_crash_is_an_answer_and_the_next_file_is_run(referenced: dict[str, Path], tmp_path: Path) -> None:
-    paths = [
-        Path(third_party("crashing", 2, tmp_path)),
-        referenced["falling_mass"],
-        tmp_path / "none.fmu",
-    ]
+    paths = [Path(third_party("crashing", 2, tmp_path)), referenced["falling_mass"], tmp_path / "none.fmu"]
     (tmp_path / f"{paths[0].stem}_ref.csv").write_text('"time","x"\n0,1\n1,0\n')
     (tmp_path / f"{paths[0].stem}_ref.opt").write_text(
         "StartTime, 0\nStopTime, 1\nStepSize, 0.1\nRelTol, 1e-3\n"

@@ -126,9 +126,7 @@ def test_inputs_are_read_back_as_the_broken_lines_that_they_are() -> None:
     """Values on both sides of every corner, slopes between; a jump has one row before and one after."""
     component = CATALOGUE["sprung_mass"]()
     stimulus = dataclasses.replace(
-        load_stimulus("sprung_mass"),
-        corners=[0.0, 1.0, 1.0, 3.0],
-        inputs={"force": [0.0, 2.0, 5.0, 4.0]},
+        load_stimulus("sprung_mass"), corners=[0.0, 1.0, 1.0, 3.0], inputs={"force": [0.0, 2.0, 5.0, 4.0]}
     )
     text = csv_text(*stimulus.table())
     assert text.splitlines()[1:] == ["0,0,2", "1,2,2", "1,5,-0.5", "3,4,-0.5"]

@@ -10,13 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.contact.fluid import Lubricant, viscosity_at
-from models.contact.oil_grades import (
-    ENGINE_OILS,
-    GRADES,
-    INDUSTRIAL_OILS,
-    SAE_J300,
-    SHEARED_40,
-)
+from models.contact.oil_grades import ENGINE_OILS, GRADES, INDUSTRIAL_OILS, SAE_J300, SHEARED_40
 from models.contact.oils import (
     COLDEST,
     HOTTEST,

@@ -11,13 +11,7 @@ from models.contact.analysis.line.fixed_grid import Mesh, cold_start, steady_on_
 from models.contact.analysis.line.history import film_history
 from models.contact.analysis.line.line_contact import LineContact
 from models.contact.analysis.line.steady import SteadyFilm, solve_steady
-from models.contact.asperities import (
-    Asperities,
-    asperity_pressure,
-    find_separation,
-    mean_gap,
-    pressure_scale,
-)
+from models.contact.asperities import Asperities, asperity_pressure, find_separation, mean_gap, pressure_scale
 from models.contact.films import FILMS
 from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance, half_width
