@@ -101,9 +101,8 @@ def test_bouncing_ball_comes_to_rest_after_its_geometric_series(e: float, record
     left = 2.0 * v * e**n / (g * (1.0 - e))
     assert left <= CHATTER_LEFT
     exact = 0.1 + 2.0 * v / (g * (1.0 - e))
-    record(
-        "Slider-crank", "bouncing ball: end of chatter (rad)", start + left, exact, "series", tolerance=1e-13
-    )
+    quantity = "bouncing ball: end of chatter (rad)"
+    record("Slider-crank", quantity, start + left, exact, "series", tolerance=1e-13)
 
 
 def release_from_rest(machine: Machine, side: float, theta: float) -> tuple[float, float]:

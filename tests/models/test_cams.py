@@ -173,9 +173,8 @@ def test_ramp_of_the_reference_numbers(record):
     """0.3 mm from 65 degrees, 5 degrees of blending, 20 of constant velocity."""
     p = law("cycloidal", ramp_height=0.3e-3)
     taken_up = [a for a in np.linspace(1.2, 1.6, 4001) if law_lift(a, p).s < 0.1835e-3][-1]
-    record(
-        "Cam", "ramp takes up 0.1835 mm at (deg)", math.degrees(taken_up), 82.794, EVALUATION, tolerance=0.01
-    )
+    quantity = "ramp takes up 0.1835 mm at (deg)"
+    record("Cam", quantity, math.degrees(taken_up), 82.794, EVALUATION, tolerance=0.01)
     velocity = law_lift(taken_up, p).ds * 1000.0 * math.pi / 30.0
     record("Cam", "velocity of the ramp, 1000 r/min (m/s)", velocity, 0.072, EVALUATION, tolerance=1e-5)
 
@@ -255,14 +254,8 @@ def test_lift_tables_are_smoothed_to_the_accuracy_of_their_samples(record):
         change = max(abs(loads[0].max() - loads[1].max()), abs(loads[0].min() - loads[1].min()))
         name = f"lift table of {1e3 * step:g} mm at 1°"
         record("Cam", f"{name}: error of s'' (m/rad²)", error, 0.0, "closed form", tolerance=curvature)
-        record(
-            "Cam",
-            f"{name}: error of load extremes, 3000 r/min (N)",
-            change,
-            0.0,
-            "closed form",
-            tolerance=newton,
-        )
+        quantity = f"{name}: error of load extremes, 3000 r/min (N)"
+        record("Cam", quantity, change, 0.0, "closed form", tolerance=newton)
         # Its own estimates: the rounding step within a half, and three standard deviations.
         assert smoothed.resolution == pytest.approx(step, rel=0.5)
         assert error < 3.0 * smoothed.curvature_error

@@ -115,14 +115,8 @@ def test_time_of_a_squeeze_under_a_constant_load(record):
     square = 1.0 - end**2
     expected = end**2 / square + end * (0.5 * math.pi + math.asin(end)) / square**1.5
     expected *= MU * R * L**3 / (load * C**2)
-    record(
-        "Film",
-        "journal bearing: time of a squeeze to eps = 0.9 under 500 N (s)",
-        float(run.t_events[0][0]),
-        expected,
-        "closed form, half a film",
-        relative=1e-8,
-    )
+    quantity = "journal bearing: time of a squeeze to eps = 0.9 under 500 N (s)"
+    record("Film", quantity, float(run.t_events[0][0]), expected, "closed form, half a film", relative=1e-8)
 
 
 # Stability
@@ -213,14 +207,8 @@ def test_a_light_load_whirls_at_half_the_speed(record):
     assert ratio == pytest.approx(0.5, rel=1e-6)
     assert threshold == pytest.approx(math.sqrt(24.0 / math.pi), rel=1e-6)
     found = brentq(lambda p: float(whirl_roots(2e-3, p).real.max()), 2.5, 3.0, xtol=1e-8)
-    record(
-        "Film",
-        "rigid rotor in a journal bearing, eps -> 0: threshold omega sqrt(m c/W)",
-        found,
-        math.sqrt(24.0 / math.pi),
-        "closed form",
-        relative=1e-3,
-    )
+    quantity = "rigid rotor in a journal bearing, eps -> 0: threshold omega sqrt(m c/W)"
+    record("Film", quantity, found, math.sqrt(24.0 / math.pi), "closed form", relative=1e-3)
 
 
 def test_a_heavy_load_never_whirls():

@@ -54,14 +54,8 @@ def test_a_lever_coasts_as_coulomb_says(record):
     expected = INERTIA * start**2 / (2.0 * LIMIT)
     # Where it stops, the twist is given back.
     source = "closed form, less the elastic twist"
-    record(
-        "Train",
-        "lever on a dry pivot: angle until it stands (rad)",
-        float(rotation[-1]),
-        expected - YIELD,
-        source,
-        relative=1e-3,
-    )
+    quantity = "lever on a dry pivot: angle until it stands (rad)"
+    record("Train", quantity, float(rotation[-1]), expected - YIELD, source, relative=1e-3)
     assert abs(rate[-1]) < 1e-3 * start
 
 

@@ -72,14 +72,8 @@ def test_the_drawn_contour_lifts_the_follower_as_the_table_says(tmp_path, record
     radius = RADIUS if follower == "roller" else None
     found = lift_over(points, table["angle"].values, radius) - 24e-3 - (radius or 0.0)
     error = np.abs(found - table["lift"].values).max()
-    record(
-        "Cam",
-        f"drawn contour, lift of the {follower} follower (m)",
-        error,
-        0.0,
-        "closed form",
-        tolerance=1e-9,
-    )
+    quantity = f"drawn contour, lift of the {follower} follower (m)"
+    record("Cam", quantity, error, 0.0, "closed form", tolerance=1e-9)
     chords = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
     assert (chords**2 / (8.0 * np.abs(table["radius_of_curvature"].values))).max() < 1e-6
 

@@ -142,9 +142,8 @@ def test_links_that_nothing_lifts_keep_their_energy(record) -> None:
     p, u = component.parameters.start, np.zeros(1)
     for k, x in enumerate(solution.state):
         component.flat_energy(0.0, x, u, p, energy[k])
-    record(
-        "FMUs", "manipulator in free fall: energy (J)", energy[:, 0], energy[0, 0], "start", tolerance=1e-5
-    )
+    quantity = "manipulator in free fall: energy (J)"
+    record("FMUs", quantity, energy[:, 0], energy[0, 0], "start", tolerance=1e-5)
     assert np.ptp(solution["links.length"]) > 0.1
 
 

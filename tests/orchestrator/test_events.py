@@ -104,9 +104,8 @@ def test_fixed_steps_end_at_events_and_return_to_the_grid(master, limit, record)
     error = np.abs(recorder["mass.position"] - truth[:, 0]).max()
     assert len(found) == len(instants) == 4
     case = f"bouncing mass, {type(master).__name__}, {master.extrapolation} inputs, 1 ms"
-    record(
-        "Coupling", f"{case}: error of the position (m)", error, 0.0, "piecewise solution", tolerance=limit
-    )
+    source = f"{case}: error of the position (m)"
+    record("Coupling", source, error, 0.0, "piecewise solution", tolerance=limit)
     quantity, allowed = f"{case}: instants of touch and release (s)", tolerance + error / 1.39  # m/s there
     record("Coupling", quantity, found, instants, "piecewise solution", tolerance=allowed)
     others = np.array([s.end for s in recorder.steps if s.reason != EVENT])

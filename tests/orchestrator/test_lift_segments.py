@@ -23,17 +23,10 @@ def test_a_rise_of_constant_accelerations_is_that_of_its_closed_form(record) -> 
     angle = np.array([0.0, steep, 0.5 - steep, 0.5 + steep, 1.0 - steep, 1.0])
     rise = scale_rise(angle, np.array([0.0, 5.0, 5.0, -2.0, -2.0, 0.0]), lift)
     middle = np.interp(0.5, rise.angle, rise.lift)
-    record(
-        "Cam",
-        "rise by two constant accelerations: lift at the middle (mm)",
-        1e3 * middle,
-        4.5,
-        "S/2",
-        tolerance=1e-5,
-    )
-    record(
-        "Cam", "the same: largest s'' (mm/rad2)", 1e3 * rise.curvature.max(), 36.0, "4 S/B^2", tolerance=1e-4
-    )
+    quantity = "rise by two constant accelerations: lift at the middle (mm)"
+    record("Cam", quantity, 1e3 * middle, 4.5, "S/2", tolerance=1e-5)
+    quantity = "the same: largest s'' (mm/rad2)"
+    record("Cam", quantity, 1e3 * rise.curvature.max(), 36.0, "4 S/B^2", tolerance=1e-4)
 
 
 @given(

@@ -61,14 +61,8 @@ def test_a_table_of_the_formula_tends_to_it(tmp_path: Path, record) -> None:
         found = np.array([*map(read(path), at)])
         errors.append(np.sqrt(np.mean((found - exact) ** 2)) / exact.max())
     case = "pressure table of a formula's cycle"
-    record(
-        "Slider-crank",
-        f"{case}: RMS error at 1 deg, of the largest",
-        errors[-1],
-        0.0,
-        "formula",
-        tolerance=2e-4,
-    )
+    quantity = f"{case}: RMS error at 1 deg, of the largest"
+    record("Slider-crank", quantity, errors[-1], 0.0, "formula", tolerance=2e-4)
     order = math.log2(errors[0] / errors[-1]) / 2.0
     record("Slider-crank", f"{case}: order", order, 2.75, "2 at extremes, 3 elsewhere", tolerance=0.75)
 

@@ -62,9 +62,8 @@ def test_step_controlled_hermite_coupling_takes_at_most_a_hundred_steps_for_the_
     case, steps = "quarter car, step control, Hermite", statistics.macro_steps + statistics.rejected_steps
     record("Coupling", f"{case}: error", error, 0.0, "matrix exponential", tolerance=2.7e-4)
     source = "218 steps in Schierz et al. (2012)"
-    record(
-        "Coupling", f"{case}: steps over the published number", steps / 218, 0.0, source, tolerance=100 / 218
-    )
+    quantity = f"{case}: steps over the published number"
+    record("Coupling", quantity, steps / 218, 0.0, source, tolerance=100 / 218)
 
 
 @pytest.mark.parametrize(

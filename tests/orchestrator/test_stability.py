@@ -95,9 +95,8 @@ def test_the_macro_step_read_out_of_a_master_has_the_spectral_radius_of_the_one_
     for h in (1e-2, 5e-2, 0.2):
         by_hand = compute_radius(build_step_by_hand(h, int(signal == "linear"), kind is GaussSeidel))
         quantity, source = "spectral radius of a macro step, two masses", "derived by hand"
-        record(
-            "Coupling", f"{quantity}, {h:g} s", behaviour.evaluate(h).radius, by_hand, source, relative=1e-7
-        )
+        found = behaviour.evaluate(h).radius
+        record("Coupling", f"{quantity}, {h:g} s", found, by_hand, source, relative=1e-7)
 
 
 @pytest.mark.parametrize("kind", [Jacobi, GaussSeidel])

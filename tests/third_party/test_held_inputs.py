@@ -44,14 +44,8 @@ def test_held_inputs_get_the_mean_and_the_run_is_of_second_order(name: str, tmp_
     order = np.log2(error["linear", 4e-3] / error["linear", 2e-3])
     case = f"two masses, one an FMU that holds its inputs, {name}"
     record("Coupling", f"{case}: order", order, 2.0, "order of the mean", tolerance=0.1)
-    record(
-        "Coupling",
-        f"{case}: error at 2 ms (m)",
-        error["linear", 2e-3],
-        0.0,
-        "matrix exponential",
-        tolerance=2.5e-4,
-    )
+    quantity = f"{case}: error at 2 ms (m)"
+    record("Coupling", quantity, error["linear", 2e-3], 0.0, "matrix exponential", tolerance=2.5e-4)
     assert error["hold", 2e-3] > 10.0 * error["linear", 2e-3]
 
 

@@ -118,9 +118,8 @@ def test_impacts_inside_integrated_steps_are_located(files: dict[str, Path], rec
     theirs = tribocosim.run(tribocosim.load(content | {"start": "given", "reference": {"enabled": False}}))
     name = "slider_crank.piston_offset"
     found = difference(theirs.coupled[name].values, ours.reference[name].values).relative_rms
-    record(
-        "FMUs", "slider-crank integrated by the run: piston_offset", found, 0.0, "reference", tolerance=1e-4
-    )
+    quantity = "slider-crank integrated by the run: piston_offset"
+    record("FMUs", quantity, found, 0.0, "reference", tolerance=1e-4)
 
 
 @pytest.mark.parametrize("version", mark_long(["2", "3"], ["3"]))

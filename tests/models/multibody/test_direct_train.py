@@ -74,9 +74,8 @@ def test_ks_train_on_a_flexible_shaft(
 ) -> None:
     motion, at = steady(speed_rpm, True), f"K's train at {speed_rpm:g} r/min"
     record("Multibody", f"{at}: load (N)", extremes(motion.multiplier(CONTACT)), load, SOURCE, tolerance=1e-3)
-    record(
-        "Multibody", f"{at}: drive (N m)", extremes(motion.multiplier(DRIVE)), torque, SOURCE, tolerance=6e-4
-    )
+    found = extremes(motion.multiplier(DRIVE))
+    record("Multibody", f"{at}: drive (N m)", found, torque, SOURCE, tolerance=6e-4)
     guide = np.max(np.abs(motion.reaction(GUIDE).moment[1:, 2]))
     record("Multibody", f"{at}: guide moment (N m)", guide, moment, SOURCE, tolerance=6e-4)
 
@@ -153,9 +152,8 @@ def test_both_methods_agree_at_3000_r_min(record: Callable[..., None]) -> None:
     one, other = solve_ida(mechanism, times), solve_projected(mechanism, times)
     scale = np.max(np.abs(other.multiplier(CONTACT)))
     error = np.max(np.abs(one.multiplier(CONTACT) - other.multiplier(CONTACT))) / scale
-    record(
-        "Multibody", "contact load by IDA and by projected DOP853", error, 0.0, "two methods", tolerance=2e-6
-    )
+    case = "contact load by IDA and by projected DOP853"
+    record("Multibody", case, error, 0.0, "two methods", tolerance=2e-6)
     for method, motion, tolerance in (("IDA", one, 5e-6), ("projected DOP853", other, 1e-12)):
         quantity = f"largest violation of a constraint or its rate, {method} (m, rad, 1/s)"
         record("Multibody", quantity, max(motion.drift), 0.0, "constraints", tolerance=tolerance)
@@ -184,6 +182,5 @@ def test_the_film_carries_the_train_as_in_the_components(record: Callable[..., N
     record("Multibody", "load on the film, relative RMS", error, 0.0, "monolithic reference", tolerance=5e-5)
     film = motion.film_thickness(CONTACT)
     error = np.max(np.abs(film - minimal["contact.film_thickness"])) / np.max(film)
-    record(
-        "Multibody", "film thickness, error over largest", error, 0.0, "monolithic reference", tolerance=1e-5
-    )
+    quantity = "film thickness, error over largest"
+    record("Multibody", quantity, error, 0.0, "monolithic reference", tolerance=1e-5)

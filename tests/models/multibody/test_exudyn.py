@@ -111,6 +111,5 @@ def test_exudyn_finds_the_same_loads_and_motion(record: Callable[..., None]) -> 
     }
     for name, (other, own) in found.items():
         error = np.sqrt(np.mean((np.abs(other) - np.abs(own))[2:] ** 2)) / np.max(np.abs(own))
-        record(
-            "Multibody", f"pushrod train: {name}, RMS error over largest", error, 0.0, SOURCE, tolerance=4e-4
-        )
+        quantity = f"pushrod train: {name}, RMS error over largest"
+        record("Multibody", quantity, error, 0.0, SOURCE, tolerance=4e-4)

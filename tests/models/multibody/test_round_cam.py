@@ -52,10 +52,8 @@ def test_a_roller_moves_as_the_envelope_of_its_cam(degrees: float, record: Calla
     begun = mechanism.start()
     found = begun.q[7] - BASE - RADIUS, begun.v[7] / SPEED, begun.a[7] / SPEED**2
     quantity = f"roller on a cam at {degrees:g} deg: lift and its rates (mm, mm/rad, mm/rad2)"
-    record(
-        "Multibody", quantity, 1e3 * np.array(found), (lift, first, second), "independent evaluation",
-        relative=1e-7,
-    )  # fmt: skip
+    source = "independent evaluation"
+    record("Multibody", quantity, 1e3 * np.array(found), (lift, first, second), source, relative=1e-7)
     load = begun.multipliers[mechanism.find_rows("contact")][0]
     torque = begun.multipliers[mechanism.find_rows("drive")][0]
     force = MASS * 1e-3 * second * SPEED**2
