@@ -46,6 +46,22 @@ def swing(unit: Stepped, name: str, mean: float, size: float) -> None:
         unit.input("approach_rate", *course[1:])
 
 
+def drive(unit: Stepped, load_is_given: bool) -> None:
+    """A contact that swings over a radius which grows."""
+    unit.input("radius_of_curvature", 0.02 + 5.0 * unit.t, 5.0)
+    if load_is_given:
+        swing(unit, "applied_load", 800.0, 300.0)
+    else:
+        swing(unit, "approach", 5e-6, 2e-6)
+
+
+def powers(unit: Stepped) -> tuple[float, float, float]:
+    """What is stored (J); what is lost; and what sources and bonds give (W)."""
+    e, u = np.zeros(3), unit.component.inputs.named(unit.u)
+    unit.component.flat_energy(unit.t, unit.x, unit.u, unit.p, e)
+    return e[0], e[1], e[2] + unit["load"] * (u["approach_rate"] - u["retreat_rate"])
+
+
 def left_over(unit: Stepped) -> float:
     """Gained and dissipated, less what sources and bonds gave (J)."""
     return unit[GAINED] + unit[DISSIPATED] - unit[SOURCED] - sum(unit[bond] for bond in BONDS)
@@ -59,11 +75,7 @@ def courses(nodes: int, h: float, load_is_given: bool) -> tuple[Vector, Vector]:
     found = []
     for k in range(round(STOP / h)):
         unit.t = k * h
-        unit.input("radius_of_curvature", 0.02 + 5.0 * unit.t, 5.0)
-        if load_is_given:
-            swing(unit, "applied_load", 800.0, 300.0)
-        else:
-            swing(unit, "approach", 5e-6, 2e-6)
+        drive(unit, load_is_given)
         unit.advance(h)
         if (k + 1) % round(COARSEST / h) == 0:
             found.append((left_over(unit), unit[STORED]))
@@ -96,6 +108,39 @@ def test_asperities_store_the_work_of_their_pressure(separation: float) -> None:
     )
     assert here.gap == pytest.approx(sigma * separation, rel=1e-9)
     assert (low.energy - high.energy) / (2.0 * step * sigma) == pytest.approx(here.pressure, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("load_is_given", "tolerance"),
+    [pytest.param(False, 1e-3, id="approach"), pytest.param(True, 0.02, id="load")],
+)
+def test_what_is_stored_changes_by_the_powers(load_is_given: bool, tolerance: float) -> None:
+    """By the trapezoidal rule. What 101 nodes leave is 5e-4; where the load is given, the approach has the
+    rate of the step before, an error of first order (measured 0.030, 0.016, 0.009 as steps are halved)."""
+    unit, h = counting(101, energies=0, load_is_given=float(load_is_given)), STOP / 120
+    rows = []
+    for _ in range(120):
+        drive(unit, load_is_given)
+        unit.advance(h)
+        rows.append(powers(unit))
+    stored, lost, given = np.array(rows[40:]).T
+    net = h * np.cumsum(0.5 * (given - lost)[1:] + 0.5 * (given - lost)[:-1])
+    np.testing.assert_allclose(stored[1:] - stored[0], net, rtol=0.0, atol=tolerance * np.ptp(stored))
+
+
+def test_a_steady_film_loses_what_it_is_given() -> None:
+    """As exactly as Newton's method balances its volumes; what slides loses its friction, the rest rolls. A
+    jump of the approach stores its work, in the bodies."""
+    unit = counting(101, energies=0, field_tolerance=1e-4)
+    unit.input("approach", 5e-6)
+    for _ in range(150):
+        unit.advance(2e-5)
+    stored, lost, given = powers(unit)
+    assert lost == pytest.approx(given, rel=1e-6)
+    assert 1.0 < lost / (unit["friction_force"] * RUNNING["sliding_velocity"]) < 1.2
+    jump = 1e-9
+    unit.u[unit.component.inputs.index("approach")] += jump
+    assert powers(unit)[0] - stored == pytest.approx(unit["load"] * jump, rel=1e-6)
 
 
 @pytest.mark.long
@@ -169,19 +214,6 @@ def test_an_opening_contact_returns_what_was_stored(pressed: Stepped) -> None:
     returned = received - unit[BONDS[0]]
     assert 0.85 * stored < returned < 1.001 * stored
     assert returned + unit[DISSIPATED] - dissipated == pytest.approx(stored, rel=0.01)
-
-
-@pytest.mark.long
-def test_a_jump_of_the_approach_is_told_beside_what_steps_gain() -> None:
-    """Stored energy rises by the load times the jump, to its first order."""
-    unit = counting()
-    unit.input("approach", 5e-6)
-    for _ in range(20):
-        unit.advance(1e-5)
-    stored, load, jump = unit[STORED], unit["load"], 1e-9
-    unit.input("approach", 5e-6 + jump)
-    unit.advance(0.0)
-    assert unit[STORED] - stored == pytest.approx(load * jump, rel=1e-6)
 
 
 @pytest.mark.long

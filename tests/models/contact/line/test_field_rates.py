@@ -14,7 +14,6 @@ from models.core.quantities import Vector
 
 from ...stepped import Stepped
 
-pytestmark = pytest.mark.long
 NODES = 101
 CONTACT = ehl_line_contact(nodes=NODES)
 OMEGA = 2.0 * math.pi * 300.0
@@ -106,6 +105,7 @@ def test_rates_come_with_the_second_order_of_the_steps() -> None:
         assert math.log2(np.median(coarse[name]) / np.median(fine[name])) > 1.8, name
 
 
+@pytest.mark.long
 def test_rates_of_uneven_steps() -> None:
     """Films keep the order. Load and width follow what the method (of stage order 1) damps within a step with
     an error of that step, which does not change evenly: their rates are right to a hundredth (measured 0.5 %,
@@ -145,7 +145,7 @@ def test_rates_behind_a_jump_are_those_of_the_motion_after_it(monkeypatch: pytes
     assert abs(run.rates["load"]) < 0.1 * jump / h
 
 
-@pytest.mark.parametrize("short", [1e-7, 1e-12])
+@pytest.mark.parametrize("short", [pytest.param(1e-7, marks=pytest.mark.long), 1e-12])
 def test_a_step_that_was_cut_short_does_not_spoil_rates(short: float) -> None:
     """To a twentieth; over so short a time the load's differences were made of rounding and of what a
     method leaves of fast motions (1e-12 s: ten times the rate)."""
