@@ -99,17 +99,32 @@ def enthalpy(p: float, fluid: Lubricant) -> float:
 _LARGEST_SHEAR = 50.0
 
 
-@kernel
-def thinning(viscosity: float, film: float, gradient: float, sliding: float, eyring_stress: float) -> float:
-    """How much more an Eyring fluid flows under a pressure gradient than a Newtonian one; 1 or more.
+class Thinning(NamedTuple):
+    """How much more an Eyring fluid flows under a pressure gradient than a Newtonian one (1 or more), and the
+    derivatives of its logarithm by those of the gradient and the viscosity; by that of the film it is their
+    difference."""
 
-    Conry, Wang and Cusano (1987): S = 3 (s cosh s - sinh s)/s^3 sqrt(1 + (t s/sinh s)^2), s = h p'/(2 tau_0),
-    t = eta u_s/(tau_0 h), for viscosity eta (Pa s), film h (m), gradient p' (Pa/m), sliding velocity u_s
-    (m/s).
+    factor: float
+    by_gradient: float
+    by_viscosity: float
+
+
+@kernel
+def thinning(
+    viscosity: float, film: float, gradient: float, sliding: float, eyring_stress: float
+) -> Thinning:
+    """Conry, Wang and Cusano (1987): S = 3 (s cosh s - sinh s)/s^3 sqrt(1 + (t s/sinh s)^2),
+    s = h p'/(2 tau_0), t = eta u_s/(tau_0 h), for viscosity eta (Pa s), film h (m), gradient p' (Pa/m),
+    sliding velocity u_s (m/s).
     """
     s = min(abs(0.5 * film * gradient / eyring_stress), _LARGEST_SHEAR)
     t = viscosity * sliding / (eyring_stress * film)
     if s < 1e-3:
-        return (1.0 + 0.1 * s * s) * math.sqrt(1.0 + t * t * (1.0 - s * s / 3.0))
+        square = t * t * (1.0 - s * s / 3.0)
+        share = square / (1.0 + square)
+        return Thinning((1.0 + 0.1 * s * s) * math.sqrt(1.0 + square), (0.2 - share / 3.0) * s * s, share)
     sinh, cosh = math.sinh(s), math.cosh(s)
-    return 3.0 * (s * cosh - sinh) / s**3 * math.sqrt(1.0 + (t * s / sinh) ** 2)
+    square = (t * s / sinh) ** 2
+    share, rest = square / (1.0 + square), s * cosh - sinh
+    by_gradient = s * s * sinh / rest - 3.0 + share * (1.0 - s * cosh / sinh)
+    return Thinning(3.0 * rest / s**3 * math.sqrt(1.0 + square), by_gradient, share)

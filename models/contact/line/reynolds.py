@@ -86,8 +86,8 @@ def balance(
 ) -> None:  # fmt: skip
     """The left side (m^2/s) with rate of mass (rho h c - old)/time_step, and its derivatives.
 
-    A and B (5, n): by pressure and by film, element k of row i for node i + k - 2. time_step may be inf. The
-    thinning of the fluid counts as given in the derivatives. Boundary rows stay zero.
+    A and B (5, n): by pressure and by film, element k of row i for node i + k - 2. time_step may be inf.
+    Boundary rows stay zero.
     """
     n = X.shape[0]
     per_time = 1.0 / time_step
@@ -118,10 +118,14 @@ def balance(
         mean, by_first, by_second = mean_fluidity(
             f.log_eta[i + 1] - f.log_eta[i], f.fluidity[i], f.fluidity[i + 1]
         )
+        shear, by_film = 1.0, 0.0
         if fluid.eyring_stress > 0.0:
-            eta = fluid.viscosity / mean
-            factor = thinning(eta, 0.5 * (h[i] + h[i + 1]), gradient, drive.sliding, fluid.eyring_stress)
-            mean, by_first, by_second = mean * factor, by_first * factor, by_second * factor
+            eta, film = fluid.viscosity / mean, 0.5 * (h[i] + h[i + 1])
+            thin = thinning(eta, film, gradient, drive.sliding, fluid.eyring_stress)
+            factor = thin.factor * (1.0 - thin.by_viscosity)
+            mean, by_first, by_second = mean * thin.factor, by_first * factor, by_second * factor
+            shear = 1.0 + thin.by_gradient
+            by_film = 0.5 * (thin.by_gradient - thin.by_viscosity) / film
         mean, by_first, by_second = (
             mean / fluid.viscosity,
             by_first / fluid.viscosity,
@@ -129,13 +133,13 @@ def balance(
         )
         flow = 0.5 * (f.flow[i] + f.flow[i + 1])
         q = velocity * ((1.0 + reach) * f.mass[near] - reach * f.mass[far]) - flow * mean * gradient
-        by_gradient = flow * mean / length
+        by_gradient = flow * mean * shear / length
         p_first = by_gradient - (0.5 * f.flow_p[i] * mean + flow * by_first * f.log_eta_p[i]) * gradient
         p_second = -by_gradient - (
             0.5 * f.flow_p[i + 1] * mean + flow * by_second * f.log_eta_p[i + 1]
         ) * gradient  # fmt: skip
-        h_first = -0.5 * f.flow_h[i] * mean * gradient
-        h_second = -0.5 * f.flow_h[i + 1] * mean * gradient
+        h_first = -(0.5 * f.flow_h[i] + flow * by_film) * mean * gradient
+        h_second = -(0.5 * f.flow_h[i + 1] + flow * by_film) * mean * gradient
         for side in range(2):
             row = i + side
             if row == 0 or row == n - 1:

@@ -12,7 +12,7 @@ import pytest
 from models.contact.analysis.line.line_contact import LineContact, moes_contact
 from models.contact.analysis.line.steady import LineContactError, LineContactWarning, solve_steady
 from models.contact.films.moes_venner import moes_film
-from models.contact.fluid import Lubricant, density_ratio, viscosity_at
+from models.contact.fluid import Lubricant, density_ratio, thinning, viscosity_at
 from models.contact.hertz import elastic_compliance
 
 STEEL = elastic_compliance(207e9, 0.3, 207e9, 0.3)
@@ -219,6 +219,35 @@ def test_shear_thinning_makes_no_thicker_film():
     newtonian = solve_steady(CAM).central_film
     assert thick == pytest.approx(newtonian, rel=1e-6)
     assert thin < 0.99 * newtonian
+
+
+@pytest.mark.parametrize(("M", "L", "stress"), [(20.0, 10.0, 5e6), (50.0, 10.0, 3e6), (50.0, 10.0, 1e6)])
+def test_eyring_oil_rolls_without_sliding(M, L, stress):
+    """Without sliding the gradient alone thins it, which lets it out the more the lower the stress: by less
+    than 5 % at 1 MPa, and by nothing in the limit of a large stress."""
+    newtonian = film_of(M, L)
+    oil = newtonian.contact.lubricant._replace(eyring_stress=stress)
+    film = solve_steady(dataclasses.replace(newtonian.contact, lubricant=oil), elastic_limit=math.inf)
+    assert 0.95 < film.central_film / newtonian.central_film < 1.0
+    assert 0.95 < film.minimum_film / newtonian.minimum_film < 1.0
+
+
+@pytest.mark.parametrize("gradient", [1e6, 1e13, 3e14])
+@pytest.mark.parametrize("sliding", [0.0, 1e-4, 2.0])
+def test_derivatives_of_the_thinning_are_its_differences(gradient, sliding):
+    """Central differences of ln S: error by rounding 1e-16/1e-5, by the step 1e-10."""
+    at = (40.0, 3e-7, gradient, sliding, 5e6)
+
+    def log(place, sign):
+        return math.log(
+            thinning(*(x * math.exp(sign * 1e-5) if i == place else x for i, x in enumerate(at))).factor
+        )
+
+    viscosity, film, by_gradient = ((log(place, 1) - log(place, -1)) / 2e-5 for place in range(3))
+    found = thinning(*at)
+    assert found.by_viscosity == pytest.approx(viscosity, abs=1e-8)
+    assert found.by_gradient == pytest.approx(by_gradient, rel=1e-7, abs=1e-8)
+    assert found.by_gradient - found.by_viscosity == pytest.approx(film, rel=1e-7, abs=1e-8)
 
 
 def test_a_grid_that_is_too_coarse_is_reported():
