@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import functools
 import importlib
+import importlib.util
 import os
+import re
 import sys
 from collections import UserDict
 from collections.abc import Callable, MutableMapping
+from types import ModuleType
 from typing import Any
 
 from .core.component import Component
@@ -74,16 +77,33 @@ def identify(name: str) -> str:
 def find_factory(name: str) -> Callable[..., Component]:
     """The factory of a component of the catalogue, or of a user's own as "module:factory".
 
-    The module lies where the command is called, or is installed. KeyError for a name that is not in the
-    catalogue, ValueError for a module or factory that cannot be imported.
+    The module lies where the command is called, or is installed; or it is a file, "folder/file.py:factory".
+    KeyError for a name that is not in the catalogue, ValueError for a module or factory that cannot be
+    imported.
     """
     if not is_own(name):
         return CATALOGUE[name]
-    module, _, attribute = name.partition(":")
-    if (here := os.getcwd()) not in sys.path:
-        sys.path.append(here)
+    module, _, attribute = name.rpartition(":")
     try:
-        factory: Callable[..., Component] = getattr(importlib.import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError) as error:
+        loaded = _load_file(module) if module.endswith(".py") else _import_module(module)
+        factory: Callable[..., Component] = getattr(loaded, attribute)
+    except (ImportError, AttributeError, ValueError, OSError) as error:
         raise ValueError(f"{name}: cannot be imported ({error})") from None
     return factory
+
+
+def _import_module(name: str) -> ModuleType:
+    if (here := os.getcwd()) not in sys.path:
+        sys.path.append(here)
+    return importlib.import_module(name)
+
+
+def _load_file(path: str) -> ModuleType:
+    """The module of a file, under a name of its own: files of one name may lie in different folders."""
+    name = re.sub(r"\W", "_", path)
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise ImportError("no Python file")
+    sys.modules[name] = module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

@@ -17,6 +17,7 @@ from models.compile.kernel import COMPILED, KernelDispatcher
 INTRINSICS = {
     "record_of": lambda vector, dtype: vector.view(dtype)[0],
     "shaped": lambda vector, shape: vector.reshape(shape),
+    "scratch": lambda dtype: np.zeros(dtype.itemsize // 8),
     "_pointer": lambda address: ctypes.c_void_p(int(address)),
 }
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .api import Scenario as Scenario
     from .api import analyse as analyse
     from .api import build_fmu as build_fmu
+    from .api import build_scenario_fmus as build_scenario_fmus
     from .api import cam as cam
     from .api import compare as compare
     from .api import compare_fmu as compare_fmu
@@ -33,9 +34,9 @@ if TYPE_CHECKING:
     from .api import validate_fmu as validate_fmu
 
 __all__ = [
-    "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "cam", "compare", "compare_fmu",
-    "execute", "fmu_info", "load", "open", "plan", "report", "resume", "run", "scenarios", "session",
-    "speeds", "study", "validate_fmu",
+    "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "build_scenario_fmus",
+    "cam", "compare", "compare_fmu", "execute", "fmu_info", "load", "open", "plan", "report", "resume",
+    "run", "scenarios", "session", "speeds", "study", "validate_fmu",
 ]  # fmt: skip
 
 

@@ -22,6 +22,7 @@ from .fmu import build_fmu, compare_fmu, fmu_info, validate_fmu
 from .planning import plan
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load, scenarios
+from .scenario_fmus import build_scenario_fmus
 from .stepping import Session as session
 from .studies import analyse, cam, compare, speeds, study
 
@@ -34,9 +35,9 @@ if TYPE_CHECKING:
     from .pictures import Picture
 
 __all__ = [
-    "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "cam", "compare", "compare_fmu",
-    "execute", "fmu_info", "load", "open", "plan", "report", "resume", "run", "scenarios", "session",
-    "speeds", "study", "validate_fmu",
+    "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "build_scenario_fmus",
+    "cam", "compare", "compare_fmu", "execute", "fmu_info", "load", "open", "plan", "report", "resume",
+    "run", "scenarios", "session", "speeds", "study", "validate_fmu",
 ]  # fmt: skip
 
 

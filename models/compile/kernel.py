@@ -12,6 +12,8 @@ import os
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
+import numpy as np
+
 numba: Any
 KernelDispatcher: Any = None
 try:
@@ -125,3 +127,27 @@ def borrow(array: Any) -> Any:
     It is valid as long as the caller's array is.
     """
     return shaped(array, array.shape)
+
+
+def _allocate(context: Any, dtype: Any) -> Any:
+    """A vector of as many numbers as the record type has, on the stack of the calling kernel."""
+    size = dtype.dtype.size // 8
+    vector = numba.types.Array(numba.types.float64, 1, "C")
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        cgutils = numba.core.cgutils
+        room = cgutils.alloca_once(builder, context.get_value_type(numba.types.float64), size)
+        result = context.make_array(signature.return_type)(context, builder)
+        length, stride = (context.get_constant(numba.types.intp, value) for value in (size, 8))
+        numba.np.arrayobj.populate_array(
+            result, data=room, shape=[length], strides=[stride], itemsize=stride, meminfo=None
+        )
+        return result._getvalue()
+
+    return vector(dtype), generate
+
+
+# scratch(dtype), in kernels only: valid until the kernel that calls it returns. Its content is not set.
+scratch: Any = (
+    numba.extending.intrinsic(_allocate) if COMPILED else lambda dtype: np.zeros(dtype.itemsize // 8)
+)

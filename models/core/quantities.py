@@ -8,9 +8,10 @@ record (`record_of(x, layout.dtype).velocity`), integrators and FMI see the vect
 
 from __future__ import annotations
 
+import copy
 import math
-from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, field, fields, make_dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields, make_dataclass, replace
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -178,7 +179,10 @@ class Layout:
             else:
                 formats.append((item.name, "f8", ()))
                 scalars.append(Field(item.name, quantity, start))
-        self.dtype = np.dtype((np.record, formats))
+        self._take(scalars, np.dtype((np.record, formats)))
+
+    def _take(self, scalars: Sequence[Field], dtype: np.dtype[Any]) -> None:
+        self.dtype = dtype
         self.fields = tuple(scalars)
         self.names = tuple(scalar.name for scalar in scalars)
         self.size = len(scalars)
@@ -197,6 +201,13 @@ class Layout:
             (name, Annotated[float, quantity], field(default=0.0)) for name, quantity in quantities.items()
         ]
         return Layout(make_dataclass(self.record.__name__, added, bases=(self.record,)), self.sizes)
+
+    def with_start(self, values: Mapping[str, float]) -> Layout:
+        """The same layout with other start values in the places of these."""
+        fields = [replace(field, start=float(values.get(field.name, field.start))) for field in self.fields]
+        made = copy.copy(self)
+        made._take(fields, self.dtype)
+        return made
 
     def index(self, name: str) -> int:
         """Position of a scalar in the vector; KeyError with the known names if there is none."""
@@ -232,6 +243,15 @@ class Layout:
         """Messages for every element outside its allowed range."""
         found = (f.quantity.fault(f.name, float(v)) for f, v in zip(self.fields, vector, strict=True))
         return [message for message in found if message]
+
+
+class FieldLayout(Layout):
+    """A layout of given scalars, whose names need not be Python's."""
+
+    def __init__(self, scalars: Iterable[Field], dtype: np.dtype[Any] | None = None) -> None:
+        self.record, self.sizes = type(None), {}
+        scalars = tuple(scalars)
+        self._take(scalars, dtype or np.dtype((np.record, [(scalar.name, "f8") for scalar in scalars])))
 
 
 def _quantity_of(record: type, item: Any, hint: Any) -> Quantity:

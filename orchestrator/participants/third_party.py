@@ -12,11 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
-import numpy as np
-
 from fmus.fmi.archive import FmuFileError, archive_faults, open_archive
 from models.core.component import Component
-from models.core.quantities import Field, Layout, Quantity, Vector
+from models.core.quantities import Field, FieldLayout, Layout, Quantity, Vector
 from models.core.system import ModelError
 
 from .description import (
@@ -33,18 +31,8 @@ from .description import (
 WITH_START = ("exact", "approx")
 
 
-class NamedLayout(Layout):
-    """A layout whose names need not be Python's."""
-
-    def __init__(self, scalars: Iterable[Field]) -> None:
-        self.record, self.sizes = type(None), {}
-        self.fields = tuple(scalars)
-        self.names = self.variables = tuple(scalar.name for scalar in self.fields)
-        self.size = len(self.fields)
-        self.start = np.array([scalar.start for scalar in self.fields], dtype=float)
-        self.nominal = np.array([scalar.quantity.nominal for scalar in self.fields], dtype=float)
-        self.dtype = np.dtype([(name, "f8") for name in self.names])
-        self._index = {name: i for i, name in enumerate(self.names)}
+class NamedLayout(FieldLayout):
+    """A layout whose vectors are not read as records: names may be those of attributes."""
 
     def view(self, vector: Vector) -> Any:
         return vector

@@ -15,7 +15,7 @@ from .json_output import Json, print_json
 
 
 @report_errors
-def fmu_build(
+def fmu_build(  # noqa: PLR0913  # options of a command
     names: Annotated[
         list[str] | None,
         typer.Argument(
@@ -43,15 +43,78 @@ def fmu_build(
             "e.g. libpython3.11.so.1.0."
         ),
     ] = None,
+    scenario: Annotated[
+        str | None, typer.Option(help="Scenario whose components are built, with its values as defaults.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="PATH=VALUE", help="With --scenario: change the scenario."),
+    ] = None,
+    whole: Annotated[
+        bool, typer.Option("--whole", help="With --scenario: all its components as one FMU, SCENARIO.fmu.")
+    ] = False,
+    outside: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="With --whole: component to leave out, whose outputs become inputs; may be repeated."
+        ),
+    ] = None,
 ) -> None:
-    """Build FMUs of components."""
+    """Build FMUs of components.
+
+    With --scenario NAMES are components of the scenario: parameters, tables, oil and start values become the
+    FMUs' defaults.
+    """
     from ..fmu import FmuOptions, build_file, check_options
 
+    if scenario is not None:
+        _build_of_scenario(scenario, set_ or [], names, whole, outside, out, structure, native, platform, fmi)
+        return
+    _check_without_scenario(set_, whole, outside)
     sizes = dict(map(_parse_size, structure)) if structure else None
     options = FmuOptions(sizes, native, platform, fmi, libpython)
     for name in check_options(names, options):
         with _report_replacement(name, out), _show_progress(name, native) as progress:
             print(build_file(name, out, options, progress))
+
+
+def _build_of_scenario(  # noqa: PLR0913  # options of a command
+    scenario: str,
+    changes: list[str],
+    names: list[str] | None,
+    whole: bool,
+    outside: list[str] | None,
+    out: Path,
+    structure: list[str] | None,
+    native: bool,
+    platform: list[str] | None,
+    fmi: int,
+) -> None:
+    from orchestrator.errors import MistakeError, Option
+    from orchestrator.scenario.files import read_changed
+
+    from ..scenario import Scenario
+    from ..scenario_fmus import build_scenario_fmus
+
+    if structure:
+        raise MistakeError((Option("structure"), ": a scenario's components have its sizes"))
+    with _show_progress(scenario, native) as progress:
+        files = build_scenario_fmus(
+            Scenario(read_changed(scenario, changes)), out, components=names or (), whole=whole,
+            outside=outside or (), native=native, platforms=platform or (), fmi=fmi, progress=progress,
+        )  # fmt: skip
+    for file in files:
+        print(file)
+
+
+def _check_without_scenario(changes: list[str] | None, whole: bool, outside: list[str] | None) -> None:
+    from orchestrator.errors import MistakeError, Option
+
+    for option, given in (("set", changes), ("whole", whole), ("outside", outside)):
+        if given:
+            raise MistakeError(
+                (Option(option), ": only with a scenario"), ("add ", Option("scenario", "FILE"))
+            )
 
 
 @contextmanager

@@ -1,0 +1,116 @@
+"""Python files of a scenario's components, from which FMUs are built: one part, or all as one component."""
+
+from __future__ import annotations
+
+import keyword
+import re
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from models.catalogue import find_factory, is_own
+from models.core.system import Instance
+
+from .declared import explain_no_native, find_extra
+from .fmi.description import Experiment
+
+_FILE = '''"""{about}"""
+
+{imports}
+
+
+def {name}():
+    return {expression}
+'''
+
+
+@dataclass(frozen=True)
+class Part:
+    """An instance of a scenario, and the name of its component in the catalogue."""
+
+    catalogue_name: str
+    instance: Instance
+
+
+def write_part(folder: Path, name: str, about: str, part: Part, experiment: Experiment) -> str:
+    """A file whose component is that of the part, with the instance's values as defaults.
+
+    Returns the name by which `build` knows it.
+    """
+    imports = ["from models.core.composite import with_values", *_IMPORTS, *_import([part])]
+    own = _write(folder, name, about, imports, f"with_values({_show(part)})")
+    terminals = find_extra(part.catalogue_name, "TERMINALS", {})
+    reason = explain_no_native(part.catalogue_name)
+    _declare(own, EXPERIMENT=experiment, TERMINALS=terminals, PYTHON_ONLY=reason)
+    return own
+
+
+def write_train(
+    folder: Path,
+    name: str,
+    about: str,
+    parts: Mapping[str, Part],
+    connections: Sequence[tuple[str, str]],
+    outside: Sequence[str],
+    experiment: Experiment,
+) -> str:
+    """A file whose component is all parts but those `outside`, connected (see `composite.compose`)."""
+    imports = ["from models.core.composite import compose", *_IMPORTS, *_import(parts.values())]
+    shown = "".join(f"            {key!r}: {_show(part)},\n" for key, part in parts.items())
+    lines = "".join(f"            {pair!r},\n" for pair in connections)
+    expression = (
+        f"compose(\n        {name!r},\n        {about!r},\n        {{\n{shown}        }},\n"
+        f"        [\n{lines}        ],\n        {list(outside)!r},\n    )"
+    )
+    own = _write(folder, name, about, imports, expression)
+    reasons = [explain_no_native(part.catalogue_name) for key, part in parts.items() if key not in outside]
+    _declare(own, EXPERIMENT=experiment, PYTHON_ONLY=next(filter(None, reasons), ""))
+    return own
+
+
+def to_identifier(name: str) -> str:
+    """A name for a file, a function and an FMU, from any text."""
+    text = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return f"_{text}" if keyword.iskeyword(text) or not text[:1].isidentifier() else text
+
+
+_IMPORTS = ["from models.core.system import Instance"]
+
+
+def _import(parts: Iterable[Part]) -> list[str]:
+    """A line for each component; ValueError for one of a user's own file, which may import others."""
+    names = sorted({part.catalogue_name for part in parts})
+    for name in names:
+        if is_own(name):
+            raise ValueError(
+                f"{name}: only components of the catalogue can be built with a scenario's values"
+            )
+    return [f"from {find_factory(name).__module__} import {name} as make_{name}" for name in names]
+
+
+def _show(part: Part) -> str:
+    instance = part.instance
+    sizes = ", ".join(f"{key}={value}" for key, value in sorted(instance.component.structure.items()))
+    values = (instance.parameters, instance.start, instance.inputs)
+    return f"Instance(make_{part.catalogue_name}({sizes}), {', '.join(map(_show_values, values))})"
+
+
+def _show_values(values: Mapping[str, float]) -> str:
+    return repr({name: float(value) for name, value in values.items()})
+
+
+def _write(folder: Path, name: str, about: str, imports: Sequence[str], expression: str) -> str:
+    file = folder / f"{name}.py"
+    about = about.replace("\\", "/").replace('"', "'")
+    text = _FILE.format(about=about, imports="\n".join(imports), name=name, expression=expression)
+    file.write_text(text, "utf-8")
+    return f"{file}:{name}"
+
+
+def _declare(own: str, **constants: Any) -> None:
+    """What the FMU's description says beside the component, as constants of the module that is loaded."""
+    module = sys.modules[find_factory(own).__module__]
+    for name, value in constants.items():
+        setattr(module, name, value)

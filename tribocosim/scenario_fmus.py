@@ -1,0 +1,104 @@
+"""FMUs of a scenario: its components with its values as defaults, or the whole train as one."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from models.core.system import Instance, suggestion
+from orchestrator.errors import MistakeError, Option
+
+from .fmu import FmuOptions, build_file
+from .scenario import Scenario, load
+
+if TYPE_CHECKING:
+    from fmus.scenario_parts import Part
+    from orchestrator.scenario import Scenario as CheckedScenario
+    from orchestrator.scenario.system import Assembly
+
+# What hosts that integrate by themselves take: at 1e-5 their trial steps leave a film's range.
+TOLERANCE = 1e-8
+
+
+def build_scenario_fmus(
+    scenario: Scenario | str | Path,
+    out: str | Path = ".",
+    *,
+    components: Sequence[str] = (),
+    whole: bool = False,
+    outside: Sequence[str] = (),
+    native: bool = False,
+    platforms: Sequence[str] = (),
+    fmi: int = 2,
+    progress: Callable[[str], None] = lambda step: None,
+) -> list[Path]:
+    """Build FMUs in the folder `out` whose defaults are the scenario's values; the paths of their files.
+
+    Parameters, tables, oil and start values become defaults. One FMU for each component, or for those named
+    in `components`; with `whole` a single one that has them all, connected, but those named `outside`:
+    their outputs become its inputs. The other options are as for `build_fmu`. MistakeError for what cannot
+    be built.
+    """
+    from fmus.fmi.description import Experiment
+    from fmus.scenario_parts import to_identifier, write_part, write_train
+    from orchestrator.scenario.system import assemble, resolve_start
+
+    checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
+    options = FmuOptions(None, native, platforms or None, fmi)
+    _check(checked, components, whole, outside)
+    assembly = assemble(checked)
+    system = resolve_start(checked, assembly.system)
+    experiment = Experiment(checked.stop_time, checked.macro_step, tolerance=TOLERANCE)
+    parts = _list_parts(checked, system.instances)
+    with tempfile.TemporaryDirectory(prefix="tribocosim-") as temporary:
+        folder = Path(temporary)
+        if whole:
+            _check_whole(checked, assembly, outside)
+            lines = [(str(c.source), str(c.target)) for c in system.connections]
+            name = to_identifier(checked.name)
+            about = (
+                f"{checked.description or checked.name}: {', '.join(p for p in parts if p not in outside)}"
+            )
+            own = [write_train(folder, name, about, parts, lines, outside, experiment)]
+        else:
+            own = [
+                write_part(folder, to_identifier(name), f"{name} of {checked.name}", parts[name], experiment)
+                for name in components or parts
+            ]
+        return [build_file(name, Path(out), options, progress) for name in own]
+
+
+def _check(scenario: CheckedScenario, components: Sequence[str], whole: bool, outside: Sequence[str]) -> None:
+    if whole and components:
+        raise MistakeError((Option("whole", True), ": has all components; leave out the others by name"))
+    if outside and not whole:
+        raise MistakeError((Option("outside"), ": only with "), ("add ", Option("whole", True)))
+    for name in (*components, *outside):
+        if name not in scenario.components:
+            known = suggestion(name, scenario.components)
+            raise MistakeError(f"no component {name!r} in {scenario.name}; {known}")
+
+
+def _list_parts(scenario: CheckedScenario, instances: Mapping[str, Instance]) -> dict[str, Part]:
+    from fmus.scenario_parts import Part
+
+    return {
+        name: Part(table.component, instances[name])
+        for name, table in scenario.components.items()
+        if table.component is not None
+    }
+
+
+def _check_whole(scenario: CheckedScenario, assembly: Assembly, outside: Sequence[str]) -> None:
+    for name, table in scenario.components.items():
+        if table.third_party and name not in outside:
+            raise MistakeError(
+                f"components.{name}: is an FMU of another tool, whose equations are unknown",
+                ("leave it out: ", Option("outside", name)),
+            )
+    for name, inputs in assembly.linear.items():
+        if name not in outside:
+            line = f"{name}.{next(iter(inputs))}"
+            raise MistakeError(f"{line}: its connection has a factor or an offset, which one FMU cannot have")
