@@ -93,13 +93,14 @@ def test_the_instance_s_values_are_defaults() -> None:
     assert falling_mass().parameters.start[made.parameters.index("mass")] != 3.0
 
 
-def test_a_whole_train_moves_as_the_coupled_run(tmp_path: Path, isolated: Isolated) -> None:
+@pytest.mark.parametrize("native", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_a_whole_train_moves_as_the_reference(native: bool, tmp_path: Path, isolated: Isolated) -> None:
     """In a process without this repository: at 4 ms as the monolithic reference, to 1e-6.
 
     Its integrator has a relative tolerance of 1e-9 per step, over some hundred steps."""
     scenario = tribocosim.load(TRAIN).with_(stop_time="4 ms")
-    (path,) = tribocosim.build_scenario_fmus(scenario, tmp_path, whole=True)
-    assert path.name == "finger_follower_hla.fmu"
+    (path,) = tribocosim.build_scenario_fmus(scenario, tmp_path, whole=True, native=native)
+    assert path.name == f"finger_follower_hla{'-native' if native else ''}.fmu"
     size = 2e-5
     values, ours = isolated(STEPPED.format(fmu=str(path), steps=200, size=size, outputs=OUTPUTS))
     assert ours == []
