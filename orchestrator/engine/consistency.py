@@ -7,7 +7,7 @@ what one pass makes of the values: v = G(v).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +15,8 @@ from models.core.quantities import Vector
 from models.core.system import Port
 
 from ..errors import NotFiniteError, RunError
-
-if TYPE_CHECKING:
-    from .coupling import Coupling
+from .exchange import Exchange
+from .sweeps import propagate
 
 # Values agree when they are right to this share of their size (or nominal size, if that is larger).
 AGREED = 1e-12
@@ -34,51 +33,51 @@ CORRECTIONS, HALVINGS = 30, 20
 SINGULAR = 1e9
 
 
-def make_consistent(coupling: Coupling, time: float) -> None:
+def make_consistent(exchange: Exchange, time: float) -> None:
     """Make values, and with Hermite signals rates, agree with the inputs at the present time.
 
     RunError where an algebraic loop has no solution, or more than one.
     """
-    start = coupling.state.values.copy()
-    if not _pass_values(coupling, time):
-        coupling.state.values[:] = start
-        _value_loop(coupling, time).solve(AGREED)
-    if coupling.wiring.degree == 3:
-        for _ in coupling.participants:
-            before = coupling.state.rates.copy()
-            coupling.propagate(coupling.wiring.all, time)
-        closed = _close(coupling, before, coupling.state.rates, RATES_AGREED)
-        if not closed and _gain(coupling, time) > SMALL_GAIN:
-            coupling.state.rates[:] = 0.0
-            marked = coupling.wiring.passed_through & coupling.state.history.rated & ~_discrete(coupling)
-            _Loop(coupling, coupling.state.rates, marked, time, RATE_PERTURBATION).solve(RATES_AGREED)
+    start = exchange.state.values.copy()
+    if not _pass_values(exchange, time):
+        exchange.state.values[:] = start
+        _value_loop(exchange, time).solve(AGREED)
+    if exchange.wiring.degree == 3:
+        for _ in exchange.participants:
+            before = exchange.state.rates.copy()
+            propagate(exchange, exchange.wiring.all, time)
+        closed = _close(exchange, before, exchange.state.rates, RATES_AGREED)
+        if not closed and _gain(exchange, time) > SMALL_GAIN:
+            exchange.state.rates[:] = 0.0
+            marked = exchange.wiring.passed_through & exchange.state.history.rated & ~_discrete(exchange)
+            _Loop(exchange, exchange.state.rates, marked, time, RATE_PERTURBATION).solve(RATES_AGREED)
 
 
-def _gain(coupling: Coupling, time: float) -> float:
+def _gain(exchange: Exchange, time: float) -> float:
     """The largest gain of an algebraic loop; zero without loops. All stays as it is."""
-    kept = coupling.state.arrived.copy()
-    gain = _value_loop(coupling, time).gain()
-    coupling.state.arrived[:] = kept
-    coupling.propagate(coupling.wiring.all, time)
-    coupling.state.arrived[:] = kept
+    kept = exchange.state.arrived.copy()
+    gain = _value_loop(exchange, time).gain()
+    exchange.state.arrived[:] = kept
+    propagate(exchange, exchange.wiring.all, time)
+    exchange.state.arrived[:] = kept
     return gain
 
 
-def _pass_values(coupling: Coupling, time: float) -> bool:
+def _pass_values(exchange: Exchange, time: float) -> bool:
     """Pass values on as long as that leads to an agreement; False where it doesn't."""
-    fewest, last = len(coupling.participants) + 1, np.inf
+    fewest, last = len(exchange.participants) + 1, np.inf
     for count in range(10 * fewest):
-        before = coupling.state.values.copy()
+        before = exchange.state.values.copy()
         try:
-            coupling.propagate(coupling.wiring.all, time)
+            propagate(exchange, exchange.wiring.all, time)
         except NotFiniteError:
             if count < 2:
                 raise
             return False
-        if _close(coupling, before, coupling.state.values, AGREED):
+        if _close(exchange, before, exchange.state.values, AGREED):
             return True
-        now = coupling.state.values
-        change = float(np.max(np.abs(now - before) / _sizes(coupling, now)))
+        now = exchange.state.values
+        change = float(np.max(np.abs(now - before) / _sizes(exchange, now)))
         if count >= fewest and not change <= CONTRACTING * last:
             return False
         last = change
@@ -86,12 +85,12 @@ def _pass_values(coupling: Coupling, time: float) -> bool:
 
 
 class _Loop:
-    """What a pass makes of the `values` (the values or rates of the coupling) of the sources `marked`."""
+    """What a pass makes of the `values` (the values or rates of the exchange) of the sources `marked`."""
 
     def __init__(
-        self, coupling: Coupling, values: Vector, marked: Any, time: float, perturbation: float
+        self, exchange: Exchange, values: Vector, marked: Any, time: float, perturbation: float
     ) -> None:
-        self._coupling, self._values, self._time = coupling, values, time
+        self._exchange, self._values, self._time = exchange, values, time
         self._loop = np.flatnonzero(marked)
         self._perturbation = perturbation
 
@@ -100,7 +99,7 @@ class _Loop:
         guess = self._pass(self._values[self._loop])
         result = self._pass(guess)
         for _ in range(CORRECTIONS):
-            sizes = _sizes(self._coupling, self._values)[self._loop]
+            sizes = _sizes(self._exchange, self._values)[self._loop]
             correction = self._correction(guess, result, sizes)
             if np.all(np.abs(correction) <= agreed * sizes):
                 self._pass(guess)
@@ -114,7 +113,7 @@ class _Loop:
 
     def _pass(self, guess: Vector) -> Vector:
         self._values[self._loop] = guess
-        self._coupling.propagate(self._coupling.wiring.all, self._time)
+        propagate(self._exchange, self._exchange.wiring.all, self._time)
         return self._values[self._loop].copy()
 
     def _correction(self, guess: Vector, result: Vector, sizes: Vector) -> Vector:
@@ -141,7 +140,7 @@ class _Loop:
     def gain(self) -> float:
         """The spectral radius of dG/dv."""
         guess = self._values[self._loop].copy()
-        sizes = _sizes(self._coupling, self._values)[self._loop]
+        sizes = _sizes(self._exchange, self._values)[self._loop]
         matrix = self._derivatives(guess, self._pass(guess), sizes)
         return float(np.max(np.abs(np.linalg.eigvals(matrix)), initial=0.0))
 
@@ -158,27 +157,27 @@ class _Loop:
         return corrected, result
 
     def _worst(self, parts: Vector, sizes: Vector | float) -> Port:
-        return self._coupling.wiring.sources[self._loop[int(np.argmax(np.abs(parts) / sizes))]]
+        return self._exchange.wiring.sources[self._loop[int(np.argmax(np.abs(parts) / sizes))]]
 
 
-def _value_loop(coupling: Coupling, time: float) -> _Loop:
+def _value_loop(exchange: Exchange, time: float) -> _Loop:
     """The loop of the values that pass through participants."""
-    marked = coupling.wiring.passed_through
-    return _Loop(coupling, coupling.state.values, marked, time, VALUE_PERTURBATION)
+    marked = exchange.wiring.passed_through
+    return _Loop(exchange, exchange.state.values, marked, time, VALUE_PERTURBATION)
 
 
-def _close(coupling: Coupling, before: Vector, now: Vector, agreed: float) -> bool:
-    return bool(np.all(np.abs(now - before) <= agreed * _sizes(coupling, now)))
+def _close(exchange: Exchange, before: Vector, now: Vector, agreed: float) -> bool:
+    return bool(np.all(np.abs(now - before) <= agreed * _sizes(exchange, now)))
 
 
-def _sizes(coupling: Coupling, values: Vector) -> Vector:
-    return np.asarray(coupling.wiring.nominal + np.abs(values))
+def _sizes(exchange: Exchange, values: Vector) -> Vector:
+    return np.asarray(exchange.wiring.nominal + np.abs(values))
 
 
-def _discrete(coupling: Coupling) -> Any:
+def _discrete(exchange: Exchange) -> Any:
     """The sources that have no rate but zero."""
     fields = (
-        coupling.wiring.system.instances[port.instance].component.outputs.field(port.variable)
-        for port in coupling.wiring.sources
+        exchange.wiring.system.instances[port.instance].component.outputs.field(port.variable)
+        for port in exchange.wiring.sources
     )
     return np.array([field.quantity.discrete for field in fields], dtype=np.bool_)

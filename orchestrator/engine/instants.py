@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from models.core.system import Connection
 
 from ..errors import RunError
 from ..participants.clock_schedule import find_latest
-
-if TYPE_CHECKING:
-    from .coupling import Coupling
+from .exchange import Exchange
+from .sweeps import propagate
 
 # Events that follow each other at one instant; more of them are taken for a loop.
 MOST_ROUNDS = 100
@@ -35,10 +33,10 @@ class Instants:
     Steps end where events are known to come, if all participants take steps of any length (`ends_steps`).
     """
 
-    def __init__(self, coupling: Coupling, lines: SideLines) -> None:
-        self._coupling = coupling
-        number = {name: i for i, name in enumerate(coupling.wiring.names)}
-        abilities = [participant.abilities for participant in coupling.participants]
+    def __init__(self, exchange: Exchange, lines: SideLines) -> None:
+        self._exchange = exchange
+        number = {name: i for i, name in enumerate(exchange.wiring.names)}
+        abilities = [participant.abilities for participant in exchange.participants]
         self._sides = {i: can.side for i, can in enumerate(abilities) if can.side is not None}
         self._eventful = {i: side for i, side in self._sides.items() if side.has_events}
         self._clocks: dict[tuple[int, str], list[tuple[int, str]]] = {}
@@ -70,20 +68,20 @@ class Instants:
             for i, side in self._eventful.items():
                 if i not in pending and side.next_event() > latest:
                     continue
-                self._coupling.propagate((i,), time)
+                propagate(self._exchange, (i,), time)
                 ticked = side.handle(time, pending.get(i, ()))
-                self._coupling.read(i)
+                self._exchange.read(i)
                 acted |= ticked is not None
                 for clock in ticked or ():
                     for j, name in self._clocks.get((i, clock), ()):
                         triggered.setdefault(j, []).append(name)
             if acted:
-                self._coupling.propagate(self._coupling.wiring.all, time)
+                propagate(self._exchange, self._exchange.wiring.all, time)
             acted |= self._pass_texts()
             changed |= acted
             if not acted and not triggered:
                 return changed
-        names = ", ".join(self._coupling.wiring.names[i] for i in self._eventful)
+        names = ", ".join(self._exchange.wiring.names[i] for i in self._eventful)
         raise RunError(
             f"{names}: more than {MOST_ROUNDS} events follow each other at t = {time:.9g} s; look for a loop "
             "of clocks, or of discrete values"

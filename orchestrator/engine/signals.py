@@ -216,10 +216,20 @@ def _extrapolate(memory: Any, count: int, degree: int, out: Any) -> None:
 
 @numba.njit(cache=True)
 def interpolate_part(
-    times: Any, values: Any, rates: Any, rated: Any, degrees: Any, smooth: Any, end_smooth: Any, count: int,
-    degree: int, end: float, new: Any, new_rates: Any, out: Any, first: int, last: int,
-) -> bool:  # fmt: skip
+    memory: Any,
+    count: int,
+    degree: int,
+    end: float,
+    new: Any,
+    new_rates: Any,
+    out: Any,
+    first: int,
+    last: int,
+) -> bool:
     """Interpolate the sources from `first` up to `last`; True if their new values are finite."""
+    m = memory[0]
+    times, values, rates, rated = numbers(m.times), table(m.values), table(m.rates), marks(m.rated)
+    smooth, end_smooth, degrees = mark_table(m.smooth), marks(m.end_smooth), integers(m.degrees)
     finite = True
     at = times[0]
     for i in range(first, last):
@@ -238,26 +248,6 @@ def interpolate_part(
     return finite
 
 
-@numba.njit(cache=True)
-def relay(
-    times: Any, past: Any, degrees: Any, count: int, degree: int, end: float, new: Any, out: Any, first: int,
-    last: int, columns: Any, inputs: Any,
-) -> bool:  # fmt: skip
-    """`interpolate_part` without rates (degree 2 at most), then `gather` of another participant's inputs."""
-    finite = True
-    at = times[0]
-    for i in range(first, last):
-        finite &= math.isfinite(new[i])
-        if degrees[i] == STEPWISE and degree > 0:
-            v, d, c = past[0, i], 0.0, 0.0
-        else:
-            points = min(max(min(degree, degrees[i]), 0), count) + 1
-            v, d, c = parabola(end, new[i], at, past[0, i], times[1], past[1, i], points, at)
-        _store(out, i, v, d, c, 0.0)
-    gather(out, columns, inputs)
-    return finite
-
-
 def extrapolate(history: History, degree: int, out: Vector) -> None:
     """Derivatives (coefficients x n) at the newest point of the polynomials through the last points."""
     _extrapolate(history.memory, history.count, degree, out)
@@ -267,11 +257,10 @@ def interpolate(
     history: History, degree: int, end: float, values: Vector, rates: Vector, out: Vector
 ) -> bool:
     """As `extrapolate`, through the last points and `values` (`rates`) at the time `end`; True if finite."""
-    h = history
-    return interpolate_part(
-        h.times, h.values, h.rates, h.rated, h.degrees, h.smooth, h.end_smooth, h.count, degree, end, values,
-        rates, out, 0, len(values),
-    )  # fmt: skip
+    found: bool = interpolate_part(
+        history.memory, history.count, degree, end, values, rates, out, 0, len(values)
+    )
+    return found
 
 
 @numba.njit(cache=True)
@@ -287,15 +276,7 @@ def evaluate(signals: Any, s: float, values: Any, rates: Any) -> None:
 
 
 @numba.njit(cache=True)
-def gather(signals: Any, columns: Any, out: Any) -> None:
-    """out[k, j] = signals[k, columns[j]]."""
-    for k in range(out.shape[0]):
-        for j in range(columns.shape[0]):
-            out[k, j] = signals[k, columns[j]]
-
-
-@numba.njit(cache=True)
-def gather_flat(signals: Any, sources: Any, targets: Any, out: Any) -> None:
+def gather(signals: Any, sources: Any, targets: Any, out: Any) -> None:
     """out[targets[j]] = signals[k, i], where sources[j] counts the signals row by row."""
     n = signals.shape[1]
     for j in range(sources.shape[0]):

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import DiscardedStepError, RecoverableError
 from ..participants.capabilities import HIGHEST
-from ..participants.compiled import STEP, CompiledCalls
+from ..participants.compiled import STEP, CompiledCalls, NotCompiledError
 from ..participants.protocol import BoundVariables, Participant
 from ..participants.wrapping import StatelessWrapper
 from .signals import move_origin
@@ -48,12 +48,10 @@ class Substepped(StatelessWrapper):
         self._start = np.zeros_like(bound.inputs)
         return rated
 
-    def compiled_calls(self) -> CompiledCalls | str:
+    def compiled_calls(self) -> CompiledCalls:
         if self._substeps > 1:
-            return f"substeps = {self._substeps}"
+            raise NotCompiledError(f"substeps = {self._substeps}")
         calls = self._participant.compiled_calls()
-        if isinstance(calls, str):
-            return calls
         state = ctypes.c_void_p()
 
         def describe(record: Any) -> None:

@@ -1,131 +1,91 @@
-"""Sweeps: participants make a step and their outputs are read, all at once or one after the other.
+"""Sweeps: participants make a step, or none, and their outputs are read.
 
-Sweeps run in every macro step, so each is bound once to the memory that it needs. Where all participants of a
-sweep offer calls to compiled code, the sweep is one compiled function (`compiled_sweeps`); else it is Python.
+Sweeps run in every macro step, so each is bound once to the memory that it needs. If all its participants
+offer calls to compiled code it is one compiled function (`compiled_sweeps`), otherwise it is Python.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..participants.compiled import CompiledCalls
-from . import compiled_sweeps
 from .compiled_sweeps import CompiledSweep
-from .signals import finite, gather, gather_flat, interpolate_part, relay
-
-if TYPE_CHECKING:
-    from .coupling import Coupling
-
-Sweep = Callable[[float, float], None]
-# Binds a sweep over participants, by their numbers.
-SweepKind = Callable[["Coupling", tuple[int, ...]], Sweep]
+from .exchange import Exchange
+from .signals import finite, gather, interpolate_part
 
 
-def jacobi_sweep(coupling: Coupling, order: tuple[int, ...]) -> Sweep:
-    """All advance with the signals as they are, then all are read."""
-    if offered := _offered_calls(coupling, order):
-        return CompiledSweep(coupling, offered, order, compiled_sweeps.jacobi_sweep)
-    e, calls = coupling, coupling.calls
-    signals, values, rates, inputs = e.signals, e.state.values, e.state.rates, e.all_inputs
-    n = len(e.wiring.sources)
-    # Where each number of the inputs lies in the signals: participant by participant, row by row.
-    places = [np.zeros(0, dtype=np.int64)]
-    rows = np.arange(e.wiring.degree + 1)[:, None]
-    feeding = [np.ravel(n * rows + e.wiring.columns[i]) for i in order]
-    targets = [np.arange(e.offsets[i], e.offsets[i + 1]) for i in order]
-    sources = np.concatenate(places + feeding)
-    into = np.concatenate(places + targets)
-    moves = [(i, e.participants[i].write, e.participants[i].advance) for i in order]
-    reads = [e.participants[i].read for i in order]
+@dataclass(frozen=True)
+class SweepKind:
+    """What a sweep does with its participants.
 
-    def run(time: float, step: float) -> None:
-        gather_flat(signals, sources, into, inputs)
-        for i, write, advance in moves:
-            write()
-            advance(time, step)
-            calls[i] += 1
-        for read in reads:
-            read()
-        if not finite(values, rates, 0, n):
-            e.refuse(slice(0, n))
+    `steps`: each makes the step under the signals; otherwise no time passes, and each is given the present
+    values and rates. `in_turn`: each is read before the next one goes on, and after a step its signals go
+    through its new values; otherwise all go on, then all are read.
+    """
 
-    return run
+    steps: bool
+    in_turn: bool
 
+    def __call__(self, exchange: Exchange, order: tuple[int, ...]) -> Callable[[float, float], None]:
+        """The sweep over these participants, for a time and a step."""
+        offered = exchange.offers.calls
+        if order and offered.keys() >= set(order):
+            calls = [offered[i] for i in order]
+            return CompiledSweep(exchange, calls, order, self.steps, self.in_turn)
+        return self._bind_in_python(exchange, order)
 
-def gauss_seidel_sweep(coupling: Coupling, order: tuple[int, ...]) -> Sweep:
-    """One after the other, the signals of each interpolating what it arrived at before the next advances."""
-    if offered := _offered_calls(coupling, order):
-        return CompiledSweep(coupling, offered, order, compiled_sweeps.gauss_seidel_sweep)
-    e, calls = coupling, coupling.calls
-    signals = e.signals
-    first = (e.wiring.columns[order[0]], e.inputs[order[0]])
-    turns = []
-    for i, following in zip(order, [*order[1:], order[0]], strict=True):
-        unit = e.participants[i]
-        turns.append((i, unit.write, unit.advance, unit.read, _arrival(e, i, following)))
+    def _bind_in_python(self, e: Exchange, order: tuple[int, ...]) -> Callable[[float, float], None]:
+        steps, relays, counts, degree = self.steps, self.steps and self.in_turn, e.calls, e.wiring.degree
+        history, values, rates, inputs = e.state.history, e.state.values, e.state.rates, e.all_inputs
+        signals = e.signals if steps else np.zeros_like(e.signals)
+        present, arrived = signals[:2], e.state.arrived[: len(signals)]
+        turns = []
+        for group in [(i,) for i in order] if self.in_turn else [order]:
+            units = [e.participants[i] for i in group]
+            moves = [(i, unit.write, unit.advance) for i, unit in zip(group, units, strict=True)]
+            own = e.wiring.slices[group[0]] if self.in_turn else slice(0, len(e.wiring.sources))
+            turns.append((*e.locate_inputs(group), moves, [unit.read for unit in units], own.start, own.stop))
 
-    def run(time: float, step: float) -> None:
-        end = time + step
-        gather(signals, *first)
-        for i, write, advance, read, arrived in turns:
-            write()
-            advance(time, step)
-            calls[i] += 1
-            read()
-            if not arrived(end):
-                e.refuse(e.wiring.slices[i])
+        def run(time: float, step: float) -> None:
+            for sources, places, moves, reads, first, last in turns:
+                if not steps:
+                    present[:] = arrived
+                gather(signals, sources, places, inputs)
+                for i, write, advance in moves:
+                    write()
+                    if steps:
+                        advance(time, step)
+                        counts[i] += 1
+                for read in reads:
+                    read()
+                fine = (
+                    interpolate_part(
+                        history.memory,
+                        history.count,
+                        degree,
+                        time + step,
+                        values,
+                        rates,
+                        signals,
+                        first,
+                        last,
+                    )
+                    if relays
+                    else finite(values, rates, first, last)
+                )
+                if not fine:
+                    e.refuse(slice(first, last))
 
-    return run
-
-
-def propagate(coupling: Coupling, order: tuple[int, ...]) -> Sweep:
-    """No time passes: one after the other is given the present values, and rates, and its answer is read."""
-    if calls := _offered_calls(coupling, order):
-        return CompiledSweep(coupling, calls, order, compiled_sweeps.propagate)
-    e = coupling
-    present = np.zeros_like(e.signals)
-    arrived = e.state.arrived[: len(present)]
-    turns = [(i, e.wiring.columns[i], e.inputs[i], e.participants[i].write) for i in order]
-
-    def run(time: float, step: float) -> None:
-        for i, columns, inputs, write in turns:
-            present[:2] = arrived
-            gather(present, columns, inputs)
-            write()
-            e.read(i)
-
-    return run
+        return run
 
 
-def _arrival(coupling: Coupling, i: int, following: int) -> Callable[[float], bool]:
-    """Signals of participant i through its new values, and from them the inputs of the following one."""
-    e, h = coupling, coupling.state.history
-    own, degree, signals, values = e.wiring.slices[i], e.wiring.degree, e.signals, e.state.values
-    columns, inputs = e.wiring.columns[following], e.inputs[following]
-    first, last = own.start, own.stop
-    times, past = h.times, h.values
-
-    def arrived(end: float) -> bool:
-        return relay(
-            times, past, h.degrees, h.count, degree, end, values, signals, first, last, columns, inputs
-        )
-
-    def arrived_with_rates(end: float) -> bool:
-        fine: bool = interpolate_part(
-            times, past, h.rates, h.rated, h.degrees, h.smooth, h.end_smooth, h.count, degree, end, values,
-            e.state.rates, signals, first, last,
-        )  # fmt: skip
-        gather(signals, columns, inputs)
-        return fine
-
-    return arrived_with_rates if degree == 3 else arrived
+JACOBI = SweepKind(steps=True, in_turn=False)
+GAUSS_SEIDEL = SweepKind(steps=True, in_turn=True)
+PROPAGATE = SweepKind(steps=False, in_turn=True)
 
 
-def _offered_calls(coupling: Coupling, order: Sequence[int]) -> list[CompiledCalls]:
-    """The calls that compiled code can make; none if a participant of the sweep offers none."""
-    offers = [coupling.offers[i] for i in order]
-    calls = [offer for offer in offers if isinstance(offer, CompiledCalls)]
-    return calls if len(calls) == len(offers) else []
+def propagate(exchange: Exchange, order: tuple[int, ...], time: float) -> None:
+    """Give the present values, and rates, to each participant in turn and read its answer."""
+    exchange.sweep(PROPAGATE, order, time, 0.0)

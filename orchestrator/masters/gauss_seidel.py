@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from ..engine.coupling import Coupling
 from ..engine.signals import extrapolate
-from ..engine.sweeps import gauss_seidel_sweep
+from ..engine.sweeps import GAUSS_SEIDEL
 from .protocol import MasterStep, SignalOptions
 from .restart import repeat_first_step
 
@@ -30,9 +30,9 @@ class GaussSeidel(SignalOptions):
             coupling.wiring.degree,
         )
         if history.lacks(degree):
-            return repeat_first_step(coupling, gauss_seidel_sweep, order, time, step)
+            return repeat_first_step(coupling, GAUSS_SEIDEL, order, time, step)
         extrapolate(history, degree, coupling.signals)
-        coupling.sweep(gauss_seidel_sweep, order, time, step)
+        coupling.sweep(GAUSS_SEIDEL, order, time, step)
         return MasterStep()
 
 

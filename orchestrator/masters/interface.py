@@ -11,8 +11,6 @@ from models.compile.array_pointers import (
     ArrayPointers,
     integer_table,
     integers,
-    mark_table,
-    marks,
     numbers,
     table,
 )
@@ -44,13 +42,10 @@ class Interface:
         self._nominal = coupling.wiring.nominal[self.rated]
         scale = np.concatenate([coupling.wiring.nominal[self.sources], self._nominal])
         self._rate_scale = scale[len(self.sources) :]
-        h = coupling.state.history
         bounds = np.array([(s.start, s.stop) for s in self.slices], dtype=np.int64)
         self._memory = ArrayPointers(
             sources=self.sources, rate_sources=self.rated, bounds=bounds, scale=scale,
             assumed=coupling.state.arrived.copy(), arrived=coupling.state.arrived, signals=coupling.signals,
-            times=h.times, past=h.values, past_rates=h.rates, rated=h.rated,
-            degrees=h.degrees, smooth=h.smooth, end_smooth=h.end_smooth,
         )  # fmt: skip
 
     def measure(self, step: float) -> None:
@@ -71,7 +66,8 @@ class Interface:
 
     def assume(self, vector: Vector, end: float) -> None:
         """Let the part's signals go to the vector's content at the time `end`."""
-        _assume(self._memory.record, vector, self._coupling.state.history.count, end)
+        history = self._coupling.state.history
+        _assume(self._memory.record, history.memory, vector, history.count, end)
 
     def find_source(self, element: int) -> int:
         """The source that an element of the vector belongs to."""
@@ -110,12 +106,10 @@ def _scaled(ends: Any, sources: Any, rated: Any, scale: Any, found: Any) -> None
 
 
 @numba.njit(cache=True)
-def _assume(memory: Any, vector: Any, known: int, end: float) -> None:
+def _assume(memory: Any, history: Any, vector: Any, known: int, end: float) -> None:
     m = memory[0]
     sources, rates, scale = integers(m.sources), integers(m.rate_sources), numbers(m.scale)
     assumed, signals, bounds = table(m.assumed), table(m.signals), integer_table(m.bounds)
-    times, past, past_rates, rated = numbers(m.times), table(m.past), table(m.past_rates), marks(m.rated)
-    smooth, end_smooth, degrees = mark_table(m.smooth), marks(m.end_smooth), integers(m.degrees)
     n = sources.shape[0]
     for j in range(n):
         assumed[0, sources[j]] = vector[j] * scale[j]
@@ -123,6 +117,6 @@ def _assume(memory: Any, vector: Any, known: int, end: float) -> None:
         assumed[1, rates[j]] = vector[n + j] * scale[n + j]
     for k in range(bounds.shape[0]):
         interpolate_part(
-            times, past, past_rates, rated, degrees, smooth, end_smooth, known, signals.shape[0] - 1, end,
-            assumed[0], assumed[1], signals, bounds[k, 0], bounds[k, 1],
+            history, known, signals.shape[0] - 1, end, assumed[0], assumed[1], signals, bounds[k, 0],
+            bounds[k, 1],
         )  # fmt: skip

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
-from ..engine.sweeps import gauss_seidel_sweep, jacobi_sweep
+from ..engine.sweeps import GAUSS_SEIDEL, JACOBI
 from ..errors import one_of
 from .acceleration import ACCELERATIONS
 from .iteration import Implicit, converge
@@ -40,7 +40,7 @@ class Iterated(Implicit):
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
         def iterate(part: tuple[int, ...], predicted: Vector) -> int:
             return converge(
-                coupling, part, time, step, jacobi_sweep, gauss_seidel_sweep,
+                coupling, part, time, step, JACOBI, GAUSS_SEIDEL,
                 ACCELERATIONS[self.acceleration], self.limits, predicted,
             )  # fmt: skip
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from ..engine.coupling import Coupling
 from ..engine.signals import extrapolate
-from ..engine.sweeps import jacobi_sweep
+from ..engine.sweeps import JACOBI
 from .protocol import MasterStep, SignalOptions
 from .restart import repeat_first_step
 
@@ -21,7 +21,7 @@ class Jacobi(SignalOptions):
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
         every, history, degree = coupling.wiring.all, coupling.state.history, coupling.wiring.degree
         if history.lacks(degree):
-            return repeat_first_step(coupling, jacobi_sweep, every, time, step)
+            return repeat_first_step(coupling, JACOBI, every, time, step)
         extrapolate(history, degree, coupling.signals)
-        coupling.sweep(jacobi_sweep, every, time, step)
+        coupling.sweep(JACOBI, every, time, step)
         return MasterStep()

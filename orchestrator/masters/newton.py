@@ -9,7 +9,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
-from ..engine.sweeps import jacobi_sweep
+from ..engine.sweeps import JACOBI
 from .acceleration import WarmStart
 from .interface import bind_interface
 from .iteration import Implicit, converge
@@ -42,7 +42,7 @@ class Newton(Implicit):
             if held is None or not 1.0 / SERVES_WITHIN < step / held["step"] < SERVES_WITHIN:
                 held = {"step": step, "matrix": measure_jacobian(coupling, part, time, step)}
             iterations = converge(
-                coupling, part, time, step, jacobi_sweep, jacobi_sweep,
+                coupling, part, time, step, JACOBI, JACOBI,
                 lambda warm_start, step: Correction(held["matrix"]), self.limits, predicted,
             )  # fmt: skip
             coupling.state.warm_starts[key] = held if iterations <= SLOW else None
@@ -76,7 +76,7 @@ def measure_jacobian(coupling: Coupling, part: tuple[int, ...], time: float, ste
     guess = interface.predict(step)
     with coupling.points.rollback(part) as roll_back:
         interface.assume(guess, end)
-        coupling.sweep(jacobi_sweep, part, time, step)
+        coupling.sweep(JACOBI, part, time, step)
         result = interface.gather()
         found = coupling.state.arrived.copy()
         matrix = np.zeros((len(guess), len(guess)))
@@ -87,7 +87,7 @@ def measure_jacobian(coupling: Coupling, part: tuple[int, ...], time: float, ste
             perturbed = guess.copy()
             perturbed[j] += PERTURBATION
             interface.assume(perturbed, end)
-            coupling.sweep(jacobi_sweep, fed, time, step)
+            coupling.sweep(JACOBI, fed, time, step)
             matrix[:, j] = (interface.gather() - result) / PERTURBATION
             coupling.state.arrived[:] = found
         roll_back()

@@ -12,7 +12,7 @@ from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
 from ..engine.signals import extrapolate
-from ..engine.sweeps import gauss_seidel_sweep
+from ..engine.sweeps import GAUSS_SEIDEL
 from .gauss_seidel import resolve_order
 from .protocol import MasterStep
 
@@ -36,7 +36,7 @@ def step_in_parts(
     most = 1
     for part in parts:
         if len(part) == 1:
-            coupling.sweep(gauss_seidel_sweep, part, time, step)
+            coupling.sweep(GAUSS_SEIDEL, part, time, step)
             own = coupling.wiring.slices[part[0]]
             predicted[own] = coupling.state.values[own]
         else:

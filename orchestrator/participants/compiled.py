@@ -41,6 +41,11 @@ CALLS = np.dtype(
 # Why a component in this process has no calls of an FMU.
 IN_PROCESS = "it is no FMU"
 
+
+class NotCompiledError(Exception):
+    """Why compiled code cannot make a participant's calls itself."""
+
+
 # Which call of an FMU did not succeed.
 FINE, SET, STEP, GET, NOT_FINITE, SAVE, RELEASE = range(7)
 

@@ -12,7 +12,7 @@ from models.core.quantities import Vector
 
 from .bound_variables import BoundInputs, BoundOutputs
 from .capabilities import signal_degrees
-from .compiled import GET, RELEASE, SAVE, SET, STEP, CompiledCalls
+from .compiled import GET, RELEASE, SAVE, SET, STEP, CompiledCalls, NotCompiledError
 from .description import Description
 from .fmi1 import Fmi1
 from .fmi2 import Fmi2
@@ -80,14 +80,14 @@ class FmuParticipant(OpenedFmu):
         if self._ends:
             self._inputs.write_ends(step)
 
-    def compiled_calls(self) -> CompiledCalls | str:
+    def compiled_calls(self) -> CompiledCalls:
         inputs, outputs = self._inputs, self._outputs
         if not (inputs.binding.plain and outputs.binding.plain):
-            return "it exchanges arrays, or values that are not floating-point numbers"
+            raise NotCompiledError("it exchanges arrays, or values that are not floating-point numbers")
         if inputs.called or outputs.called:
-            return "it exchanges derivatives by calls of their own"
+            raise NotCompiledError("it exchanges derivatives by calls of their own")
         if not self._fmi.get_addresses():
-            return "it is of FMI 1.0, has event mode, or may return early from a step"
+            raise NotCompiledError("it is of FMI 1.0, has event mode, or may return early from a step")
         given, taken = inputs.binding.references, outputs.binding.references
         count = len(given)
         # -0.0 leaves every number as it is, also -0.0.

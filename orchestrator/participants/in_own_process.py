@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
 from models.core.quantities import Vector
 
 from .capabilities import signal_degrees
+from .compiled import NotCompiledError
 from .description import read_description
 from .messages import ADVANCE, READ, TIMES
 from .opened_fmu import FmuSettings
@@ -39,8 +40,8 @@ class InOwnProcess(OwnProcess):
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return signal_degrees(self._about, input_names)
 
-    def compiled_calls(self) -> str:
-        return "it runs in its own process"
+    def compiled_calls(self) -> NoReturn:
+        raise NotCompiledError("it runs in its own process")
 
     def connect(self, bound: BoundVariables) -> Sequence[bool]:
         self._inputs, self._outputs, self._rates = bound.inputs, bound.outputs, bound.rates

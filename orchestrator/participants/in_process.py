@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NoReturn
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from models.core.system import Instance
 
 from ..errors import DiscardedStepError, ParticipantError, instead_of_discarded
 from ..store.json_codec import from_text, to_text
-from .compiled import IN_PROCESS
+from .compiled import IN_PROCESS, NotCompiledError
 from .protocol import Abilities, BoundVariables
 
 # Time, states, inputs in effect, their slopes, outputs, whether these are yet to be computed.
@@ -57,8 +58,8 @@ class InProcessParticipant:
         self._rated = self._rates.size > 0
         return [self._rated] * len(output_names)
 
-    def compiled_calls(self) -> str:
-        return IN_PROCESS
+    def compiled_calls(self) -> NoReturn:
+        raise NotCompiledError(IN_PROCESS)
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         self._t = start_time

@@ -114,8 +114,8 @@ class Participant(Protocol):
         """Bind the exchanged variables; for each output, whether its rate will be given."""
         ...
 
-    def compiled_calls(self) -> CompiledCalls | str:
-        """After `connect`: the calls that compiled code can make itself, or why it cannot."""
+    def compiled_calls(self) -> CompiledCalls:
+        """After `connect`: the calls that compiled code can make itself; else NotCompiledError."""
         ...
 
     def initialise(self, start_time: float, stop_time: float) -> None:

@@ -101,7 +101,7 @@ class Proven:
     def connect(self, bound: BoundVariables) -> Sequence[bool]:
         return self._unit.connect(bound)
 
-    def compiled_calls(self) -> CompiledCalls | str:
+    def compiled_calls(self) -> CompiledCalls:
         return self._unit.compiled_calls()
 
     def initialise(self, start_time: float, stop_time: float) -> None:

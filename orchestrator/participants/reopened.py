@@ -7,6 +7,7 @@ from typing import Any, NoReturn
 
 from models.core.quantities import Vector
 
+from .compiled import NotCompiledError
 from .in_own_process import InOwnProcess
 from .protocol import Abilities, BoundVariables, Participant
 
@@ -35,8 +36,8 @@ class Reopened:
         self._bound = bound
         return self.unit.connect(bound)
 
-    def compiled_calls(self) -> str:
-        return "it is brought back by fresh instances"
+    def compiled_calls(self) -> NoReturn:
+        raise NotCompiledError("it is brought back by fresh instances")
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         self._call("initialise", start_time, stop_time)

@@ -38,10 +38,8 @@ class Transformed(StatelessWrapper):
         self.read, self._write = self._participant.read, self._participant.write
         return rated
 
-    def compiled_calls(self) -> CompiledCalls | str:
+    def compiled_calls(self) -> CompiledCalls:
         calls = self._participant.compiled_calls()
-        if isinstance(calls, str):
-            return calls
         rows, columns = calls.picked
 
         def fail(call: int, status: int, time: float, step: float) -> None:

@@ -17,7 +17,7 @@ from models.core.quantities import Vector
 from ..engine.coupling import Coupling
 from ..engine.saved_points import SavedPoint
 from ..engine.signals import History, interpolate, parabola
-from ..engine.sweeps import jacobi_sweep
+from ..engine.sweeps import JACOBI
 from .estimators import Attempt
 
 # A value has left its past where it misses the parabola by this share of how far it has moved.
@@ -44,7 +44,7 @@ def include_unseen_error(
         if left[coupling.wiring.connected].any():
             coupling.points.restore(saved)
             interpolate(state.history, coupling.wiring.degree, end_time, values, rates, coupling.signals)
-            coupling.sweep(jacobi_sweep, every, time, length)
+            coupling.sweep(JACOBI, every, time, length)
             unseen = np.abs(state.values - values)
             if np.any(unseen > np.abs(attempt.error)):
                 attempt = replace(attempt, error=np.maximum(unseen, np.abs(attempt.error)), exponent=BENT)

@@ -3,9 +3,10 @@
 import random
 import time as clock
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 from orchestrator.errors import DiscardedStepError, LostParticipantError, RecoverableError
+from orchestrator.participants.compiled import NotCompiledError
 from orchestrator.participants.protocol import BoundVariables
 
 # Says of the n-th call of `advance`, with its time and step, whether the fault comes.
@@ -84,8 +85,8 @@ class Faulty:
         self._output_names, self._outputs = bound.output_names, bound.outputs
         return list(self._inner.connect(bound))
 
-    def compiled_calls(self) -> str:
-        return "its faults are in Python"
+    def compiled_calls(self) -> NoReturn:
+        raise NotCompiledError("its faults are in Python")
 
     def write(self) -> None:
         self._inner.write()

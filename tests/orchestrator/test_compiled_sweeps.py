@@ -18,6 +18,7 @@ from orchestrator.errors import RunError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.masters.restart import DOUBLINGS
 from orchestrator.participants import in_process, open_fmu
+from orchestrator.participants.compiled import NotCompiledError
 from orchestrator.participants.fmi2 import Fmi2
 from orchestrator.participants.transformed import Linear, Transformed
 from orchestrator.run.simulation import simulate
@@ -34,7 +35,7 @@ class Wrapped(Wrapper):
     """An FMU as any other participant, for which passes are in Python."""
 
     def compiled_calls(self):
-        return "it is a test"
+        raise NotCompiledError("it is a test")
 
 
 class Counting:

@@ -14,6 +14,7 @@ import pytest
 from models.monolithic import solve
 from orchestrator.engine.coupling import Coupling
 from orchestrator.engine.energy.bonds import find_bonds
+from orchestrator.engine.sweeps import propagate
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
@@ -44,7 +45,7 @@ def at_point(system, master, start, length):
         columns = [system.outputs.index(port) for port in coupling.wiring.sources]
         coupling.state.values[:] = reference.outputs[k][columns]
         for _ in range(3):  # values pass at once, rates one participant further each time
-            coupling.propagate(coupling.wiring.all, times[k])
+            propagate(coupling, coupling.wiring.all, times[k])
         if k == 1:
             coupling.state.history.restart()
         coupling.accept(times[k])

@@ -13,7 +13,7 @@ from models.core.quantities import Vector
 from models.core.system import Port, System
 
 from ...engine.coupling import Coupling
-from ...engine.sweeps import gauss_seidel_sweep
+from ...engine.sweeps import GAUSS_SEIDEL
 from ...errors import NonConvergenceError
 from ...masters import Master
 from ...masters.interface import bind_interface
@@ -53,7 +53,7 @@ class ConvergedMaster:
             assumed = np.zeros((size, self._count))
             assumed[:, : columns.shape[1]] = columns
             interface.assume(assumed.ravel(), step)
-            e.sweep(gauss_seidel_sweep, part, 0.0, step)
+            e.sweep(GAUSS_SEIDEL, part, 0.0, step)
             found = interface.gather().reshape(size, self._count)
             matrix[:, first : first + self._count] = found[:, : columns.shape[1]]
         return matrix
@@ -65,12 +65,12 @@ class ConvergedMaster:
             with coupling.points.rollback(part) as roll_back:
                 zero: Vector = np.zeros(len(matrix) * self._count)
                 interface.assume(zero, time + step)
-                coupling.sweep(gauss_seidel_sweep, part, time, step)
+                coupling.sweep(GAUSS_SEIDEL, part, time, step)
                 rest = interface.gather().reshape(len(matrix), -1)
                 roll_back()
                 agreed: Any = np.linalg.solve(np.eye(len(matrix)) - matrix, rest)
                 interface.assume(agreed.ravel(), time + step)
-                coupling.sweep(gauss_seidel_sweep, part, time, step)
+                coupling.sweep(GAUSS_SEIDEL, part, time, step)
             return 2
 
         return step_in_parts(coupling, self._order, self._iterate, time, step, iterate)

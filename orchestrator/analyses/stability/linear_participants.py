@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any, NoReturn, cast
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from ...engine.coupling import Coupling
 from ...engine.signals import NEEDED, POINTS
 from ...masters import Master
 from ...participants.capabilities import HIGHEST
-from ...participants.compiled import IN_PROCESS
+from ...participants.compiled import IN_PROCESS, NotCompiledError
 from ...participants.protocol import Abilities, BoundVariables
 from ...participants.signal_degrees import find_highest_degrees
 from .extrapolation_error import HERMITE, build_shapes, evaluate_ends
@@ -102,8 +102,8 @@ class LinearParticipant:
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return [ROWS - 2] * len(input_names)
 
-    def compiled_calls(self) -> str:
-        return IN_PROCESS
+    def compiled_calls(self) -> NoReturn:
+        raise NotCompiledError(IN_PROCESS)
 
     def connect(self, bound: BoundVariables) -> Sequence[bool]:
         c = self._component

@@ -45,9 +45,9 @@ class ContactObserver:
         records, self._references = [], []
         for i, name in enumerate(self._names):
             unit, row = units[name], self._accumulator.seen[i]
-            calls = unit.compiled_calls()
-            reading = None if isinstance(calls, str) else calls.bind_reading(OUTPUTS, row[: len(OUTPUTS)])
-            if not isinstance(calls, str) and reading is not None:
+            calls = coupling.offers.calls.get(coupling.wiring.names.index(name))
+            reading = calls and calls.bind_reading(OUTPUTS, row[: len(OUTPUTS)])
+            if calls and reading:
                 self._calls.append(calls)
                 records.append(reading[0])
                 self._references.append(reading[1])

@@ -12,12 +12,14 @@ that it misses at the end, times the step over k + 2.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NoReturn
 
 import numpy as np
 
 from models.core.component import Component
 
 from ...participants import Participant
+from ...participants.compiled import NotCompiledError
 from ...participants.protocol import BoundVariables
 from ...participants.wrapping import StatefulWrapper
 
@@ -39,8 +41,8 @@ class Compensated(StatefulWrapper):
         self._corrected = set(corrected)
         self.read_all = participant.read_all
 
-    def compiled_calls(self) -> str:
-        return "[energy] corrects its inputs"
+    def compiled_calls(self) -> NoReturn:
+        raise NotCompiledError("[energy] corrects its inputs")
 
     def connect(self, bound: BoundVariables) -> Sequence[bool]:
         self._given, self._used = bound.inputs, bound.inputs.copy()

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 
 from ...participants import Participant
+from ...participants.compiled import NotCompiledError
 from ...participants.held_inputs import mean
 from ...participants.protocol import BoundVariables
 from ...participants.wrapping import StatefulWrapper
@@ -88,8 +89,8 @@ class Estimating(StatefulWrapper):
         self._own = np.zeros(len(self._bonds))  # the energies
         self._fresh = False
 
-    def compiled_calls(self) -> str:
-        return "its energies are estimated"
+    def compiled_calls(self) -> NoReturn:
+        raise NotCompiledError("its energies are estimated")
 
     def connect(self, bound: BoundVariables) -> Sequence[bool]:
         input_names, self._given, output_names, self._outputs, self._rates = bound

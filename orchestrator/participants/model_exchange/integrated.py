@@ -11,7 +11,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from models.monolithic.runge_kutta import RungeKutta
 
 from ...errors import ParticipantError
 from ..capabilities import signal_degrees
+from ..compiled import NotCompiledError
 from ..opened_fmu import FmuSettings
 from ..protocol import Abilities, BoundVariables
 from .crossing import cross
@@ -140,8 +141,8 @@ class IntegratedFmu:
         self._index = [self._settings.outputs.index(name) for name in bound.output_names]
         return [False] * len(bound.output_names)
 
-    def compiled_calls(self) -> str:
-        return "its equations are integrated by the run (model exchange)"
+    def compiled_calls(self) -> NoReturn:
+        raise NotCompiledError("its equations are integrated by the run (model exchange)")
 
     def finish_initialisation(self) -> None:
         self._fmu.finish_initialisation()

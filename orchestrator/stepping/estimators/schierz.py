@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...engine.coupling import Coupling
 from ...engine.signals import move_origin
-from ...engine.sweeps import jacobi_sweep
+from ...engine.sweeps import JACOBI
 from ...masters import Master
 from .jacobi_only import refuse_interpolation
 from .nodes import effective_degree
@@ -35,7 +35,7 @@ class Schierz:
         move_origin(coupling.signals, half, coupling.signals)
         coupling.accept(middle_time)
         with coupling.points.keep() as middle:
-            coupling.sweep(jacobi_sweep, coupling.wiring.all, middle_time, length - half)
+            coupling.sweep(JACOBI, coupling.wiring.all, middle_time, length - half)
             continued = coupling.state.values.copy()
             coupling.points.restore(middle)
             iterations = max(iterations, master.step(coupling, middle_time, length - half).iterations)
