@@ -2,7 +2,9 @@
 
 import math
 import re
+import shlex
 import shutil
+import subprocess
 import sys
 import textwrap
 from dataclasses import replace
@@ -85,7 +87,10 @@ def test_the_files_named_for_extensions_exist() -> None:
     root = Path(__file__).parent.parent
     rooms = ("models", "fmus", "orchestrator", "interop", "tests")
     named = re.findall(r"`([\w/]+/[\w.]*)`", EXTENDING)
-    paths = [path for path in named if path.split("/")[0] in rooms and "NAME" not in path]
+    recipes = "NAME", "sprung_tappet"
+    paths = [
+        path for path in named if path.split("/")[0] in rooms and not any(new in path for new in recipes)
+    ]
     assert len(paths) > 10
     assert [path for path in paths if not (root / path).exists()] == []
 
@@ -99,6 +104,59 @@ def run_example(word: str, package: str) -> dict[str, Any]:
     sys.modules[module.__name__] = module  # where dataclass looks for annotations
     exec(compile(example, module.__name__, "exec"), module.__dict__)
     return module.__dict__
+
+
+def carry_out(recipe: str, root: Path) -> list[str]:
+    """Write and change the files that the recipe names, in this copy of the packages; these files."""
+    written = re.findall(r"Write [^`]*`([^`]+)`.+?```\w+\n(.+?)\n *```", recipe, re.DOTALL)
+    for path, text in written:
+        (root / path).parent.mkdir(exist_ok=True)
+        (root / path).write_text(textwrap.dedent(text) + "\n", encoding="utf-8")
+    ((changed, place, line),) = re.findall(r"In `([^`]+)` add [^`]+ to `(\w+)`:\s+`([^`]+)`", recipe)
+    content = (root / changed).read_text("utf-8")
+    (root / changed).write_text(content.replace(f"{place} = {{", f"{place} = {{\n    {line},"), "utf-8")
+    return [*(path for path, _ in written), changed]
+
+
+# The tappet's acceleration less k y / m, as anything else would change more; and its drawing.
+SPRUNG = """
+from models.catalogue import CATALOGUE
+from orchestrator.report.mechanism import list_sketches
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
+
+found = []
+for name in ("tappet", "sprung_tappet"):
+    component = CATALOGUE[name]()
+    p, x = component.parameters.vector({}), component.state.vector({"position": 4e-3})
+    dx = x * 0.0
+    component.flat_derivative(0.0, x, component.inputs.vector({}), p, dx)
+    found.append(dx[1])
+    mass = component.parameters.named(p)["mass"]
+assert abs(found[1] - found[0] + 2e3 * 4e-3 / mass) < 1e-12 * abs(found[1]), found
+scenario = load("pushrod-train", [f"components.tappet.{key}" for key in (
+    "component=sprung_tappet", "participant=in-process", "parameters.return_stiffness='5 N/mm'")])
+(sketch,) = list_sketches(scenario, build_system(scenario).outputs.names)
+assert "tappet" in str(sketch.content())
+"""
+
+
+def test_the_recipe_of_a_mechanism_makes_a_follower_in_five_files(tmp_path: Path) -> None:
+    """In a copy of the packages: its law, its drawing, and the commands of the recipe for its FMU."""
+    recipe = EXTENDING.split("\n## A mechanism\n")[1].split("\n## ")[0]
+    root = Path(__file__).parent.parent
+    for package in ("models", "fmus", "orchestrator", "tribocosim"):
+        shutil.copytree(root / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    files = carry_out(recipe, tmp_path)
+    assert len(files) == 4  # and the row of its tolerances
+    (commands,) = re.findall(r"```sh\n(.+?)```", recipe, re.DOTALL)
+    called = [["-m", *shlex.split(command)] for command in commands.splitlines()]
+    assert len(called) == 3
+    for words in (["-c", SPRUNG], *called):
+        done = subprocess.run(
+            [sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, timeout=280
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_the_example_of_a_film_has_the_exponents_that_it_states() -> None:
