@@ -33,12 +33,14 @@ class Drive(Role):
 
 @dataclass(frozen=True)
 class Cam(Role):
-    """Has a cam, at the profile's `angle` (rad), with this radius of curvature (m) where it touches."""
+    """Has a cam, at the profile's `angle` (rad), with this radius of curvature (m) where it touches, and
+    this torque of its shaft on it (N m)."""
 
     outputs = ("cam_lift",)
 
     angle: str = "profile_angle"
     radius_of_curvature: str = "cam_radius"
+    torque: str = "cam_torque"
 
 
 class TwistedCam(Role):
@@ -56,7 +58,7 @@ class FlatFollower(Role):
 class TranslatingFollower(Role):
     """Moves along its guide. Parameters: `follower`, `base_radius`, `follower_radius`, `offset`."""
 
-    outputs = ("position", "profile_angle", "entraining_velocity")
+    outputs = ("position", "velocity", "acceleration", "profile_angle", "entraining_velocity")
 
 
 class PivotedFollower(Role):
@@ -72,7 +74,7 @@ class Rod(Role):
 class Rocker(Role):
     """Turns about its middle and opens a valve. Parameters: those of `rocker`."""
 
-    outputs = ("rotation",)
+    outputs = ("rotation", "rod_position", "tip_position")
 
 
 class Contact(Role):
@@ -87,13 +89,13 @@ class Contact(Role):
 class Valve(Role):
     """Opens and lands. Parameter: `seat_stiffness`."""
 
-    outputs = ("valve_lift", "position", "velocity", "seat_dip")
+    outputs = ("valve_lift", "position", "velocity", "acceleration", "seat_dip", "seat_force")
 
 
 class CoilSpring(Role):
     """A spring apart from the valve. Parameters: the gaps of its coils."""
 
-    outputs = ("least_gap", "clash_force")
+    outputs = ("force", "least_gap", "clash_force")
 
 
 class LoadedSpring(Role):

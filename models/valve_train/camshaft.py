@@ -283,7 +283,11 @@ def camshaft(table_points: int = 0) -> Component:
         tolerance=FINE_TOLERANCE,
         name="camshaft",
         description="Cam for a flat follower on a rigid or flexible shaft",
-        roles=(roles.Cam("cam_angle", "radius_of_curvature"), roles.TwistedCam(), roles.FlatFollower()),
+        roles=(
+            roles.Cam("cam_angle", "radius_of_curvature", "drive_torque"),
+            roles.TwistedCam(),
+            roles.FlatFollower(),
+        ),
         parameters=Layout(parameters, sizes),
         state=Layout(CamshaftState),
         inputs=inputs,

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..compile.kernel import kernel
 from ..contact.ehl_contact import ContactParameters
+from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.quantities import Layout, Quantity, Vector, pick_fields
@@ -263,6 +264,7 @@ def multibody_valve_train(coil_masses: int = 2, table_points: int = 0) -> Compon
     return Component(
         name="multibody_valve_train",
         description="Direct-acting valve train as rigid bodies with joints, without its film",
+        roles=(roles.Cam("cam_angle", "radius_of_curvature", "drive_torque"),),
         parameters=parameters,
         state=state,
         inputs=inputs,

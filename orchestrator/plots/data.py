@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +13,12 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import System
 
 from ..assessment.diagnosis.steps import NONE, Steps, read_written_steps
+from ..assessment.trains import Angle, Train, find_angle, find_angles, find_trains
 from ..scenario.units import choose_time_unit, to_unit
 from ..store.result_file import ResultFile
 
 # More points than these cannot be distinguished in a figure.
 POINTS = 20_000
-
-# Variables that a figure is drawn against, and their names.
-ANGLES = {"cam_angle": "Cam angle (°)", "angle": "Crank angle (°)", "crank_angle": "Crank angle (°)"}
 
 # Films of a contact, valid only under load.
 FILMS = ("film_thickness", "minimum_film_thickness", "film_ratio")
@@ -45,8 +44,9 @@ class FigureData:
     """Values by "instance.variable" in SI units. `reference` is empty if there is none.
 
     `drivers` gives the output that drives an input, `parameters` what the scenario states, `tolerance` the
-    allowed relative RMS error of a variable. `angle` is the variable to draw against; "": the first angle
-    that there is. `energies` are the ledger's channels at `energy_time`, if one was kept.
+    allowed relative RMS error of a variable. `angle` is what to draw against; None: the system's first, if
+    `system` is known and has one. Figures over it begin at `origin` (rad). `energies` are the ledger's
+    channels at `energy_time`, if one was kept.
     """
 
     title: str
@@ -58,7 +58,9 @@ class FigureData:
     steps: Steps = NONE
     drivers: Mapping[str, str] = field(default_factory=dict)
     parameters: Mapping[str, float] = field(default_factory=dict)
-    angle: str = ""
+    system: System | None = None
+    angle: Angle | None = None
+    origin: float = 0.0
     energy_time: Vector = field(default_factory=lambda: np.zeros(0))
     tolerance: Mapping[str, float] = field(default_factory=dict)
     energies: Mapping[str, Vector] = field(default_factory=dict)
@@ -92,6 +94,7 @@ class FigureData:
             steps=read_written_steps(result),
             drivers={str(c.target): str(c.source) for c in system.connections},
             parameters=dict(zip(system.parameters.names, system.p.tolist(), strict=True)),
+            system=system,
             energy_time=energies.pop("time"),
             energies=energies,
             tolerance=tolerance,
@@ -153,48 +156,64 @@ class FigureData:
         unit = self.shown(name)[1]
         return words if unit in ("", "1") else f"{words} ({unit})"
 
+    @cached_property
+    def trains(self) -> list[Train]:
+        """The valve trains of which everything was recorded, the one with the largest load first."""
+
+        def largest(train: Train) -> float:
+            return max(float(np.max(self.coupled[f"{name}.load"])) for name in train.contacts)
+
+        every = find_trains(self.system) if self.system else ()
+        known = [train for train in every if train.contacts and train.angle.source in self.coupled]
+        return sorted(known, key=largest, reverse=True)
+
     def of(self, instance: str) -> FigureData:
-        """The data with the angle of the shaft that drives `instance`, the nearest one upstream."""
-        waiting, seen = [instance], {instance}
-        while waiting:
-            at = waiting.pop(0)
-            own = next((f"{at}.{angle}" for angle in ANGLES if f"{at}.{angle}" in self.coupled), None)
-            if own:
-                return replace(self, angle=own)
-            above = [
-                source.split(".")[0] for target, source in self.drivers.items() if target.startswith(f"{at}.")
-            ]
-            waiting += [name for name in dict.fromkeys(above) if name not in seen]
-            seen.update(above)
-        return self
+        """The data over the angle of the instance: of its cam, or else of crank or shaft."""
+        return replace(self, angle=find_angle(self.system, instance)) if self.system else self
+
+    def between(self, angle: Angle, low: float, high: float) -> FigureData:
+        """The rows between two values of the angle (rad), drawn from zero at the lower one."""
+
+        def rows(values: Mapping[str, Vector]) -> NDArray[np.bool_]:
+            turned = angle.factor * values[angle.source]
+            return np.asarray((turned >= low) & (turned <= high))
+
+        kept = rows(self.coupled)
+        beside = rows(self.reference) if self.reference else np.zeros(len(self.reference_time), dtype=bool)
+        return replace(
+            self,
+            angle=angle,
+            origin=low,
+            time=self.time[kept],
+            coupled={name: values[kept] for name, values in self.coupled.items()},
+            reference_time=self.reference_time[beside],
+            reference={name: values[beside] for name, values in self.reference.items()},
+        )
 
     def abscissa(self) -> tuple[str, str]:
         """Variable and label of the abscissa: an angle at a nearly constant speed, else time ("")."""
-        angles = [self.angle] if self.angle else [name for name in map(self.find, ANGLES) if name]
-        for name in angles:
-            words = self._name_angle(name)
-            angle = self.coupled[name]
-            line = np.interp(self.time, self.time[[0, -1]], angle[[0, -1]])
-            turned = abs(angle[-1] - angle[0])
-            if turned > 0.1 and np.abs(angle - line).max() < UNEVEN * turned:
-                return name, words
+        if angle := self._find_even_angle():
+            return angle.source, f"{angle.words} (°)"
         unit, _ = self._time_unit()
         return "", f"Time ({SYMBOLS.get(unit, unit)})"
 
-    def _name_angle(self, name: str) -> str:
-        """A drive that turns no crank is just a drive: a camshaft's, for example."""
-        turned = [target for target, source in self.drivers.items() if source == name]
-        if name.endswith(".angle") and not any(target.endswith(".crank_angle") for target in turned):
-            return "Drive angle (°)"
-        return ANGLES[name.split(".", 1)[1]]
+    def _find_even_angle(self) -> Angle | None:
+        known = self.angle or (next(iter(find_angles(self.system).values()), None) if self.system else None)
+        if known is None or known.source not in self.coupled:
+            return None
+        angle = self.coupled[known.source]
+        line = np.interp(self.time, self.time[[0, -1]], angle[[0, -1]])
+        turned = abs(angle[-1] - angle[0])
+        return known if turned > 0.1 and np.abs(angle - line).max() < UNEVEN * turned else None
 
     def _time_unit(self) -> tuple[str, float]:
         return choose_time_unit(float(np.ptp(self.time)))
 
     def x(self, reference: bool = False) -> Vector:
         """The abscissa's values at the records of the coupled run or the reference."""
-        name, _ = self.abscissa()
-        if not name:
+        angle = self._find_even_angle()
+        if angle is None:
             _, factor = self._time_unit()
             return factor * (self.reference_time if reference else self.time)
-        return np.degrees((self.reference if reference else self.coupled)[name])
+        values = (self.reference if reference else self.coupled)[angle.source]
+        return np.degrees(angle.factor * values - self.origin)

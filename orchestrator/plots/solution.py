@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from . import film_and_load, piston, slider_crank_motion, valve_train
-from .data import ANGLES, FigureData
+from .data import FigureData
 from .style import ACCENT, COUPLED, add_title, create_subplots, label_abscissa
 
 # Panels at most, and lines in each.
@@ -20,6 +20,8 @@ COLOURS = (COUPLED, "#e08e0b", ACCENT, "#7b4fa3")
 ENDLESS = 1e29
 # A variable that varies by less than this share of its size is constant.
 CONSTANT = 1e-9
+# Variables that are an abscissa.
+ANGLES = ("cam_angle", "profile_angle", "angle", "crank_angle")
 
 
 def applies(data: FigureData) -> bool:

@@ -4,11 +4,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib import rc_context, rcParams
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
+from numpy.typing import NDArray
 
 from .data import FigureData
 
@@ -99,7 +101,11 @@ def plot_both(axes: Axes, data: FigureData, name: str, words: str) -> None:
 
 def shade(axes: Axes, data: FigureData, contact: str) -> None:
     """Shade where the contact carries no load."""
-    lost = data.lost(contact)
+    shade_where(axes, data, data.lost(contact))
+
+
+def shade_where(axes: Axes, data: FigureData, lost: NDArray[np.bool_]) -> None:
+    """Shade the records that are marked as lost contact."""
     if lost.any():
         axes.fill_between(
             data.x(), 0.0, 1.0, where=lost, color=MUTED, alpha=0.25, lw=0.0, label="no contact",

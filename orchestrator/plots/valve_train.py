@@ -1,141 +1,259 @@
-"""A valve train over the cam angle: its motion on the left, the contact of cam and follower on the right.
+"""A valve train for a design review: its motion in the first column, each of its contacts in one beside it.
 
-Shaded where the follower has left its cam; there the film has no meaning and the gap is drawn instead. Of
-several valve trains it is the one with the highest contact load.
+Over the last whole revolution of the cam; of several trains the one with the highest load, the others pale.
+Where a contact carries no load, its column is shaded and has no film, but a gap.
 """
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from models.core.quantities import Vector
+from models.core import roles
+from models.core.quantities import Quantity, Vector
 
+from ..assessment.kinematics import find_kinematics
+from ..assessment.trains import Train
 from .data import FigureData
-from .style import (
-    COUPLED,
-    MUTED,
-    REFERENCE,
-    add_title,
-    create_subplots,
-    label_abscissa,
-    plot_both,
-    shade,
-)
+from .style import ACCENT, MUTED, add_title, create_subplots, label_abscissa, plot_both, shade, shade_where
 
-CONTACT = (
-    ("load", "Contact load"),
-    ("maximum_pressure", "Highest pressure"),
-    ("film_thickness", "Film thickness"),
-    ("friction_force", "Friction"),
-    ("entraining_velocity", "Entraining velocity"),
-)
+CONTACT = {
+    "Load": "load",
+    "Hertz pressure": "maximum_pressure",
+    "Film thickness": "film_thickness",
+    "Film ratio": "film_ratio",
+    "Sliding velocity": "sliding_velocity",
+    "Friction": "friction_force",
+}
+ADJUSTER = {"Adjuster": "extension", "Oil pressure": "pressure"}
+# What a run may lack of a revolution.
+OPEN = 0.01
+# Of the largest lift: above it a valve is open, below it is near its seat.
+OPENED = 0.05
+PALE = "#c3ccd5"
+# Of another train's curve.
+POINTS = 1500
+SPRING, GAP = "train spring_force", "gap"
+DERIVED = {SPRING: Quantity("N", "force of the springs"), GAP: Quantity("m", "gap", display_unit="um")}
+
+# A column of panels: variables by their words.
+Panels = Mapping[str, str]
 
 
 def applies(data: FigureData) -> bool:
-    return bool(find_cam_contacts(data))
-
-
-def find_cam_contacts(data: FigureData) -> list[str]:
-    """Contacts that a cam entrains, the most loaded first."""
-    found = [
-        contact
-        for contact in data.list_instances()
-        if f"{contact}.load" in data.coupled and f"{find_cam(data, contact)}.cam_angle" in data.coupled
-    ]
-    return sorted(found, key=lambda contact: -float(np.max(data.coupled[f"{contact}.load"])))
-
-
-def find_cam(data: FigureData, contact: str) -> str:
-    return data.driver(f"{contact}.entraining_velocity")
-
-
-def find_follower(data: FigureData, contact: str) -> str:
-    """What retreats before the contact; a train in one component is its own follower."""
-    return data.driver(f"{contact}.retreat") or find_cam(data, contact)
+    return bool(data.trains)
 
 
 def list_instances(data: FigureData) -> set[str]:
     """The instances that this figure draws."""
-    return {
-        part
-        for contact in find_cam_contacts(data)
-        for part in (contact, find_cam(data, contact), find_follower(data, contact))
-    }
+    return {part for train in data.trains for part in train.parts}
 
 
 def draw(data: FigureData) -> Figure:
-    contact, *others = find_cam_contacts(data)
-    cam, follower = find_cam(data, contact), find_follower(data, contact)
-    own = data.of(cam).in_contact(contact)
-    title = f"{data.title}: valve train of {contact}"
-    if others:
-        title += f", the most loaded of {len(others) + 1} (valves.png has all)"
-    figure, axes = create_subplots(5, 2, figsize=(11.0, 8.8), sharex=True)
-    add_title(figure, title)
-    lift, second, *rest = axes[:, 0]
-    _draw_lift(lift, own, contact)
-    if own.lost(contact).any() and f"{contact}.retreat" in own.drivers:
-        _draw_gap(second, own, contact)
-    else:
-        _draw_panel(second, own, f"{follower}.velocity", "Velocity")
-    below = (
-        (f"{follower}.acceleration", "Acceleration"),
-        (f"{follower}.spring_force", "Spring force"),
-        (f"{cam}.drive_torque", "Camshaft torque"),
-    )
-    for ax, (name, words) in zip(rest, below, strict=True):
-        _draw_panel(ax, own, name, words)
-    for ax, (variable, words) in zip(axes[:, 1], CONTACT, strict=True):
-        source = cam if variable == "entraining_velocity" else contact
-        _draw_panel(ax, own, f"{source}.{variable}", words)
+    train, *others = data.trains
+    own, which = prepare(data, train)
+    columns = list_columns(own, train)
+    rows = max(map(len, columns))
+    size = (0.6 + 4.4 * len(columns), 1.4 + 1.45 * rows)
+    figure, axes = create_subplots(rows, len(columns), figsize=size, sharex=True, squeeze=False)
+    add_title(figure, f"{data.title}: valve train of {train.cam}, {which}")
+    for other in others:
+        _draw_pale(axes, columns, data, other)
+    for column, panels in zip(axes.T, columns, strict=True):
+        for ax, (words, name) in zip(column, panels.items(), strict=False):
+            plot_both(ax, own, name, words)
+        for ax in column[len(panels) :]:
+            ax.set_visible(False)
+        last = column[len(panels) - 1]
+        label_abscissa(last, own)
+        if own.origin or which == "one revolution":
+            last.set_xlim(0.0, 360.0)
+        last.tick_params(labelbottom=True)
+    by_words = dict(zip(columns[0], axes[:, 0], strict=False))
+    _add_kinematics(by_words, own, train)
+    _add_margin(by_words["Spring force"], own, train)
+    _magnify_seat(by_words["Lift at the seat"], own, train)
     for ax in axes.flat:
-        shade(ax, own, contact)
-    for ax in axes[-1]:
-        label_abscissa(ax, own)
-    figure.align_ylabels(axes)
-    lift.set_title(follower, loc="left")
-    axes[0, 1].set_title(f"{contact} with {cam}", loc="left")
-    handles, labels = lift.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        _show_zero(ax)
+    _shade(axes, own, train)
+    axes[0, 0].set_title(train.valve, loc="left")
+    _add_legend(figure, axes, len(others))
     return figure
 
 
-def _draw_panel(ax: Axes, data: FigureData, name: str, words: str) -> None:
-    """Draw the variable; leave the panel empty if the component has none."""
-    if name not in data.coupled:
-        ax.set_visible(False)
+def prepare(data: FigureData, train: Train) -> tuple[FigureData, str]:
+    """The rows of the cam's last whole revolution, without films of lost contacts, and which one it is.
+
+    All rows where the cam turns less, or back. With the springs' force and the contacts' gaps.
+    """
+    own = replace(_select(data, train), angle=train.angle)
+    angle = data.coupled[train.angle.source]
+    turn, slack = 2.0 * math.pi, 2.0 * math.pi * OPEN
+    last = math.floor((angle[-1] + slack) / turn)
+    count = last - math.ceil((angle[0] - slack) / turn)
+    which = "the whole run"
+    if count > 0 and np.all(np.diff(angle) >= 0.0):
+        own = own.between(train.angle, turn * (last - 1), turn * last)
+        which = f"revolution {count} of {count}" if count > 1 else "one revolution"
+    springs = [f"{name}.spring_force" for name in train.list_parts(roles.LoadedSpring)]
+    springs += [f"{name}.force" for name in train.list_parts(roles.CoilSpring)]
+    quantities = {**own.quantities, SPRING: DERIVED[SPRING]}
+
+    def derive(values: Mapping[str, Vector], reference: bool) -> Mapping[str, Vector]:
+        found = {**values}
+        if springs:
+            found[SPRING] = np.sum([values[name] for name in springs], axis=0)
+        for contact in train.contacts:
+            if f"{contact}.approach" in own.drivers:
+                found[f"{contact}.{GAP}"] = _find_gap(own, contact, reference)
+                quantities[f"{contact}.{GAP}"] = DERIVED[GAP]
+        return found
+
+    reference = derive(own.reference, True) if own.reference else own.reference
+    own = replace(own, coupled=derive(own.coupled, False), reference=reference, quantities=quantities)
+    for contact in train.contacts:
+        own = own.in_contact(contact)
+    return own, which
+
+
+def _select(data: FigureData, train: Train) -> FigureData:
+    """The variables of the train's parts, and of what drives their inputs."""
+    sources = [source for target, source in data.drivers.items() if target.split(".")[0] in train.parts]
+    wanted = {*train.parts, *(source.split(".")[0] for source in sources)}
+
+    def select(values: Mapping[str, Vector]) -> dict[str, Vector]:
+        return {name: column for name, column in values.items() if name.split(".")[0] in wanted}
+
+    return replace(data, coupled=select(data.coupled), reference=select(data.reference))
+
+
+def _find_gap(data: FigureData, contact: str, reference: bool) -> Vector:
+    """Between the surfaces where they carry no load, else zero."""
+    values = data.reference if reference else data.coupled
+    near, far = data.drivers[f"{contact}.approach"], data.drivers.get(f"{contact}.retreat")
+    apart = (values[far] if far else 0.0) - values[near]
+    return np.where(data.lost(contact, reference), np.maximum(apart, 0.0), 0.0)
+
+
+def list_columns(data: FigureData, train: Train) -> list[Panels]:
+    """The panels of the motion, then those of each contact, as far as the train has their variables."""
+    valve, lifts = train.valve, bool(train.list_parts(roles.Valve))
+    lift = f"{valve}.valve_lift" if lifts else f"{valve}.position"
+    motion = {
+        "Lift": lift,
+        "Lift at the seat": lift,
+        "Velocity": f"{valve}.velocity",
+        "Acceleration": f"{valve}.acceleration",
+        "Spring force": SPRING if SPRING in data.coupled else f"{valve}.spring_force",
+        "Cam torque": f"{train.cam}.{train.role.torque}",
+    }
+    for adjuster in train.list_parts(roles.Adjuster)[:1]:
+        motion |= {words: f"{adjuster}.{name}" for words, name in ADJUSTER.items()}
+    opened = any(data.lost(contact).any() for contact in train.contacts)
+    columns = [motion]
+    for contact in train.contacts:
+        panels = {words: f"{contact}.{name}" for words, name in CONTACT.items()}
+        panels["Sliding velocity"] = data.drivers.get(f"{contact}.sliding_velocity", "")
+        columns.append({**panels, "Gap": f"{contact}.{GAP}"} if opened else panels)
+    return [{words: name for words, name in panels.items() if name in data.coupled} for panels in columns]
+
+
+def _draw_pale(axes: np.ndarray, columns: list[Panels], data: FigureData, train: Train) -> None:
+    """What another train has in the same panels."""
+    own, _ = prepare(data, train)
+    x = own.x()
+    every = -(-len(x) // POINTS)
+    for column, panels, theirs in zip(axes.T, columns, list_columns(own, train), strict=False):
+        for ax, words in zip(column, panels, strict=False):
+            if words in theirs:
+                factor, _ = own.shown(theirs[words])
+                values = factor * own.coupled[theirs[words]]
+                ax.plot(x[::every], values[::every], color=PALE, lw=0.8, zorder=1)
+
+
+def _add_kinematics(panels: Mapping[str, Axes], data: FigureData, train: Train) -> None:
+    found = find_kinematics(train, data.time, data.coupled)
+    shown = {"Lift": found.lift, "Lift at the seat": found.lift}
+    shown |= {"Velocity": found.velocity, "Acceleration": found.acceleration}
+    for words, values in shown.items():
+        factor = 1e3 if "Lift" in words else 1.0
+        panels[words].plot(
+            data.x(), factor * values, color=MUTED, lw=1.1, ls=(0, (3, 2)), label="kinematic (rigid, no lash)"
+        )
+
+
+def _magnify_seat(ax: Axes, data: FigureData, train: Train) -> None:
+    """The ramps: lifts up to a share of the largest, and what a landing does there."""
+    top = OPENED * 1e3 * float(np.max(data.coupled[f"{train.cam}.cam_lift"]))
+    ax.set_ylim(-0.15 * top, top)
+    landing = _find_landing(data, train)
+    if landing is not None:
+        velocity = -float(data.coupled[f"{train.valve}.velocity"][landing])
+        where = f"seats with {velocity:.3g} m/s at {data.x()[landing]:.1f}°"
+        ax.plot(data.x()[landing], 0.0, "v", color=ACCENT, ms=5)
+        _write(ax, where)
+
+
+def _find_landing(data: FigureData, train: Train) -> int | None:
+    """The first row on the seat after the largest lift; None where the valve has no seat or does not land."""
+    dip = data.coupled.get(f"{train.valve}.seat_dip")
+    if dip is None or not data.parameters.get(f"{train.valve}.seat_stiffness", 1.0):
+        return None
+    found = np.flatnonzero((dip[:-1] < 0.0) & (dip[1:] >= 0.0)) + 1
+    highest = int(np.argmax(data.coupled[f"{train.valve}.position"]))
+    return int(next((i for i in found if i >= highest), found[0])) if found.size else None
+
+
+def _add_margin(ax: Axes, data: FigureData, train: Train) -> None:
+    """The load that opens the valve beside the spring's force, and the least share that it keeps of it."""
+    load = data.drivers.get(f"{train.valve}.load", "") if train.list_parts(roles.Valve) else ""
+    load = load or f"{train.contacts[0]}.load"
+    spring, lift = data.coupled.get(SPRING), data.coupled[f"{train.valve}.position"]
+    if spring is None or load not in data.coupled:
         return
-    plot_both(ax, data, name, words)
-    low, _ = ax.get_ylim()
-    if low < 0.0:
+    ax.plot(data.x(), data.coupled[load], color=ACCENT, lw=1.0, label="load that opens the valve")
+    opened = np.flatnonzero(lift > OPENED * np.max(lift))
+    if opened.size:
+        share = data.coupled[load][opened] / spring[opened]
+        at = int(np.argmin(share))
+        _write(ax, f"least load / spring force {share[at]:.2f} at {data.x()[opened[at]]:.1f}°")
+
+
+def _write(ax: Axes, text: str) -> None:
+    """A remark above a panel."""
+    ax.set_title(text, loc="right", fontsize=7.5, color="0.35", pad=2.0)
+
+
+def _show_zero(ax: Axes) -> None:
+    low, high = ax.get_ylim()
+    if low < 0.0 < high:
         ax.axhline(0.0, color="0.4", lw=0.7)
     elif low > 0.0:
         ax.set_ylim(bottom=0.0)
 
 
-def _draw_lift(ax: Axes, data: FigureData, contact: str) -> None:
-    """Draw the follower's lift over the cam surface."""
-    train = find_cam(data, contact)
-    cam = data.drivers.get(f"{contact}.approach", f"{train}.cam_lift")
-    follower = data.drivers.get(f"{contact}.retreat", f"{train}.position")
-    _draw_panel(ax, data, follower, "Lift")
-    if follower in data.coupled and cam in data.coupled:
-        factor, _ = data.shown(cam)
-        ax.plot(
-            data.x(), factor * data.coupled[cam], color=MUTED, lw=1.2, ls=(0, (3, 2)), label="cam surface"
-        )
+def _shade(axes: np.ndarray, data: FigureData, train: Train) -> None:
+    """Each contact's column where it is lost, the motion where any is."""
+    lost = [data.lost(contact) for contact in train.contacts]
+    for ax in axes[:, 0]:
+        shade_where(ax, data, np.any(lost, axis=0))
+    for column, contact in zip(axes[:, 1:].T, train.contacts, strict=True):
+        column[0].set_title(contact, loc="left")
+        for ax in column:
+            shade(ax, data, contact)
 
 
-def _draw_gap(ax: Axes, data: FigureData, contact: str) -> None:
-    """Draw the gap between cam surface and follower."""
-    cam, follower = data.drivers[f"{contact}.approach"], data.drivers[f"{contact}.retreat"]
-
-    def gap(values: dict[str, Vector], reference: bool) -> Vector:
-        apart = 1e6 * (values[follower] - values[cam])
-        return np.where(data.lost(contact, reference), np.maximum(apart, 0.0), 0.0)
-
-    if data.reference:
-        ax.plot(data.x(True), gap(dict(data.reference), True), color=REFERENCE, alpha=0.55, lw=3.2)
-    ax.plot(data.x(), gap(dict(data.coupled), False), color=COUPLED, lw=1.1)
-    ax.set_ylabel("Gap (µm)")
-    ax.set_ylim(bottom=0.0)
+def _add_legend(figure: Figure, axes: np.ndarray, others: int) -> None:
+    found = {
+        label: handle
+        for ax in axes.flat
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
+    }
+    if others:
+        found[f"the other {others} trains"] = Line2D([], [], color=PALE)
+    figure.align_ylabels(axes)
+    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=len(found))

@@ -6,22 +6,21 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..assessment.trains import find_drive_angle
 from .data import FigureData
 from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots, label_abscissa, shade
-from .valve_train import find_cam, find_cam_contacts
 
 COLUMNS = 4
 
 
 def applies(data: FigureData) -> bool:
-    return len(find_cam_contacts(data)) > 1
+    return len(data.trains) > 1
 
 
 def draw(data: FigureData) -> Figure:
-    trains = find_cam_contacts(data)
-    names = [name for name in data.list_instances() if name in trains]
-    driven = data.drivers.get(f"{find_cam(data, names[0])}.drive_angle", "")
-    data = replace(data, angle=driven) if driven in data.coupled else data
+    first = {train.contacts[0] for train in data.trains}
+    names = [name for name in data.list_instances() if name in first]
+    data = replace(data, angle=find_drive_angle(data.system)) if data.system else data
     rows = math.ceil(len(names) / COLUMNS)
     figure, axes = create_subplots(
         rows,

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from models.core.quantities import Quantity, Vector
+from models.core.system import System
 from orchestrator.assessment.diagnosis import Steps
 from orchestrator.errors import RunError
 from orchestrator.plots import (
@@ -27,7 +28,7 @@ from orchestrator.plots import (
 from orchestrator.plots.data import FigureData
 from orchestrator.scenario import parse_ends
 from orchestrator.scenario.files import load
-from orchestrator.scenario.system import list_parameters
+from orchestrator.scenario.system import build_system, list_parameters
 
 METRE, RADIAN, FORCE, NUMBER = (Quantity(unit, unit) for unit in ("m", "rad", "N", "1"))
 
@@ -45,6 +46,7 @@ def build_data(name: str, time: Vector, coupled: dict[str, tuple[Vector, Quantit
         quantities={variable: quantity for variable, (_, quantity) in coupled.items()},
         drivers={target: source for source, target in map(parse_ends, scenario.connections)},
         parameters=list_parameters(scenario),
+        system=build_system(scenario),
         tolerance=scenario.tolerance,
     )
 
@@ -186,15 +188,19 @@ def bouncing() -> FigureData:
         "flywheel.speed": (np.full_like(time, 356.0), RADIAN),
         "camshaft.cam_angle": (angle, RADIAN),
         "camshaft.surface_position": (cam, METRE),
+        "camshaft.cam_lift": (cam, METRE),
         "camshaft.entraining_velocity": (np.cos(angle), METRE),
+        "camshaft.sliding_velocity": (np.cos(angle), METRE),
         "camshaft.drive_torque": (np.sin(angle), FORCE),
         "valve_spring.position": (cam + 20e-6 * nose, METRE),
+        "valve_spring.valve_lift": (cam + 20e-6 * nose, METRE),
         "valve_spring.velocity": (np.sin(angle), METRE),
         "valve_spring.acceleration": (np.cos(angle), METRE),
         "valve_spring.spring_force": (300.0 + cam, FORCE),
         "contact.load": (np.where(nose, 0.0, 400.0), FORCE),
         "contact.maximum_pressure": (np.where(nose, 0.0, 3e8), FORCE),
         "contact.film_thickness": (1e-6 * (2.0 + np.cos(angle)), METRE),
+        "contact.film_ratio": (2.0 + np.cos(angle), NUMBER),
         "contact.friction_force": (np.where(nose, 0.0, 20.0), FORCE),
     }
     return build_data("valve-train-bounce", time, coupled)
@@ -202,54 +208,87 @@ def bouncing() -> FigureData:
 
 def test_a_bouncing_valve_shows_its_gap_and_no_film(bouncing: FigureData) -> None:
     figure = valve_train.draw(bouncing)
-    lines = {ax.get_ylabel().split(" (")[0]: ax.lines[0].get_ydata() for ax in figure.axes}
-    assert {"Lift", "Acceleration", "Spring force", "Highest pressure", "Friction"} < set(lines)
+    panels = {ax.get_ylabel().split(" (")[0]: ax for ax in figure.axes if ax.get_visible()}
+    lines = {words: ax.lines[1].get_ydata() for words, ax in panels.items()}  # over the reference
+    assert set(valve_train.CONTACT) | {"Velocity", "Acceleration", "Spring force", "Cam torque"} < set(lines)
     apart = bouncing.lost("contact")
     assert lines["Gap"].max() == pytest.approx(20.0)
     assert not lines["Gap"][~apart].any()
     beside_load = film_and_load.draw(bouncing).axes[2].lines[-1].get_ydata()
-    for film in (lines["Film thickness"], beside_load):
+    for film in (lines["Film thickness"], lines["Film ratio"], beside_load):
         np.testing.assert_array_equal(np.isnan(film), apart)
-    cam = next(line for line in figure.axes[0].lines if line.get_label() == "cam surface")
-    np.testing.assert_array_equal(cam.get_ydata(), bouncing.coupled["camshaft.surface_position"])
-    assert all(ax.collections for ax in figure.axes)  # shaded
+    assert all(ax.collections for ax in figure.axes if ax.get_visible())  # shaded
+    assert {ax.get_xlabel() for ax in figure.axes if ax.get_xlabel()} == {"Cam angle (°)"}
 
 
-def test_a_valve_that_stays_on_its_cam_shows_its_velocity_instead_of_the_gap(bouncing: FigureData) -> None:
+def test_the_kinematic_motion_is_the_cams_lift_and_its_derivatives(bouncing: FigureData) -> None:
+    """s = 4 mm (1 - cos wt): v = 4 mm w sin wt, a = 4 mm w^2 cos wt; the spline is off by less than 1e-3."""
+    figure = valve_train.draw(bouncing)
+    omega = 2.0 * np.pi / bouncing.time[-1]
+    right = {"Velocity": 4e-3 * omega * np.sin(omega * bouncing.time)}
+    right["Acceleration"] = 4e-3 * omega**2 * np.cos(omega * bouncing.time)
+    for ax in figure.axes:
+        for line in ax.lines:
+            words = ax.get_ylabel().split(" (")[0]
+            if line.get_label() == "kinematic (rigid, no lash)" and words in right:
+                size = np.abs(right[words]).max()
+                np.testing.assert_allclose(line.get_ydata(), right.pop(words), atol=1e-3 * size)
+    assert not right
+
+
+def test_a_valve_that_stays_on_its_cam_has_no_gap(bouncing: FigureData) -> None:
     loaded = bouncing.coupled | {"contact.load": np.full_like(bouncing.time, 400.0)}
     without_gap = replace(bouncing, coupled=loaded, reference=loaded)
-    labels = [ax.get_ylabel().split(" (")[0] for ax in valve_train.draw(without_gap).axes]
-    assert "Gap" not in labels
-    assert "Velocity" in labels
+    assert "Gap (µm)" not in [ax.get_ylabel() for ax in valve_train.draw(without_gap).axes]
+
+
+def test_the_last_whole_revolution_is_drawn_from_zero(bouncing: FigureData) -> None:
+    """Of two and a half turns from 0 on the second one."""
+
+    def repeat(values: Vector, step: float = 0.0) -> Vector:
+        return np.concatenate([values[:-1] + i * step for i in range(3)])[: 5 * (len(values) - 1) // 2]
+
+    turning = {"flywheel.angle": 2.0 * np.pi, "camshaft.cam_angle": 2.0 * np.pi}
+    coupled = {name: repeat(values, turning.get(name, 0.0)) for name, values in bouncing.coupled.items()}
+    time = repeat(bouncing.time, float(bouncing.time[-1]))
+    long = replace(bouncing, time=time, coupled=coupled, reference_time=time, reference=coupled)
+    own, which = valve_train.prepare(long, long.trains[0])
+    assert which == "revolution 2 of 2"
+    assert own.x()[[0, -1]] == pytest.approx([0.0, 360.0], abs=0.51)
+    np.testing.assert_array_equal(own.coupled["contact.load"][:720], bouncing.coupled["contact.load"][:720])
 
 
 def test_many_valves_are_all_drawn_and_named(bouncing: FigureData) -> None:
     """A copy of the train under other names, of half the load."""
-    others = {
-        name.replace(".", "_b."): 0.5 * values
-        for name, values in bouncing.coupled.items()
-        if not name.startswith("flywheel")
-    }
+    assert bouncing.system
     parts = ("camshaft", "valve_spring", "contact")
 
-    def renamed(name: str) -> str:
+    def rename(name: str) -> str:
         instance, variable = name.split(".")
         return f"{instance}_b.{variable}" if instance in parts else name
 
-    twin = {renamed(target): renamed(source) for target, source in bouncing.drivers.items()}
+    def copy(values: dict[str, Vector]) -> dict[str, Vector]:
+        return {rename(n): 0.5 * v for n, v in values.items() if not n.startswith("flywheel")}
+
+    instances = {**bouncing.system.instances, **{f"{n}_b": bouncing.system.instances[n] for n in parts}}
+    lines = [(str(c.source), str(c.target)) for c in bouncing.system.connections]
+    twins = [(rename(s), rename(t)) for s, t in lines if not t.startswith("flywheel")]
     both = replace(
         bouncing,
-        coupled=bouncing.coupled | others,
+        coupled={**bouncing.coupled, **copy(dict(bouncing.coupled))},
         reference={},
-        quantities=bouncing.quantities | dict.fromkeys(others, METRE),
-        drivers={**twin, **bouncing.drivers},
+        quantities={**bouncing.quantities, **{rename(n): q for n, q in bouncing.quantities.items()}},
+        drivers={target: source for source, target in lines + twins},
+        system=System(instances, lines + twins),
     )
-    assert valve_train.find_cam_contacts(both) == ["contact", "contact_b"]
+    assert [train.cam for train in both.trains] == ["camshaft", "camshaft_b"]
     assert valves.applies(both)
     assert not valves.applies(bouncing)
     panels = [ax for ax in valves.draw(both).axes if ax.get_visible()]
     assert [ax.get_title(loc="left") for ax in panels] == ["contact", "contact_b"]
-    assert panels[0].get_xlabel() == "Drive angle (°)"
+    assert panels[0].get_xlabel() == "Cam angle (°)"
+    load = next(ax for ax in valve_train.draw(both).axes if ax.get_ylabel().startswith("Load"))
+    assert [max(line.get_ydata()) for line in load.lines[:2]] == [200.0, 400.0]  # pale below
 
 
 def test_each_judged_variable_has_its_error_and_its_tolerance_in_a_panel(bouncing: FigureData) -> None:

@@ -85,8 +85,8 @@ class ContactSummary:
     power through the film, to and fro, that stays there, `film_friction` the coefficient of rolling friction
     that would take as much, `film_grows` whether the formula's film grows with the load.
     `lost` is the share of the time without load, `yielding` that above the `elastic_limit` (Pa).
-    `longest_step` (s): extremes were looked for at least that often. `angle_of` is the variable that `angles`
-    (deg) of the times are of, "" where none is known.
+    `longest_step` (s): extremes were looked for at least that often. `angles` (deg) of the times are of the
+    shaft's `angle_of`, such as cam_angle; "" where none is known.
     """
 
     least_load: float

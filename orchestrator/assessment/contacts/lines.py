@@ -38,7 +38,7 @@ def lines(summaries: ContactSummaries, source: str, fixed_steps: bool) -> list[s
 def _write_lines(summary: ContactSummary) -> Iterator[str]:
     def at(key: str) -> str:
         time = f"at t = {summary.times()[key]:.6g} s"
-        shaft = "crank" if summary.angle_of.endswith("crank_angle") else "cam"
+        shaft = summary.angle_of.removesuffix("_angle")
         return f"{time} ({shaft} {summary.angles[key]:.1f} deg)" if key in summary.angles else time
 
     text = f"load {summary.least_load:.4g} to {summary.largest_load:.4g} N, the largest {at('largest_load')}"

@@ -16,6 +16,7 @@ from ...engine.step import Step
 from ...participants import Participant
 from ...participants.compiled import CALLS, FINE, CompiledCalls
 from ...store.json_codec import Plain
+from ..trains import find_angle
 from .accumulation import INPUTS, OUTPUTS, observe
 from .contact_summary import Accumulator, ContactSummaries, contacts
 
@@ -94,27 +95,17 @@ def with_angles(
     """
     found = {}
     for name, summary in summaries.items():
-        variable = angle_of(system, name)
-        if not variable:
+        angle = find_angle(system, name)
+        if not angle:
             found[name] = summary
             continue
-        columns = read(["time", variable])
-        turned = np.degrees(columns[variable])
+        columns = read(["time", angle.source])
+        turned = np.degrees(angle.factor * columns[angle.source])
 
         def at(time: float, columns: Mapping[str, Vector] = columns, turned: Vector = turned) -> float:
             return float(np.interp(time, columns["time"], turned) % 360.0)
 
         found[name] = replace(
-            summary, angle_of=variable, angles={key: at(time) for key, time in summary.times().items()}
+            summary, angle_of=angle.name, angles={key: at(time) for key, time in summary.times().items()}
         )
     return found
-
-
-def angle_of(system: System, contact: str) -> str:
-    """The output with the angle of the cam, or else the crank, that moves the contact; "" if none is."""
-    drivers = [c.source.instance for c in system.connections if c.target.instance == contact]
-    for variable in ("cam_angle", "profile_angle", "crank_angle"):
-        for driver in drivers:
-            if variable in system.instances[driver].component.outputs:
-                return f"{driver}.{variable}"
-    return ""

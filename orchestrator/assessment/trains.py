@@ -1,0 +1,148 @@
+"""The valve trains of a system, and the angles over which its parts are read; both found by roles."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import chain
+
+from models.core import roles
+from models.core.system import Instance, System
+
+# What ends a train: it is no part of one, or of several.
+ENDS = (
+    *(roles.Drive, roles.Cam, roles.Bearing, roles.DrawnShaft),
+    *(roles.CylinderGas, roles.Crank, roles.PistonCrank),
+)
+CRANKS = ENDS[-3:]
+WORDS = {"cam_angle": "Cam angle", "crank_angle": "Crank angle", "shaft_angle": "Shaft angle"}
+
+
+@dataclass(frozen=True)
+class Angle:
+    """An angle in a result: `factor` times the output `source` (rad)."""
+
+    name: str
+    source: str
+    factor: float = 1.0
+
+    @property
+    def words(self) -> str:
+        return WORDS[self.name]
+
+    @property
+    def description(self) -> str:
+        """Where it is from."""
+        return f"{self.words.lower()}: {'' if self.factor == 1.0 else f'{self.factor:g} times '}{self.source}"
+
+
+@dataclass(frozen=True)
+class Train:
+    """A cam and what moves with it. `parts` begin with the cam; nearer ones come first."""
+
+    system: System
+    cam: str
+    parts: tuple[str, ...]
+
+    @property
+    def role(self) -> roles.Cam:
+        found = self.system.instances[self.cam].component.find_role(roles.Cam)
+        assert found
+        return found
+
+    @property
+    def angle(self) -> Angle:
+        return Angle("cam_angle", f"{self.cam}.{self.role.angle}")
+
+    def list_parts(self, role: type[roles.Role]) -> list[str]:
+        """Parts in this role, the nearest to the cam first."""
+        return [name for name in self.parts if self.system.instances[name].component.has_role(role)]
+
+    @property
+    def valve(self) -> str:
+        """The part that moves as the valve does: of a train without one its follower."""
+        followers = self.list_parts(roles.Valve) or self.list_parts(roles.TranslatingFollower)
+        return next(iter(followers), self.cam)
+
+    @property
+    def contacts(self) -> list[str]:
+        return self.list_parts(roles.Contact)
+
+
+@lru_cache(maxsize=8)  # figures ask for each panel
+def find_trains(system: System) -> tuple[Train, ...]:
+    """The trains of the system, in the order of their cams."""
+    near = _list_neighbours(system)
+    cams = _list(system, roles.Cam)
+    ends = {name for name, others in near.items() if len(others & set(cams)) > 1}
+    ends |= set(chain.from_iterable(_list(system, role) for role in ENDS))
+    return tuple(Train(system, cam, tuple(_reach(cam, near, ends))) for cam in cams)
+
+
+def find_angles(system: System) -> dict[str, Angle]:
+    """The angles of the system by their names, the usual abscissa first.
+
+    That is the cam's, of several the first one's, and its crank's: the drive's where cams turn with another
+    speed or there is a crank, else twice the cam's, as in a four-stroke engine. Of a drive without cam or
+    crank it is the shaft's.
+    """
+    drive, trains = find_drive_angle(system), find_trains(system)
+    if not trains:
+        return {drive.name: drive} if drive else {}
+    cam = trains[0].angle
+    crank = drive if drive and drive.name == "crank_angle" else Angle("crank_angle", cam.source, 2.0)
+    return {angle.name: angle for angle in (cam, crank)}
+
+
+def find_drive_angle(system: System) -> Angle | None:
+    """The angle of the drive: the crank's where there is a crank or cams turn with another speed, the
+    camshaft's where they turn with it, else a shaft's."""
+    for drive in _list(system, roles.Drive):
+        cranked = any(_list(system, role) for role in CRANKS)
+        turned = cranked or any(ratio != 1.0 for ratio in list_ratios(system))
+        name = "crank_angle" if turned else "cam_angle" if _list(system, roles.Cam) else "shaft_angle"
+        return Angle(name, f"{drive}.angle")
+    return None
+
+
+def find_angle(system: System, instance: str) -> Angle | None:
+    """The angle over which the instance is read: its own cam's, or else the crank's or shaft's."""
+    if own := next((train for train in find_trains(system) if instance in train.parts), None):
+        return own.angle
+    return find_drive_angle(system)
+
+
+def list_ratios(system: System) -> list[float]:
+    """Speeds of shafts over that of their drive."""
+    return [
+        parameter_of(instance, "drive_ratio")
+        for instance in system.instances.values()
+        if "drive_ratio" in instance.component.parameters.names
+    ]
+
+
+def parameter_of(instance: Instance, name: str) -> float:
+    """As given, or its default."""
+    return instance.parameters.get(name, instance.component.parameters.field(name).start)
+
+
+def _list(system: System, role: type[roles.Role]) -> list[str]:
+    return [name for name, instance in system.instances.items() if instance.component.has_role(role)]
+
+
+def _list_neighbours(system: System) -> dict[str, set[str]]:
+    near: dict[str, set[str]] = {name: set() for name in system.instances}
+    for connection in system.connections:
+        near[connection.source.instance].add(connection.target.instance)
+        near[connection.target.instance].add(connection.source.instance)
+    return near
+
+
+def _reach(cam: str, near: dict[str, set[str]], ends: set[str]) -> Iterator[str]:
+    order = list(near)
+    seen, waiting = {cam}, [cam]
+    while waiting:
+        at = waiting.pop(0)
+        yield at
+        found = sorted(near[at] - seen - ends, key=order.index)
+        seen.update(found)
+        waiting += found
