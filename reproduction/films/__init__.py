@@ -1,7 +1,7 @@
 """`python -m reproduction films`: published film formulas judged by the numerical line contact.
 
 Through the cam cycle of the valve train at several speeds, transient and steady, and over the ranges of
-Kushwaha's Table 3; and power laws fitted anew over those ranges.
+Kushwaha's Table 3.
 """
 
 from ..publication import Publication
@@ -10,7 +10,7 @@ from .figures import FIGURES, NUMBERS
 from .numerical import TOLERANCE
 from .runs import STEP_DEG, Runs
 from .statements import CLAIMS
-from .text import describe_field, format_speeds, summarise
+from .text import format_speeds, summarise
 
 INTRODUCTION = f"""\
 # Published film formulas, judged
@@ -22,10 +22,9 @@ Dowson-Higginson density):
    form with spring surge. The *transient* solution includes squeeze ({NODES} nodes, steps of 0.1°, error
    control). The *steady* solution, every {STEP_DEG:g}°, is that for the load, speed and curvature of the
    instant (accurate to {100.0 * TOLERANCE:g} %).
-2. *Over the ranges of Kushwaha's Table 3*: contacts sampled by scrambled Sobol' points with fixed seeds,
+2. *Over the ranges of Kushwaha's Table 3*: contacts sampled by scrambled Sobol' points with a fixed seed,
    both steady and with bodies that approach each other uniformly, as in the quasi-static solutions behind
    his formula.
-3. *New power laws* of two groups, fitted to one sample and judged by another.
 
 A formula is inside its conditions where its author's ranges hold. For Kushwaha's these are the stated
 ranges; for power laws the contact is elastic-piezoviscous, as told by the asymptotes of Martin, Blok and
@@ -49,7 +48,7 @@ def format_sections(runs: Runs) -> list[str]:
     return [
         "## In short\n", summarise(runs),
         "## Through the cam's event\n", cycle, BY_SPEED, format_speeds(runs), "",
-        "## Across the contact\n", field, describe_field(runs.shown),
+        "## Across the contact\n", field,
         "## Over Table 3\n", *over,
     ]  # fmt: skip
 

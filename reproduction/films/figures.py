@@ -199,9 +199,9 @@ def plot_table_3(runs: Runs) -> Figure:
     add_title(figure, "Formulas over the numerical central film, contacts of Kushwaha's Table 3")
     central = [formula for formula in FORMULAS if formula.film == CENTRAL]
     for formula in central:
-        _draw_points(axes[0], runs.fit.M, runs.fit.over_numerical(formula), formula)
+        _draw_points(axes[0], runs.sample.M, runs.sample.over_numerical(formula), formula)
     for formula in central[:2]:
-        _draw_points(axes[1], runs.fit.M, runs.fit.squeezed_over_numerical(formula), formula)
+        _draw_points(axes[1], runs.sample.M, runs.sample.squeezed_over_numerical(formula), formula)
     for ax, words in zip(axes, ("steady", "with squeeze, −0.005 < w_s < 0"), strict=True):
         ax.axhline(1.0, color=INK, lw=0.9)
         ax.set_xscale("log")
@@ -220,25 +220,6 @@ def _draw_points(ax: Axes, x: Vector, y: Vector, formula: Formula) -> None:
     ax.plot(x, y, ".", ms=3.2, color=COLOURS[formula.name], label=formula.label)
 
 
-def plot_power_laws(runs: Runs) -> Figure:
-    """New laws over numerical films against M, steady."""
-    figure, axes = create_subplots(1, 2, sharey=True, figsize=(8.6, 3.2))
-    add_title(figure, "New laws over numerical films, contacts that they were not fitted to")
-    s = runs.validation
-    looks = ((False, MUTED, "power law"), (True, COUPLED, "joined with Martin's film"))
-    for ax, film in zip(axes, (CENTRAL, MINIMUM), strict=True):
-        found = list_heights(s.steady, f"H_{film}")
-        for blended, colour, words in looks:
-            ax.plot(s.M, runs.laws[film, blended].H(s, False) / found, ".", ms=4.0, color=colour, label=words)
-        ax.axhline(1.0, color=INK, lw=0.9)
-        ax.set_xscale("log")
-        ax.set_xlabel("M")
-        ax.set_title(f"{film} film", loc="left", fontsize=9)
-    axes[0].set_ylabel("New law / numerical")
-    axes[0].legend(fontsize=7.5)
-    return figure
-
-
 def list_cycles(runs: Runs) -> list[list[str]]:
     names = list(runs.cycles[0].judged)
     rows: list[list[str]] = [
@@ -255,15 +236,13 @@ def list_cycles(runs: Runs) -> list[list[str]]:
 
 
 def list_samples(runs: Runs) -> list[list[str]]:
-    head = ["sample", *(f"{name} [1]" for name in ("G", "W", "U", "w_s", "M", "L"))]
+    head = [f"{name} [1]" for name in ("G", "W", "U", "w_s", "M", "L")]
     head += [f"H {film}{state} [1]" for state in ("", " squeezed") for film in (CENTRAL, MINIMUM)]
-    rows: list[list[str]] = [head]
-    for words, s in (("fit", runs.fit), ("validation", runs.validation)):
-        columns = [s.material, s.load, s.speed, s.squeeze, s.M, s.L]
-        for films in (s.steady, s.squeezed):
-            columns += [list_heights(films, "H_central"), list_heights(films, "H_minimum")]
-        rows += [[words, *(f"{v:.6g}" for v in row)] for row in zip(*columns, strict=True)]
-    return rows
+    s = runs.sample
+    columns = [s.material, s.load, s.speed, s.squeeze, s.M, s.L]
+    for films in (s.steady, s.squeezed):
+        columns += [list_heights(films, "H_central"), list_heights(films, "H_minimum")]
+    return [head, *([f"{v:.6g}" for v in row] for row in zip(*columns, strict=True))]
 
 
 FIGURES = [
@@ -279,10 +258,6 @@ FIGURES = [
     Drawing[Runs](
         "films-table-3.png", plot_table_3,
         "Formulas over the numerical central film, at contacts sampled over Kushwaha's Table 3",
-    ),
-    Drawing[Runs](
-        "films-power-laws.png", plot_power_laws,
-        "The new power laws over the numerical films of contacts that they were not fitted to",
     ),
 ]  # fmt: skip
 NUMBERS = [NumbersFile("films-cycle.csv", list_cycles), NumbersFile("films-table-3.csv", list_samples)]

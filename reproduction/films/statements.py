@@ -10,7 +10,6 @@ from ..statement import Claim, Values
 from .cam import SQUEEZED, STEADY
 from .formulas import CENTRAL, FORMULAS, MINIMUM, Formula, is_in_table_3
 from .runs import Runs
-from .samples import measure_error
 
 # A film with this relative error is right for any use: viscosity is hardly known better.
 RIGHT = 0.10
@@ -103,25 +102,10 @@ def measure_table_3_share(runs: Runs) -> Values:
 @cache
 def judge_over_table_3(runs: Runs, formula: Formula) -> Values:
     """Kushwaha's formula where he says it applies."""
-    s = runs.fit
+    s = runs.sample
     found = summarise_ratios("steady", s.over_numerical(formula))
     found |= summarise_ratios("squeezed", s.squeezed_over_numerical(formula))
     return found | {"M_low": s.M.min(), "M_high": s.M.max(), "L_low": s.L.min(), "L_high": s.L.max()}
-
-
-@cache
-def judge_power_law(runs: Runs, film: str, blended: bool) -> Values:
-    """The new regression, judged by contacts that it was not fitted to."""
-    law = runs.laws[film, blended]
-    fit, steady, squeezed = (
-        measure_error(law, *given)
-        for given in ((runs.fit, False), (runs.validation, False), (runs.validation, True))
-    )
-    return {
-        "law": law.text, "squeeze": law.squeeze_constant, "rms": steady.rms, "worst": steady.worst,
-        "fit_rms": fit.rms, "fit_worst": fit.worst,
-        "squeezed_rms": squeezed.rms, "squeezed_worst": squeezed.worst,
-    }  # fmt: skip
 
 
 OF_TABLE_3 = [formula for formula in FORMULAS if formula.valid is is_in_table_3]
@@ -158,20 +142,6 @@ TABLE_3 = [
     )
     for formula in OF_TABLE_3
 ]  # fmt: skip
-NEW = [
-    Claim[Runs](
-        f"new-{film}{'-joined' if blended else ''}", "new regression",
-        film + " film h/R = {law}; with squeeze times exp(−{squeeze:.3f} w_s U^−1/4)",
-        partial(judge_power_law, film=film, blended=blended),
-        "steady rms {rms:.1f%}, at most {worst:.1f%} (where it was fitted rms {fit_rms:.1f%}, at most "
-        "{fit_worst:.1f%}); with squeeze rms {squeezed_rms:.1f%}, at most {squeezed_worst:.1f%}",
-        lambda v: v.worst <= RIGHT,
-        "U, G, W with E' = 2/compliance; a − b/4 + c/2 = 1/2 by construction; an interpolation over Table 3, "
-        "not for other contacts",
-    )
-    for film in (CENTRAL, MINIMUM)
-    for blended in (False, True)
-]  # fmt: skip
 CLAIMS: tuple[Claim[Runs], ...] = (
     *CYCLE,
     Claim("cycle-steady", "every formula without squeeze",
@@ -190,5 +160,4 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "The ranges of G, W and U hold through the cycle", measure_table_3_share,
         "in a part of the event only: {each} r/min", lambda v: v.least == 1.0),
     *TABLE_3,
-    *NEW,
 )  # fmt: skip

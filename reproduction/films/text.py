@@ -1,24 +1,22 @@
-"""The page's text with its numbers: what the verdicts amount to, films by speed, films across the contact."""
+"""The page's text with its numbers: what the verdicts amount to, films by speed."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from scipy.signal import find_peaks
 
 from models.core.quantities import Vector
 
 from ..kushwaha2000.runs import NOSE_DEG
 from ..statement import Numbers, format_numbers
 from ..table import format_bullets, format_table
-from .cam import CamCycle, Flags
+from .cam import CamCycle
 from .formulas import CENTRAL, FORMULAS, MINIMUM
 from .runs import Runs
-from .statements import CLAIMS, judge_in_cycle, judge_power_law
+from .statements import CLAIMS, judge_in_cycle
 
-MICRO, GIGA = 1e6, 1e-9
+MICRO = 1e6
 # A second maximum of the pressure counts where it rises so much of the highest above its surroundings.
 PROMINENCE = 0.01
 # A power law, for whose conditions all stand.
@@ -52,10 +50,6 @@ SENTENCES = (
     "minimum is {steady.kept_low:µ.2f}-{steady.kept_high:µ.2f} µm. With its squeeze term the printed "
     "formula gives {squeezed.at_rest_low:.2f}-{squeezed.at_rest_high:.2f} times the central film there, and "
     "{squeezed.all_low:.2f}-{squeezed.all_high:.1f} times over the event.",
-    "No power law covers Table 3: the best has an error of {new.rms} rms and at most {new.worst} (central "
-    "and minimum film). Joined with Martin's film, 4.9 U/W, it has {joined.rms} rms and at most "
-    "{joined.worst} on contacts to which it was not fitted; with the squeeze group w_s U^-1/4, "
-    "{joined.squeezed_rms} rms and at most {joined.squeezed_worst}.",
 )
 
 
@@ -63,11 +57,7 @@ def summarise(runs: Runs) -> str:
     """A Markdown list."""
     quantities = {claim.key: claim.quantity for claim in CLAIMS}
     found: dict[str, Any] = {name: Numbers(quantities[key](runs)) for name, key in NAMES.items()}
-    found |= {
-        "laws": _measure_conditions(runs),
-        "new": _format_errors(runs, False),
-        "joined": _format_errors(runs, True),
-    }
+    found["laws"] = _measure_conditions(runs)
     return format_bullets(format_numbers(text, SimpleNamespace(**found)) for text in SENTENCES)
 
 
@@ -90,13 +80,6 @@ def _measure_conditions(runs: Runs) -> SimpleNamespace:
         nose=", ".join(nose) or "no",
         minimum=minimum,
     )
-
-
-def _format_errors(runs: Runs, blended: bool) -> SimpleNamespace:
-    """Errors of the new laws for central and minimum film."""
-    laws = [judge_power_law(runs, film, blended) for film in (CENTRAL, MINIMUM)]
-    names = ("rms", "worst", "squeezed_rms", "squeezed_worst")
-    return SimpleNamespace(**{n: " and ".join(f"{100.0 * law[n]:.1f}" for law in laws) + " %" for n in names})
 
 
 def format_speeds(runs: Runs) -> str:
@@ -136,84 +119,3 @@ NUMBERS: tuple[tuple[str, str, Callable[[CamCycle], str]], ...] = (
 
 def _format_nose(c: CamCycle, film: str) -> str:
     return f"{MICRO * c.transient[film][c.at(NOSE_DEG)]:.3f}"
-
-
-@dataclass(frozen=True)
-class Dimple:
-    """Where entrainment reverses: the thickest film between the constrictions on the left (x < 0) and
-    right, and these (m); the highest pressure and Hertz's (Pa)."""
-
-    angle_deg: float
-    film: float
-    left: float
-    right: float
-    pressure: float
-    hertz_pressure: float
-
-
-def find_dimples(c: CamCycle) -> list[Dimple]:
-    """The oil trapped at each reversal."""
-    found = []
-    for angle in c.reversals_deg:
-        k = int(np.argmin(np.abs(c.history_deg - angle)))
-        film = c.history.film[k]
-        middle = film.size // 2
-        left, right = int(np.argmin(film[:middle])), middle + int(np.argmin(film[middle:]))
-        hertz = float(c.hertz_pressure[c.at(angle)])
-        found.append(
-            Dimple(
-                angle, float(film[left : right + 1].max()), float(film[left]), float(film[right]),
-                float(c.history.maximum_pressure[k]), hertz,
-            )
-        )  # fmt: skip
-    return found
-
-
-def locate_constriction(c: CamCycle) -> Vector:
-    """Where the film is least (m), over the angles of the history in the event."""
-    history, inside = c.history, c.in_event
-    least = np.argmin(history.film[inside], axis=1)
-    return np.asarray(np.take_along_axis(history.x[inside], least[:, None], axis=1)[:, 0])
-
-
-def find_second_maxima(c: CamCycle) -> Flags:
-    """Whether the pressure has a second maximum, over the angles of the history in the event."""
-    pressures = c.history.pressure[c.in_event]
-    return np.array([find_peaks(p, prominence=PROMINENCE * p.max())[0].size > 1 for p in pressures])
-
-
-def describe_field(c: CamCycle) -> str:
-    """Markdown, with numbers of this cycle."""
-    inside = c.in_event
-    angle, highest = c.history_deg[inside], c.history.maximum_pressure[inside]
-    found, k = find_dimples(c), int(np.argmax(highest))
-    after = angle[k] - max(d.angle_deg for d in found if d.angle_deg <= angle[k])
-    at_outlet = locate_constriction(c) * np.interp(angle, c.angle_deg, c.velocity) > 0.0
-    second, part = find_second_maxima(c), np.searchsorted(c.reversals_deg, angle)
-    flank, lobe, nose = (_format_percent(second[np.isin(part, parts)]) for parts in ((0, 4), (1, 3), (2,)))
-    film, pressure, hertz = (
-        _format_range(unit, [getattr(d, name) for d in found])
-        for unit, name in ((MICRO, "film"), (GIGA, "pressure"), (GIGA, "hertz_pressure"))
-    )
-    constrictions = _format_range(MICRO, [value for d in found for value in (d.left, d.right)])
-    sentences = [
-        f"Dimple: before entrainment reverses, what was the inlet closes too. At the four reversals oil of "
-        f"up to {film} µm is trapped between constrictions of {constrictions} µm, under {pressure} GPa, "
-        f"where Hertz's pressure is {hertz} GPa. It moves with the bodies to the new outlet.",
-        f"Where it leaves, the pressure is highest in the event: {GIGA * highest[k]:.2f} GPa at "
-        f"{angle[k]:.1f}°, {after:.1f}° after a reversal, in a narrow spike that the nodes do not resolve "
-        f"(see the verdict on them below).",
-        f"Constriction: the film is least on the outlet's side of the centre in {_format_percent(at_outlet)} "
-        f"of the event; it changes sides with the entrainment, beginning before each reversal.",
-        f"Second maximum of the pressure (Petrusevich's spike): in {lobe} of the angles between the first "
-        f"two and the last two reversals, {nose} of those about the nose, {flank} on the flanks.",
-    ]
-    return f"At {c.speed_rpm:.0f} r/min:\n\n{format_bullets(sentences)}"
-
-
-def _format_range(unit: float, values: list[float]) -> str:
-    return f"{unit * min(values):.2f}-{unit * max(values):.2f}"
-
-
-def _format_percent(flags: Flags) -> str:
-    return f"{100.0 * np.mean(flags):.0f} %"
