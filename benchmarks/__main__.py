@@ -12,8 +12,8 @@ from pathlib import Path
 from models.core.system import suggestion
 
 NAMES = (
-    "macro_steps", "reference", "start_up", "memory", "slider_crank", "exponent_map", "line_contact",
-    "multibody", "native", "public", "report", "whole_command",
+    "macro_steps", "start_up", "memory", "slider_crank", "line_contact", "native", "public", "report",
+    "whole_command",
 )  # fmt: skip
 PAGE = Path(__file__).parent.parent / "docs" / "reference" / "benchmarks.md"
 
