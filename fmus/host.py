@@ -6,6 +6,8 @@ Read from the source of the C layer of pythonfmu 0.7.0 (`PySlaveInstance.cpp`, `
   them again when the instance is freed: use after free. One more reference of each makes the count right.
 - It passes messages to the host only if the host asked for logging, errors too. The flag is the first
   member of the logger object, whose address the slave is given.
+- It passes the messages that came before an exception while the exception is set. A host's logger in Python
+  fails then, from Python 3.13 on. To read such a message clears the exception.
 - It makes and destroys a Python thread state around every call from a thread that isn't Python's, which
   takes longer than the call. One more "ensure" for the thread keeps its state.
 - At the end of the process it releases the object that starts and stops Python twice: a static variable is
@@ -31,8 +33,23 @@ KNOWN_VERSIONS = ("0.7.0",)
 # After the pointer to the table of virtual functions.
 _LOGGING_FLAG = ctypes.sizeof(ctypes.c_void_p)
 
+_clear_exception = ctypes.pythonapi.PyErr_Clear
+
 attached_threads: set[int] = set()
 _closed_in_order: set[bytes] = set()
+
+
+class LastMessage:
+    """A message that an exception follows, with the attributes that the C layer reads."""
+
+    def __init__(self, text: str, status: int, category: str) -> None:
+        self.status, self.category, self._text = status, category, text
+
+    @property
+    def msg(self) -> str:
+        """The first that is read."""
+        _clear_exception()
+        return self._text
 
 
 class Host:

@@ -24,7 +24,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from .host import Host, attached_threads
+from .host import Host, LastMessage, attached_threads
 from .variable_layout import COEFFICIENTS, Memory, name_as_start_value
 
 try:  # inside an FMU: the copy that belongs to its binary
@@ -324,7 +324,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         return False
 
     def _fatal(self, message: str) -> NoReturn:
-        self.log(message, Fmi2Status.error, "logStatusError")
+        self.log_queue.append(LastMessage(message, Fmi2Status.error, "logStatusError"))
         self._host.let_messages_through()
         self._host.survive_exception()
         raise FmuError(message)

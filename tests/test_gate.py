@@ -19,9 +19,12 @@ def read(name: str) -> dict:
     return yaml.safe_load((ROOT / name).read_text("utf-8"))
 
 
-def list_commands(job: str) -> list[str]:
-    """What the steps of a job of the hosted checks run."""
-    return [step["run"] for step in read(".github/workflows/ci.yml")["jobs"][job]["steps"] if "run" in step]
+def list_commands(job: str, workflow: str = "ci") -> list[str]:
+    """What the steps of a job of the hosted checks run, with each of its options in turn."""
+    found = read(f".github/workflows/{workflow}.yml")["jobs"][job]
+    options = found.get("strategy", {}).get("matrix", {}).get("option", [""])
+    steps = [step["run"] for step in found["steps"] if "run" in step]
+    return list(dict.fromkeys(s.replace("${{ matrix.option }}", o) for o in options for s in steps))
 
 
 def test_the_hosted_checks_are_those_of_ci() -> None:
@@ -35,6 +38,19 @@ def test_every_test_file_of_the_hosted_checks_exists() -> None:
     files = re.findall(r"tests/\S+\.py", " ".join(list_commands("versions")))
     assert files
     assert [file for file in files if not (ROOT / file).is_file()] == []
+
+
+@pytest.mark.parametrize(
+    ("workflow", "job", "extra"), [("nightly", "tests", "dev"), ("docs", "site", "docs")]
+)
+def test_other_hosted_jobs_install_from_the_lock_and_run_documented_commands(
+    workflow: str, job: str, extra: str
+) -> None:
+    install, *commands = list_commands(job, workflow)
+    assert install.endswith(f"--constraint requirements.lock --editable '.[{extra}]'")
+    assert commands
+    table = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
+    assert [command for command in commands if f"| `.venv/bin/{command}` |" not in table] == []
 
 
 def test_the_lock_holds_every_requirement_within_its_bounds() -> None:
