@@ -1,34 +1,70 @@
-"""A component of a thousand states that its own implicit steps move, in every part of the orchestrator."""
+"""Components that only their own implicit steps move, in every part of the orchestrator.
 
+They run as FMUs and from checkpoints, count energies, give up steps that do not converge, and are analysed by
+their responses.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from models.catalogue import CATALOGUE
 from models.core.bonds import counting
-from models.core.system import System
+from models.core.component import Component
+from models.core.system import Instance, ModelError, System
 from models.monolithic import solve
+from models.oscillators.two_masses import sprung_mass
+from orchestrator.analyses.stability.linearisation import Equations, open_linearisations
+from orchestrator.analyses.stability.responses import Responses
+from orchestrator.analyses.stability.survey import survey
+from orchestrator.analyses.stability.trajectory import compute_rates, solve_course
 from orchestrator.engine.energy import Ledger, add_counting, add_estimates
 from orchestrator.engine.energy.estimate import Estimating, without_estimates
-from orchestrator.masters import GaussSeidel, Iterated, Newton
+from orchestrator.engine.step import DISCARD
+from orchestrator.engine.substeps import Substepped
+from orchestrator.errors import DiscardedStepError
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
 from orchestrator.participants import Participant, in_process, open_fmu
+from orchestrator.reporter import Reporter
+from orchestrator.run.participants import ParticipantPlan
+from orchestrator.run.pipeline import run
+from orchestrator.scenario import Scenario, build_scenario
+from orchestrator.scenario.system import Builder, build_system
+from orchestrator.stepping import ControlledSteps, StepControl
 from orchestrator.store.json_codec import from_text
 from tests.fmus.pack_component import pack_component
 from tests.models.fluid_layer import fluid_layer
 
+from .alone import Alone
 from .coupled import run_coupled
-from .dragged import dragged
 from .recorder import Recorder
 from .test_checkpoint import Kept
 
-SHEETS = 1000
+PLATE = sprung_mass()
+LINES = [("plate.velocity", "layer.velocity"), ("layer.force", "plate.force")]
+# A swing of 14 ms, from rest.
+SPRING = {"mass": 0.05, "stiffness": 1e4, "damping": 0.0}
+START = {"position": 1e-3}
+
+
+def dragged(sheets: int = 20, changes: dict[str, Any] | None = None, **parameters: float) -> System:
+    """A mass on a spring that shears a layer of fluid; `changes` are fields of the layer's component."""
+    layer = replace(fluid_layer(sheets), **changes) if changes else fluid_layer(sheets)
+    return System({"plate": Instance(PLATE, SPRING, START), "layer": Instance(layer, parameters)}, LINES)
+
+
+MANY = 1000
 STEP, STOP = 1e-4, 4e-3
 ITERATED = Iterated("hermite", 1e-11)
 
 
 @pytest.fixture(scope="module")
 def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return pack_component(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
+    return pack_component(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=MANY)
 
 
 def open_layer(system: System, path: Path) -> Participant:
@@ -50,7 +86,7 @@ def test_a_coupled_run_comes_to_the_monolithic_one_with_the_order_of_the_compone
 @pytest.mark.parametrize("master", [GaussSeidel("linear"), ITERATED, Newton("linear")], ids=repr)
 def test_an_fmu_of_a_thousand_states_runs_as_the_component_to_the_last_bit(master, layer_file: Path) -> None:
     """Also where it is rolled back many times in every macro step."""
-    system = dragged(SHEETS)
+    system = dragged(MANY)
     own = run_coupled(system, master, STEP, STOP)
     packed = run_coupled(system, master, STEP, STOP, layer=open_layer(system, layer_file))
     np.testing.assert_array_equal(packed.rows, own.rows)
@@ -61,7 +97,7 @@ def test_an_fmu_of_a_thousand_states_runs_as_the_component_to_the_last_bit(maste
 def test_a_run_of_a_thousand_states_goes_on_from_a_checkpoint_to_the_last_bit(
     kind: str, layer_file: Path
 ) -> None:
-    system, kept, rest = dragged(SHEETS), Kept(), Recorder()
+    system, kept, rest = dragged(MANY), Kept(), Recorder()
     own = [{"layer": open_layer(system, layer_file)} if kind == "fmu" else {} for _ in range(2)]
     run_coupled(system, ITERATED, STEP, STOP, recorder=kept, **own[0])
     middle = len(kept.states) // 2
@@ -73,7 +109,7 @@ def test_a_run_of_a_thousand_states_goes_on_from_a_checkpoint_to_the_last_bit(
 @pytest.mark.long
 def test_energies_that_a_component_counts_in_its_own_steps_close_to_rounding() -> None:
     """The midpoint rule has the balance of a quadratic energy exactly, with powers taken at the middle."""
-    system = add_counting(dragged(SHEETS), ["layer", "plate"])
+    system = add_counting(dragged(MANY), ["layer", "plate"])
     ledger = Ledger(system)
     run_coupled(system, ITERATED, STEP, STOP, ledger)
     layer = ledger.account().components["layer"]
@@ -98,3 +134,187 @@ def test_a_component_of_unknown_equations_does_not_count_and_is_estimated() -> N
     run_coupled(counting_both, ITERATED, 2e-5, STOP, own)
     bond = "taken layer.force * plate.velocity"
     assert ledger[bond] == pytest.approx(own[bond], rel=1e-3)
+
+
+SOME = 20
+# Two Newton iterations converge over 0.2 ms, not over 1 ms as soon as the plate is fast.
+STUBBORN = {"iterations": 2.0}
+SHORT, LONG = 2e-4, 1e-3
+REASON = "the implicit equations of the step did not converge"
+REMEDY = r"reduce macro_step, use \[step_control\], or raise components\.layer\.retries"
+
+
+@pytest.fixture(scope="module")
+def some_layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return pack_component(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SOME)
+
+
+@pytest.fixture(params=["in-process", "fmu"])
+def layers(request: pytest.FixtureRequest, some_layer_file: Path) -> Iterator[tuple[Alone, Alone]]:
+    """With a plate whose speed is given."""
+    instance = dragged(SOME, **STUBBORN).instances["layer"]
+
+    def build() -> Alone:
+        inside = request.param == "in-process"
+        unit = in_process("layer", instance) if inside else open_fmu("layer", some_layer_file, instance)
+        return Alone(unit, "velocity", ["force", "wall_force", "impulse"], 0.0)
+
+    made = build(), build()
+    yield made
+    for one in made:
+        one.unit.close()
+
+
+def test_a_step_that_does_not_converge_is_discarded_and_leaves_the_state_as_it_was(layers) -> None:
+    """What follows has the bits of a participant that was never asked for it."""
+    failing, sound = layers
+    for layer in layers:
+        layer.advance(0.0, SHORT, 0.1)
+    with pytest.raises(
+        DiscardedStepError, match=f"^layer: step from t = 0.0002 s by 0.1 s.*{REASON}; .*{REMEDY}"
+    ):
+        failing.advance(SHORT, 0.1, 1.0)
+    for k in range(1, 5):
+        assert failing.advance(k * SHORT, SHORT, 0.1) == sound.advance(k * SHORT, SHORT, 0.1)
+    assert failing.saved() == sound.saved()
+
+
+@pytest.mark.parametrize(
+    ("master", "estimator"),
+    [
+        (Jacobi("quadratic"), "step_doubling"),
+        (GaussSeidel("linear"), "step_doubling"),
+        (Iterated("hermite", 1e-11), "predictor_corrector"),
+    ],
+    ids=repr,
+)
+def test_step_control_shortens_steps_that_do_not_converge(master, estimator: str) -> None:
+    """To the result that a component without a limit gives, within what the tolerance allows."""
+    control = StepControl(estimator, relative=1e-2, absolute=1e-2, maximum_step=LONG)
+
+    def controlled(**parameters: float) -> Recorder:
+        return run_coupled(dragged(SOME, **parameters), master, ControlledSteps(LONG, control), STOP)
+
+    stubborn, willing = controlled(**STUBBORN), controlled()
+    assert any(step.rejected and step.reason == DISCARD for step in stubborn.steps)
+    assert not any(step.reason == DISCARD for step in willing.steps)
+    assert stubborn["plate.position"][-1] == pytest.approx(willing["plate.position"][-1], abs=1e-2 * 1e-3)
+
+
+def test_retries_halve_steps_that_do_not_converge_under_steps_of_one_length() -> None:
+    system = dragged(SOME, **STUBBORN)
+    layer = Substepped(in_process("layer", system.instances["layer"]), halvings=4)
+    recorder = run_coupled(system, Iterated("hermite", 1e-11), LONG, STOP, layer=layer)
+    assert recorder.ended == (True, "")
+
+
+@pytest.mark.parametrize("master", [Jacobi("linear"), Iterated("hermite")], ids=repr)
+def test_steps_of_one_length_end_with_what_to_do(master) -> None:
+    with pytest.raises(DiscardedStepError, match=f"layer: step .*{REASON}; {REMEDY}"):
+        run_coupled(dragged(SOME, **STUBBORN), master, LONG, STOP)
+
+
+FEW = 5
+
+
+def stepped_layer(sheets: int = FEW) -> Component:
+    """The layer, as if its sheets had no differential equations."""
+    return replace(fluid_layer(sheets), opaque=True)
+
+
+@pytest.fixture(autouse=True)
+def catalogued(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(CATALOGUE, "fluid_layer", fluid_layer)  # type: ignore[arg-type]
+    monkeypatch.setitem(CATALOGUE, "stepped_layer", stepped_layer)  # type: ignore[arg-type]
+
+
+def scenario(layer: str, **changes: object) -> Scenario:
+    own = {"participant": "in-process"}
+    tables = {
+        "name": "dragged",
+        "stop_time": 10e-3,
+        "macro_step": 4e-4,
+        "tolerance": {"plate.position": 1e-3},
+        "start": "given",
+        "components": {
+            "plate": {"component": "sprung_mass", "parameters": SPRING, "start": START, **own},
+            "layer": {"component": layer, "structure": {"sheets": FEW}, **own},
+        },
+        "connections": [f"{source} -> {target}" for source, target in LINES],
+    }
+    return build_scenario(tables | changes)
+
+
+def never(name: str, structure: object, kind: str) -> Path:
+    raise AssertionError(f"{name} is in process")
+
+
+BUILD: Builder = never
+
+
+@pytest.mark.long
+def test_the_course_of_a_coupled_system_is_that_of_its_equations() -> None:
+    """Outputs and rates. The layer's steps of 10 us are of second order: 5e-10 of its force."""
+    times, quiet = np.arange(401) * 1e-5, lambda share: None
+    equations, steps = dragged(FEW), dragged(FEW, {"opaque": True})
+    one, other = solve_course(equations, times, 1e-13, quiet), solve_course(steps, times, 1e-13, quiet)
+    assert list(other.states) == ["plate"]
+    names = ["plate.position", "plate.velocity", "layer.force"]
+    columns = [equations.outputs.names.index(name) for name in names]
+    for first, second in (
+        (one.outputs, other.outputs),
+        (compute_rates(one, equations), compute_rates(other, steps)),
+    ):
+        size = np.abs(first[:, columns]).max(axis=0)
+        assert np.all(np.abs(first - second)[:, columns].max(axis=0) <= 1e-9 * size)
+
+
+@pytest.mark.long
+def test_a_survey_goes_by_the_responses_of_what_has_no_equations() -> None:
+    """And finds what one by the equations finds: the limit of stability, and the error at the step."""
+    found = []
+    for layer in ("fluid_layer", "stepped_layer"):
+        one = scenario(layer)
+        system, ours = build_system(one), dict.fromkeys(one.components, ParticipantPlan())
+        with open_linearisations(one, system, ours) as sources:
+            kinds = {name: type(source) for name, source in sources.items()}
+            found.append(survey(one, system, ours, linearisations=sources).own)
+        assert kinds == {"plate": Equations, "layer": Equations if layer == "fluid_layer" else Responses}
+    # Responses are a linear system's to 1e-2 at worst (DOUBTFUL).
+    assert found[1].limit == pytest.approx(found[0].limit, rel=1e-2)
+    error = [own.errors[4e-4]["plate.position"] for own in found]
+    assert error[1] == pytest.approx(error[0], rel=1e-2)
+
+
+def test_equations_of_a_component_that_has_none_are_refused() -> None:
+    with pytest.raises(ModelError, match=r"layer: fluid_layer has no ordinary .* by its responses"):
+        Equations(dragged(changes={"opaque": True}), "layer")
+
+
+def test_a_reference_that_cannot_be_solved_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with pytest.raises(
+        ModelError, match=r"layer: fluid_layer with sheets = 5 .* \(reference\.enabled = false\)"
+    ):
+        run(scenario("stepped_layer"), out, BUILD, Reporter(), figures=False)
+    assert not out.exists()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("opaque", [pytest.param(False, marks=pytest.mark.long), True])
+def test_a_run_without_reference_ends_with_its_ledger(
+    tmp_path: Path, opaque: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For which a component of unknown equations is estimated."""
+
+    def made(sheets: int = FEW) -> Component:
+        return replace(fluid_layer(sheets), opaque=opaque)
+
+    name = f"layer_{opaque}"
+    monkeypatch.setitem(CATALOGUE, name, made)  # type: ignore[arg-type]
+    one = scenario(name, reference={"enabled": False}, energy={"ledger": True})
+    summary = run(one, tmp_path / "out", BUILD, Reporter(), figures=False)
+    assert summary.complete, summary.message
+    bond = summary.energy.bonds["layer.force * plate.velocity"]
+    assert bond.estimated == (["layer"] if opaque else [])
+    assert bond.taken != 0.0

@@ -1,4 +1,4 @@
-"""What changes at events only is held over a macro step: it has no values in between (FMI 2.0, 2.2.7)."""
+"""Signals by what they are: discrete ones are held over a macro step, differences have no offset."""
 
 from pathlib import Path
 from typing import Any
@@ -6,9 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from orchestrator.participants.transformed import Linear
+from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.system import assemble
 from orchestrator.scenario.warnings import list_warnings
 
 from .c_fmus import fmu
+from .described import describe2, describe3, real2
 from .runs import ran, scenario
 
 LINES = [
@@ -38,3 +42,61 @@ def test_no_value_arrives_that_was_never_there(version: int, changes: dict[str, 
     assert found["lookup.strange"][-1] == 0.0
     if one.step_control is None:  # which makes a step in two halves
         np.testing.assert_array_equal(found["lookup.seen"][1:], found["switch.ramp"][:-1])
+
+
+RELATIVE = 'relativeQuantity="true"'
+TYPES = f'<SimpleType name="rise"><Real unit="degC" {RELATIVE}/></SimpleType>'
+TYPES3 = f'<Float64Type name="rise" unit="degC" {RELATIVE}/>'
+KELVIN = f'unit="K" {RELATIVE}'
+# The attributes of an output in degC, and of an input in K; those of FMI 3.0 stand in one element.
+DIFFERENCES = {
+    "by themselves": (2, f'unit="degC" {RELATIVE}', KELVIN),
+    "by their type": (2, 'declaredType="rise"', KELVIN),
+    "of FMI 3.0": (3, f'unit="degC" {RELATIVE}', KELVIN),
+    "by their type of FMI 3.0": (3, 'declaredType="rise"', KELVIN),
+}
+
+
+def connected(version: int, output: str, wanted: str, folder: Path) -> Linear:
+    """What becomes of the value on its way."""
+    if version == 2:
+        one = describe2(folder / "a.fmu", real2("y", 0, "output", output), types=TYPES)
+        other = describe2(folder / "b.fmu", real2("u", 0, "input", f'{wanted} start="0"'))
+    else:
+        one = describe3(
+            folder / "a.fmu",
+            f'<Float64 name="y" valueReference="0" causality="output" {output}/>',
+            types=TYPES3,
+        )
+        other = describe3(
+            folder / "b.fmu", f'<Float64 name="u" valueReference="0" causality="input" start="0" {wanted}/>'
+        )
+    tables = {"a": {"participant": one}, "b": {"participant": other}}
+    linear = assemble(scenario(tables, connections=["a.y -> b.u"])).linear
+    return linear.get("b", {}).get("u", Linear())
+
+
+@pytest.mark.parametrize(("version", "output", "wanted"), DIFFERENCES.values(), ids=DIFFERENCES)
+def test_differences_have_no_offset(version: int, output: str, wanted: str, tmp_path: Path) -> None:
+    """5 degC of difference are 5 K."""
+    assert connected(version, output, wanted, tmp_path) == Linear()
+
+
+def test_a_variable_overrides_its_type(tmp_path: Path) -> None:
+    output = 'declaredType="rise" relativeQuantity="false"'
+    assert connected(2, output, 'unit="K"', tmp_path) == Linear(1.0, 273.15)
+
+
+def test_a_difference_to_a_temperature_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"a\.y is a difference \(relativeQuantity\) and b\.u is not"):
+        connected(2, f'unit="degC" {RELATIVE}', 'unit="K"', tmp_path)
+
+
+def test_values_of_differences_have_no_offset(tmp_path: Path) -> None:
+    """Nor is 5 degC of a difference without a unit another number in K."""
+    rise = real2("dT", 0, "parameter", f'{KELVIN} start="0"', "fixed")
+    other = real2("dC", 1, "parameter", f'unit="degC" {RELATIVE} start="0"', "fixed")
+    file = describe2(tmp_path / "a.fmu", rise + other)
+    one = scenario({"a": {"participant": file, "parameters": {"dT": "5 degC", "dC": 5.0}}})
+    assert one.components["a"].parameters == {"dT": 5.0, "dC": 5.0}
+    assert not [line for line in list_warnings(one) if "unit" in line]

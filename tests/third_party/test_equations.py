@@ -1,7 +1,9 @@
-"""References by the equations of third-party FMUs: model exchange, solved together without splitting."""
+"""FMUs for model exchange: references by their equations, and participants that the run integrates."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,12 +14,16 @@ import tribocosim
 from fmus.native.fmu import build
 from fmus.native.machine_code import this_platform
 from models.core.difference import difference
+from models.core.system import Instance
 from models.oscillators.exact import quarter_car
+from orchestrator.participants import Participant, open_fmu, read_component
+from orchestrator.participants.protocol import BoundVariables
+from orchestrator.scenario.files import list_shipped, read_contents
 
 from ..fmus.names import mark_long
 from .masses import LINES
 from .public import public
-from .runs import scenario
+from .runs import ran, scenario
 
 STEPS = [
     "wheel.position -> chassis.wheel_position",
@@ -27,19 +33,7 @@ STEPS = [
 ]
 
 
-@pytest.fixture(scope="module")
-def parts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
-    """Tables of the quarter car's parts: native FMUs that stand for themselves, and a component."""
-    folder = tmp_path_factory.mktemp("natives")
-    here = [this_platform()]
-    return {
-        "wheel of FMI 2": {"participant": build("quarter_car_wheel", folder, platforms=here, fmi=2)},
-        "chassis of FMI 3": {
-            "participant": build("quarter_car_chassis", folder, platforms=here, fmi=3),
-            "process": "own",
-        },
-        "chassis of ours": {"component": "quarter_car_chassis", "participant": "in-process"},
-    }
+HERE = [this_platform()]
 
 
 def run(
@@ -53,16 +47,15 @@ def run(
 @pytest.mark.parametrize(
     "chassis", [pytest.param("chassis of FMI 3", marks=pytest.mark.long), "chassis of ours"]
 )
-def test_equations_of_fmus_are_solved_to_the_exact_motion(
-    chassis: str, parts: dict[str, dict[str, Any]], record: Any
-) -> None:
+def test_equations_of_fmus_are_solved_to_the_exact_motion(chassis: str, tmp_path: Path, record: Any) -> None:
     """The quarter car, of two FMUs and of one beside a component, against the matrix exponential."""
-    result = run(
-        {"wheel": parts["wheel of FMI 2"], "chassis": parts[chassis]},
-        {"chassis.position": 1e-3},
-        connections=STEPS,
-        macro_step=1e-3,
-    )
+    wheel = {"participant": build("quarter_car_wheel", tmp_path, platforms=HERE, fmi=2)}
+    other: dict[str, Any] = {"component": "quarter_car_chassis", "participant": "in-process"}
+    if chassis == "chassis of FMI 3":
+        file = build("quarter_car_chassis", tmp_path, platforms=HERE, fmi=3)
+        other = {"participant": file, "process": "own"}
+    tables = {"wheel": wheel, "chassis": other}
+    result = run(tables, {"chassis.position": 1e-3}, connections=STEPS, macro_step=1e-3)
     exact = quarter_car(result.reference["time"].values)[:, 0]
     found = result.reference["chassis.position"].values
     case = f"quarter car of a native wheel and a {chassis}: chassis.position"
@@ -160,3 +153,110 @@ def test_the_errors_of_an_fmus_own_solver_are_seen() -> None:
     assert unseen["errors"]["one.x0"]["relative_rms"] < 1e-9
     assert (seen["exit_status"], unseen["exit_status"]) == (1, 0)
     assert "own solvers" in seen["verdict"]
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Native FMUs of both versions."""
+    folder = tmp_path_factory.mktemp("natives")
+    versions = {"quarter_car_wheel": 2, "quarter_car_chassis": 3, "slider_crank": 3}
+    return {name: build(name, folder, platforms=HERE, fmi=fmi) for name, fmi in versions.items()}
+
+
+def integrated(file: Path, **table: Any) -> dict[str, Any]:
+    return {"participant": str(file), "interface": "model_exchange", "process": "shared", **table}
+
+
+@pytest.mark.parametrize(("signal", "order"), [("hold", 1), ("linear", 2), ("quadratic", 3)])
+@pytest.mark.long
+def test_integrated_fmus_follow_signals_at_their_orders(
+    signal: str, order: int, files: dict[str, Path], tmp_path: Path, record: Any
+) -> None:
+    """The quarter car, Jacobi, 1 and 0.5 ms, against the matrix exponential."""
+    tables = {
+        "wheel": integrated(files["quarter_car_wheel"]),
+        "chassis": integrated(files["quarter_car_chassis"]),
+    }
+    errors = []
+    for step in (1e-3, 5e-4):
+        master = {"name": "jacobi", "extrapolation": signal}
+        one = scenario(tables, connections=STEPS, macro_step=step, master=master)
+        _, found = ran(one, tmp_path / f"{step:g}")
+        exact = quarter_car(found["time"])[:, 0]
+        errors.append(difference(found["chassis.position"], exact).rms)
+    measured = math.log2(errors[0] / errors[1])
+    case = f"quarter car of FMUs integrated by the go, Jacobi {signal}: order"
+    record("Coupling", case, measured, order, "order of the signal", tolerance=0.2)
+
+
+@contextmanager
+def opened(path: Path, stop: float) -> Iterator[tuple[Participant, BoundVariables]]:
+    """A slider-crank whose crank turns at 100 rad/s, ready to step."""
+    component = read_component(path, "model_exchange")
+    unit = open_fmu("mechanism", path, Instance(component))
+    names, outputs = ["crank_angle", "crank_speed"], ["psi", "piston_offset"]
+    bound = BoundVariables(names, np.zeros((4, 2)), outputs, np.zeros(2), np.zeros(0))
+    try:
+        unit.connect(bound)
+        unit.initialise(0.0, stop)
+        bound.inputs[:2] = [[0.0, 100.0], [100.0, 0.0]]
+        unit.write()
+        unit.finish_initialisation()
+        yield unit, bound
+    finally:
+        unit.close()
+
+
+def advance(unit: Participant, bound: BoundVariables, steps: Sequence[int], step: float) -> np.ndarray:
+    """The outputs after each of the steps of these numbers."""
+    rows = []
+    for k in steps:
+        bound.inputs[0, 0] = 100.0 * k * step
+        unit.write()
+        unit.advance(k * step, step)
+        unit.read()
+        rows.append(bound.outputs.copy())
+    return np.array(rows)
+
+
+@pytest.mark.long
+def test_a_repeated_step_has_the_same_bits(files: dict[str, Path]) -> None:
+    """Through impacts; also from a serialised state, in another instance."""
+    step = 5e-4
+    with opened(files["slider_crank"], 0.1) as (unit, bound):
+        before = advance(unit, bound, range(40), step)
+        saved = unit.save()
+        first = advance(unit, bound, range(40, 120), step)
+        unit.restore(saved)
+        again = advance(unit, bound, range(40, 120), step)
+        data = unit.to_bytes(saved)
+    with opened(files["slider_crank"], 0.1) as (other, bound):
+        other.restore(other.from_bytes(data))
+        elsewhere = advance(other, bound, range(40, 120), step)
+    assert np.array_equal(first, again)
+    assert np.array_equal(first, elsewhere)
+    assert np.count_nonzero(np.diff(np.sign(np.diff(np.concatenate([before, first])[:, 1])))) > 4
+
+
+@pytest.mark.long
+def test_impacts_inside_integrated_steps_are_located(files: dict[str, Path], record: Any) -> None:
+    """The shipped slider-crank, whose mechanism's flights and impacts the component solves by itself."""
+    content = read_contents(list_shipped()["slider-crank"]) | {"name": "impacts", "stop_time": "60 ms"}
+    ours = tribocosim.run(tribocosim.load(content))
+    table = content["components"]["slider_crank"]
+    content["components"]["slider_crank"] = integrated(files["slider_crank"], parameters=table["parameters"])
+    theirs = tribocosim.run(tribocosim.load(content | {"start": "given", "reference": {"enabled": False}}))
+    name = "slider_crank.piston_offset"
+    found = difference(theirs.coupled[name].values, ours.reference[name].values).relative_rms
+    quantity = "slider-crank integrated by the go: piston_offset"
+    record("FMUs", quantity, found, 0.0, "reference", tolerance=1e-4)
+
+
+@pytest.mark.parametrize("version", mark_long(["2", "3"], ["3"]))
+def test_a_public_ball_bounces_exactly(version: str, tmp_path: Path, record: Any) -> None:
+    """Its own solver is Euler's method with steps of 10 ms."""
+    file = public(f"reference-fmus-{version}/BouncingBall.fmu")
+    _, found = ran(scenario({"ball": integrated(file)}, stop_time=1.5), tmp_path / "out")
+    largest = float(np.max(np.abs(found["ball.h"] - bouncing_ball(found["time"]))))
+    case = f"BouncingBall of FMI {version}, integrated by the go: h"
+    record("FMUs", case, largest, 0.0, "its equations", tolerance=1e-8)

@@ -1,4 +1,4 @@
-"""The coupled valve train with native FMUs, with FMUs in Python and in this process: the same numbers."""
+"""Native FMUs give the numbers of components, alone and coupled, where both use the same libm."""
 
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -16,6 +16,12 @@ from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 from tests.orchestrator.recorder import Recorder
+
+from ..conftest import Isolated
+from ..reference import Reference, schedule
+from ..test_agreement import STEP as STEP_ALONE
+from ..test_agreement import STEPS, expected_of, replay
+from .names import EVERY
 
 STEP = 5e-6
 
@@ -81,3 +87,15 @@ def test_both_turns_of_the_cam_are_the_same_to_the_last_bit(
     found = agree(files, master, stop, record)
     lift = found[:, system.outputs.names.index("valve_spring.valve_lift")]
     assert 0.9 < np.max(lift) / system.p[system.parameters.names.index("camshaft.lift")] < 1.1
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_native_fmu_equals_component(
+    name: str, native_files: dict[str, Path], isolated: Isolated, tmp_path: Path, record
+) -> None:
+    """Outputs, their rates and energies; also between steps, and with steps of changing size."""
+    reference = Reference(name)
+    plan = schedule(reference.component, STEPS, STEP_ALONE)
+    found, expected = replay(isolated, native_files[name], plan, tmp_path), expected_of(reference, plan)
+    quantity = "outputs, rates and energies of native FMUs"
+    record("FMUs", quantity, found, expected, "component in process", tolerance=0)
