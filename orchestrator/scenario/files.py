@@ -1,21 +1,21 @@
 """Find, read, extend, override and write scenario files.
 
 A file may extend another: `extends = "valve-train"`, a shipped scenario or a relative path. Its tables are
-merged into the other's and its connections are added. Options of a replaced master are dropped, and with
-[step_control] the other's `output_step`.
+merged into the other's and its connections are added (see `extending`), after what `without` names has left.
+With [step_control] the other's `output_step` leaves too.
 """
 
 import difflib
 import tomllib
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from models.core.system import suggestion
 
-from ..masters import MASTERS
+from ..errors import MistakeError
 from . import Scenario, ScenarioError, build_scenario, find_tables
+from .extending import EXTENDS, WITHOUT, drop, drop_other_options, merge, replace_cam
 from .lift_table import CAM_KEYS, replace_law
 from .ssp import read_package as contents_of_package
 from .values import to_value
@@ -100,15 +100,21 @@ def read_contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
     if path in chain:
         raise ScenarioError(f"{path.name}: extends itself ({' -> '.join(p.name for p in (*chain, path))})")
     content = contents_of_package(path) if path.suffix == ".ssp" else _read(path)
-    base = content.pop("extends", None)
+    base, without = content.pop(EXTENDS, None), content.pop(WITHOUT, None)
     content.setdefault("name", path.stem)
     resolve_paths(content, path.parent)
     if base is None:
+        if without is not None:
+            raise ScenarioError(f"{path.name}: {WITHOUT}: only beside {EXTENDS}, whose tables it takes from")
         return content
     if not isinstance(base, str):
         raise ScenarioError(f"{path.name}: extends = {base!r}: must be the name or path of a scenario")
     below = read_contents(find(base, path.parent), (*chain, path))
     below.pop("description", None)  # it is of the other scenario
+    try:
+        drop(below, without or [])
+    except MistakeError as error:
+        raise ScenarioError(f"{path.name}: {error}") from None
     if "step_control" in content:
         below.pop("output_step", None)
     return merge(below, content)
@@ -144,36 +150,6 @@ def resolve_paths(content: dict[str, Any], folder: Path) -> None:
                 table[key] = str(folder / Path(table[key]).expanduser())
 
 
-def merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """Merge `over` into `base`: tables are merged, connections added, other values and oils replaced.
-
-    A component's `lift_table` or `lift_segments` replaces the law.
-    """
-    result = dict(base)
-    for key in CAM_KEYS & over.keys():
-        replace_law(result, key)
-    for key, value in over.items():
-        below = result.get(key)
-        if key == "connections" and isinstance(below, list) and isinstance(value, list):
-            result[key] = [*below, *value]
-        elif isinstance(below, dict) and isinstance(value, dict) and key != "oil":
-            if key == "master" and "name" in value:
-                below = drop_other_options(below, value["name"])
-            result[key] = merge(below, value)
-        else:
-            result[key] = value
-    return result
-
-
-def drop_other_options(table: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """The [master] table for the master `name`, without the options that it does not have."""
-    if name not in MASTERS:
-        return {"name": name}  # which the scenario's check refuses
-    known = {field.name for field in fields(MASTERS[name])}
-    same = table.get("name") == name
-    return {key: value for key, value in table.items() if same or key in known} | {"name": name}
-
-
 def override(content: dict[str, Any], text: str) -> None:
     """Apply "path=value", e.g. components.camshaft.parameters.lift=9 mm. The value is TOML, or a string."""
     path, equals, written = text.partition("=")
@@ -207,6 +183,8 @@ def put(content: dict[str, Any], path: str, value: Any, said: str = "") -> None:
             raise ScenarioError(f"{said}{path}: {'.'.join(keys[: i + 1])} is not a table")
     if keys[-1] in CAM_KEYS:
         replace_law(table, keys[-1])
+    if keys[0] == "components" and len(keys) == 4 and keys[2] == "parameters":
+        replace_cam(content["components"][keys[1]], {keys[3]: value})
     table[keys[-1]] = value
 
 

@@ -311,7 +311,7 @@ TABLES: dict[str, type[Table]] = {
 def _list_keys(location: Location) -> list[str]:
     """The valid keys at the place of an unknown one."""
     if len(location) == 1:
-        return [*Scenario.model_fields, "extends"]
+        return [*Scenario.model_fields, "extends", "without"]
     if location[0] == "components":
         return list(ComponentTable.model_fields)
     return list(TABLES[str(location[0])].model_fields)

@@ -21,6 +21,12 @@ def build_schema() -> dict[str, Any]:
         "type": "string",
         "description": "A shipped scenario, or the path of a file, that this one changes",
     }
+    made["properties"]["without"] = {
+        "type": "array",
+        "items": {"type": "string"},
+        "description": "Keys and connections of the extended scenario that leave, e.g. "
+        "components.camshaft.lift_table; a component leaves with its connections",
+    }
     required = [name for name in made.pop("required") if name != "name"]
     made["if"] = {"not": {"required": ["extends"]}}
     made["then"] = {"required": required}

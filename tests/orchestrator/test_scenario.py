@@ -55,7 +55,7 @@ def test_published_schema_is_current() -> None:
 
 def test_schema_knows_every_key_and_variable() -> None:
     made = schema.build_schema()
-    assert set(made["properties"]) == {*Scenario.model_fields, "extends"}
+    assert set(made["properties"]) == {*Scenario.model_fields, "extends", "without"}
     text = schema.write_schema()
     assert '"coil_position(\\\\[' in text.replace("^", "")
     assert "kushwaha" in text
