@@ -16,14 +16,13 @@ from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.portrait import trace_portrait, wall_angles
 from models.slider_crank.motions.regions import TURN, thresholds, wall_forces
 from models.slider_crank.motions.statistics import approach_velocities, impact_profile, impact_spectrum
+from orchestrator.analyses._distribution import draw_profile, draw_spectrum
+from orchestrator.analyses._motion import draw_phase, draw_trace, draw_walls
+from orchestrator.analyses.force import draw_force
+from orchestrator.analyses.poincare import draw_poincare, magnify
+from orchestrator.analyses.regions import draw_regions
 from orchestrator.plots.motion.angles import shift_to_first_turn
-from orchestrator.plots.motion.distribution import draw_profile, draw_spectrum
-from orchestrator.plots.motion.force import draw_force
-from orchestrator.plots.motion.phase import draw_phase
-from orchestrator.plots.motion.poincare import draw_poincare, magnify
-from orchestrator.plots.motion.regions import draw_regions
 from orchestrator.plots.motion.titles import add_legend, create_figure
-from orchestrator.plots.motion.trace import draw_trace, draw_walls
 from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 
 from .force import find_changes

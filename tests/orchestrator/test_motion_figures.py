@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from orchestrator.analyses._motion import draw_phase
+from orchestrator.analyses.poincare import draw_poincare, magnify
 from orchestrator.plots.motion.angles import format_angle, shift_to_first_turn
-from orchestrator.plots.motion.phase import draw_phase
-from orchestrator.plots.motion.poincare import draw_poincare, magnify
 from orchestrator.plots.style import create_subplots
 
 
