@@ -4,8 +4,6 @@ The same sources give the same bytes. `sources` collects the code, `description`
 the texts. A build does not run the code that it packs.
 """
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import io

@@ -5,8 +5,6 @@ what was built, as after a power cut, counts as missing. `tidy` deletes files th
 were not used for a while, such as those of older code; each build that adds a file calls it.
 """
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import hashlib

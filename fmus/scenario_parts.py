@@ -1,7 +1,5 @@
 """Python files of a scenario's components, from which FMUs are built: one part, or all as one component."""
 
-from __future__ import annotations
-
 import keyword
 import re
 import sys

@@ -3,8 +3,6 @@
 No model needs them: they stand here because the packaging and the master share only this folder.
 """
 
-from __future__ import annotations
-
 import hashlib
 import stat
 import zipfile

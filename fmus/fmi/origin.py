@@ -3,8 +3,6 @@
 What a file says of itself proves nothing: whoever writes it can write that too.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 from pathlib import Path

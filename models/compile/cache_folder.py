@@ -5,8 +5,6 @@ which he could put another in its place. Folders are opened one below the other 
 held open, and files are opened relative to their folder: what is checked is what is read.
 """
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import os

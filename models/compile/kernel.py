@@ -5,8 +5,6 @@ Compiled code is kept on disk under the digest of what it was made of (`kernel_c
 by every process (and every FMU, wherever a host unpacks it) that runs the same code, and by no other.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 from collections.abc import Callable

@@ -5,8 +5,6 @@ pass per participant; with a loop of small gain a few more do. Other loops are s
 what one pass makes of the values: v = G(v).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A coupling: participants that exchange values, from a consistent start on."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

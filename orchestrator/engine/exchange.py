@@ -1,7 +1,5 @@
 """Participants that exchange values: the wiring, and the memory of what is exchanged."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple, NoReturn, TypeVar

@@ -1,7 +1,5 @@
 """What happens at a communication point: events of participants, clocks that tick, texts that pass."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

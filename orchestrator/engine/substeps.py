@@ -4,8 +4,6 @@ Its inputs are polynomials in the time since the start of the macro step; every 
 own start, so that the signals are the same however they are cut.
 """
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -4,8 +4,6 @@ Sweeps run in every macro step, so each is bound once to the memory that it need
 offer calls to compiled code it is one compiled function (`compiled_sweeps`), otherwise it is Python.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

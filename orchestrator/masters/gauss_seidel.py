@@ -1,7 +1,5 @@
 """Gauss-Seidel: participants advance one after the other, each using what the earlier ones arrived at."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Iterated: the macro step is repeated from its start until the exchanged end values agree."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from models.core.quantities import Vector

@@ -1,7 +1,5 @@
 """Jacobi: all participants advance in parallel, with inputs extrapolated from the past."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Newton: the end values of a macro step by Newton's method, with sensitivities measured by rollback."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Parts of the connection graph: what has to be iterated together, and what can go before and after."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from graphlib import TopologicalSorter
 

@@ -1,7 +1,5 @@
 """A co-simulation FMU of FMI 1.0, 2.0 or 3.0 as participant."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar

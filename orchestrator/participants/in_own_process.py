@@ -3,8 +3,6 @@
 A step is one message and one answer, with inputs and outputs as raw doubles; other calls are JSON.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn

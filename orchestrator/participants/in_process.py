@@ -1,7 +1,5 @@
 """A component as participant, without FMI: the same kernels, called directly."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NoReturn
 

@@ -1,7 +1,5 @@
 """An FMU that says it can restore its state, which is tried before a run depends on it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """A participant that cannot save its state, brought back to an instant as a fresh instance."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 

@@ -3,8 +3,6 @@
 Its equations are unknown, so there is no reference, equilibrium or energy account.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Iterable, Iterator, Mapping

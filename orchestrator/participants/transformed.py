@@ -1,7 +1,5 @@
 """A participant with inputs that are linear functions of what they are connected to: other units, gains."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 

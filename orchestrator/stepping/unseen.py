@@ -6,8 +6,6 @@ agree. So the outputs are asked for at the end of the step, with the inputs ther
 the parabola through its past, the step is made once more with signals that go to these values.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

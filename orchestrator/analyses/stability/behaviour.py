@@ -1,7 +1,5 @@
 """Stability of a master about a point over the macro step, and its largest stable step."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

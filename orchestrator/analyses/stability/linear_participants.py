@@ -4,8 +4,6 @@ A coupled run of linear participants is a linear map from one macro step to the 
 matrix off the master itself, with one copy for each column.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """The observer that follows contacts through every macro step of a run."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any

@@ -9,8 +9,6 @@ The missed signal begins with zero and grows with s^(k+1) for a polynomial of de
 that it misses at the end, times the step over k + 2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NoReturn
 

@@ -7,8 +7,6 @@ step with rates, of second without. A motion inside the step that the ends do no
 missed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, NoReturn

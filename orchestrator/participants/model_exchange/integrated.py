@@ -5,8 +5,6 @@ macro step anew, so that a step that is repeated gives the same bits. Where inpu
 point the FMU has an event there.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

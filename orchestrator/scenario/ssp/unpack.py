@@ -1,7 +1,5 @@
 """Unpacks SSP packages, with those inside of them, once into the user's cache folder."""
 
-from __future__ import annotations
-
 import hashlib
 import shutil
 import tempfile

@@ -1,7 +1,5 @@
 """The modified estimate of Schierz, Arnold and Clauss 2012 (doi 10.3384/ecp12076205), section 4."""
 
-from __future__ import annotations
-
 from ...engine.coupling import Coupling
 from ...engine.signals import move_origin
 from ...engine.sweeps import JACOBI
