@@ -83,13 +83,30 @@ def find_factory(name: str) -> Callable[..., Component]:
     """
     if not is_own(name):
         return CATALOGUE[name]
-    module, _, attribute = name.rpartition(":")
-    try:
-        loaded = _load_file(module) if module.endswith(".py") else _import_module(module)
-        factory: Callable[..., Component] = getattr(loaded, attribute)
-    except (ImportError, AttributeError, ValueError, OSError) as error:
-        raise ValueError(f"{name}: cannot be imported ({error})") from None
+    factory: Callable[..., Component] = import_own(name)
+    if not callable(factory):
+        raise ValueError(f"{name}: is a {type(factory).__name__}, must be a function that gives a Component")
     return factory
+
+
+def import_own(name: str) -> Any:
+    """A user's own object, named as "module:object" or "file.py:object"; ValueError where it cannot be
+    imported.
+
+    A module lies where the command is called, or is installed. Python's own modules have none of ours.
+    """
+    module, _, attribute = name.rpartition(":")
+    file = module.endswith(".py")
+    if not all(part.isidentifier() for part in (*(() if file else module.split(".")), attribute)):
+        raise ValueError(f"{name}: must be module:object")
+    if not file and module.partition(".")[0] in sys.stdlib_module_names:
+        raise ValueError(f"{name}: {module} is a module of Python; name one of your own as module:object")
+    try:
+        return getattr(_load_file(module) if file else _import_module(module), attribute)
+    except (ImportError, AttributeError, OSError) as error:
+        raise ValueError(f"{name}: cannot be imported ({error})") from None
+    except (Exception, SystemExit) as error:
+        raise ValueError(f"{name}: its import fails with {type(error).__name__}: {error}") from None
 
 
 def _import_module(name: str) -> ModuleType:

@@ -18,7 +18,7 @@ FEW = 12  # names that are read at a glance
 
 def one_of(names: Iterable[str], given: object = "") -> str:
     """The end of a message about a choice: the likeliest names, and all of them where they are few."""
-    known, text = list(names), str(given).lower()
+    known, text = list(names), str(given)[:100].lower()
     close = difflib.get_close_matches(text, known) or [n for n in known if len(text) > 2 and text in n][:3]
     if close and len(known) > FEW:
         return f"did you mean {' or '.join(close)}?"

@@ -5,7 +5,7 @@ has a function that renders them: `in_command_line`, `in_python`.
 """
 
 import shlex
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from types import EllipsisType
 from typing import TypeAlias
@@ -35,6 +35,9 @@ class Command:
     arguments: tuple[object, ...] = ()
     options: tuple[Option, ...] = ()
 
+
+# Messages may name what a file contains, of any length; the remedy is at their end.
+LINES, LINE, HEAD, TAIL = 50, 1500, 700, 500
 
 Action: TypeAlias = Set | Option | Command
 Words: TypeAlias = "str | Action | ExplainedError | tuple[Words, ...]"
@@ -80,12 +83,21 @@ def find_actions(words: Words) -> tuple[Action, ...]:
 
 def in_command_line(words: Words) -> str:
     """The words with actions as they are typed in a shell."""
-    return "".join(part if isinstance(part, str) else _type_action(part) for part in _flatten(words))
+    return _render(words, _type_action)
 
 
 def in_python(words: Words) -> str:
     """The words with actions as arguments and calls."""
-    return "".join(part if isinstance(part, str) else _call_action(part) for part in _flatten(words))
+    return _render(words, _call_action)
+
+
+def _render(words: Words, render: Callable[[Action], str]) -> str:
+    """The words as a terminal can show them: without control characters, lines and their number limited."""
+    text = "".join(part if isinstance(part, str) else render(part) for part in _flatten(words))
+    lines = ["".join(c if c.isprintable() else "?" for c in line) for line in text.split("\n")]
+    if len(lines) > LINES:
+        lines = [*lines[:LINES], f"and {len(lines) - LINES} lines more"]
+    return "\n".join(line if len(line) <= LINE else f"{line[:HEAD]} ... {line[-TAIL:]}" for line in lines)
 
 
 def _flatten(words: Words) -> Iterator[str | Action]:

@@ -66,7 +66,7 @@ def fold_elements(names: Iterable[str]) -> list[str]:
 def suggestion(name: str, known: Iterable[str]) -> str:
     """The end of a message: the nearest known name, or all of them."""
     names = list(known)
-    close = difflib.get_close_matches(name, names, n=1)
+    close = difflib.get_close_matches(name[:100], names, n=1)
     return f"did you mean {close[0]}?" if close else f"known: {', '.join(fold_elements(names))}"
 
 

@@ -1,9 +1,9 @@
 """Analyses by name: each file of this folder without a leading underscore defines an `ANALYSIS`."""
 
-import sys
 from importlib import import_module
 from pathlib import Path
 
+from models.catalogue import import_own
 from models.core.system import suggestion
 
 from ..errors import MistakeError
@@ -47,13 +47,10 @@ def load(name: str) -> Analysis:
 
 
 def _load_own(name: str) -> Analysis:
-    module, _, attribute = name.partition(":")
-    if "" not in sys.path:  # a user's own module lies where the command is called
-        sys.path.insert(0, "")
     try:
-        found = getattr(import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise MistakeError(f"analysis {name!r}: cannot be imported ({error})") from None
+        found = import_own(name)
+    except ValueError as error:
+        raise MistakeError(f"analysis {error}") from None
     if not isinstance(found, Analysis):
         raise MistakeError(
             f"analysis {name!r}: is of type {type(found).__name__}, must be an orchestrator.analyses.Analysis"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib import metadata
@@ -20,6 +19,7 @@ from ..reporter import Reporter
 from ..scenario.units import to_unit
 from ..scenario.values import Value
 from ..store.output_folder import OutputFolderError, writing
+from ..texts import parse_value
 from . import Analysis, Result, list_analyses, load
 
 if TYPE_CHECKING:
@@ -71,9 +71,9 @@ def parse_setting(text: str) -> tuple[str, Any]:
     if not (name and equals and written):
         raise MistakeError((Option("set"), f" {text}: must be parameter=value, e.g. damping=0.05"))
     try:
-        return name, tomllib.loads(f"value = {written}")["value"]
-    except tomllib.TOMLDecodeError:
-        return name, written
+        return name, parse_value(written)
+    except ValueError as error:
+        raise MistakeError((Option("set"), f" {name}: {error}")) from None
 
 
 def compute_table(analysis: Analysis, values: Mapping[str, Value]) -> xarray.Dataset:

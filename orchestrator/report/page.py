@@ -16,6 +16,7 @@ from ..scenario import Scenario, ScenarioError
 from ..scenario.files import load
 from ..store import atomic_write
 from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY
+from ..texts import parse_json, read_text
 from .content import collect_run
 from .records import Records, open_records
 
@@ -53,7 +54,7 @@ def _render_run(folder: Path) -> str:
 
 def _read_summary(folder: Path) -> Mapping[str, Any]:
     try:
-        found: Mapping[str, Any] = json.loads((folder / SUMMARY).read_text("utf-8"))
+        found: Mapping[str, Any] = parse_json(read_text(folder / SUMMARY))
     except (OSError, ValueError):
         found = {}
     return {"exit_status": None, "complete": False, "reference_method": "monolithic", **found}

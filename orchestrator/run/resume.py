@@ -1,6 +1,5 @@
 """Continue a run that was killed or interrupted."""
 
-import json
 import time as clock
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from ..store.output_folder import (
     lock_folder,
     suggest_folder,
 )
+from ..texts import parse_json, read_text
 from .checkpoint import read
 from .execute import execute
 from .pipeline import conclude, keep_prints
@@ -99,7 +99,7 @@ def _report_ended(out: Path, reporter: Reporter) -> Summary:
 
 def _read_summary(out: Path) -> dict[str, Any]:
     try:
-        found: dict[str, Any] = json.loads((out / SUMMARY).read_text("utf-8"))
+        found: dict[str, Any] = parse_json(read_text(out / SUMMARY))
         return found
     except (OSError, ValueError):
         return {}

@@ -15,6 +15,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..errors import MistakeError
+from ..texts import read_bytes
 from .table_header import (
     Column,
     find_crank_word,
@@ -25,6 +26,10 @@ from .table_header import (
     split_column,
 )
 from .units import UnitError
+
+MOST_ROWS = 100_000  # 3.6 thousandths of a degree
+LONGEST_LINE = 5000
+LONGEST_NUMBER = 40
 
 
 class AngleTableError(MistakeError):
@@ -69,14 +74,20 @@ class AngleTable(NamedTuple):
 def read_angle_table(path: Path, kind: Kind) -> AngleTable:
     """The samples of a file. AngleTableError that names the file, the line and the remedy."""
     try:
-        text = _decode(path.read_bytes())
+        text = _decode(read_bytes(path))
     except OSError as error:
         raise AngleTableError(f"{path}: cannot be read ({error.strerror})") from None
+    except ValueError as error:
+        raise AngleTableError(f"{path}: {error}; {kind.header}") from None
     if "\0" in text:
         raise AngleTableError(f"{path}: is no text file; save it as CSV; {kind.header}")
     lines = [
         (n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"
     ]
+    if len(lines) > MOST_ROWS or any(len(line) > LONGEST_LINE for _, line in lines):
+        raise AngleTableError(
+            f"{path}: has more than {MOST_ROWS} rows, or a row of more than {LONGEST_LINE} characters"
+        )
     if not lines:
         raise AngleTableError(f"{path}: is empty; {kind.header}")
     try:
@@ -178,6 +189,8 @@ def _read_row(number: int, line: str, separator: str, columns: int) -> _Row:
     if separator != ",":
         cells = [cell.replace(",", ".") for cell in cells]
     try:
+        if max(map(len, cells[:2])) > LONGEST_NUMBER:
+            raise ValueError
         angle, value = float(cells[0]), float(cells[1])
     except (ValueError, IndexError):
         raise AngleTableError(f"line {number}, {line.strip()!r}: must begin with two numbers") from None

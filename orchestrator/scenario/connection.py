@@ -14,6 +14,9 @@ _LINE = re.compile(rf"\s*{_PORT}{_FACTOR}?{_OFFSET}?\s*->\s*(?:'(?P<into>.+)'|(?
 _SOURCES = [re.compile(rf"(?P<port>\S.*?){numbers}") for numbers in (_OFFSET, _FACTOR, _FACTOR + _OFFSET)]
 
 
+LONGEST = 2000  # characters of a line
+
+
 @dataclass(frozen=True)
 class Line:
     """target = factor * source + offset; without both, units are converted. As a text, ends are quoted where
@@ -38,7 +41,7 @@ def _quote(end: str) -> str:
 
 def parse_line(text: str) -> Line:
     """Parse a line; ValueError if it is no connection."""
-    match = _LINE.fullmatch(text.strip())
+    match = _LINE.fullmatch(text.strip()) if len(text) <= LONGEST else None
     source, target = (
         (match["quoted"] or match["port"], match["into"] or match["target"]) if match else ("", "")
     )
@@ -61,7 +64,7 @@ def parse_named_line(text: str, is_known: Callable[[str], bool]) -> Line:
 
     ValueError if what stands before the arrow may be several of them, with numbers.
     """
-    for arrow in re.finditer("->", text):
+    for arrow in re.finditer("->", text[:LONGEST]):
         source, target = text[: arrow.start()].strip(), text[arrow.end() :].strip()
         if is_known(source) and is_known(target):
             return Line(source, target)

@@ -6,7 +6,6 @@ With [step_control] the other's `output_step` leaves too.
 """
 
 import difflib
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from typing import Any
 from models.core.system import suggestion
 
 from ..errors import MistakeError
+from ..texts import DEEPEST, parse_toml, parse_value, read_text, to_path
 from . import Scenario, ScenarioError, build_scenario, find_tables
 from .extending import EXTENDS, WITHOUT, drop, drop_other_options, merge, replace_cam
 from .lift_table import CAM_KEYS, replace_law
@@ -32,7 +32,7 @@ def find(name: str | Path, beside: Path | None = None) -> Path:
     """The file of a shipped scenario, or the path itself; ScenarioError if there is no such file."""
     if str(name) in list_shipped():
         return list_shipped()[str(name)]
-    path = (beside or Path()) / Path(name).expanduser()
+    path = (beside or Path()) / to_path(name)
     if path.is_file():
         return path
     if path.is_dir():
@@ -70,8 +70,8 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
         return build_scenario(content)
     except ScenarioError as error:
         path = find(name)
-        own = list_faults(read_contents(path))  # without the overrides
         lines = str(error).split("\n")
+        own = list_faults(read_contents(path)) if overrides else lines  # without the overrides
         marked = (f"{f'{path.name}:' if line in own else '--set'} {line}" for line in lines)
         raise ScenarioError("\n".join(marked)) from None
 
@@ -97,6 +97,8 @@ def list_faults(content: dict[str, Any]) -> list[str]:
 def read_contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
     """The tables of a file, merged into those of the file that it extends."""
     path = path.resolve()
+    if len(chain) > DEEPEST:
+        raise ScenarioError(f"{chain[0].name}: extends more than {DEEPEST} files, one after the other")
     if path in chain:
         raise ScenarioError(f"{path.name}: extends itself ({' -> '.join(p.name for p in (*chain, path))})")
     content = contents_of_package(path) if path.suffix == ".ssp" else _read(path)
@@ -129,10 +131,10 @@ _OTHERS = {
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text("utf-8"))
+        return parse_toml(read_text(path))
     except OSError as error:
         raise ScenarioError(f"{path}: cannot be read ({error.strerror})") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise ScenarioError(f"{path}: not a valid TOML file: {error}{_OTHERS.get(path.suffix, '')}") from None
 
 
@@ -144,10 +146,10 @@ def resolve_paths(content: dict[str, Any], folder: Path) -> None:
             continue
         kind = table.get("participant")
         if isinstance(kind, str) and kind.endswith(".fmu"):
-            table["participant"] = str(folder / Path(kind).expanduser())
+            table["participant"] = str(folder / to_path(kind))
         for key in ("lift_table", "pressure_table"):
             if isinstance(table.get(key), str):
-                table[key] = str(folder / Path(table[key]).expanduser())
+                table[key] = str(folder / to_path(table[key]))
 
 
 def override(content: dict[str, Any], text: str) -> None:
@@ -157,9 +159,9 @@ def override(content: dict[str, Any], text: str) -> None:
     if not equals or not path:
         raise ScenarioError(f"--set {text}: must be path=value, e.g. --set macro_step=2e-6")
     try:
-        value = tomllib.loads(f"value = {written.strip()}")["value"]
-    except tomllib.TOMLDecodeError:
-        value = written.strip()
+        value = parse_value(written)
+    except ValueError as error:
+        raise ScenarioError(f"--set {path}: {error}") from None
     put(content, path, value, "--set ")
 
 

@@ -11,6 +11,7 @@ from models.core.system import suggestion
 from ..errors import one_of
 from .values import Faults
 
+MOST = 10  # faults that are told at once
 Location = tuple[int | str, ...]
 
 # Remedies for missing keys.
@@ -44,7 +45,9 @@ def list_messages(
 ) -> list[str]:
     """A message for each error; `known` lists the valid keys at a place, by default none."""
     lines: list[str] = []
-    for fault in error.errors():
+    for fault in error.errors(include_url=False):
+        if len(lines) >= MOST:
+            return [*lines, f"and more; correct these {len(lines)} first"]
         path, reason = _format_path(fault["loc"]), fault.get("ctx", {}).get("error")
         if fault["type"] == "extra_forbidden":
             lines.append(f"{path}: unknown key; {suggestion(str(fault['loc'][-1]), known(fault['loc']))}")

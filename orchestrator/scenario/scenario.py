@@ -76,7 +76,9 @@ class Scenario(Table):
     """A coupled run and what it is compared with."""
 
     name: str = Field(
-        description="Name of the scenario; default: that of the file", pattern=r"^[ .-]*\w[\w .-]*$"
+        description="Name of the scenario; default: that of the file",
+        pattern=r"^[ .-]*\w[\w .-]*$",
+        max_length=200,
     )
     description: str = Field("", description="What the scenario shows, in a line")
     stop_time: Seconds = Field(

@@ -43,7 +43,12 @@ FACTORS = {
     ("MPa", "Pa"): 1e6,
 }  # fmt: skip
 
-_NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
+_NUMBER_AND_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)")
+LONGEST = 200  # characters of a number with its unit
+# Pint computes powers of numbers, which may take for ever: none above two digits, none of a power.
+_UNIT = re.compile(r"[\w\s*/^.()%°'\"+-]{0,60}")
+_POWER = re.compile(r"\*\*|\^")
+_EXPONENT = re.compile(r"[\s(]*[+-]?\s*\d{1,2}(?:\.\d+)?[)\s]*(?![\w.])")
 
 
 # Units of times in reports, each with its factor from seconds.
@@ -61,6 +66,9 @@ def to_unit(text: str, unit: str, relative: bool = False) -> float:
     A number without a unit is already in `unit`. A `relative` number is a difference: 5 degC are 5 K.
     Angles are a dimension, so that r/min is not Hz.
     """
+    text = text.strip()
+    if len(text) > LONGEST:
+        raise UnitError(f"{text[:30]!r}... is no number with a unit: it has {len(text)} characters")
     match = _NUMBER_AND_UNIT.fullmatch(text)
     if match is None:
         if unit == "1":
@@ -118,7 +126,7 @@ def _find_line(units: Any, wanted: Any) -> tuple[float, float]:
 
 def is_bare(text: str) -> bool:
     """Whether the string is a number without a unit."""
-    match = _NUMBER_AND_UNIT.fullmatch(text)
+    match = _NUMBER_AND_UNIT.fullmatch(text.strip()[:LONGEST])
     return match is not None and not match[2]
 
 
@@ -167,13 +175,28 @@ def _load_registry() -> Any:
 
 def _to_pint(unit: str) -> str:
     """Convert FMI's notation (N.s/m, kg.m2), r/min and rev to pint's."""
-    unit = unicodedata.normalize("NFKC", unit)  # ℃ becomes °C, m² m2
+    if len(unit) <= LONGEST:
+        unit = unicodedata.normalize("NFKC", unit)  # ℃ becomes °C, m² m2
+    if not _is_plain(unit):
+        raise UnitError(f"{unit[:30]!r} is no unit")
     unit = "revolution" if unit == "rev" else unit
     unit = unit.replace("r/min", "rpm").replace("°", "degree").replace(".", "*").replace("·", "*")
     above, slash, below = unit.partition("/")
     if slash and "*" in below:
         unit = f"{above}/({below})"
     return re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", unit)
+
+
+def _is_plain(unit: str) -> bool:
+    """Whether pint reads it at once."""
+    first, *exponents = _POWER.split(unit)
+    bases = [first, *exponents[:-1]]
+    return (
+        _UNIT.fullmatch(unit) is not None
+        and all(map(_EXPONENT.match, exponents))
+        and not any(map(_EXPONENT.fullmatch, exponents[:-1]))
+        and (not exponents or sum(base.rstrip().endswith(")") for base in bases) <= 1)
+    )
 
 
 def _find_dimension(units: Any) -> dict[str, float]:

@@ -41,12 +41,22 @@ def build_component(name: str, structure: tuple[tuple[str, int], ...] = ()) -> C
             f"no component {name!r}; {suggestion(name, CATALOGUE)} (or your own as module:factory)"
         )
     factory = find_factory(name)
-    known = tuple(inspect.signature(factory).parameters)
+    try:
+        known = tuple(inspect.signature(factory).parameters)
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"{name}: {error}; must be a function that gives a Component") from None
     for key, _ in structure:
         if key not in known:
             sizes = suggestion(key, known) if known else "it has no structural sizes"
             raise ValueError(f"{name} has no size {key!r}; {sizes}")
-    component = factory(**dict(structure))
+    try:
+        component = factory(**dict(structure))
+    except ValueError:
+        raise
+    except Exception as error:
+        if not is_own(name):
+            raise
+        raise ValueError(f"{name}: fails with {type(error).__name__}: {error}") from None
     if not isinstance(component, Component):
         raise ValueError(
             f"{name}: gives a {type(component).__name__}, must be a models.core.component.Component"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +17,7 @@ from ..scenario import Written, list_messages
 from ..scenario.files import find, put, read_contents
 from ..scenario.system import Builder
 from ..scenario.values import Value
+from ..texts import parse_toml, read_text, to_path
 from .points import POINT, Grid, Points, Rows, Sobol, Table, expand_points, list_keys, parse_points
 from .subjects import AnalysisSubject, Subject, load_analysis
 
@@ -33,7 +33,9 @@ class StudyError(MistakeError):
 class Study(Table):
     """A study file."""
 
-    name: str = Field(description="Name of the study; default: that of the file", pattern=r"^[\w .-]+$")
+    name: str = Field(
+        description="Name of the study; default: that of the file", pattern=r"^[\w .-]+$", max_length=200
+    )
     description: str = Field("", description="What the study shows, in a line")
     scenario: str | None = Field(None, description="A shipped scenario, or a path beside the file")
     analysis: str | None = Field(None, description="An analysis by name, or your own as module:object")
@@ -79,7 +81,7 @@ def list_shipped() -> dict[str, Path]:
 
 def find_file(name: str) -> Path:
     """The file of a shipped study or a path; StudyError if there is neither."""
-    path = list_shipped().get(name, Path(name).expanduser())
+    path = list_shipped().get(name, to_path(name))
     if path.is_file():
         return path
     if path.is_dir():
@@ -98,10 +100,10 @@ def load(name: str, build: Builder) -> Plan:
     """Read and resolve the study of that name or path; StudyError with the file's name for each fault."""
     path = find_file(name)
     try:
-        content = tomllib.loads(path.read_text("utf-8"))
+        content = parse_toml(read_text(path))
     except OSError as error:
         raise StudyError(f"{path}: cannot be read ({error.strerror})") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise StudyError(f"{path}: not a valid TOML file: {error}") from None
     if stray := {"grid", "sobol", "list", "axes", "ranges", "rows"} & set(content):
         raise StudyError(

@@ -105,7 +105,7 @@ MISTAKES = {
     "analysis = 'plain'": "no analysis 'plain'",
     "analysis = 'exponent'": "did you mean exponents?",
     "analysis = 'nowhere:PLAIN'": "cannot be imported (No module named 'nowhere')",
-    "analysis = 'os:path'": "must be an orchestrator.analyses.Analysis",
+    "analysis = 'numpy:pi'": "must be an orchestrator.analyses.Analysis",
     "analysis = 'exponents'\nscenario = 'valve-train'": "must have one of scenario and analysis",
     "": "must have one of scenario and analysis",
     "analyss = 'exponents'": "analyss: unknown key; did you mean analysis?",

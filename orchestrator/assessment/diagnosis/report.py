@@ -1,6 +1,5 @@
 """The diagnosis of a run from its output folder."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +8,7 @@ from ...errors import MistakeError
 from ...scenario import Scenario, ScenarioError
 from ...scenario.files import load
 from ...store.output_folder import SCENARIO, SUMMARY
+from ...texts import parse_json, read_text
 from .facts import Facts
 from .numbers import Diagnosis, diagnose_steps
 from .steps import Steps, read_steps
@@ -47,7 +47,7 @@ def diagnose(out: Path) -> Findings:
 def _do_steps(summary: Path) -> int | None:
     """As the run's summary says, if it does."""
     try:
-        found = json.loads(summary.read_text("utf-8")).get("do_steps")
+        found = parse_json(read_text(summary)).get("do_steps")
     except (OSError, ValueError):
         return None
     return int(found) if isinstance(found, int) else None

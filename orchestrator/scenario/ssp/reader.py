@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import logging
 import re
 import shutil
@@ -25,6 +24,7 @@ from ...participants.description import (
     DescriptionError,
     read_description,
 )
+from ...texts import parse_json
 from .. import Line, ScenarioError
 from ..component_table import KINDS
 from ..conversion import convert_units, explain_differences
@@ -126,7 +126,7 @@ def _read_settings(found: Structure, where: str) -> dict[str, Any]:
     for annotation in found.annotations:
         if annotation.get("type") == OURS and len(annotation):
             try:
-                settings = dict(json.loads(annotation[0].text or ""))
+                settings = dict(parse_json(annotation[0].text or ""))
                 settings.pop("extends", None)  # another file, of whoever runs the package
                 return settings
             except ValueError as error:
