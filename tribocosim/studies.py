@@ -70,17 +70,30 @@ def cam(
     return evaluate(analysis, given, Path(out), overwrite, SilentReporter())
 
 
-def compare(first: str | Path, second: str | Path, figure: str | Path | None = None) -> dict[str, Any]:
+def compare(
+    first: str | Path,
+    second: str | Path,
+    figure: str | Path | None = None,
+    *,
+    low: str | None = None,
+    high: str | None = None,
+    at: str | None = None,
+    lost: bool = False,
+) -> dict[str, Any]:
     """Two designs side by side, from the folders of their sweeps over speed, as the command `compare` does.
 
-    `worst` has by number its unit, and of each design the worst value and its speed (r/min); `separation` and
-    `second_separation` are those of each design. `figure` is a file for both over speed.
+    The worst is taken from the speed `low` to `high`, or `at` one, where both keep contact, or also where it
+    is `lost`. `worst` has by number its unit, and of each design the worst value, its speed (r/min) and,
+    where it has one, its cam angle (degrees); `separation` and `second_separation` are those of each design.
+    `figure` is a file for both over speed.
     """
     check_study_packages()
     from orchestrator.study.speeds.compare import compare as compare_sweeps
+    from orchestrator.study.speeds.compare import parse_choice
 
     file = None if figure is None else Path(figure)
-    return compare_sweeps(Path(first), Path(second), file, SilentReporter())
+    choice = parse_choice(low, high, at, lost)
+    return compare_sweeps(Path(first), Path(second), file, SilentReporter(), choice)
 
 
 def speeds(

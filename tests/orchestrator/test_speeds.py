@@ -3,6 +3,7 @@
 import csv
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,10 +15,11 @@ import tribocosim
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
+from orchestrator.errors import MistakeError
 from orchestrator.plots.speeds import draw_summary, find_orders
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.study.speeds import separation
-from orchestrator.study.speeds.compare import find_worst
+from orchestrator.study.speeds.compare import Choice, find_worst, parse_choice, select_speeds
 from orchestrator.study.speeds.figures_of_merit import describe_numbers, measure
 from orchestrator.study.speeds.separation import (
     CLOSE,
@@ -121,16 +123,66 @@ def test_the_same_command_takes_what_is_there(swept: tuple[Path, str]) -> None:
     assert {path.name: path.stat().st_mtime_ns for path in (out / "cycles").iterdir()} == before
 
 
-def test_two_sweeps_are_compared(swept: tuple[Path, str], tmp_path: Path) -> None:
-    """With itself: all numbers twice."""
+@pytest.mark.parametrize(
+    ("options", "place"), [((), "at 2200"), (("--lost",), "at 3400"), (("--at", "1100 rpm"), "at 1000")]
+)
+def test_two_sweeps_are_compared(
+    options: tuple[str, ...], place: str, swept: tuple[Path, str], tmp_path: Path
+) -> None:
+    """With itself: all numbers twice. At 3400 r/min contact is lost."""
     out, _ = swept
-    done = called("compare", str(out), str(out), "--out", str(tmp_path / "both.png"))
+    done = called("compare", str(out), str(out), "--out", str(tmp_path / "both.png"), *options)
     assert done.returncode == 0, done.stderr
     (line,) = (line for line in done.stdout.splitlines() if "contact.largest_load" in line)
     cells = [cell.strip() for cell in line.split("│")]
-    assert cells[3].endswith("at 3400")
+    assert cells[3].endswith(place)
     assert done.stdout.count("contact is lost from") >= 1
     assert (tmp_path / "both.png").stat().st_size > 10_000
+
+
+def make_sweep(speeds: list[float], lost_from: float) -> xarray.Dataset:
+    """A largest load that grows with the speed (rad/s), and contact that is lost from a speed on."""
+    speed = np.array(speeds)
+    values = {"contact.least_load": -speed, "contact.lost": (speed >= lost_from) * 0.1}
+    values["contact.least_load_angle"] = speed / 100.0
+    return xarray.Dataset({name: ("speed", column) for name, column in values.items()}, {"speed": speed})
+
+
+@pytest.mark.parametrize(
+    ("choice", "first", "second"),
+    [
+        ({}, [100.0, 200.0], [150.0]),  # 300 is lost in the first, 250 has it as its nearest
+        ({"lost": True}, [100.0, 200.0, 300.0], [150.0, 250.0, 300.0]),
+        ({"low": 180.0}, [200.0], []),
+        ({"high": 120.0}, [100.0], []),
+        ({"at": 290.0}, [300.0], [300.0]),
+    ],
+)
+def test_designs_are_compared_where_both_keep_contact(
+    choice: dict[str, Any], first: list[float], second: list[float]
+) -> None:
+    tables = [make_sweep([100.0, 200.0, 300.0], 300.0), make_sweep([90.0, 150.0, 260.0, 300.0], 1e9)]
+    tables[1] = tables[1].assign_coords(speed=[90.0, 150.0, 250.0001, 300.0])
+    found = select_speeds(tables, Choice(**choice))
+    assert [list(np.round(table["speed"].values)) for table in found] == [first, second]
+
+
+def test_the_worst_has_its_speed_and_angle() -> None:
+    worst = find_worst(make_sweep([100.0, 200.0], 1e9), "contact.least_load", 1.0)
+    assert str(worst) == "-200 at 1910, 115°"
+
+
+@pytest.mark.parametrize(
+    ("texts", "said"),
+    [
+        (("3000 rpm", "1000 rpm", None), "must not be more than"),
+        ((None, "1000 rpm", "900 rpm"), "is one speed"),
+        (("fast", None, None), "fast"),
+    ],
+)
+def test_speeds_of_a_comparison_that_make_no_sense(texts: tuple[str | None, ...], said: str) -> None:
+    with pytest.raises(MistakeError, match=said):
+        parse_choice(*texts, lost=False)
 
 
 def test_panels_are_scaled_by_the_speeds_with_contact() -> None:

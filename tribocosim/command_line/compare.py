@@ -11,16 +11,32 @@ from .json_output import Json, build_reporter, print_json
 
 
 @report_errors
-def compare_sweeps(
+def compare_sweeps(  # options of a command
     first: Annotated[Path, typer.Argument(help="Output folder of `tribocosim speeds` for one design.")],
     second: Annotated[Path, typer.Argument(help="Output folder of the other design.")],
     out: Annotated[Path, typer.Option(help="File of the figure.")] = Path("results/compare.png"),
+    low: Annotated[
+        str | None,
+        typer.Option("--from", metavar="SPEED", help="Lowest speed."),
+    ] = None,
+    high: Annotated[str | None, typer.Option("--to", metavar="SPEED", help="Highest speed.")] = None,
+    at: Annotated[
+        str | None,
+        typer.Option(metavar="SPEED", help="One speed: the nearest that was computed."),
+    ] = None,
+    lost: Annotated[
+        bool, typer.Option("--lost", help="Include speeds at which one of them loses contact.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
-    """Compare two designs over speed: worst value of each number, separation speed, and a figure."""
-    check_study_packages()
-    from orchestrator.study.speeds.compare import compare
+    """Compare two designs over speed: worst value of each number, separation speed, and a figure.
 
-    found = compare(first, second, out, build_reporter(as_json))
+    The worst is taken over the speeds at which both keep contact.
+    """
+    check_study_packages()
+    from orchestrator.study.speeds.compare import compare, parse_choice
+
+    choice = parse_choice(low, high, at, lost)
+    found = compare(first, second, out, build_reporter(as_json), choice)
     if as_json:
         print_json(found)

@@ -10,12 +10,13 @@ import numpy as np
 import xarray
 from rich.table import Table
 
+from ...assessment.lost_contact import find_lost
 from ...errors import Command, MistakeError, Option
 from ...plots.speeds import draw_summary
 from ...plots.style import save_figure
 from ...reporter import Reporter
 from ...store.output_folder import STORE, SUMMARY
-from .sweep import read_table
+from .sweep import parse_speed, read_table
 
 RPM = 30.0 / math.pi
 # Numbers of which the least is the worst; of the others it is the largest.
@@ -35,19 +36,53 @@ LEFT_OUT = ("change", "periods", "least_load_angle")
 SHOWN = {"m": ("mm", 1e3), "Pa": ("MPa", 1e-6), "rad": ("deg", math.degrees(1.0))}
 
 
-def compare(first: Path, second: Path, out: Path | None, reporter: Reporter) -> dict[str, Any]:
-    """Print the worst of each number over the speeds that both sweeps span, and draw both in the file `out`.
+@dataclass(frozen=True)
+class Choice:
+    """The speeds (rad/s) over which two sweeps are compared: a range, or the one nearest to `at`.
+
+    Where a contact is lost in one of them both are left out, unless `lost` ones are wanted.
+    """
+
+    low: float = 0.0
+    high: float = math.inf
+    at: float | None = None
+    lost: bool = False
+
+
+def parse_choice(low: str | None, high: str | None, at: str | None, lost: bool) -> Choice:
+    """The choice that options state as texts; MistakeError where they are no speeds, or contradict."""
+    if at is not None and (low is not None or high is not None):
+        raise MistakeError(
+            (Option("at", at), ": is one speed; leave ", Option("from"), " and ", Option("to"), " out")
+        )
+    ends = {"from": low, "to": high, "at": at}
+    values = {name: parse_speed(name, text) for name, text in ends.items() if text is not None}
+    if values.get("from", 0.0) > values.get("to", math.inf):
+        raise MistakeError((Option("from", low), ": must not be more than ", Option("to", high)))
+    return Choice(values.get("from", 0.0), values.get("to", math.inf), values.get("at"), lost)
+
+
+def compare(
+    first: Path, second: Path, out: Path | None, reporter: Reporter, choice: Choice | None = None
+) -> dict[str, Any]:
+    """Print the worst of each number over the chosen speeds, and draw both sweeps in the file `out`.
 
     Returns what is printed: by number its unit and the worst of each design; by design its separation, and
     the one with a second film formula.
     """
+    choice = choice or Choice()
     tables = dict(zip(label(first, second), map(read_sweep, (first, second)), strict=True))
-    low = max(float(table["speed"].min()) for table in tables.values())
-    high = min(float(table["speed"].max()) for table in tables.values())
-    if not low < high:
-        raise MistakeError(f"{first} and {second}: have no range of speed in common")
-    common = [table.sel(speed=slice(low * (1 - 1e-12), high * (1 + 1e-12))) for table in tables.values()]
-    title = f"{low * RPM:.0f} to {high * RPM:.0f} r/min"
+    common = select_speeds(list(tables.values()), choice)
+    if not all(table.sizes["speed"] for table in common):
+        kept = "" if choice.lost else " at which both keep contact"
+        add = () if choice.lost else (("add ", Option("lost", True), " for the others"),)
+        raise MistakeError(f"{first} and {second}: have no speeds in common{kept}", *add)
+    ends = [f"{RPM * float(pick(table['speed'])):.0f}" for pick in (np.min, np.max) for table in common]
+    title = f"{min(ends[:2], key=float)} to {max(ends[2:], key=float)} r/min"
+    title = f"{ends[0]} r/min" if len(set(ends)) == 1 else title
+    left_out = sum(table.sizes["speed"] for table in tables.values()) - sum(t.sizes["speed"] for t in common)
+    if left_out and not choice.lost and choice.at is None:
+        title += ", where both keep contact"
     shown = Table("worst", "unit", *tables, title=title, title_justify="left")
     numbers: dict[str, Any] = {}
     for name in map(str, common[0].data_vars):
@@ -56,7 +91,7 @@ def compare(first: Path, second: Path, out: Path | None, reporter: Reporter) -> 
             continue
         unit, scale = choose_unit(name, values.attrs.get("units", ""))
         worst = [find_worst(table, name, scale) for table in common]
-        shown.add_row(name, unit, *(f"{w.value:.5g} at {w.speed_rpm:.0f}" if w else "–" for w in worst))
+        shown.add_row(name, unit, *(str(w) if w else "–" for w in worst))
         plain = [w and asdict(w) for w in worst]
         numbers[name] = {"unit": unit, **dict(zip(tables, plain, strict=True))}
     reporter.console.print(shown)
@@ -97,10 +132,16 @@ def label(first: Path, second: Path) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Worst:
-    """The worst value over speed, in the unit that is shown, and the speed (r/min) at which it is."""
+    """The worst value over speed, in the unit that is shown; its speed (r/min) and, where the cycle has one
+    place, its cam angle (degrees)."""
 
     value: float
     speed_rpm: float
+    angle_deg: float | None = None
+
+    def __str__(self) -> str:
+        place = "" if self.angle_deg is None else f", {self.angle_deg:.0f}°"
+        return f"{self.value:.5g} at {self.speed_rpm:.0f}{place}"
 
 
 def find_worst(table: xarray.Dataset, name: str, scale: float) -> Worst | None:
@@ -110,4 +151,23 @@ def find_worst(table: xarray.Dataset, name: str, scale: float) -> Worst | None:
         return None
     least = name.rpartition(".")[2] in LEAST_IS_WORST
     worst = int(np.nanargmin(values) if least else np.nanargmax(values))
-    return Worst(scale * float(values[worst]), RPM * float(table["speed"].values[worst]))
+    angles = table.get(f"{name}_angle")
+    angle = None if angles is None else math.degrees(float(angles.values[worst]))
+    return Worst(scale * float(values[worst]), RPM * float(table["speed"].values[worst]), angle)
+
+
+def select_speeds(tables: list[xarray.Dataset], choice: Choice) -> list[xarray.Dataset]:
+    """The chosen speeds of both tables, which may have different ones."""
+    found = []
+    for table, other in zip(tables, tables[::-1], strict=True):
+        speeds, lost = table["speed"].values, find_lost(table)
+        nearest = np.abs(other["speed"].values - speeds[:, None]).argmin(axis=1)
+        inside = [other["speed"].values.min(), other["speed"].values.max()]
+        low, high = max(choice.low, inside[0]), min(choice.high, inside[1])
+        chosen = (speeds >= low * (1 - 1e-9)) & (speeds <= high * (1 + 1e-9))
+        if choice.at is not None:
+            chosen &= np.arange(speeds.size) == np.abs(speeds - choice.at).argmin()
+        elif not choice.lost:
+            chosen &= ~lost & ~find_lost(other)[nearest]
+        found.append(table.isel(speed=np.flatnonzero(chosen)))
+    return found

@@ -132,17 +132,20 @@ def read_table(out: Path) -> xarray.Dataset:
 
 def parse_range(low: str, high: str, count: int) -> Range:
     """Speeds given as texts; MistakeError where they are none, doubtful or in the wrong order."""
-    ends = []
-    for name, value in (("from", low), ("to", high)):
-        if doubt := SPEED.doubt("", value):
-            raise MistakeError((Option(name), doubt))
-        try:
-            ends.append(float(SPEED.check_value("", value)))
-        except MistakeError as error:
-            raise MistakeError((Option(name), error)) from None
+    ends = [parse_speed(name, value) for name, value in (("from", low), ("to", high))]
     if not ends[0] < ends[1]:
         raise MistakeError((Option("from", low), ": must be less than ", Option("to", high)))
     return Range(ends[0], ends[1], count)
+
+
+def parse_speed(option: str, text: str) -> float:
+    """A speed (rad/s) that an option states; MistakeError where it is none, or doubtful."""
+    if doubt := SPEED.doubt("", text):
+        raise MistakeError((Option(option), doubt))
+    try:
+        return float(SPEED.check_value("", text))
+    except MistakeError as error:
+        raise MistakeError((Option(option), error)) from None
 
 
 def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan, SpeedSubject]:
