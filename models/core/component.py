@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..compile.kernel import kernel, record_of
-from .hybrid import hybrid_work_size, make_hybrid_advance
+from .hybrid import GUARD_WORK_SIZE, HybridMotion, make_hybrid_advance
 from .implicit import ImplicitSteps
 from .integrator import INPUT_COEFFICIENTS, TOLERANCE, make_advance, taylor, work_size
 from .quantities import Layout, Vector
@@ -214,12 +214,22 @@ class Component:
 
         return flat_transition
 
+    @property
+    def motion(self) -> HybridMotion:
+        """What is integrated across events."""
+        return HybridMotion(
+            self.flat_derivative, self.flat_guards, self.flat_transition, self.sample, self.state.size,
+            self.inputs.size, self.events.count if self.events else 0, self.tolerance,
+        )  # fmt: skip
+
     @cached_property
     def advance(self) -> Any:
         """advance(t, h, x, U, p, scale, work) -> status: moves x in place over [t, t + h] with the inputs'
         polynomials U; unchanged if the status is not OK."""
-        if maker := self.advance_maker or (make_hybrid_advance if self.events else None):
-            return maker(self)
+        if self.advance_maker:
+            return self.advance_maker(self)
+        if self.events:
+            return make_hybrid_advance(self.motion)
         return make_advance(self.flat_derivative, self.state, self.inputs, self.sample, self.tolerance)
 
     @cached_property
@@ -251,10 +261,14 @@ class Component:
         return step
 
     @property
+    def standard_work_size(self) -> int:
+        """Length of the scratch vector for an advance that is integrated."""
+        return work_size(self.state, self.inputs) + GUARD_WORK_SIZE * self.motion.guard_count
+
+    @property
     def work_size(self) -> int:
         """Length of the scratch vector for `step`."""
-        standard = hybrid_work_size(self) if self.events else work_size(self.state, self.inputs)
-        return standard + self.extra_work
+        return self.standard_work_size + self.extra_work
 
     @property
     def rates_work_size(self) -> int:

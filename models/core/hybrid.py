@@ -6,7 +6,7 @@ makes its transition at once.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 from ..compile.kernel import borrow, kernel, shaped
 from .dormand_prince import Workspace, make_runge_kutta
@@ -21,12 +21,8 @@ from .integrator import (
     copy,
     make_derivative_along,
     taylor,
-    work_size,
 )
 from .quadrature import make_quadrature
-
-if TYPE_CHECKING:
-    from .component import Component
 
 # Events without progress of time after which the step is given up: chatter that its component does not
 # end needs ln(1e16)/ln(1/e) of them to stand still in time (350 for e = 0.9).
@@ -35,10 +31,21 @@ STALLED_EVENTS = 1000
 MOST_EVENTS = 100_000
 
 
-def hybrid_work_size(component: Component) -> int:
-    """Length of the scratch vector that the advance made here needs."""
-    count = component.events.count if component.events else 0
-    return work_size(component.state, component.inputs) + (len(FRACTIONS) + 2) * count
+# What the scratch vector has for each guard.
+GUARD_WORK_SIZE = len(FRACTIONS) + 2
+
+
+class HybridMotion(NamedTuple):
+    """What is integrated across events: kernels on float vectors, the numbers of states, inputs, guards."""
+
+    derivative: Any
+    guards: Any
+    transition: Any
+    sample: Any
+    states: int
+    inputs: int
+    guard_count: int
+    tolerance: float
 
 
 def make_settle(guards: Any, transition: Any, count: int) -> Any:
@@ -79,17 +86,15 @@ def make_divide(n: int, m: int, count: int) -> Any:
     return divide
 
 
-def make_hybrid_advance(component: Component) -> Any:
+def make_hybrid_advance(motion: HybridMotion) -> Any:
     """advance(t, h, x, U, p, scale, work) -> status, as `integrator.make_advance`, with the events."""
-    assert component.events is not None
-    n, count = component.state.size, component.events.count
-    guards, transition = component.flat_guards, component.flat_transition
-    derivative_along = make_derivative_along(component.flat_derivative)
-    runge_kutta = make_runge_kutta(derivative_along, n, component.tolerance)
+    n, count, guards, transition = motion.states, motion.guard_count, motion.guards, motion.transition
+    derivative_along = make_derivative_along(motion.derivative)
+    runge_kutta = make_runge_kutta(derivative_along, n, motion.tolerance)
     find_event = make_find_event(guards, runge_kutta, n, count)
     settle = make_settle(guards, transition, count)
-    divide = make_divide(n, component.inputs.size, count)
-    quadrature = make_quadrature(component.sample, n)
+    divide = make_divide(n, motion.inputs, count)
+    quadrature = make_quadrature(motion.sample, n)
 
     @kernel
     def integrate(h: float, w: Workspace, g: Guards) -> int:

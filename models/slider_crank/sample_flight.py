@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..compile.kernel import kernel, record_of
+from ..core.component import Component
 from ..core.integrator import copy, taylor
 from .flight.bouncing import CELL, FRACTION, FREE, RATE_OF_Y, Walls, Y
 from .forms import offset_slope, wall_angle, wall_rate
 from .records import mechanism
-
-if TYPE_CHECKING:
-    from ..core.component import Component
 
 # Panels of Gauss's rule: 8 points of 0.4 rad leave 1e-16 of a sliding force's integral.
 PANEL = 0.4

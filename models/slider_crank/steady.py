@@ -8,10 +8,11 @@ is in the scratch vector and follows from the parameters: results depend on the 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ..compile.kernel import borrow, kernel, record_of, shaped
-from ..core.hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
+from ..core.component import Component
+from ..core.hybrid import MOST_EVENTS, make_hybrid_advance
 from ..core.integrator import OK, TOO_MANY_EVENTS, copy, taylor
 from .equations import Mechanism
 from .flight import linear, pendulum
@@ -38,9 +39,6 @@ from .flight.series import TERMS
 from .forms import NONLINEAR, offset, offset_slope, wall_rate
 from .records import WALL_FILMS, mechanism
 from .sample_flight import NODES, PANEL, WEIGHTS, FlightCall, make_sample_flight, make_write_state
-
-if TYPE_CHECKING:
-    from ..core.component import Component
 
 # With so many cells r = 0.4 l is resolved (`flow.tabulate_flow` doubles them; here the room is fixed).
 CELLS = FEWEST_CELLS
@@ -264,13 +262,13 @@ def make_read_position(component: Component) -> Any:
 
 def make_advance(component: Component) -> Any:
     """advance(t, h, x, U, p, scale, work) -> status, as `integrator.make_advance`."""
-    hybrid = make_hybrid_advance(component)
+    hybrid = make_hybrid_advance(component.motion)
     fly, read_position, is_uniform = (
         make_fly(component),
         make_read_position(component),
         make_is_uniform(component),
     )
-    base, n, m = hybrid_work_size(component), component.state.size, component.inputs.size
+    base, n, m = component.standard_work_size, component.state.size, component.inputs.size
     P, speed_at = component.parameters.dtype, component.inputs.index("crank_speed")
 
     @kernel

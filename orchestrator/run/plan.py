@@ -21,7 +21,7 @@ from ..scenario.capabilities import is_refined, is_solved_by_parts, plan_proof
 from ..scenario.checks import check_reference
 from ..scenario.conversion import Transformations
 from ..scenario.files import to_full_toml
-from ..scenario.oil import list_oils
+from ..scenario.oil_notices import list_oils
 from ..scenario.system import (
     Assembly,
     Builder,

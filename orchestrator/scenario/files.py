@@ -12,13 +12,15 @@ from typing import Any
 
 from models.core.system import suggestion
 
-from ..errors import MistakeError
+from ..errors import MistakeError, Option, Set
 from ..texts import DEEPEST, parse_toml, parse_value, read_text, to_path
 from . import Scenario, ScenarioError, build_scenario, find_tables
 from .extending import EXTENDS, WITHOUT, drop, drop_other_options, merge, replace_cam
 from .lift_table import CAM_KEYS, replace_law
 from .ssp import read_package as contents_of_package
 from .values import to_value
+
+SET = Option("set")
 
 SHIPPED = Path(__file__).parent / "shipped"
 
@@ -71,9 +73,12 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     except ScenarioError as error:
         path = find(name)
         lines = str(error).split("\n")
-        own = list_faults(read_contents(path)) if overrides else lines  # without the overrides
-        marked = (f"{f'{path.name}:' if line in own else '--set'} {line}" for line in lines)
-        raise ScenarioError("\n".join(marked)) from None
+        own = list_faults(read_contents(path)) if overrides else lines
+        marked = [
+            ("\n" * (i > 0), f"{path.name}:" if line in own else SET, " ", line)
+            for i, line in enumerate(lines)
+        ]
+        raise ScenarioError(tuple(marked)) from None
 
 
 def read_changed(name: str | Path, overrides: Sequence[str] = ()) -> dict[str, Any]:
@@ -157,32 +162,33 @@ def override(content: dict[str, Any], text: str) -> None:
     path, equals, written = text.partition("=")
     path = path.strip()
     if not equals or not path:
-        raise ScenarioError(f"--set {text}: must be path=value, e.g. --set macro_step=2e-6")
+        raise ScenarioError((SET, f" {text}: must be path=value, e.g. ", Set("macro_step", "2e-6")))
     try:
-        value = parse_value(written)
+        put(content, path, parse_value(written))
+    except ScenarioError as error:
+        raise ScenarioError((SET, " ", error)) from None
     except ValueError as error:
-        raise ScenarioError(f"--set {path}: {error}") from None
-    put(content, path, value, "--set ")
+        raise ScenarioError((SET, f" {path}: {error}")) from None
 
 
-def put(content: dict[str, Any], path: str, value: Any, said: str = "") -> None:
-    """Put `value` at `path`, e.g. components.camshaft.parameters.lift; `said` begins the error's message."""
+def put(content: dict[str, Any], path: str, value: Any) -> None:
+    """Put `value` at `path`, e.g. components.camshaft.parameters.lift."""
     keys = split_path(path)
     known = list(Scenario.model_fields)
     if keys[0] not in known:
         tables = " or ".join(find_tables(keys[0]))
         remedy = f"did you mean {tables}?" if tables else suggestion(keys[0], known)
-        raise ScenarioError(f"{said}{path}: unknown key {keys[0]!r}; {remedy}")
+        raise ScenarioError(f"{path}: unknown key {keys[0]!r}; {remedy}")
     if path == "master.name":
         content["master"] = drop_other_options(content.get("master", {}), str(value))
         return
     table = content
     for i, key in enumerate(keys[:-1]):
         if i == 1 and key not in table:
-            raise ScenarioError(f"{said}{path}: no component {key!r}; {suggestion(key, table)}")
+            raise ScenarioError(f"{path}: no component {key!r}; {suggestion(key, table)}")
         table = table.setdefault(key, {})
         if not isinstance(table, dict):
-            raise ScenarioError(f"{said}{path}: {'.'.join(keys[: i + 1])} is not a table")
+            raise ScenarioError(f"{path}: {'.'.join(keys[: i + 1])} is not a table")
     if keys[-1] in CAM_KEYS:
         replace_law(table, keys[-1])
     if keys[0] == "components" and len(keys) == 4 and keys[2] == "parameters":

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from models.contact.oil_grades import GRADES, describe_grade
+from models.contact.oil_grades import GRADES
 from models.contact.oils import ROELANDS_PRESSURE, SLOPES, ZERO_CELSIUS, Oil, evaluate_oil, walther_slope
 from models.core import roles
 from models.core.system import suggestion
@@ -15,10 +15,6 @@ from models.core.system import suggestion
 from .fields import Table, in_unit
 from .messages import place_faults
 from .values import Faults, WithUnit, build_component
-
-if TYPE_CHECKING:
-    from .component_table import ComponentTable
-    from .scenario import Scenario
 
 Viscosity = Annotated[float, in_unit("m2/s")]
 Temperature = Annotated[float, in_unit("K")]
@@ -31,10 +27,6 @@ RANGES = (
 )
 # Parts with the viscosity of an oil.
 OILED = (roles.Contact, roles.Bearing, roles.Adjuster)
-# Numbers of an oil that parts state, with their units.
-STATED = {"viscosity": "Pa.s", "pressure_viscosity": "1/Pa"}
-# Of a scenario's parts with the same oil, so many are named in a line.
-NAMED = 3
 
 
 class OilSheet(Table):
@@ -52,7 +44,7 @@ class OilSheet(Table):
 
 def insert_oil(table: dict[str, Any]) -> dict[str, Any]:
     """A component's table with the numbers of its `oil` at its `temperature` among the parameters."""
-    temperature, found = _evaluate(table)
+    temperature, found = evaluate(table)
     known = build_component(table["component"]).parameters
     given = {name: value for name, value in found.items() if name in known}
     own = table.get("parameters", {})
@@ -71,7 +63,7 @@ def share_oil(content: dict[str, Any]) -> dict[str, Any]:
     components = content.get("components")
     if content.keys().isdisjoint(("oil", "temperature")) or not isinstance(components, dict):
         return content
-    temperature, found = _evaluate(content)
+    temperature, found = evaluate(content)
 
     def share(table: Any) -> Any:
         if not isinstance(table, dict) or table.get("oil") is not None:
@@ -90,7 +82,7 @@ def share_oil(content: dict[str, Any]) -> dict[str, Any]:
     return content | {"temperature": temperature, "components": shared}
 
 
-def _evaluate(table: Mapping[str, Any]) -> tuple[float, dict[str, WithUnit]]:
+def evaluate(table: Mapping[str, Any]) -> tuple[float, dict[str, WithUnit]]:
     """The temperature (K) of the table's `oil`, and its numbers by the names of parameters; Faults."""
     for key, other in (("oil", "temperature"), ("temperature", "oil")):
         if table.get(key) is None:
@@ -101,7 +93,7 @@ def _evaluate(table: Mapping[str, Any]) -> tuple[float, dict[str, WithUnit]]:
     try:
         state = evaluate_oil(oil, temperature)
     except ValueError as error:
-        raise Faults(("temperature", f" = {_in_celsius(temperature)}: {error}")) from None
+        raise Faults(("temperature", f" = {in_celsius(temperature)}: {error}")) from None
     numbers = {**state._asdict(), "roelands_pressure": ROELANDS_PRESSURE}
     return temperature, {name: WithUnit(value) for name, value in numbers.items()}
 
@@ -137,76 +129,7 @@ def read_oil(written: Any) -> Oil:
     return oil
 
 
-def list_oils(scenario: Scenario) -> list[str]:
-    """What each oil of a scenario has at its temperature, a line each."""
-    lines: dict[str, list[str]] = {}
-    for name, table in _list_oiled(scenario).items():
-        if (own := table if table.oil is not None else scenario).oil is not None:
-            lines.setdefault(_describe(own.oil, own.temperature or 0.0), []).append(name)
-    return [f"{_join(names)}: {text}" for text, names in lines.items()]
-
-
-def doubt_oils(scenario: Scenario) -> list[str]:
-    """Tell of numbers beside the scenario's oil, and of parts without one oil."""
-    values: dict[tuple[str, float], list[str]] = {}
-    parts = _list_oiled(scenario)
-    for name, table in parts.items():
-        if scenario.oil is not None and table.oil is not None:
-            continue
-        layout = table.resolve().parameters
-        for key in STATED:
-            if key in layout:
-                value = float(table.parameters.get(key, layout.field(key).start))
-                values.setdefault((key, value), []).append(name)
-    if scenario.oil is not None:
-        temperature, oil = _evaluate({"oil": scenario.oil, "temperature": scenario.temperature})
-        return [
-            f"{key} of components.{_join(names)} is set by hand: {value:.4g} {STATED[key]}; the oil has "
-            f"{oil[key]:.4g} {STATED[key]} at {_in_celsius(temperature)}"
-            for (key, value), names in values.items()
-            if value != oil[key]
-        ]
-    oils = [table.oil for table in parts.values()]
-    if None not in oils and all(oil == oils[0] for oil in oils):
-        return []  # at the temperature of each part
-    found = []
-    for key, unit in STATED.items():
-        each = [f"{v:.4g} {unit} in {_join(names)}" for (k, v), names in values.items() if k == key]
-        if len(each) > 1:
-            found.append(f"{key} is {', '.join(each)}")
-    if not found:
-        return []
-    return [
-        f"{'; '.join(found)}: no oil has all of these at one temperature; state one for all parts, above the "
-        'first table, e.g. oil = "SAE 5W-30" and temperature = "100 degC"'
-    ]
-
-
-def _list_oiled(scenario: Scenario) -> dict[str, ComponentTable]:
-    """The parts with an oil; a dry contact has none."""
-    return {
-        name: table
-        for name, table in scenario.components.items()
-        if table.resolve().has_role(*OILED) and table.parameters.get("film_model") != "dry"
-    }
-
-
-def _describe(written: str | OilSheet, temperature: float) -> str:
-    state = evaluate_oil(read_oil(written), temperature)
-    name, about = ("own oil", "") if isinstance(written, OilSheet) else (written, describe_grade(written))
-    return (
-        f"{name} at {_in_celsius(temperature)} has a viscosity of {1e3 * state.viscosity:.4g} mPa.s and a "
-        f"pressure-viscosity coefficient of {1e9 * state.pressure_viscosity:.4g} 1/GPa (Roelands' exponent "
-        f"{state.roelands_exponent:.3g})" + (f"; {about}" if about else "")
-    )
-
-
-def _join(names: list[str]) -> str:
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return ", ".join(names[:NAMED]) + more
-
-
-def _in_celsius(temperature: float) -> str:
+def in_celsius(temperature: float) -> str:
     return f"{temperature - ZERO_CELSIUS:.5g} degC"
 
 

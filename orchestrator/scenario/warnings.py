@@ -6,7 +6,7 @@ from ..participants import ThirdPartyComponent
 from . import Scenario, parse_line
 from .capabilities import list_renamed_libraries, list_unsynchronised
 from .fmu_limits import list_limit_warnings
-from .oil import doubt_oils
+from .oil_notices import doubt_oils
 from .third_party_values import list_bare_numbers
 from .values import WithUnit
 

@@ -23,7 +23,7 @@ from ..run.comparison import VariableError
 from ..run.pipeline import run
 from ..scenario import DURATIONS, Scenario, build_scenario, parse_ends
 from ..scenario.files import put, split_path, to_full_toml
-from ..scenario.oil import list_oils
+from ..scenario.oil_notices import list_oils
 from ..scenario.system import Builder
 from ..scenario.values import Value, parse_value
 from ..scenario.warnings import list_warnings

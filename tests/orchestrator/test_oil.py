@@ -12,7 +12,7 @@ from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import SHIPPED, list_shipped, load, read_contents, to_full_toml
-from orchestrator.scenario.oil import list_oils
+from orchestrator.scenario.oil_notices import list_oils
 from orchestrator.scenario.warnings import list_warnings
 from tribocosim.cached_fmus import build_fmu
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from models.core.system import ModelError
-from orchestrator.errors import ParticipantError
+from orchestrator.errors import ParticipantError, in_command_line
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
@@ -87,7 +87,7 @@ BAD = {
 def test_a_mistake_is_one_message_that_names_it(override: str) -> None:
     with pytest.raises(ScenarioError) as error:
         load("valve-train", [override])
-    message = str(error.value)
+    message = in_command_line(error.value)
     assert all(word in message for word in BAD[override]), message
     assert "\n" not in message
 
@@ -113,7 +113,7 @@ def test_an_impossible_system_is_one_message(override: str) -> None:
 
 @pytest.mark.parametrize("table", ["step_control", "reference", "energy", "components.camshaft"])
 def test_an_unknown_key_of_any_table_is_one_message(table: str) -> None:
-    with pytest.raises(ScenarioError, match=rf"^--set {table}\.colour: unknown key; known: \w+"):
+    with pytest.raises(ScenarioError, match=rf"^set {table}\.colour: unknown key; known: \w+"):
         load("valve-train", [f"{table}.colour=1"])
 
 
@@ -172,7 +172,7 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path: Path) -> None:
     file.write_text('extends = "valve-train"\nstart = "rest"\n')
     with pytest.raises(ScenarioError) as error:
         load(file, ["stop_time=1 us", "master.extrapolation=cubic"])
-    lines = str(error.value).split("\n")
+    lines = in_command_line(error.value).split("\n")
     assert [line.split(" = ")[0] for line in lines] == [
         "--set macro_step",
         "--set output_step",

@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from models.core.remedies import Command, Option, Set, Words, in_command_line
+
 from ..messages import say
 
 if TYPE_CHECKING:
@@ -56,19 +58,17 @@ def carry_out_apart(scenario: Scenario, out: Path | None) -> None:
     )
     os.close(writing)
     interruptions = _wait(child)
-    told = os.read(reading, 100)
-    if told.startswith(b"ended ") and told.endswith(b"."):
-        raise typer.Exit(int(told[6:-1]))
+    stated = os.read(reading, 100)
+    if stated.startswith(b"ended ") and stated.endswith(b"."):
+        raise typer.Exit(int(stated[6:-1]))
     if interruptions > 1:
-        say("interrupted" + _describe_records(out))
+        say(in_command_line(("interrupted", _describe_records(out))))
         raise typer.Exit(INTERRUPTED)
     names = scenario.exposed
     who = names[0] if len(names) == 1 else f"one of {', '.join(names)}"
-    remedy = " and ".join(f"components.{name}.process = 'own'" for name in names)
-    say(
-        f"incomplete: {who}: the FMU ended the process of the whole command ({_describe_end(child)}); set "
-        f"{remedy}, which keeps it apart{_describe_records(out)}"
-    )
+    fault = f"incomplete: {who}: the FMU ended the process of the whole command ({_describe_end(child)}); "
+    apart = [(Set(f"components.{name}.process", "own"), " ") for name in names]
+    say(in_command_line((fault, *apart, "keeps it apart", _describe_records(out))))
     raise typer.Exit(FAILED)
 
 
@@ -98,7 +98,7 @@ def _describe_end(child: subprocess.Popen[bytes]) -> str:
     return f"exit status {status}" if status >= 0 else signal.Signals(-status).name
 
 
-def _describe_records(out: Path | None) -> str:
+def _describe_records(out: Path | None) -> Words:
     if out is None:
         return ""
     from orchestrator.store.journal import find_last_time
@@ -107,5 +107,5 @@ def _describe_records(out: Path | None) -> str:
     last = find_last_time(find_run_state(out))
     if last is None:
         return "; nothing was recorded"
-    resume = f"tribocosim resume {format_path(out)} --keep"
-    return f"; {resume} makes the result of what was recorded, to t = {last:.9g} s"
+    resume = Command("resume", (format_path(out),), (Option("keep", True),))
+    return "; ", resume, f" makes the result of what was recorded, to t = {last:.9g} s"

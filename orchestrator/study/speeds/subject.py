@@ -20,7 +20,7 @@ from ...analyses import Parameter, Result
 from ...errors import MistakeError
 from ...scenario import Scenario, build_scenario
 from ...scenario.files import put, to_full_toml
-from ...scenario.oil import list_oils
+from ...scenario.oil_notices import list_oils
 from ...scenario.system import build_system, resolve_start
 from ...scenario.values import Value
 from ...scenario.warnings import list_warnings
