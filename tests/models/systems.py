@@ -67,49 +67,45 @@ def column(system: System, outputs: Vector, name: str) -> Vector:
     return outputs[:, system.outputs.names.index(name)]
 
 
+Values = Mapping[str, float] | None
+
+
 def outputs_of(
     component: Component,
-    parameters: Mapping[str, float] | None = None,
-    state: Mapping[str, float] | None = None,
-    inputs: Mapping[str, float] | None = None,
+    parameters: Values = None,
+    state: Values = None,
+    inputs: Values = None,
     t: float = 0.0,
 ) -> dict[str, float]:
     """A component's outputs by name."""
     y = component.outputs.start.copy()
-    component.flat_output(
-        t,
-        component.state.vector(state),
-        component.inputs.vector(inputs),
-        component.parameters.vector(parameters),
-        y,
-    )
+    component.flat_output(t, *_vectors(component, parameters, state, inputs), y)
     return component.outputs.named(y)
 
 
 def rates_of(
     component: Component,
-    parameters: Mapping[str, float] | None = None,
-    state: Mapping[str, float] | None = None,
-    inputs: Mapping[str, float] | None = None,
+    parameters: Values = None,
+    state: Values = None,
+    inputs: Values = None,
     t: float = 0.0,
 ) -> dict[str, float]:
     """A component's state derivatives by name."""
     dx = np.zeros(component.state.size)
-    component.flat_derivative(
-        t,
-        component.state.vector(state),
-        component.inputs.vector(inputs),
-        component.parameters.vector(parameters),
-        dx,
-    )
+    component.flat_derivative(t, *_vectors(component, parameters, state, inputs), dx)
     return component.state.named(dx)
+
+
+def _vectors(component: Component, parameters: Values, state: Values, inputs: Values) -> list[Vector]:
+    pairs = ((component.state, state), (component.inputs, inputs), (component.parameters, parameters))
+    return [layout.vector(values) for layout, values in pairs]
 
 
 def state_matrix(
     component: Component,
-    parameters: Mapping[str, float] | None = None,
-    inputs: Mapping[str, float] | None = None,
-    state: Mapping[str, float] | None = None,
+    parameters: Values = None,
+    inputs: Values = None,
+    state: Values = None,
     step: float = 1.0,
 ) -> Vector:
     """d(rates)/d(states), by steps of the states from `state`."""

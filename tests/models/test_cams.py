@@ -19,7 +19,6 @@ from models.valve_train.camshaft import camshaft
 
 S, B = 8e-3, math.radians(90.0)
 LAWS = list(RISES)
-NO_DWELL = ("harmonic", "high_powers")  # s'' is not 0 at their nose
 BY_LAW = camshaft()
 FOOT = math.pi - B
 EVALUATION = "independent evaluation"

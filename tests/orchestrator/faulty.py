@@ -1,7 +1,6 @@
-"""A participant with faults put in: it discards, fails, stalls, jumps, gives nan, or has a wrong clock."""
+"""A participant with faults put in: it discards, fails, jumps, gives nan, or has a wrong clock."""
 
 import random
-import time as clock
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
@@ -30,19 +29,6 @@ def after(start: float) -> When:
     return lambda time, step, n: time >= start - 1e-12
 
 
-def once_after(start: float) -> When:
-    """The first call of a step that begins at `start` or later."""
-    came: list[int] = []
-
-    def when(time: float, step: float, n: int) -> bool:
-        if came or time < start - 1e-12:
-            return False
-        came.append(n)
-        return True
-
-    return when
-
-
 def never(time: float, step: float, n: int) -> bool:
     return False
 
@@ -64,14 +50,12 @@ class Faulty:
         silent: bool = False,
         fails: When = never,
         dies: When = never,
-        stalls: When = never,
-        stall: Callable[[], None] = lambda: clock.sleep(60.0),
         value: Callable[[float, str, float], float] | None = None,
         drift: float = 0.0,
     ) -> None:
         self.name, self._inner = inner.name, inner
         self._discards, self._arrives, self._silent = discards, arrives, silent
-        self._fails, self._dies, self._stalls, self._stall = fails, dies, stalls, stall
+        self._fails, self._dies = fails, dies
         self._value, self._drift = value, 1.0 + drift
         self._time, self._broken = 0.0, False
         self.calls: list[tuple[float, float]] = []
@@ -95,8 +79,6 @@ class Faulty:
         assert not self._broken, "advanced after a failure, without restoring"
         self.calls.append((time, step))
         n, what = len(self.calls), f"{self.name}: step from t = {time:.9g} s by {step:g} s"
-        if self._stalls(time, step, n):
-            self._stall()
         if self._dies(time, step, n):
             self._broken = True
             raise LostParticipantError(f"{what} returned Fatal: dead")

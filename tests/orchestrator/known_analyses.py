@@ -57,5 +57,4 @@ def _lethal(values: Mapping[str, Any]) -> dict[str, float | str]:
 PLAIN = Analysis("plain", "x + y", PARAMETERS, RESULTS, _sum)
 PICKY = Analysis("picky", "x + y for x >= 0", PARAMETERS, RESULTS, _picky)
 SLOW = Analysis("slow", "x + y, late, for x >= 0", PARAMETERS, RESULTS, _slow)
-TRACED = Analysis("traced", "x + y for x >= 0, leaving a trace", PARAMETERS, RESULTS, _traced)
 LETHAL = Analysis("lethal", "x + y where the process lives", PARAMETERS, RESULTS, _lethal)

@@ -12,7 +12,6 @@ from pythonfmu.builder import FmuBuilder
 _SLAVE = """
 import ctypes
 import math
-import time
 import numpy as np
 from scipy.linalg import expm
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
@@ -57,20 +56,6 @@ VICES = {
     "spoiling": {"before_step": "if h > 3e-3: self.position += 1.0; return False"},
     "refusing": {"before_step": "if t > 0.5: self.log('no way on'); return False"},
     "raising": {"before_step": "if t > 0.5: raise RuntimeError('broken gear')"},
-    "sleeping": {"before_step": "if t > 0.5: time.sleep(60.0)"},
-    # A lock taken twice waits for ever; no signal ends that. The second one holds the interpreter as well.
-    "locked": {
-        "before_step": "lock, x = ctypes.CDLL(None).pthread_mutex_lock, (ctypes.c_long * 8)()"
-        "\n        if t > 0.5: lock(x); lock(x)"
-    },
-    "seizing": {
-        "before_step": "lock, x = ctypes.PyDLL(None).pthread_mutex_lock, (ctypes.c_long * 8)()"
-        "\n        if t > 0.5: lock(x); lock(x)"
-    },
-    "deaf": {
-        "before_step": "end = time.monotonic() + 60.0\n        while t > 0.5 and time.monotonic() < end:"
-        "\n            try: time.sleep(0.1)\n            except Exception: pass"
-    },
     "unborn": {"at_start": "raise RuntimeError('no licence')"},
     "unready": {"when_initialised": "raise RuntimeError('no table found')"},
     "infinite": {"before_step": "if t > 0.5: self.velocity = math.inf; return True"},

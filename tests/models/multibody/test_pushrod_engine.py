@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from models.core.quantities import Vector
 from models.core.system import ModelError
 from models.multibody.ida import solve_ida
 from models.multibody.linear import find_frequencies, find_rest
@@ -41,6 +42,15 @@ def engine(speed: float, preload: float = 330.0, segment: float = 0.03) -> Mecha
     return pushrod_engine(segmented_shaft(segment), trains, speed)
 
 
+def compare_segments(record: Callable[..., None], found: list[Vector], expected: Vector, *case: str) -> None:
+    """Errors of two lengths of segments, one half of the other."""
+    coarse, fine = (np.abs(values / expected - 1.0) for values in found)
+    np.testing.assert_allclose(coarse / fine, 4.0, rtol=0.05)
+    for i, (value, wanted) in enumerate(zip(found[1], expected, strict=True)):
+        quantity = f"shaft of segments of {case[0]}: natural frequency {i + 1} of {case[1]} (Hz)"
+        record("Multibody", quantity, value, wanted, EVALUATION, tolerance=4e-4 * wanted)
+
+
 def test_torsion_of_the_shaft_converges_with_the_square_of_its_segments(record: Callable[..., None]) -> None:
     """The shaft alone, turning in bearings."""
     expected = np.array([464.58727, 1370.85610, 2198.60528])
@@ -50,11 +60,7 @@ def test_torsion_of_the_shaft_converges_with_the_square_of_its_segments(record: 
         joints = [*shaft.list_bearings(), shaft.drive(0.0)]
         alone = Mechanism(shaft.list_bodies(), joints, shaft.list_beams())
         found.append(find_frequencies(alone, alone.start())[:3])
-    coarse, fine = (np.abs(values / expected - 1.0) for values in found)
-    np.testing.assert_allclose(coarse / fine, 4.0, rtol=0.05)
-    for i, (value, wanted) in enumerate(zip(found[1], expected, strict=True)):
-        quantity = f"shaft of segments of 15 mm: natural frequency {i + 1} of torsion (Hz)"
-        record("Multibody", quantity, value, wanted, EVALUATION, tolerance=4e-4 * wanted)
+    compare_segments(record, found, expected, "15 mm", "torsion")
 
 
 @pytest.mark.long
@@ -69,11 +75,7 @@ def test_bending_of_the_shaft_converges_with_the_square_of_its_segments(record: 
         pinned = Mechanism(shaft.list_bodies(), joints, shaft.list_beams())
         every = find_frequencies(pinned, pinned.start())
         found.append(np.array([every[np.argsort(np.abs(every - wanted))[:2]].mean() for wanted in expected]))
-    coarse, fine = (np.abs(values / expected - 1.0) for values in found)
-    np.testing.assert_allclose(coarse / fine, 4.0, rtol=0.05)
-    for i, (value, wanted) in enumerate(zip(found[1], expected, strict=True)):
-        quantity = f"shaft of segments of 5 mm: natural frequency {i + 1} of bending (Hz)"
-        record("Multibody", quantity, value, wanted, EVALUATION, tolerance=4e-4 * wanted)
+    compare_segments(record, found, expected, "5 mm", "bending")
 
 
 @pytest.mark.long
