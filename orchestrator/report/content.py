@@ -123,7 +123,7 @@ def _add_detail(
     for variable in sorted(variables, key=lambda v: v["name"] not in panels):
         if variable["group"] != "coupled" or room < 0:
             continue
-        values = group.read(variable["name"])
+        values = _read(group, variable["name"])
         if not np.all(np.isfinite(values)):
             continue
         packed = pack_detail(values)
@@ -201,6 +201,14 @@ def _name_connections(output: str, scenario: Scenario | None) -> str:
     return f"{output} -> {', '.join(targets)}" if targets else output
 
 
+def _read(group: Group, name: str) -> Vector:
+    """The values of a variable; a contact without load has no film."""
+    part, _, ending = name.rpartition(".")
+    if ending != "film_thickness" or f"{part}.load" not in group.stored:
+        return group.read(name)
+    return np.where(group.read(f"{part}.load") > 0.0, group.read(name), np.nan)
+
+
 class _Base:
     """The times of a group, thinned to stretches if there are many rows."""
 
@@ -217,10 +225,10 @@ class _Base:
 
     def pack(self, group: Group, name: str, reference: Group | None) -> dict[str, Any]:
         """A variable with its values, and those of its error where there is a reference on the same rows."""
-        values = group.read(name)
+        values = _read(group, name)
         data = self._pack(values, "values")
         if reference and name in reference.stored:
-            data |= self._pack(values - reference.read(name), "error", COARSE)
+            data |= self._pack(values - _read(reference, name), "error", COARSE)
         attributes = {key: group.attribute(name, key) for key in ATTRIBUTES}
         return {**describe(name, attributes), "group": self.kind, "base": self.number, "data": data}
 

@@ -140,5 +140,8 @@ def _add_contacts(sketch: Sketch, parts: Parts, contacts: Sequence[str]) -> None
             radius = parts.sources.get(f"{contact}.radius_of_curvature", "")
             if parts.has(radius):
                 found["radius"] = radius
+            for end in ("approach", "retreat"):  # their distance is the gap of a contact without load
+                if parts.has(source := parts.sources.get(f"{contact}.{end}", "")):
+                    found[end] = source
             sketch.contacts.append({"title": contact, "variables": found})
             sketch.variables |= set(found.values())

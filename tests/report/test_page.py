@@ -143,6 +143,25 @@ def test_profiles_across_a_contact_are_in_the_page(tmp_path: Path) -> None:
     assert unpack(told["time"], 8).tolist() == [0.0, 0.5, 1.0]
 
 
+def test_a_contact_without_load_has_a_gap_and_no_film(tmp_path: Path) -> None:
+    """Film and its error are left out; the gap is the distance of the surfaces, which are in the page."""
+    load_, film = np.array([[0.0, 5.0, 0.0]]).T, np.array([[4e-7, 5e-7, 6e-7]]).T
+    names = {"contact.load": Quantity("N", ""), "contact.film_thickness": Quantity("m", "")}
+    with ResultFile(tmp_path / "result.nc", {}) as made:
+        made.write("coupled", np.linspace(0.0, 1.0, 3), names, np.hstack([load_, film]))
+        made.finish(True, "")
+    variables = read_content(write_report(tmp_path).read_text("utf-8"))["variables"]
+    (packed,) = (v["data"]["values"] for v in variables if v["name"] == "contact.film_thickness")
+    np.testing.assert_allclose(unpack(packed, 4), [np.nan, 5e-7, np.nan], rtol=2.0**-PRECISE)
+    for name in ("valve-train", "pushrod-train", "roller-finger"):
+        drawn, system = sketch(name), build_system(load(name))
+        drivers = {str(c.target): str(c.source) for c in system.connections}
+        for contact in (one for each in drawn for one in each.contacts):
+            for end in ("approach", "retreat"):
+                if source := drivers.get(f"{contact['title']}.{end}"):
+                    assert contact["variables"].get(end) == source
+
+
 def test_steps_have_their_reason_and_connection_and_bonds_their_energy(tmp_path: Path) -> None:
     """Of a run whose steps are controlled; the shares of what set them add up to all."""
     scenario = tribocosim.load("two-masses").with_(

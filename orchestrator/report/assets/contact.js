@@ -94,7 +94,7 @@ class Contact {
     const solved = this.solved(row);
     if (solved >= 0) return { film: this.profiles.curve("film", solved), pressure: this.profiles.curve("pressure", solved) };
     const load = this.value("load", row), b = load > 0 ? this.value("half_width", row) : 0, span = 2.2 * this.width;
-    const h = Math.max(this.value("film_thickness", row), 0), radius = Math.abs(this.value("radius", row)) || 0.02;
+    const h = Math.max(load > 0 ? this.value("film_thickness", row) : this.open(row), 0), radius = Math.abs(this.value("radius", row)) || 0.02;
     const p = load > 0 ? this.value("maximum_pressure", row) : 0;
     const film = Array.from({ length: 161 }, (_, k) => { const x = span * (k / 80 - 1); return [x, this.gap(x, h, b, radius)]; });
     const pressure = p > 0 ? Array.from({ length: 81 }, (_, k) => { const s = k / 40 - 1; return [s * b, p * Math.sqrt(Math.max(0, 1 - s * s))]; }) : [];
@@ -132,12 +132,18 @@ class Contact {
     g.fillText(readable(1e-9 * this.pressure) + " GPa", 8, high(this.pressure) + 14);
   }
 
+  // The gap of a contact without load; NaN where the result lacks it. Without retreat the other surface rests.
+  open(row) {
+    if (!this.variables.approach) return NaN;
+    return Math.max((this.variables.retreat ? this.value("retreat", row) : 0) - this.value("approach", row), 0);
+  }
+
   describe(row) {
-    const load = this.value("load", row), h = 1e6 * this.value("film_thickness", row);
+    const load = this.value("load", row), h = 1e6 * this.value("film_thickness", row), open = 1e6 * this.open(row);
     return (load > 0
       ? "load " + readable(load) + " N, film " + readable(h) + " um, pressure " + readable(1e-9 * this.value("maximum_pressure", row)) +
         " GPa, width " + readable(2e3 * this.value("half_width", row)) + " mm"
-      : "no load, gap " + readable(Math.max(h, 0)) + " um") + "; " + this.describeSource(row) + ", heights enlarged";
+      : "no load" + (open === open ? ", gap " + readable(open) + " um" : "")) + "; " + this.describeSource(row) + ", heights enlarged";
   }
 
   describeSource(row) {
