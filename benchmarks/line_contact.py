@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,8 +26,9 @@ from models.contact.line.transient import (
 )
 from models.contact.line.workspace import Workspace, workspace_in, workspace_size
 from models.core.quantities import Layout
+from models.valve_train.cams.law import law_lift
+from models.valve_train.cams.profile import entraining_velocity, radius_of_curvature
 from models.valve_train.camshaft import CamshaftParameters
-from models.valve_train.rigid import contact_conditions
 from models.valve_train.valve_spring import ValveSpringParameters
 
 from .measure import measure_medians
@@ -40,6 +42,29 @@ BODIES = Bodies(elastic_compliance(207e9, 0.3, 207e9, 0.3), LENGTH)
 FLUID = Lubricant(0.036, 1.8e-8)
 # No micro-steps: one step for every stretch of the turn, whatever its error.
 ANY_ERROR = 1e9
+
+
+class ContactConditions(NamedTuple):
+    """Load (N), entraining velocity (m/s) and radius of curvature (m) on a rigid camshaft."""
+
+    load: float
+    entraining_velocity: float
+    radius_of_curvature: float
+
+
+def contact_conditions(
+    angle: float, speed: float, cam: Any, spring: ValveSpringParameters
+) -> ContactConditions:
+    """At a cam angle (rad, nose at pi) and speed (rad/s): W = f_p + k0 s + m3 s'' omega^2.
+
+    `cam` is a record of parameters of a cam by a law.
+    """
+    lift = law_lift(angle, cam)
+    return ContactConditions(
+        spring.preload + spring.spring_rate * lift.s + spring.valve_mass * lift.dds * speed**2,
+        entraining_velocity(cam.base_radius, lift, speed),
+        radius_of_curvature(cam.base_radius, lift),
+    )
 
 
 def build_drives(angle: float, approach: float) -> Drives:

@@ -5,12 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks.line_contact import Turn
+from benchmarks.line_contact import Turn, contact_conditions
 from models.contact.analysis.line.history import FilmHistory, film_history
 from models.contact.line.grid import REACH, fill_kernel_matrix, place_nodes
 from models.core.quantities import Layout, Vector
 from models.valve_train.camshaft import CamshaftParameters
-from models.valve_train.rigid import contact_conditions
 from models.valve_train.valve_spring import ValveSpringParameters
 
 
