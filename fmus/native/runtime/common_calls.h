@@ -5,6 +5,30 @@
 #define STRING(name) STRING_(name)
 #define NAME(name) STRING(FMI(name))
 
+/* Life */
+
+STATUS FMI(SetDebugLogging)(HANDLE handle, FMI(Boolean) on, size_t count, const FMI(String) categories[])
+{
+    if (!handle) return FMI(Error);
+    (void)count; (void)categories; /* all of them */
+    INSTANCE->logging = on;
+    return FMI(OK);
+}
+
+STATUS FMI(Terminate)(HANDLE handle)
+{
+    NEEDS(MOVING, NAME(Terminate));
+    INSTANCE->now.phase = TERMINATED;
+    return FMI(OK);
+}
+
+STATUS FMI(Reset)(HANDLE handle)
+{
+    NEEDS(ANY, NAME(Reset));
+    instance_reset(INSTANCE);
+    return FMI(OK);
+}
+
 /* Model exchange */
 
 static STATUS check_size(const Instance *instance, size_t count, size_t expected, const void *values)

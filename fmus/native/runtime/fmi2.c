@@ -32,14 +32,6 @@ const char *fmi2GetVersion(void)
     return fmi2Version;
 }
 
-fmi2Status fmi2SetDebugLogging(fmi2Component handle, fmi2Boolean on, size_t count, const fmi2String categories[])
-{
-    if (!handle) return fmi2Error;
-    (void)count; (void)categories; /* all of them */
-    INSTANCE->logging = on;
-    return fmi2OK;
-}
-
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging)
 {
@@ -89,20 +81,6 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component handle)
     status = instance_initialize(INSTANCE);
     if (status == OK) INSTANCE->now.phase = INSTANCE->now.exchange ? EVENT : STEPPING;
     return status;
-}
-
-fmi2Status fmi2Terminate(fmi2Component handle)
-{
-    NEEDS(MOVING, "fmi2Terminate");
-    INSTANCE->now.phase = TERMINATED;
-    return fmi2OK;
-}
-
-fmi2Status fmi2Reset(fmi2Component handle)
-{
-    NEEDS(ANY, "fmi2Reset");
-    instance_reset(INSTANCE);
-    return fmi2OK;
 }
 
 /* Variables */

@@ -22,14 +22,6 @@ const char *fmi3GetVersion(void)
     return fmi3Version;
 }
 
-fmi3Status fmi3SetDebugLogging(fmi3Instance handle, fmi3Boolean on, size_t count, const fmi3String categories[])
-{
-    if (!handle) return fmi3Error;
-    (void)count; (void)categories; /* all of them */
-    INSTANCE->logging = on;
-    return fmi3OK;
-}
-
 /* Life */
 
 static void *refused(fmi3InstanceEnvironment environment, fmi3LogMessageCallback say, const char *why)
@@ -149,20 +141,6 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance handle, fmi3Boolean *again, fmi
     *next_defined = isfinite(*next);
     if (!*next_defined) *next = 0.0;
     return status;
-}
-
-fmi3Status fmi3Terminate(fmi3Instance handle)
-{
-    NEEDS(MOVING, "fmi3Terminate");
-    INSTANCE->now.phase = TERMINATED;
-    return fmi3OK;
-}
-
-fmi3Status fmi3Reset(fmi3Instance handle)
-{
-    NEEDS(ANY, "fmi3Reset");
-    instance_reset(INSTANCE);
-    return fmi3OK;
 }
 
 /* Variables */

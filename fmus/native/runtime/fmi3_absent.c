@@ -1,19 +1,8 @@
 /* What FMI 3.0 asks for and no component has: other types, clocks, structural parameters, sizes that change. */
 #include "fmi3.h"
 
-#define NONE_OF(Type)                                                                                                  \
-    fmi3Status fmi3Get##Type(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, fmi3##Type values[],    \
-                             size_t size)                                                                              \
-    {                                                                                                                  \
-        (void)vr; (void)values; (void)size;                                                                            \
-        return none(handle, "fmi3Get" #Type, READABLE, count, "variables of type " #Type);                             \
-    }                                                                                                                  \
-    fmi3Status fmi3Set##Type(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,                         \
-                             const fmi3##Type values[], size_t size)                                                   \
-    {                                                                                                                  \
-        (void)vr; (void)values; (void)size;                                                                            \
-        return none(handle, "fmi3Set" #Type, SETTABLE, count, "variables of type " #Type);                             \
-    }
+/* The calls only say that there is nothing to them. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 
 static fmi3Status none(fmi3Instance handle, const char *call, int phases, size_t count, const char *what)
 {
@@ -21,135 +10,53 @@ static fmi3Status none(fmi3Instance handle, const char *call, int phases, size_t
     return count ? instance_say(INSTANCE, ERROR, "%s: this FMU has no %s", call, what) : fmi3OK;
 }
 
-NONE_OF(Float32)
-NONE_OF(Int8)
-NONE_OF(UInt8)
-NONE_OF(Int16)
-NONE_OF(UInt16)
-NONE_OF(UInt32)
-NONE_OF(UInt64)
-NONE_OF(String)
+/* A call about `count` variables of a kind that there is none of, in some phases; its further arguments. */
+#define NONE_OF(Call, phases, what, ...)                                                                               \
+    fmi3Status Call(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, __VA_ARGS__)                     \
+    {                                                                                                                  \
+        return none(handle, #Call, phases, count, what);                                                               \
+    }
 
-fmi3Status fmi3GetBinary(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, size_t sizes[],
-                         fmi3Binary values[], size_t size)
-{
-    (void)vr; (void)sizes; (void)values; (void)size;
-    return none(handle, "fmi3GetBinary", READABLE, count, "variables of type Binary");
-}
+#define NONE_OF_TYPE(Type)                                                                                             \
+    NONE_OF(fmi3Get##Type, READABLE, "variables of type " #Type, fmi3##Type values[], size_t size)                     \
+    NONE_OF(fmi3Set##Type, SETTABLE, "variables of type " #Type, const fmi3##Type values[], size_t size)
 
-fmi3Status fmi3SetBinary(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, const size_t sizes[],
-                         const fmi3Binary values[], size_t size)
-{
-    (void)vr; (void)sizes; (void)values; (void)size;
-    return none(handle, "fmi3SetBinary", SETTABLE, count, "variables of type Binary");
-}
+NONE_OF_TYPE(Float32)
+NONE_OF_TYPE(Int8)
+NONE_OF_TYPE(UInt8)
+NONE_OF_TYPE(Int16)
+NONE_OF_TYPE(UInt16)
+NONE_OF_TYPE(UInt32)
+NONE_OF_TYPE(UInt64)
+NONE_OF_TYPE(String)
+NONE_OF(fmi3GetBinary, READABLE, "variables of type Binary", size_t sizes[], fmi3Binary values[], size_t size)
+NONE_OF(fmi3SetBinary, SETTABLE, "variables of type Binary", const size_t sizes[], const fmi3Binary values[],
+        size_t size)
 
-/* Clocks */
+NONE_OF(fmi3GetClock, ANY, "clocks", fmi3Clock values[])
+NONE_OF(fmi3SetClock, ANY, "clocks", const fmi3Clock values[])
+NONE_OF(fmi3GetIntervalDecimal, ANY, "clocks", fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
+NONE_OF(fmi3GetIntervalFraction, ANY, "clocks", fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+        fmi3IntervalQualifier qualifiers[])
+NONE_OF(fmi3GetShiftDecimal, ANY, "clocks", fmi3Float64 shifts[])
+NONE_OF(fmi3GetShiftFraction, ANY, "clocks", fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+NONE_OF(fmi3SetIntervalDecimal, ANY, "clocks", const fmi3Float64 intervals[])
+NONE_OF(fmi3SetIntervalFraction, ANY, "clocks", const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+NONE_OF(fmi3SetShiftDecimal, ANY, "clocks", const fmi3Float64 shifts[])
+NONE_OF(fmi3SetShiftFraction, ANY, "clocks", const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 
-#define CLOCKS(call) none(handle, call, ANY, count, "clocks")
+/* A call with these arguments that needs what there is not. */
+#define NEVER(Call, what, ...)                                                                                         \
+    fmi3Status Call(__VA_ARGS__)                                                                                       \
+    {                                                                                                                  \
+        return none(handle, #Call, ANY, 1, what);                                                                      \
+    }
+#define STATED_ONLY "dependencies but those in modelDescription.xml"
 
-fmi3Status fmi3GetClock(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, fmi3Clock values[])
-{
-    (void)vr; (void)values;
-    return CLOCKS("fmi3GetClock");
-}
-
-fmi3Status fmi3SetClock(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, const fmi3Clock values[])
-{
-    (void)vr; (void)values;
-    return CLOCKS("fmi3SetClock");
-}
-
-fmi3Status fmi3GetIntervalDecimal(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
-                                  fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
-{
-    (void)vr; (void)intervals; (void)qualifiers;
-    return CLOCKS("fmi3GetIntervalDecimal");
-}
-
-fmi3Status fmi3GetIntervalFraction(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
-                                   fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
-{
-    (void)vr; (void)counters; (void)resolutions; (void)qualifiers;
-    return CLOCKS("fmi3GetIntervalFraction");
-}
-
-fmi3Status fmi3GetShiftDecimal(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, fmi3Float64 shifts[])
-{
-    (void)vr; (void)shifts;
-    return CLOCKS("fmi3GetShiftDecimal");
-}
-
-fmi3Status fmi3GetShiftFraction(fmi3Instance handle, const fmi3ValueReference vr[], size_t count, fmi3UInt64 counters[],
-                                fmi3UInt64 resolutions[])
-{
-    (void)vr; (void)counters; (void)resolutions;
-    return CLOCKS("fmi3GetShiftFraction");
-}
-
-fmi3Status fmi3SetIntervalDecimal(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
-                                  const fmi3Float64 intervals[])
-{
-    (void)vr; (void)intervals;
-    return CLOCKS("fmi3SetIntervalDecimal");
-}
-
-fmi3Status fmi3SetIntervalFraction(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
-                                   const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-{
-    (void)vr; (void)counters; (void)resolutions;
-    return CLOCKS("fmi3SetIntervalFraction");
-}
-
-fmi3Status fmi3SetShiftDecimal(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
-                               const fmi3Float64 shifts[])
-{
-    (void)vr; (void)shifts;
-    return CLOCKS("fmi3SetShiftDecimal");
-}
-
-fmi3Status fmi3SetShiftFraction(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
-                                const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-{
-    (void)vr; (void)counters; (void)resolutions;
-    return CLOCKS("fmi3SetShiftFraction");
-}
-
-fmi3Status fmi3ActivateModelPartition(fmi3Instance handle, fmi3ValueReference clock, fmi3Float64 time)
-{
-    (void)clock; (void)time;
-    return none(handle, "fmi3ActivateModelPartition", ANY, 1, "clocks");
-}
-
-/* Configuration and what capability flags deny */
-
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance handle)
-{
-    return none(handle, "fmi3EnterConfigurationMode", ANY, 1, "structural parameters");
-}
-
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance handle)
-{
-    return none(handle, "fmi3ExitConfigurationMode", ANY, 1, "structural parameters");
-}
-
-fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance handle)
-{
-    return none(handle, "fmi3EvaluateDiscreteStates", ANY, 1,
-                "other equations at events than fmi3UpdateDiscreteStates");
-}
-
-fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance handle, fmi3ValueReference vr, size_t *count)
-{
-    (void)vr; (void)count;
-    return none(handle, "fmi3GetNumberOfVariableDependencies", ANY, 1,
-                "dependencies but those in modelDescription.xml");
-}
-
-fmi3Status fmi3GetVariableDependencies(fmi3Instance handle, fmi3ValueReference dependent, size_t elements[],
-                                       fmi3ValueReference independents[], size_t of[], fmi3DependencyKind kinds_of[],
-                                       size_t count)
-{
-    (void)dependent; (void)elements; (void)independents; (void)of; (void)kinds_of; (void)count;
-    return none(handle, "fmi3GetVariableDependencies", ANY, 1, "dependencies but those in modelDescription.xml");
-}
+NEVER(fmi3ActivateModelPartition, "clocks", fmi3Instance handle, fmi3ValueReference clock, fmi3Float64 time)
+NEVER(fmi3EnterConfigurationMode, "structural parameters", fmi3Instance handle)
+NEVER(fmi3ExitConfigurationMode, "structural parameters", fmi3Instance handle)
+NEVER(fmi3EvaluateDiscreteStates, "other equations at events than fmi3UpdateDiscreteStates", fmi3Instance handle)
+NEVER(fmi3GetNumberOfVariableDependencies, STATED_ONLY, fmi3Instance handle, fmi3ValueReference vr, size_t *count)
+NEVER(fmi3GetVariableDependencies, STATED_ONLY, fmi3Instance handle, fmi3ValueReference dependent, size_t elements[],
+      fmi3ValueReference independents[], size_t of[], fmi3DependencyKind kinds_of[], size_t count)
