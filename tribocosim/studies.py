@@ -128,9 +128,9 @@ def speeds(
         found = sweep(scenario.content, chosen, folder, where, reporter, overwrite, second_film)
     attributes: dict[str, Any] = {}
     for name in ("separation", "second_separation"):
-        told = found.summary.get(name) or {}
-        speed = told.get("speed")
-        attributes[name] = told.get("text", "")
+        stated = found.summary.get(name) or {}
+        speed = stated.get("speed")
+        attributes[name] = stated.get("text", "")
         attributes[f"{name}_speed"] = math.nan if speed is None else speed
     return found.table.assign_attrs(attributes)
 

@@ -64,13 +64,13 @@ def tables(component: Any, name: str, digest: str, token: str, fmi: int = 2) -> 
         elements = {v.reference: 0 for v in variables}
         elements |= {one.first.reference: len(one.elements) for one in group_arrays(variables)}
     declared = (_variable(v, elements[v.reference]) for v in variables)
-    told = (f'{_string(v.name)} "\\0" {_string(_describe_range(v))} "\\0"' for v in variables)
+    texts = (f'{_string(v.name)} "\\0" {_string(_describe_range(v))} "\\0"' for v in variables)
     messages = [FAILURES.get(status, "") for status in range(max(FAILURES) + 1)]
     strings = {"MODEL": name, "TOKEN": token, "DIGEST": digest}
     defined = {key: _string(text) for key, text in strings.items()} | sizes
     arrays = (
         _array("Variable", "variables", "VARIABLES + STATES + 1 + GUARDS", declared),
-        "const char texts[] =\n    " + "\n    ".join(told) + ";",
+        "const char texts[] =\n    " + "\n    ".join(texts) + ";",
         _array("double", "beginning", "SIZE", map(_number, memory.beginning())),
         _array("double", "nominal", "", map(_number, (*component.state.nominal, 1.0))),
         _array("int", "started", "", map(str, (*memory.started, -1))),

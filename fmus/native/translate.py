@@ -67,8 +67,8 @@ def _summarise(text: str) -> str:
     """The error at the end of a traceback and the first line of its explanation; numba's go on below it."""
     lines = [line.strip() for line in re.sub(r"\x1b\[[0-9;]*m", "", text).splitlines()]
     raised = [i for i, line in enumerate(lines) if re.match(r"[\w.]+(Error|Exception)\b", line)]
-    told = [line for line in lines[raised[-1] :] if line][:2] if raised else lines[-1:]
-    return " ".join(told) or "the compiler says nothing"
+    lines = [line for line in lines[raised[-1] :] if line][:2] if raised else lines[-1:]
+    return " ".join(lines) or "the compiler says nothing"
 
 
 def _translate(name: str, structure: Mapping[str, int]) -> str:

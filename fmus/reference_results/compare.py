@@ -24,7 +24,7 @@ from .inside import FOLDER
 from .manifest import find_results, read_results, state_options
 
 CO_SIMULATION, MODEL_EXCHANGE = "co-simulation", "model exchange"
-# What the solver of model exchange is told, over the tolerance of the results: errors of steps add up, and
+# What the solver of model exchange is given, over the tolerance of the results: errors of steps add up, and
 # impacts multiply them.
 SOLVER_SHARE = 1e-4
 
@@ -241,8 +241,8 @@ def _simulate(
     with _silence() as said:
         try:
             if kind == MODEL_EXCHANGE:
-                told = max(SOLVER_SHARE * allowed, SHARPEST)
-                return integrate(path, described, o, reference.inputs, times, named, told)
+                tolerance = max(SOLVER_SHARE * allowed, SHARPEST)
+                return integrate(path, described, o, reference.inputs, times, named, tolerance)
             result: NDArray[np.void] = fmpy.simulate_fmu(
                 str(path),
                 validate=False,

@@ -42,6 +42,6 @@ def _manifest(paths: Iterable[str]) -> str:
     for path in paths:
         kind, role, says = next(kind for suffix, kind in _KINDS.items() if path.endswith(suffix))
         says += ", model exchange" if path.startswith("me/") else ""
-        told = f'source={quoteattr(path)} role="{role}" description={quoteattr(says)}'
-        lines.append(f'    <Related type="{kind}" {told}/>\n')
+        attributes = f'source={quoteattr(path)} role="{role}" description={quoteattr(says)}'
+        lines.append(f'    <Related type="{kind}" {attributes}/>\n')
     return _HEAD + "".join(lines) + "</fmiReferences>\n"

@@ -27,7 +27,7 @@ class Coupling(Exchange):
         lines: SideLines = NO_SIDE_LINES,
     ) -> None:
         super().__init__(system, participants, degree, watched or {})
-        self.unrated: list[str] = []  # whose rates are no numbers at the start, and not used
+        self.without_rates: list[str] = []  # whose rates are no numbers at the start, and not used
         self.unproven: list[str] = []  # why participants that say so cannot be restored
         self.instants = Instants(self, lines)
 
@@ -51,7 +51,7 @@ class Coupling(Exchange):
         for i in self.wiring.all:
             self.participants[i].read()
             if not np.isfinite(self.state.rates[self.wiring.slices[i]]).all():
-                self._forgo_rates(i)
+                self._ignore_rates(i)
             self.read(i)
         if not np.array_equal(before, self.state.arrived):
             make_consistent(self, start_time)
@@ -70,14 +70,14 @@ class Coupling(Exchange):
         if proofs:  # which may be other instances now
             self.rebind()
 
-    def _forgo_rates(self, i: int) -> None:
+    def _ignore_rates(self, i: int) -> None:
         """Use no rates of participant i, whose signals are then quadratic.
 
         Rates that are no numbers at the start are differences over a step that has not been made, and of
         first order only when it has.
         """
         own = self.wiring.slices[i]
-        self.unrated.append(self.wiring.names[i])
+        self.without_rates.append(self.wiring.names[i])
         self.participants[i].connect(self.bind_variables(i, np.zeros(0)))
         self.state.history.rated[own], self.state.rates[own] = False, 0.0
         self.rebind()

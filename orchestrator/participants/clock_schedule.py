@@ -58,14 +58,14 @@ class ClockSchedule:
         """Of a run that starts at `time`, with these intervals of settable clocks; in initialisation mode."""
         asked = [c for c in self._timed if c.interval is None]
         periodic = [c for c in asked if c.variability not in (CHANGING, COUNTDOWN)]
-        told = self._ask(asked)
+        intervals = self._ask(asked)
         references = [c.reference for c in periodic]
         shifts = self._fmu.ask_shifts(references) if references else []
         shift = dict(zip((c.name for c in periodic), shifts, strict=True))
         paces = []
         for clock in self._timed:
             stated = given.get(clock.name, clock.interval or math.inf)
-            interval, qualifier = told.get(clock.name, (stated, CHANGED))
+            interval, qualifier = intervals.get(clock.name, (stated, CHANGED))
             if qualifier == UNKNOWN:
                 interval = math.inf
             aperiodic = clock.variability in (CHANGING, COUNTDOWN)
@@ -80,7 +80,7 @@ class ClockSchedule:
 
     def advance(self, paces: list[Pace], ticking: Sequence[str], time: float) -> None:
         """At the end of event mode at `time`, in which these clocks ticked: when each ticks next."""
-        told = self._ask(
+        intervals = self._ask(
             [
                 c
                 for c in self._timed
@@ -88,7 +88,7 @@ class ClockSchedule:
             ]
         )
         for i, (clock, pace) in enumerate(zip(self._timed, paces, strict=True)):
-            interval, qualifier = told.get(clock.name, (pace.interval, 1))
+            interval, qualifier = intervals.get(clock.name, (pace.interval, 1))
             ticked = clock.name in ticking
             if qualifier == CHANGED or (clock.variability == CHANGING and ticked):
                 paces[i] = Pace(time + interval, time, interval)  # from the present, not from the last tick

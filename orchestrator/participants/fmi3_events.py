@@ -260,9 +260,9 @@ class Fmi3WithEvents(Fmi3):
 
     def ask_intervals(self, references: Sequence[int]) -> list[tuple[float, int]]:
         count = len(references)
-        wanted, found, told = (c_uint * count)(*references), (c_double * count)(), (c_int * count)()
-        self.slave.getIntervalDecimal(wanted, found, told)
-        return list(zip(found, told, strict=True))
+        wanted, found, qualifiers = (c_uint * count)(*references), (c_double * count)(), (c_int * count)()
+        self.slave.getIntervalDecimal(wanted, found, qualifiers)
+        return list(zip(found, qualifiers, strict=True))
 
     def ask_shifts(self, references: Sequence[int]) -> list[float]:
         found = (c_double * len(references))()

@@ -93,7 +93,7 @@ def _tell_run(records: Records, summary: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _render(told: Mapping[str, Any], content: Mapping[str, Any]) -> str:
+def _render(values: Mapping[str, Any], content: Mapping[str, Any]) -> str:
     folder = resources.files(__package__) / "assets"
 
     def read(name: str) -> str:
@@ -103,7 +103,7 @@ def _render(told: Mapping[str, Any], content: Mapping[str, Any]) -> str:
         autoescape=True, undefined=jinja2.StrictUndefined, loader=jinja2.FunctionLoader(read)
     )
     return environment.get_template("page.html").render(
-        **told,
+        **values,
         style=Markup(read("report.css")),
         script=Markup("\n".join(map(read, SCRIPTS))),
         data=Markup(_to_script(content)),

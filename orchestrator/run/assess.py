@@ -20,7 +20,7 @@ from .comparison import compare, largest_uncertainty, verdict
 from .plan import MONOLITHIC, Plan, ReferencePlan
 from .record import ENDS, NOT_COMPARED, OUTSIDE, WITHIN, Ending, Record, classify_ending
 from .reference import Solution, solve_reference
-from .witness import Testimony, hear_witness
+from .witness import WitnessComparison, compare_witness
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -142,11 +142,11 @@ def _write_profiles(reference: Reference, result: ResultFile) -> None:
 
 def _hear_witness(
     plan: Plan, coupled: Mapping[str, Vector], solution: Solution, reporter: Reporter
-) -> Testimony | None:
+) -> WitnessComparison | None:
     if solution.reference is None:
         return None
     with reporter.stage("multibody witness"):
-        return hear_witness(plan.system, solution.reference, coupled)
+        return compare_witness(plan.system, solution.reference, coupled)
 
 
 def _advise_on_events(plan: Plan, contacts: ContactSummaries) -> Words:

@@ -9,7 +9,7 @@ from ..errors import Words
 from .comparison import Errors
 from .plan import MONOLITHIC
 from .record import Ending
-from .witness import Testimony
+from .witness import WitnessComparison
 
 # Where extremes of contacts are from.
 MACRO_STEPS, ROWS = "all macro steps", "recorded rows"
@@ -30,4 +30,4 @@ class Assessment:
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
     reference_method: str = MONOLITHIC
-    witness: Testimony | None = None
+    witness: WitnessComparison | None = None

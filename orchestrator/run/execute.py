@@ -91,7 +91,7 @@ class _Observation:
             warnings=self.warnings,
             not_numbers=self.not_numbers.since,
             python_sweeps=statistics.python_sweeps if statistics else {},
-            unrated=statistics.unrated if statistics else (),
+            without_rates=statistics.without_rates if statistics else (),
             unproven=statistics.unproven if statistics else (),
         )
 

@@ -33,7 +33,7 @@ from .comparison import Errors, VariableError
 from .plan import Plan
 from .record import FAILED, INTERRUPTED, Ending
 from .summary import Summary
-from .witness import Testimony
+from .witness import WitnessComparison
 
 PACKAGES = ("tribocosim", "numpy", "scipy", "numba", "scikit-sundae", "fmpy", "pythonfmu")
 
@@ -199,7 +199,7 @@ def _tabulate(errors: Errors, method: str) -> Table:
     return table
 
 
-def _tabulate_witness(witness: Testimony) -> Table:
+def _tabulate_witness(witness: WitnessComparison) -> Table:
     """Coupled run, reference and witness side by side."""
     table = Table(
         title="Coupled run, monolithic reference and multibody model (SI units: least, largest)",

@@ -61,5 +61,5 @@ class Record:
     warnings: Mapping[str, Warnings] = field(default_factory=dict)
     not_numbers: Mapping[str, float] = field(default_factory=dict)  # the first time (s) an output was NaN
     python_sweeps: Mapping[str, str] = field(default_factory=dict)  # slow participants: reason
-    unrated: Sequence[str] = ()  # participants whose rates were not used
+    without_rates: Sequence[str] = ()  # participants whose rates were not used
     unproven: Sequence[str] = ()  # why participants were not restored

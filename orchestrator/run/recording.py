@@ -54,9 +54,9 @@ class ResultRecorder:
         variables = {name: self._quantities[name] for name in names}
         self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled, self._held_for)
         # With the names, so that a journal alone says which variable a number is.
-        told = STEP_VARIABLES | {"source": replace(STEP_VARIABLES["source"], choices=tuple(names))}
+        quantities = STEP_VARIABLES | {"source": replace(STEP_VARIABLES["source"], choices=tuple(names))}
         try:
-            self._steps = Journal(self._folder / f"steps{SUFFIX}", told, steps, self._held_for)
+            self._steps = Journal(self._folder / f"steps{SUFFIX}", quantities, steps, self._held_for)
         except BaseException:
             self._coupled.close()
             raise

@@ -93,8 +93,8 @@ def _report_ended(out: Path, reporter: Reporter) -> Summary:
         )
     reporter.line(f"{format_path(out)}: the run is complete; there is nothing to continue")
     known = ("scenario", "description", "version", "master", "macro_step", "fixed_steps", "tolerance")
-    told = ("complete", "resumable", "message", "verdict", "exit_status", "macro_steps", "iterations")
-    return Summary(**{key: found[key] for key in (*known, *told)})
+    state = ("complete", "resumable", "message", "verdict", "exit_status", "macro_steps", "iterations")
+    return Summary(**{key: found[key] for key in (*known, *state)})
 
 
 def _read_summary(out: Path) -> dict[str, Any]:

@@ -24,8 +24,8 @@ class Statistics:
     """What a run took. `do_steps` counts the steps of single participants, rejected ones too.
 
     `python_sweeps`: the participants that keep sweeps in Python, which is slower than compiled code, and why.
-    `unrated`: those whose rates are no numbers at the start, and were not used. `unproven`: why some do not
-    restore their states.
+    `without_rates`: those whose rates are no numbers at the start, and were not used. `unproven`: why some do
+    not restore their states.
     """
 
     macro_steps: int
@@ -34,7 +34,7 @@ class Statistics:
     do_steps: int
     coupled_time_s: float
     python_sweeps: Mapping[str, str]
-    unrated: Sequence[str] = ()
+    without_rates: Sequence[str] = ()
     unproven: Sequence[str] = ()
 
 
@@ -95,7 +95,7 @@ class _Run:
         elapsed, coupling = clock.perf_counter() - self._began, self.session.coupling
         return Statistics(
             self._made, self._rejected, self._iterations, int(coupling.calls.sum()), elapsed,
-            coupling.explain_python(), coupling.unrated, coupling.unproven,
+            coupling.explain_python(), coupling.without_rates, coupling.unproven,
         )  # fmt: skip
 
 

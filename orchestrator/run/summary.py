@@ -19,7 +19,7 @@ from .assessment import MACRO_STEPS, Assessment
 from .comparison import Errors, describe_largest
 from .plan import Plan
 from .record import FAILED, Ending, Record, Warnings
-from .witness import Testimony
+from .witness import WitnessComparison
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Summary:
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
     reference_method: str = Assessment.reference_method
-    witness: Testimony | None = None
+    witness: WitnessComparison | None = None
     errors: Errors = field(default_factory=dict)
     contacts: ContactSummaries = field(default_factory=dict)
     contacts_from: str = MACRO_STEPS
@@ -59,7 +59,7 @@ class Summary:
     warnings: Mapping[str, Warnings] = field(default_factory=dict)
     not_numbers: Mapping[str, float] = field(default_factory=dict)
     python_sweeps: Mapping[str, str] = field(default_factory=dict)
-    unrated: Sequence[str] = ()
+    without_rates: Sequence[str] = ()
     unproven: Sequence[str] = ()
     fmus: dict[str, str] = field(default_factory=dict)
     notices: Sequence[Words] = field(default_factory=list)
@@ -73,10 +73,10 @@ class Summary:
             first = f", the first: {given.first}" if given.first else "; it does not say of what"
             lines.append(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
         lines += self.unproven
-        if self.unrated:
+        if self.without_rates:
             lines.append(
-                f"{', '.join(self.unrated)}: rates of change are no numbers at the start, so signals go "
-                "through values only"
+                f"{', '.join(self.without_rates)}: rates of change are no numbers at the start, so signals "
+                "go through values only"
             )
         for name, since in self.not_numbers.items():
             lines.append(

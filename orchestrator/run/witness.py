@@ -50,7 +50,7 @@ class Side:
 
 
 @dataclass(frozen=True)
-class Testimony:
+class WitnessComparison:
     """What the witness says, by quantity; `drift` is the largest violation of a constraint (m or rad)."""
 
     method: str
@@ -123,7 +123,7 @@ def _find_train(system: System) -> WitnessedTrain:
     return train
 
 
-def hear_witness(system: System, reference: Reference, coupled: Mapping[str, Vector]) -> Testimony:
+def compare_witness(system: System, reference: Reference, coupled: Mapping[str, Vector]) -> WitnessComparison:
     """Solve the train of `system` as bodies with joints, at the instants of both, and compare."""
     from models.multibody.ida import solve_ida
 
@@ -138,7 +138,7 @@ def hear_witness(system: System, reference: Reference, coupled: Mapping[str, Vec
         )
         for seen in train.observe(motion)
     }
-    return Testimony(
+    return WitnessComparison(
         method=motion.method,
         constraints=len(motion.mechanism.constraint_names),
         freedoms=motion.mechanism.freedoms,

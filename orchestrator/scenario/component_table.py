@@ -197,16 +197,16 @@ class ComponentTable(Table):
         layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
         kinds = {"parameters": "parameter", "start": "state", "inputs": "input"}
         assert info.field_name
-        layout, told = layouts.pop(info.field_name), dict[str, Value]()
+        layout, chosen = layouts.pop(info.field_name), dict[str, Value]()
         if isinstance(component, ThirdPartyComponent):
-            told = convert_enumerations(
+            chosen = convert_enumerations(
                 component, {key: value for key, value in values.items() if key in layout}
             )
             layouts["structure"] = component.sizes
             if info.field_name != "start":
-                told |= select_strings(component, values, kinds[info.field_name].rpartition(" ")[2])
-        others = spread_arrays({key: value for key, value in values.items() if key not in told}, layout)
-        return parse_values(layout, others, kinds[info.field_name], layouts) | told
+                chosen |= select_strings(component, values, kinds[info.field_name].rpartition(" ")[2])
+        others = spread_arrays({key: value for key, value in values.items() if key not in chosen}, layout)
+        return parse_values(layout, others, kinds[info.field_name], layouts) | chosen
 
     @model_validator(mode="after")
     def _check_resized(self) -> ComponentTable:

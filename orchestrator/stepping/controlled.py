@@ -237,9 +237,9 @@ class ControlledSteps:
             self._controller = PI()
             self._next, self._set_by = RESTARTED * self._next, GROWTH
         self._next = min(max(self._next, self._control.minimum_step), self._control.maximum_step)
-        told = coupling.wiring.output_number(source)
+        number = coupling.wiring.output_number(source)
         parts = attempt.parts if length else 1
-        return Step(end, end - time, attempt.iterations, rejected, error, told, reason, parts)
+        return Step(end, end - time, attempt.iterations, rejected, error, number, reason, parts)
 
     def state(self) -> dict[str, Any]:
         return {

@@ -100,8 +100,8 @@ class FixedSteps:
             gap = locator.cross(self._master, time + length, gap, before)
         if source >= 0:
             end = locator.last = time + length + gap
-        told = coupling.wiring.output_number(source)
-        made = self._accept(Step(end, end - time, iterations, source=told, reason=reason))
+        number = coupling.wiring.output_number(source)
+        made = self._accept(Step(end, end - time, iterations, source=number, reason=reason))
         if gap or locator.due(end):
             coupling.state.history.restart(smooth)
         return made

@@ -30,8 +30,8 @@ def list_event_outputs(system: System) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for name, instance in system.instances.items():
         c = instance.component
-        told = [*c.event_indicators, c.event_counter, c.event_time, c.next_event]
-        found[name] = [variable for variable in told if variable]
+        outputs = [*c.event_indicators, c.event_counter, c.event_time, c.next_event]
+        found[name] = [variable for variable in outputs if variable]
     return found
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from models.monolithic import solve
 from orchestrator.run import witness as judging
-from orchestrator.run.witness import Side, check_witness, hear_witness
+from orchestrator.run.witness import Side, check_witness, compare_witness
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
@@ -52,7 +52,7 @@ def test_the_witness_judges_the_reference(difference: float, agrees: bool) -> No
     """A rocker of twice its inertia differs by 5e-2 in the cam's load."""
     span = (0.0, 1.0)
     sides = {"cam_contact.load": Side(span, span, span, 0.0, difference)}
-    witness = judging.Testimony("", 26, 1, 0.0, 0.0, sides)
+    witness = judging.WitnessComparison("", 26, 1, 0.0, 0.0, sides)
     assert witness.agrees is agrees
     assert "sees no error in them" in witness.judge()
     assert ("contradicts" in witness.judge()) is not agrees
@@ -102,7 +102,7 @@ def test_the_witness_agrees_with_the_reference(scenario: str, record: Callable[.
     system = build_system(loaded)
     check_witness(loaded, system)
     reference = solve(system, np.linspace(0.0, STOP[scenario], 601), 1e-8, x0=system.x0)
-    witness = hear_witness(system, reference, {name: reference[name] for name in system.outputs.names})
+    witness = compare_witness(system, reference, {name: reference[name] for name in system.outputs.names})
     for name, tolerance in TRAINS[scenario].items():
         found = witness.quantities[name].reference_difference
         quantity = f"{scenario}, {name}: reference against multibody, relative RMS"

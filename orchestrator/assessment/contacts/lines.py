@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from .contact_summary import RESOLVED, ContactSummaries, ContactSummary
 
 SYMBOLS = {"material": "G", "squeeze": "w_s", "load": "W", "speed": "U"}
-# More contacts are not told one by one: those with the thinnest films are.
+# Of more contacts only those with the thinnest films have lines of their own.
 SHOWN = 4
 # A film feeds vibrations where the motion keeps this share of the power that goes to and fro through it, and
 # this coefficient of rolling friction would be needed to take it. Trains that follow their cams stay below
@@ -24,15 +24,15 @@ def lines(summaries: ContactSummaries, source: str, fixed_steps: bool) -> list[s
         if len(summaries) > SHOWN
         else list(summaries)
     )
-    told = [f"{name}: {text}" for name in names for text in _write_lines(summaries[name])]
+    lines = [f"{name}: {text}" for name in names for text in _write_lines(summaries[name])]
     if len(summaries) > SHOWN:
-        told.append(f"{len(summaries) - SHOWN} more contacts with thicker films: see summary.json")
+        lines.append(f"{len(summaries) - SHOWN} more contacts with thicker films: see summary.json")
     if summaries:
         longest = max(summary.longest_step for summary in summaries.values())
-        told.append(f"extremes of contacts are those of {source}, {longest:.3g} s apart at most")
+        lines.append(f"extremes of contacts are those of {source}, {longest:.3g} s apart at most")
     for name, summary in summaries.items():
-        told += [f"{name}: {text}" for text in _warnings(name, summary, fixed_steps)]
-    return told
+        lines += [f"{name}: {text}" for text in _warnings(name, summary, fixed_steps)]
+    return lines
 
 
 def _write_lines(summary: ContactSummary) -> Iterator[str]:

@@ -59,8 +59,8 @@ class Trimmed:
         self._observer.begin(self._names(names))
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        told = step._replace(source=self._number.get(step.source, -1))
-        self._observer.observe(time, lambda: outputs()[self._kept], told)
+        counted = step._replace(source=self._number.get(step.source, -1))
+        self._observer.observe(time, lambda: outputs()[self._kept], counted)
 
     def end(self, complete: bool, message: str) -> None:
         self._observer.end(complete, message)

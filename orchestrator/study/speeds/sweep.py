@@ -89,8 +89,8 @@ def sweep(
     if separation is not None:
         reporter.line(separation.text)
     second = compare_films(subject, table, separation, second_film) if separation else None
-    told = [second["text"]] if second else []
-    notices = [*told, *describe_lift_loss(table), *describe_feeding(subject, table)]
+    texts = [second["text"]] if second else []
+    notices = [*texts, *describe_lift_loss(table), *describe_feeding(subject, table)]
     for text in notices:
         reporter.line(text)
     summary = {
