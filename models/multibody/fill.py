@@ -76,7 +76,7 @@ def _make_records(found: Sequence[dict[str, Any]], dtype: Any) -> Any:
     for record, fields in zip(records, found, strict=True):
         for name, value in fields.items():
             record[name] = value
-    return records
+    return records.view(np.recarray)
 
 
 def _select_profile(cam: Any, names: Sequence[str]) -> Any:

@@ -112,20 +112,22 @@ def test_law_of_impact(
         assert co.slips(touching, found, ratios, s, m)
 
 
-@pytest.mark.long
-@settings(max_examples=60, deadline=None, derandomize=True)
+@pytest.mark.plain
+@settings(max_examples=30, deadline=None, derandomize=True)
 @given(
     corner=st.sampled_from([0, 1, 2, 3]),
     partner=st.sampled_from([None, "side", "diagonal"]),
     theta=st.floats(-3.0, 3.0),
     rate=st.floats(0.01, 1.0),
-    restitution=st.floats(0.0, 1.0),
+    restitution=st.sampled_from([0.0, 0.6, 1.0]),
+    friction=st.sampled_from([0.0, 0.1]),
 )
 def test_energy_of_an_impact_is_work_of_the_crank_less_its_loss(
-    corner: int, partner: str | None, theta: float, rate: float, restitution: float
+    corner: int, partner: str | None, theta: float, rate: float, restitution: float, friction: float
 ) -> None:
-    """Stored energy with losses and the crank's work does not jump; the crank's impulse does the work."""
-    p = DRIVEN.parameters.vector({"restitution": restitution, "pin_offset": 1e-3})
+    """Stored energy with losses and the crank's work does not jump; the crank's impulse does the work. An
+    elastic impact without friction loses nothing."""
+    p = DRIVEN.parameters.vector({"restitution": restitution, "pin_offset": 1e-3, "wall_friction": friction})
     x, u = DRIVEN.state.vector(), DRIVEN.inputs.vector({"crank_angle": theta, "crank_speed": 200.0})
     m = machine(DRIVEN.parameters.view(p))
     side, along = co.side(corner), co.corner_along(corner, m)
@@ -147,6 +149,8 @@ def test_energy_of_an_impact_is_work_of_the_crank_less_its_loss(
     # The corner is also put on its wall, by 1e-7 m in the diagonal start made here.
     allowed = 1e-12 if partner != "diagonal" else 1e-3
     assert stored - named["impact_work"] + named["impact_loss"] == pytest.approx(before, rel=allowed)
+    if restitution == 1.0 and friction == 0.0:
+        assert named["impact_loss"] == pytest.approx(0.0, abs=allowed * before)
     assert named[f"impact_count[{corner + 1}]"] == 1.0
     assert named["last_impact_time"] == 0.1
     assert named["impact_work"] == pytest.approx(200.0 * named["crank_impact_impulse"], rel=1e-12, abs=1e-12)

@@ -74,8 +74,8 @@ def _read_states(component: Component, train: Mechanism, angle: float) -> Vector
     return x
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("flexible", [pytest.param(0.0, marks=pytest.mark.long), 1.0])
+@pytest.mark.plain
+@pytest.mark.parametrize("flexible", [0.0, 1.0])
 def test_accelerations_and_loads_are_those_of_the_mechanism(component: Component, flexible: float) -> None:
     """Cholesky's factors of J M^-1 J^T in kernels against the whole matrix, for a train of other numbers."""
     train, p, x, u = begin(component, flexible, 2.1)
@@ -98,7 +98,7 @@ def test_accelerations_and_loads_are_those_of_the_mechanism(component: Component
     assert outputs["constraint_violation"] < 1e-12
 
 
-@pytest.mark.long
+@pytest.mark.plain
 def test_stored_energy_changes_by_the_powers(component: Component) -> None:
     """dE/dt = source - loss + drive torque times speed, where the cam's radius is constant."""
     p = component.parameters.vector({"flexible": 1.0})
@@ -174,7 +174,7 @@ def test_a_valve_too_light_for_its_contact_is_refused(component: Component, shar
     assert all("must be >= 6.75e-05 kg" in fault for fault in faults)
 
 
-@pytest.mark.long
+@pytest.mark.plain
 @pytest.mark.parametrize("flexible", [0.0, 1.0])
 def test_a_start_that_its_joints_do_not_allow_is_named_with_the_joint(
     component: Component, flexible: float
