@@ -27,6 +27,7 @@ import llvmlite.binding as llvm
 import numba
 import numpy as np
 from numba.core import caching, compiler, serialize, sigutils
+from numba.core.runtime.nrt import rtsys
 
 from .cache_eviction import due, tidy, use
 from .cache_folder import open_folder, user_cache_directory
@@ -78,7 +79,7 @@ class KernelCache(caching._Cache):
         process that compiled them. Two functions compiled in different processes and loaded into a third
         could bear the same symbol, and one would run as the other: the name has to tell them apart.
         """
-        target_context.refresh()
+        rtsys.initialize(target_context)  # what loaded code calls; numba reads its tables to compile only
         # Where numba changed inside, or there is no place to write (nor a home), starting is only slower.
         with contextlib.suppress(AttributeError, TypeError, OSError, RuntimeError):
             key = self._key(sig, target_context.codegen())

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import numba
 import numpy as np
 
 from models.compile.array_pointers import ArrayPointers, integers, marks, numbers, table
+from models.compile.compiled import compiled
 
 from ..participants.compiled import CALLS, FINE, NOT_FINITE, STEP, CompiledCalls, advance, give, take
 from ..participants.held_inputs import at_end, mean
@@ -91,7 +91,7 @@ class CompiledSweep:
         e.calls[i] += 1
 
 
-@numba.njit(cache=True)
+@compiled
 def _sweep(
     turns: Any, memory: Any, history: Any, known: int, steps: bool, in_turn: bool, time: float, step: float,
     done: int,
@@ -130,7 +130,7 @@ def _sweep(
     return 0, ended, 0
 
 
-@numba.njit(cache=True)
+@compiled
 def _give_present(turn: Any, m: Any) -> tuple[int, int]:
     """Give the FMU the present values, and rates; the call that did not succeed, or FINE, and its status."""
     given, origins, arrived = numbers(m.given), integers(m.origins), table(m.arrived)
@@ -143,7 +143,7 @@ def _give_present(turn: Any, m: Any) -> tuple[int, int]:
     return give(turn)
 
 
-@numba.njit(cache=True)
+@compiled
 def _advance(turn: Any, m: Any, time: float, step: float) -> tuple[int, int]:
     """Give the FMU its inputs and make the step; the call that did not succeed, or FINE, and its status."""
     given, origins, signals, held = numbers(m.given), integers(m.origins), table(m.signals), marks(m.held)
@@ -162,7 +162,7 @@ def _advance(turn: Any, m: Any, time: float, step: float) -> tuple[int, int]:
     return call, status
 
 
-@numba.njit(cache=True)
+@compiled
 def _read(turn: Any, m: Any) -> tuple[int, int]:
     """Store the FMU's outputs and rates in the exchange; NOT_FINITE if one is not."""
     call, status = take(turn)

@@ -17,10 +17,10 @@ from contextlib import contextmanager
 from functools import cached_property
 from typing import Any
 
-import numba
 import numpy as np
 
 from models.compile.array_pointers import ArrayPointers, integers, mark_table, marks, numbers, table
+from models.compile.compiled import compiled
 from models.core.quantities import Vector
 
 from ..errors import one_of
@@ -120,7 +120,7 @@ class History:
         self.count = other.count
 
 
-@numba.njit(cache=True)
+@compiled
 def _smooth(memory: Any) -> bool:
     """The rates of all sources are used at the last two points."""
     smooth = mark_table(memory[0].smooth)
@@ -130,7 +130,7 @@ def _smooth(memory: Any) -> bool:
     return known
 
 
-@numba.njit(cache=True)
+@compiled
 def _push(memory: Any, time: float, new: Any, new_rates: Any) -> None:
     m = memory[0]
     times, values, rates, smooth = numbers(m.times), table(m.values), table(m.rates), mark_table(m.smooth)
@@ -143,7 +143,7 @@ def _push(memory: Any, time: float, new: Any, new_rates: Any) -> None:
         values[0, i], rates[0, i], smooth[0, i] = new[i], new_rates[i], True
 
 
-@numba.njit(cache=True)
+@compiled
 def parabola(t0: float, v0: float, t1: float, v1: float, t2: float, v2: float, points: int, at: float) -> Any:
     """Value, first and second derivative at `at` of the polynomial through the first `points` points."""
     if points == 1:
@@ -156,7 +156,7 @@ def parabola(t0: float, v0: float, t1: float, v1: float, t2: float, v2: float, p
     return v0 + s * (d1 + (at - t1) * d2), d1 + (s + at - t1) * d2, 2.0 * d2
 
 
-@numba.njit(cache=True)
+@compiled
 def hermite(v0: float, r0: float, v1: float, r1: float, h: float) -> Any:
     """Second and third derivative, at the first point, of the cubic through two values and rates.
 
@@ -166,7 +166,7 @@ def hermite(v0: float, r0: float, v1: float, r1: float, h: float) -> Any:
     return 2.0 * (3.0 * d - 2.0 * r0 - r1) / h, 6.0 * (r0 + r1 - 2.0 * d) / (h * h)
 
 
-@numba.njit(cache=True)
+@compiled
 def cubic(v0: float, r0: float, smooth: bool, v1: float, r1: float, smooth_1: bool, h: float) -> Any:
     """First to third derivative at the first point of the signal through two values and their rates.
 
@@ -184,7 +184,7 @@ def cubic(v0: float, r0: float, smooth: bool, v1: float, r1: float, smooth_1: bo
     return d, 0.0, 0.0
 
 
-@numba.njit(cache=True)
+@compiled
 def _store(out: Any, i: int, value: float, slope: float, curvature: float, third: float) -> None:
     out[0, i] = value
     if out.shape[0] > 1:
@@ -195,7 +195,7 @@ def _store(out: Any, i: int, value: float, slope: float, curvature: float, third
         out[3, i] = third
 
 
-@numba.njit(cache=True)
+@compiled
 def _extrapolate(memory: Any, count: int, degree: int, out: Any) -> None:
     m = memory[0]
     times, values, rates, rated = numbers(m.times), table(m.values), table(m.rates), marks(m.rated)
@@ -214,7 +214,7 @@ def _extrapolate(memory: Any, count: int, degree: int, out: Any) -> None:
         _store(out, i, v, d, c, third)
 
 
-@numba.njit(cache=True)
+@compiled
 def interpolate_part(
     memory: Any,
     count: int,
@@ -263,7 +263,7 @@ def interpolate(
     return found
 
 
-@numba.njit(cache=True)
+@compiled
 def evaluate(signals: Any, s: float, values: Any, rates: Any) -> None:
     """Values and rates of the polynomials at a time s after their origin."""
     for i in range(values.shape[0]):
@@ -275,7 +275,7 @@ def evaluate(signals: Any, s: float, values: Any, rates: Any) -> None:
         values[i], rates[i] = v, r
 
 
-@numba.njit(cache=True)
+@compiled
 def gather(signals: Any, sources: Any, targets: Any, out: Any) -> None:
     """out[targets[j]] = signals[k, i], where sources[j] counts the signals row by row."""
     n = signals.shape[1]
@@ -283,7 +283,7 @@ def gather(signals: Any, sources: Any, targets: Any, out: Any) -> None:
         out[targets[j]] = signals[sources[j] // n, sources[j] % n]
 
 
-@numba.njit(cache=True)
+@compiled
 def finite(values: Any, rates: Any, first: int, last: int) -> bool:
     """All values and rates of the sources from `first` up to `last` are finite."""
     known = True
@@ -292,7 +292,7 @@ def finite(values: Any, rates: Any, first: int, last: int) -> bool:
     return known
 
 
-@numba.njit(cache=True)
+@compiled
 def move_origin(signals: Any, shift: float, out: Any) -> None:
     """The signals' derivatives at a time `shift` later; `out` may be `signals` itself."""
     for k in range(signals.shape[0]):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 
 from models.compile.array_pointers import (
@@ -14,6 +13,7 @@ from models.compile.array_pointers import (
     numbers,
     table,
 )
+from models.compile.compiled import compiled
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
@@ -82,13 +82,13 @@ def bind_interface(coupling: Coupling, part: tuple[int, ...], step: float) -> In
     return found
 
 
-@numba.njit(cache=True)
+@compiled
 def _gather(memory: Any, found: Any) -> None:
     m = memory[0]
     _scaled(table(m.arrived), integers(m.sources), integers(m.rate_sources), numbers(m.scale), found)
 
 
-@numba.njit(cache=True)
+@compiled
 def _predict(memory: Any, step: float, found: Any) -> None:
     m = memory[0]
     assumed = table(m.assumed)
@@ -96,7 +96,7 @@ def _predict(memory: Any, step: float, found: Any) -> None:
     _scaled(assumed, integers(m.sources), integers(m.rate_sources), numbers(m.scale), found)
 
 
-@numba.njit(cache=True)
+@compiled
 def _scaled(ends: Any, sources: Any, rated: Any, scale: Any, found: Any) -> None:
     n = sources.shape[0]
     for j in range(n):
@@ -105,7 +105,7 @@ def _scaled(ends: Any, sources: Any, rated: Any, scale: Any, found: Any) -> None
         found[n + j] = ends[1, rated[j]] / scale[n + j]
 
 
-@numba.njit(cache=True)
+@compiled
 def _assume(memory: Any, history: Any, vector: Any, known: int, end: float) -> None:
     m = memory[0]
     sources, rates, scale = integers(m.sources), integers(m.rate_sources), numbers(m.scale)

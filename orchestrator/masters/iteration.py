@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
 
-import numba
 import numpy as np
 
+from models.compile.compiled import compiled
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
@@ -59,7 +59,7 @@ class Implicit(SignalOptions):
         return Limits(self.tolerance, self.maximum_iterations)
 
 
-@numba.njit(cache=True)
+@compiled
 def _residuals(guess: Any, result: Any, found: Any) -> float:
     """Changes of the vector, relative where it is above nominal; the largest, or NaN where one is."""
     worst = 0.0

@@ -16,6 +16,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
+from models.compile.compiled import compiled
 from models.core.quantities import Vector
 
 from .fmi_instance import DISCARD, WARNING
@@ -177,14 +178,14 @@ _release_interpreter = types.ExternalFunction("PyEval_SaveThread", types.intp())
 _acquire_interpreter = types.ExternalFunction("PyEval_RestoreThread", types.void(types.intp))
 
 
-@numba.njit(cache=True)
+@compiled
 def _transfer(fmu: Any, function: int, references: int, count: int, memory: int) -> int:
     if fmu.fmi3:
         return _call_reals3(function, fmu.component, references, count, memory)
     return _call_reals(function, fmu.component, references, count, memory)
 
 
-@numba.njit(cache=True)
+@compiled
 def _call_transfer(fmu: Any, function: int, references: int, count: int, memory: int) -> int:
     if count == 0:
         return 0
@@ -196,7 +197,7 @@ def _call_transfer(fmu: Any, function: int, references: int, count: int, memory:
     return status
 
 
-@numba.njit(cache=True)
+@compiled
 def _call_do_step(fmu: Any, time: float, step: float) -> int:
     yes = numba.int32(1)
     if fmu.fmi3:
@@ -208,7 +209,7 @@ def _call_do_step(fmu: Any, time: float, step: float) -> int:
     return _call_step(fmu.do_step, fmu.component, time, step, yes)
 
 
-@numba.njit(cache=True)
+@compiled
 def _step(fmu: Any, time: float, step: float) -> int:
     if fmu.in_python:
         return _call_do_step(fmu, time, step)
@@ -218,7 +219,7 @@ def _step(fmu: Any, time: float, step: float) -> int:
     return status
 
 
-@numba.njit(cache=True)
+@compiled
 def _transfer_state(fmu: Any, function: int) -> int:
     if fmu.in_python:
         return _call_state(function, fmu.component, fmu.saved)
@@ -228,7 +229,7 @@ def _transfer_state(fmu: Any, function: int) -> int:
     return status
 
 
-@numba.njit(cache=True)
+@compiled
 def give(fmu: Any) -> tuple[int, int]:
     """Set the inputs; the call that did not succeed, or FINE, and its status."""
     status = _call_transfer(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
@@ -239,7 +240,7 @@ def give(fmu: Any) -> tuple[int, int]:
     return FINE, status
 
 
-@numba.njit(cache=True)
+@compiled
 def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
     """Set the inputs and make the step; as `give`."""
     call, status = give(fmu)
@@ -261,7 +262,7 @@ def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
     return FINE, status
 
 
-@numba.njit(cache=True)
+@compiled
 def take(fmu: Any) -> tuple[int, int]:
     """Get outputs and rates; as `give`."""
     status = _call_transfer(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken)

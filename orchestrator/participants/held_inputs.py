@@ -9,10 +9,10 @@ Signals are polynomials: row k of `signals` has their k-th derivatives at the st
 
 from typing import Any
 
-import numba
+from models.compile.compiled import compiled
 
 
-@numba.njit(cache=True)
+@compiled
 def mean(signals: Any, column: int, step: float) -> float:
     """Of one signal over the step: the sum over k of u_k h^k/(k + 1)!."""
     total, factor = 0.0, 1.0
@@ -23,7 +23,7 @@ def mean(signals: Any, column: int, step: float) -> float:
     return total
 
 
-@numba.njit(cache=True)
+@compiled
 def at_end(signals: Any, row: int, column: int, step: float) -> float:
     """The derivative of order `row` of one signal at the end of the step."""
     total, factor = 0.0, 1.0
@@ -33,7 +33,7 @@ def at_end(signals: Any, row: int, column: int, step: float) -> float:
     return total
 
 
-@numba.njit(cache=True)
+@compiled
 def average(signals: Any, rows: Any, columns: Any, held: Any, step: float, given: Any) -> None:
     """What is given for the step: means of the `held`, others as they are at its start."""
     for j in range(rows.shape[0]):
@@ -41,7 +41,7 @@ def average(signals: Any, rows: Any, columns: Any, held: Any, step: float, given
         given[j] = mean(signals, column, step) if held[j] else signals[row, column]
 
 
-@numba.njit(cache=True)
+@compiled
 def move_to_end(signals: Any, rows: Any, columns: Any, step: float, given: Any) -> None:
     """What is given after the step."""
     for j in range(rows.shape[0]):

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import scipy
 
 from models.core.system import Connection, Port
 
@@ -18,9 +17,11 @@ def find_highest_degrees(connections: Sequence[Connection], followed: Mapping[Po
     """
     names = list(dict.fromkeys(port.instance for c in connections for port in (c.source, c.target)))
     ends = np.array([[names.index(p.instance) for p in (c.source, c.target)] for c in connections], dtype=int)
-    graph = np.zeros((len(names), len(names)), dtype=bool)
-    graph[tuple(ends.reshape(-1, 2).T)] = True
-    _, loop = scipy.sparse.csgraph.connected_components(graph, directed=True, connection="strong")
+    reach = np.eye(len(names))
+    reach[tuple(ends.reshape(-1, 2).T)] = 1.0
+    for _ in range(len(names).bit_length()):
+        reach = np.sign(reach @ reach)
+    loop = [int(row.argmax()) for row in reach * reach.T]  # the first of those that reach each other
     own: dict[Port, int] = {}
     of_loop: dict[int, int] = {}
     for c, (source, target) in zip(connections, ends, strict=True):

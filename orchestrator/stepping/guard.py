@@ -3,10 +3,10 @@
 import math
 from typing import Any
 
-import numba
 import numpy as np
 
 from models.compile.array_pointers import ArrayPointers, numbers, table
+from models.compile.compiled import compiled
 
 from ..engine.coupling import Coupling
 from ..engine.signals import STEPWISE, parabola
@@ -95,7 +95,7 @@ class RunawayGuard:
         self._patience = float(state["patience"])
 
 
-@numba.njit(cache=True)
+@compiled
 def _judge(memory: Any, known: int, time: float, bound: float, share: float) -> int:
     """The source that most misses its own linear extrapolation, if the coupling is unstable; else -1.
 

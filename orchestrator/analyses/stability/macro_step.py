@@ -9,11 +9,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numba
 import numpy as np
 from scipy.linalg import eig
 from scipy.sparse import csr_array
 
+from models.compile.compiled import compiled
 from models.core.difference import difference
 from models.core.quantities import Vector
 from models.core.system import Port, System
@@ -141,7 +141,7 @@ def predict_errors(step: MacroStep, track: SampledTrajectory, count: int, nomina
     return np.array(found)
 
 
-@numba.njit(cache=True)
+@compiled
 def propagate(data: Any, columns: Any, rows: Any, driven: Any, first: int, found: Any) -> None:
     """Compute e(n) = matrix e(n - 1) + driven(n) from zero; store elements from `first` on in `found`."""
     size = driven.shape[1]

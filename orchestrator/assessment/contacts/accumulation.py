@@ -3,10 +3,10 @@
 import math
 from typing import Any
 
-import numba
 import numpy as np
 
 from models.compile.array_pointers import integers, numbers, table
+from models.compile.compiled import compiled
 
 from ...participants.compiled import FINE, take
 
@@ -61,7 +61,7 @@ def make_records(count: int) -> tuple[Any, Any]:
     return summaries, ranges
 
 
-@numba.njit(cache=True)
+@compiled
 def observe(fmus: Any, memory: Any, summaries: Any, time: float) -> tuple[int, int, int]:
     """Read the contacts that are FMUs, then `accumulate`. Returns the FMU, the call and the status that
     failed; FINE where none did."""
@@ -73,7 +73,7 @@ def observe(fmus: Any, memory: Any, summaries: Any, time: float) -> tuple[int, i
     return 0, FINE, 0
 
 
-@numba.njit(cache=True)
+@compiled
 def replay(memory: Any, summaries: Any, times: Any, rows: Any) -> None:
     """`accumulate` recorded rows (records x SEEN) of one contact."""
     seen = table(memory[0].seen)
@@ -82,7 +82,7 @@ def replay(memory: Any, summaries: Any, times: Any, rows: Any) -> None:
         accumulate(memory, summaries, times[k])
 
 
-@numba.njit(cache=True)
+@compiled
 def accumulate(memory: Any, summaries: Any, time: float) -> None:
     """Add the macro step that ends at `time`.
 
@@ -116,7 +116,7 @@ def accumulate(memory: Any, summaries: Any, time: float) -> None:
         c.time, c.load, c.deflection = time, load, row[5]
 
 
-@numba.njit(cache=True)
+@compiled
 def _extremes(c: Any, row: Any, limit: float, load: float, time: float, step: float) -> None:
     """Extremes and durations (by the trapezoidal rule)."""
     c.duration += step
@@ -137,7 +137,7 @@ def _extremes(c: Any, row: Any, limit: float, load: float, time: float, step: fl
         c.film_ratio = min(c.film_ratio, row[3])
 
 
-@numba.njit(cache=True)
+@compiled
 def _work(c: Any, film_power: float, rolling: float, step: float) -> None:
     """By the trapezoidal rule; what is not finite, as at a radius of zero, counts as nothing."""
     film_power = film_power if math.isfinite(film_power) else 0.0
@@ -147,7 +147,7 @@ def _work(c: Any, film_power: float, rolling: float, step: float) -> None:
     c.film_power, c.rolling = film_power, rolling
 
 
-@numba.njit(cache=True)
+@compiled
 def _range(r: Any, value: float, low: float, high: float, loaded: bool, step: float) -> None:
     """How long a group is outside its range under load, and its extremes; NaN is outside."""
     outside = 1.0 if loaded and not low <= value <= high else 0.0
@@ -157,7 +157,7 @@ def _range(r: Any, value: float, low: float, high: float, loaded: bool, step: fl
         r[LEAST], r[MOST] = min(r[LEAST], value), max(r[MOST], value)
 
 
-@numba.njit(cache=True)
+@compiled
 def _separate(c: Any, gap: float, time: float) -> None:
     """A step without load at its end."""
     if np.isnan(c.since):
@@ -168,7 +168,7 @@ def _separate(c: Any, gap: float, time: float) -> None:
     finish(c)
 
 
-@numba.njit(cache=True)
+@compiled
 def _touch(c: Any, load: float, time: float, step: float) -> None:
     """A step with load at its end. A landing is over where the load, after its peak, has fallen to LANDED of
     it, rises again or is zero."""
@@ -192,7 +192,7 @@ def _touch(c: Any, load: float, time: float, step: float) -> None:
     c.touch_impulse += 0.5 * step * (c.load + load)
 
 
-@numba.njit(cache=True)
+@compiled
 def finish(c: Any) -> None:
     """The present landing, if there is one, is over."""
     if not np.isnan(c.touched) and c.peak > c.impact_load:
