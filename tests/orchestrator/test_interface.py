@@ -1,4 +1,6 @@
-"""What an iteration makes agree, and what is looked for inside a step."""
+"""What an iteration makes agree, what is looked for inside a step, and what set its length."""
+
+import math
 
 import numpy as np
 import pytest
@@ -9,10 +11,14 @@ from scipy.interpolate import CubicHermiteSpline
 from orchestrator.engine.coupling import Coupling
 from orchestrator.engine.coupling_state import CouplingState
 from orchestrator.engine.signals import DEGREES
+from orchestrator.engine.step import REASONS
 from orchestrator.masters.interface import BEND, bind_interface
 from orchestrator.participants import in_process
+from orchestrator.stepping import ControlledSteps, StepControl
 from orchestrator.stepping.locator import find_dip
 
+from .faulty_runs import CONTROLLED, TOLERANCE, faulty, simulated
+from .test_events import bouncing, controlled, hermite
 from .two_masses import two_masses
 
 STEP = 0.01
@@ -70,3 +76,39 @@ def test_an_indicator_that_dips_in_a_step_is_found_where_its_cubic_is_lowest(end
     else:
         assert np.sign(ends[0]) * cubic(found) == pytest.approx(seen.min(), abs=1e-5)
         assert np.sign(ends[0]) * cubic(found) < 0.0
+
+
+ERROR, GROWTH = REASONS.index("error"), REASONS.index("growth")
+
+
+def steps_of(kind, first):
+    """Those of two masses from a first step of this length (s)."""
+    master, estimator = CONTROLLED[kind]
+    control = StepControl(estimator, relative=TOLERANCE, absolute=TOLERANCE)
+    recorder, ended = simulated(faulty(), master, ControlledSteps(first, control))
+    assert ended is None
+    return recorder.steps[1:]  # the start is a step of no length
+
+
+@pytest.mark.parametrize("kind", CONTROLLED)
+def test_a_first_step_far_too_short_grows_until_the_error_sets_the_length(kind):
+    """Doubling at most takes the binary logarithm of the ratio; begun at that length, little has to grow."""
+    first = 1e-9
+    steps = steps_of(kind, first)
+    length = float(np.median([step.length for step in steps if step.reason == ERROR]))
+    growing = next(i for i, step in enumerate(steps) if step.reason == ERROR)
+    assert {step.reason for step in steps[:growing]} == {GROWTH}
+    assert growing >= math.log2(steps[growing].length / first)
+    begun_there = sum(step.reason == GROWTH for step in steps_of(kind, length))
+    assert begun_there < 0.2 * growing
+
+
+def test_free_flight_is_never_limited_by_the_error():
+    """Between bounces nothing is exchanged that changes the motion: the coupling has no error there."""
+    recorder, truth, _ = bouncing(controlled(1e-7), hermite(1e-7), 1.0)
+    flying = truth[:, 0] > 1e-3  # m over the stop
+    ends, steps = np.flatnonzero(flying), recorder.steps
+    inside = [steps[i] for i in ends[1:] if flying[i - 1]]
+    assert len(inside) > 10
+    assert ERROR not in {step.reason for step in inside}
+    assert {step.reason for step in steps[1:]} >= {ERROR, GROWTH}

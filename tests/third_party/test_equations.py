@@ -1,7 +1,7 @@
 """FMUs for model exchange: references by their equations, and participants that the run integrates."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,13 +14,20 @@ import tribocosim
 from fmus.native.fmu import build
 from fmus.native.machine_code import this_platform
 from models.core.difference import difference
-from models.core.system import Instance
+from models.core.quantities import Vector
+from models.core.system import Instance, System
+from models.monolithic.cvode import Cvode
+from models.monolithic.march import march
+from models.monolithic.runge_kutta import RungeKutta
 from models.oscillators.exact import quarter_car
 from orchestrator.participants import Participant, open_fmu, read_component
+from orchestrator.participants.model_exchange.integrated import DrivenEquations
 from orchestrator.participants.protocol import BoundVariables
+from orchestrator.run.equations import PartwiseProblem
 from orchestrator.scenario.files import list_shipped, read_contents
 
 from ..fmus.names import mark_long
+from .described import describe2, real2
 from .masses import LINES
 from .public import public
 from .runs import ran, scenario
@@ -260,3 +267,92 @@ def test_a_public_ball_bounces_exactly(version: str, tmp_path: Path, record: Any
     largest = float(np.max(np.abs(found["ball.h"] - bouncing_ball(found["time"]))))
     case = f"BouncingBall of FMI {version}, integrated by the go: h"
     record("FMUs", case, largest, 0.0, "its equations", tolerance=1e-8)
+
+
+Indicator = Callable[[float, float, float], float]
+
+
+class Switching:
+    """Stands for the equations of an FMU that is slow where its indicator z(t, x, u) is above zero, or with
+    `falls` where it is not."""
+
+    name, states, indicators = "switching", 1, 1
+
+    def __init__(self, indicator: Indicator, falls: bool) -> None:
+        self._indicator, self._falls = indicator, falls
+        self._t, self._x, self._u = 0.0, np.zeros(1), np.zeros(1)
+        self._above, self._sign, self.next_event = falls, 1.0, math.inf
+
+    def initialise(self, start: float, stop: float) -> None:
+        pass
+
+    finish_initialisation = enter_events = close = lambda self: None
+
+    def bind_inputs(self, names: Any) -> None:
+        pass
+
+    def outputs(self, t: float, x: Vector, u: Vector) -> Vector:
+        self._t, self._x, self._u = t, x.copy(), u.copy()
+        return self._x
+
+    def rate(self) -> Vector:
+        return np.array([1.0 if self._above == self._falls else 0.5])
+
+    def guards(self) -> Vector:
+        return self._sign * self._read()
+
+    def iterate(self) -> bool:
+        self._above = bool(self._read() > 0.0)
+        return False
+
+    def leave_events(self) -> float:
+        self._sign = 1.0 if self._read() > 0.0 else -1.0
+        return math.inf
+
+    def get_states(self) -> Vector:
+        return self._x
+
+    def get_nominal(self) -> Vector:
+        return np.ones(1)
+
+    def _read(self) -> Vector:
+        return np.array([self._indicator(self._t, self._x[0], self._u[0] if len(self._u) else 0.0)])
+
+
+# z, whether it falls, and x at the end. Of these zeros each is met exactly.
+MET: dict[str, tuple[Indicator, bool, float]] = {
+    "rises": (lambda t, x, u: x - 0.55, False, 0.775),
+    "falls": (lambda t, x, u: 0.55 - x, True, 0.775),
+    "of time": (lambda t, x, u: t - 0.5, False, 0.75),
+    "from the start on": (lambda t, x, u: x, False, 0.5),
+    "flat": (lambda t, x, u: (x - 0.55) ** 3, False, 0.775),
+}
+OF_INPUT = {"of an input": (lambda t, x, u: u - 0.5, False, 0.75)}
+
+
+@pytest.mark.parametrize(("indicator", "falls", "expected"), (MET | OF_INPUT).values(), ids=MET | OF_INPUT)
+def test_an_fmu_that_is_integrated_here_has_the_event(
+    indicator: Indicator, falls: bool, expected: float
+) -> None:
+    """Under the input u = t; x to what a flat zero can be located to, 1e-16^(1/3)."""
+    problem = DrivenEquations(Switching(indicator, falls))  # type: ignore[arg-type]
+    problem.connect(["u"])
+    problem.inputs[1] = 1.0
+    z = np.zeros(1)
+    problem.iterate_events(0.0, z)
+    found, events = march(problem, RungeKutta(problem, 1e-10, False, 0.1), z, 0.0, np.array([1.0]))
+    assert found[0, 0] == pytest.approx(expected, abs=1e-5)
+    assert len(events) == 1
+
+
+@pytest.mark.parametrize("method", [Cvode, RungeKutta])
+@pytest.mark.parametrize(("indicator", "falls", "expected"), MET.values(), ids=MET)
+def test_the_reference_has_the_event(
+    indicator: Indicator, falls: bool, expected: float, method: Any, tmp_path: Path
+) -> None:
+    component = read_component(describe2(tmp_path / "one.fmu", real2("x", 0, "output")))
+    system = System({"one": Instance(component)}, [])
+    problem = PartwiseProblem(system, {"one": Switching(indicator, falls)}, {})  # type: ignore[dict-item]
+    z = problem.start(0.0, 1.0)
+    found, _ = march(problem, method(problem, 1e-10, False, 0.1), z, 0.0, np.array([1.0]))
+    assert found[0, 0] == pytest.approx(expected, abs=1e-5)
