@@ -78,6 +78,12 @@ def test_the_modified_trapezoid_has_other_laws_as_its_limits(name, shares):
     np.testing.assert_allclose(found, sample(law_lift, angles, law(name)), atol=1e-13 * S * 100.0)
 
 
+def test_shares_that_fill_the_rise_up_to_rounding_leave_no_fade():
+    """0.08 + 0.1 + 0.12 + 0.7 is 1 less 1.1e-16: s'' is at the nose what it is beside it."""
+    p = law("modified_trapezoid", **dict(zip(SHARES, (0.08, 0.1, 0.12, 0.7), strict=True)))
+    assert law_lift(math.pi, p).dds == pytest.approx(law_lift(math.pi - 1e-3, p).dds, rel=1e-12)
+
+
 SHARES = ("onset_share", "flank_share", "reversal_share", "nose_share")
 
 

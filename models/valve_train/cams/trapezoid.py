@@ -19,6 +19,9 @@ from typing import Any
 from ...compile.kernel import kernel
 from .lift import Lift
 
+# Shares whose sum differs from 1 by less leave no fade.
+ROUNDING = 1e-12
+
 
 @kernel
 def pulse(x: float, onset: float, hold: float, end: float) -> Lift:
@@ -47,7 +50,9 @@ def pulse(x: float, onset: float, hold: float, end: float) -> Lift:
 def modified_trapezoid(a: float, rise_angle: float, p: Any) -> Lift:
     """s = S [A U(x) - D (W'(1) x - W(1) + W(1 - x))], U and W the pulses from the foot and from the nose."""
     x, reversal = a / rise_angle, p.reversal_share
-    fade = max(0.0, 1.0 - p.onset_share - p.flank_share - reversal - p.nose_share)
+    fade = 1.0 - p.onset_share - p.flank_share - reversal - p.nose_share
+    if fade < ROUNDING:
+        fade = 0.0
     up, down = pulse(x, p.onset_share, p.flank_share, reversal), pulse(1.0 - x, fade, p.nose_share, reversal)
     whole_up = pulse(1.0, p.onset_share, p.flank_share, reversal)
     whole_down = pulse(1.0, fade, p.nose_share, reversal)
