@@ -35,7 +35,7 @@ SHAFT = {
 
 def build_content() -> dict[str, Any]:
     """The scenario as plain data."""
-    train = load("pushrod-train").model_dump(exclude_none=True)
+    train = load("qin2000-train").model_dump(exclude_none=True)
     starts = {phase: start_train(train, phase, SPEED) for phase in sorted(set(PHASES))}
     components: dict[str, Any] = {
         "flywheel": {"component": "flywheel", "parameters": {"initial_speed": "1000 rpm"}},

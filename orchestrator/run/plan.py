@@ -10,6 +10,7 @@ from models.core.bonds import counting
 from models.core.quantities import Quantity, Vector
 from models.core.system import ModelError, System
 
+from ..assessment.gas_phase import list_doubtful_gas
 from ..engine.energy import add_counting, add_estimates
 from ..engine.energy.counting import counting_structure
 from ..engine.instants import SideLines
@@ -119,7 +120,7 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
         participants = plan_participants(scenario, assembly.linear, build)
     system = resolve_start(scenario, assembly.system)
     starts = [*list_moved_starts(assembly.system, system), *list_doubtful_equilibrium(scenario, system)]
-    notices = [*starts, *list_oils(scenario), *list_warnings(scenario)]
+    notices = [*starts, *list_doubtful_gas(system), *list_oils(scenario), *list_warnings(scenario)]
     for line in notices:
         reporter.line(line)
     return Plan(

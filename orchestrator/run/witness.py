@@ -118,7 +118,7 @@ def _find_train(system: System) -> WitnessedTrain:
         known = "; or ".join(", ".join(kind.parts.values()) for kind in (DirectTrain, PushrodTrainOfParts))
         _refuse(
             f"it knows systems of {known}; this scenario has {', '.join(kinds)}. Take valve-train or "
-            "pushrod-train, or one that extends them, or leave the witness out"
+            "qin2000-train, or one that extends them, or leave the witness out"
         )
     return train
 

@@ -81,8 +81,11 @@ def measure_seat_bounce(runs: Runs) -> Values:
 def _bounce(speed_rpm: float, ramp: str, film: str = "dowson_toyoda") -> float:
     """Highest lift in the 60 degrees after the first landing, in the first turn, on a rigid shaft."""
     scenario = load(
-        "seat-and-lash",
+        "valve-train",
         [
+            "components.valve_spring.parameters.lash='0.2 mm'",
+            "components.valve_spring.parameters.seat_stiffness=2e7",
+            "components.valve_spring.parameters.seat_damping=300",
             f"components.flywheel.parameters.initial_speed='{speed_rpm} rpm'",
             f"components.camshaft.parameters.ramp_height='{ramp}'",
             f"components.contact.parameters.film_model='{film}'",

@@ -20,9 +20,10 @@ engine 4100QB as an example. This page judges its statements:
 - *cannot be checked*: the paper does not give what one would need.
 
 The paper prints no geometry, mass or stiffness of the example, and its figures cannot be read in our copy.
-Numbers are therefore those of the shipped scenarios `pushrod-train`, with parts of that size, and
-`exhaust-valve`. Nothing was fitted. Speeds are those of the camshaft; 1600 r/min is near the rated speed of
-such an engine. Cycles are steady, from the equations of the whole train.
+Numbers are therefore those of the shipped scenarios `qin2000-train`, with parts of that size, and
+`exhaust-valve`, whose gas is that of a petrol engine at full load (4.9 MPa at most); the source gives no
+pressures and no phases. Nothing was fitted. Speeds are those of the camshaft; 1600 r/min is near the rated
+speed of such an engine. Cycles are steady, from the equations of the whole train.
 
 `python -m reproduction qin2000 --out FOLDER` writes this page and its figure. After a change of the models,
 copy `qin2000.md` and `figures` to `docs`.

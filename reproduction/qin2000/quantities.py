@@ -186,13 +186,17 @@ def superpose_modes(runs: Runs) -> Values:
 
 
 def compare_gas(runs: Runs) -> Values:
-    """Largest load of a cam, of an exhaust and an intake valve, and without gas on the valve's head."""
+    """Largest load of a cam, of an exhaust and an intake valve, and without gas on the valve's head; and the
+    largest force of the gas on an exhaust valve off its seat (N)."""
     cases = {
         "exhaust": (EXHAUST, HEAD_AREA),
         "intake": (INTAKE, HEAD_AREA),
         "without_gas": (EXHAUST, NO_AREA),
     }
-    return {name: float(runs.gas(*case)["contact.load"].max()) for name, case in cases.items()}
+    loads = {name: float(runs.gas(*case)["contact.load"].max()) for name, case in cases.items()}
+    exhaust = runs.gas(EXHAUST, HEAD_AREA)
+    opened = exhaust["valve_spring.seat_dip"] < 0.0
+    return loads | {"gas": float(exhaust["gas.valve_force[1]"][opened].max())}
 
 
 def count_train(runs: Runs) -> Values:

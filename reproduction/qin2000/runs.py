@@ -11,13 +11,16 @@ from models.monolithic.cycle import Cycle, find_cycle
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 
-TRAIN, VALVE = "pushrod-train", "exhaust-valve"
+TRAIN, VALVE = "qin2000-train", "exhaust-valve"
 # Speeds of the camshaft (r/min): slow, low, near the rated one, and one at which the train jumps.
 SLOW, LOW, RATED, HIGH = 200.0, 1000.0, 1600.0, 3000.0
 # Head of the valve (mm2); with the least one the gas has no force.
 HEAD_AREA, NO_AREA = 706.86, 0.011
-# Crank angles at which the cylinder fires: the nose comes 250 deg after it for exhaust, 470 deg for intake.
-EXHAUST, INTAKE = 110.0, -110.0
+# Crank angles at which the cylinder fires: the nose comes 260 deg after it for exhaust, 470 deg for intake.
+# The valve is open from 132 deg before the nose to 132 deg after it: for exhaust from 52 deg before the lower
+# dead centre to 32 deg after the upper one, for intake from 22 deg before the upper to 62 deg after the lower
+# one.
+EXHAUST, INTAKE = 100.0, -110.0
 SAMPLES = 720
 
 

@@ -42,7 +42,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "the lowest modes alone converge slowly"),
     Claim("effective", "1.1", "The finite segment method is a simple and effective way for slender parts",
         q.refine_pushrod,
-        "`pushrod-train` at 1600 r/min, pushrod of 1, 2 and 4 segments against twice as many: the valve's "
+        "`qin2000-train` at 1600 r/min, pushrod of 1, 2 and 4 segments against twice as many: the valve's "
         "acceleration changes by {accelerations:.2f} m/s² of {acceleration:.0f} m/s², the cam's load by "
         "{loads:.2f} N",
         lambda v: v.accelerations[2] < v.accelerations[0] / 12.0
@@ -69,7 +69,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         lambda v: is_near(v.printed_flexibility, v.beam_flexibility, 1e-9)),
     Claim("main-forces", "1.2", "The main forces are that of the valve spring and the gas pressure",
         q.compare_forces,
-        "`pushrod-train` at 1600 r/min: spring up to {spring:.0f} N, friction of a contact up to "
+        "`qin2000-train` at 1600 r/min: spring up to {spring:.0f} N, friction of a contact up to "
         "{friction:.0f} N; inertia changes the cam's load by up to {inertia:.0f} N",
         lambda v: v.friction < 0.1 * v.spring,
         "met if friction stays below a tenth of the spring; inertia is no applied force"),
@@ -78,23 +78,23 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "valves of 30 mm at full load, largest load of the cam: exhaust {exhaust:.0f} N, intake "
         "{intake:.0f} N, without gas {without_gas:.0f} N",
         lambda v: max(v.exhaust, v.intake) < 1.05 * v.without_gas,
-        "right of an intake valve; an exhaust valve opens against the pressure that is left"),
+        "by the largest load, on the flank; an exhaust valve opens against {gas:.0f} N of gas"),
     Claim("constraints", "2, (4)", "Constraints C(q, t) = 0 and their multipliers join the parts",
         q.compare_forces,
-        "the contacts of `pushrod-train` yield instead, by up to {yields:µ.2f} µm at 1600 r/min",
+        "the contacts of `qin2000-train` yield instead, by up to {yields:µ.2f} µm at 1600 r/min",
         Verdict.UNCHECKED, "a statement on the method; a constraint would pull where the parts separate"),
     Claim("fig-2", "3, Fig. 2", "Displacement, velocity and acceleration of the valve at low and high speed",
-        q.compare_with_kinematics, "of `pushrod-train`: figure above", Verdict.UNCHECKED, UNKNOWN),
+        q.compare_with_kinematics, "of `qin2000-train`: figure above", Verdict.UNCHECKED, UNKNOWN),
     Claim("figs-3-4", "3, Figs 3 and 4", "Contact forces and stresses of cam-tappet and rocker-valve",
         q.compute_stresses,
-        "`pushrod-train` at 1600 r/min: {cam_load:.0f} N and {cam_peak:G.3f} GPa, {valve_load:.0f} N and "
+        "`qin2000-train` at 1600 r/min: {cam_load:.0f} N and {cam_peak:G.3f} GPa, {valve_load:.0f} N and "
         "{valve_peak:G.3f} GPa", Verdict.UNCHECKED, UNKNOWN),
     Claim("no-separation", "3", "There is no separation in the mechanism", q.compare_with_kinematics,
-        "least load of `pushrod-train` {rated_load:.0f} N at {rated_rpm:.0f} r/min", Verdict.UNCHECKED,
+        "least load of `qin2000-train` {rated_load:.0f} N at {rated_rpm:.0f} r/min", Verdict.UNCHECKED,
         UNKNOWN),
     Claim("permissible", "3", "Landing velocity and contact stresses are below the permissible values",
         q.compute_stresses,
-        "stresses of `pushrod-train` at 1600 r/min: {cam_peak:G.3f} and {valve_peak:G.3f} GPa; "
+        "stresses of `qin2000-train` at 1600 r/min: {cam_peak:G.3f} and {valve_peak:G.3f} GPa; "
         "`exhaust-valve` at 1000 r/min lands with {landing:.3f} m/s",
         Verdict.UNCHECKED, "the paper states neither the values nor the permissible ones"),
     Claim("ample-factor", "3", "The ample factor of the valve lift is 0.502", q.compute_cams,

@@ -260,7 +260,7 @@ def test_the_friction_of_a_tappet_is_what_its_shaft_feels(tmp_path: Path) -> Non
     """Over a revolution the drive gives friction's work and what contacts, rod and spring lose besides."""
     out = tmp_path / "out"
     changed = ("--set", "reference.enabled=false", "--set", "stop_time=2 revolutions", "--native")
-    done = called("run", "pushrod-train", *changed, "--no-figures", "--out", str(out))
+    done = called("run", "qin2000-train", *changed, "--no-figures", "--out", str(out))
     assert done.returncode == 0, done.stderr
     found = called("friction", str(out))
     assert found.returncode == 0, found.stderr

@@ -71,7 +71,7 @@ def test_a_run_in_small_steps_agrees_to_a_hundred_thousandth(
 
 # Half a revolution of a pushrod train; a valve that lands on its seat; one lift on an elastic shaft.
 TRAINS = {
-    "pushrod-train": {
+    "qin2000-train": {
         "cam_contact.load": 5e-5,
         "valve_contact.load": 5e-5,
         "cam_contact.film_thickness": 2e-5,
@@ -89,9 +89,9 @@ TRAINS = {
         "guide moment": 1e-5,
     },
 }
-STOP = {"pushrod-train": 0.03, "valve-train": 0.03, "valve-train-flexible": 0.08}
+STOP = {"qin2000-train": 0.03, "valve-train": 0.03, "valve-train-flexible": 0.08}
 SEAT = [f"components.valve_spring.parameters.{x}" for x in ("seat_stiffness=2e7", "seat_damping=300")]
-CHANGES = {"pushrod-train": [], "valve-train": SEAT, "valve-train-flexible": []}
+CHANGES = {"qin2000-train": [], "valve-train": SEAT, "valve-train-flexible": []}
 
 
 @pytest.mark.long
@@ -114,7 +114,7 @@ def test_the_witness_agrees_with_the_reference(scenario: str, record: Callable[.
     [
         ("finger-follower-hla", [], "knows systems of flywheel, camshaft.*leave the witness out"),
         (
-            "pushrod-train",
+            "qin2000-train",
             ["components.rocker.parameters.pivot_damping=1e-3"],
             "knows no friction of the pivot; set rocker.pivot_damping to 0",
         ),
@@ -145,7 +145,7 @@ def test_the_witness_agrees_with_the_reference(scenario: str, record: Callable[.
             "takes no constant inputs; leave out valve_spring.gas_force = 200",
         ),
         (
-            "pushrod-train",
+            "qin2000-train",
             ["components.tappet.inputs.axis_y=1e-4"],
             "takes no constant inputs; leave out tappet.axis_y = 0.0001",
         ),

@@ -243,7 +243,7 @@ def test_a_result_without_folder_has_a_page(tmp_path: Path) -> None:
 
 DRAWN = {
     "valve-train": 1, "pushrod-train": 1, "direct-acting-hla": 1, "finger-follower-hla": 1,
-    "roller-finger": 1,
+    "finger-follower": 1, "roller-finger": 1,
     "slider-crank": 1, "piston-slap": 1, "valve-stem": 1, "pushrod-engine": 8, "engine": 2, "quarter-car": 0,
     "valve-train-16v": 16,
 }  # fmt: skip
