@@ -149,6 +149,11 @@ def test_a_figure_has_the_variables_and_names_those_that_there_are_not(result: t
     labels = [line.get_label() for line in figure.axes[0].lines]
     assert labels == ["coupled", "reference"]
     assert figure._repr_png_().startswith(b"\x89PNG")  # shown by a notebook
+    assert figure.axes[-1].get_xlabel() == "time (s)"
+    against = result.plot(name, over=name).axes[0]
+    assert against.get_xlabel() == against.get_ylabel().replace("\n", " ")
+    with pytest.raises(tribocosim.MistakeError, match="over = 'angle': must be one of time"):
+        result.plot(name, over="angle")  # nothing turns
     for wrong, message in (
         ("nothing", "nothing: must be one of"),
         ("first.positon", r"mean first\.position\?"),

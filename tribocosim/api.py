@@ -105,8 +105,12 @@ class Result:
             raise MistakeError(f"contact: must be one of {', '.join(one.cycle.contact for one in found)}")
         return of(found[0].cycle, found[0].worn, found[0].coefficient)
 
-    def plot(self, *variables: str) -> Picture:
-        """Each variable over time, coupled and reference, below each other."""
+    def plot(self, *variables: str, over: str = "time") -> Picture:
+        """Each variable, coupled and reference, below each other, in the units of figures and page.
+
+        `over` is "time", "angle" (the cam's, else the crank's or shaft's), one of the angles `cam_angle`,
+        `crank_angle` and `shaft_angle` that `coupled` has as coordinates, or a variable.
+        """
         from .pictures import draw
 
         if not variables:
@@ -114,7 +118,12 @@ class Result:
         for name in variables:
             if name not in self.coupled:
                 raise MistakeError(f"{name}: {one_of(map(str, self.coupled), name)}")
-        return draw(variables, self.coupled, self.reference)
+        angles = [str(name) for name in self.coupled.coords if name != "time"]
+        if over == "angle" and angles:
+            over = angles[0]
+        if over not in self.coupled.variables:
+            raise MistakeError(f"over = {over!r}: {one_of(['time', *angles, *map(str, self.coupled)], over)}")
+        return draw(variables, over, self.coupled, self.reference)
 
 
 def run(

@@ -5,10 +5,8 @@ from collections.abc import Sequence
 
 import xarray
 from matplotlib.figure import Figure
-from matplotlib.ticker import EngFormatter
 
-# Units that take a prefix as they are: 4 MPa, but not 4 km2 for 4000 m2.
-PREFIXED = ("m", "m/s", "m/s2", "rad", "rad/s", "N", "N.m", "Pa", "W", "J")
+from orchestrator.scenario.display import show_attributes
 
 
 class Picture(Figure):
@@ -20,21 +18,23 @@ class Picture(Figure):
         return file.getvalue()
 
 
-def draw(variables: Sequence[str], coupled: xarray.Dataset, reference: xarray.Dataset | None) -> Picture:
-    """Each variable over time, coupled and reference, below each other."""
+def draw(
+    variables: Sequence[str], over: str, coupled: xarray.Dataset, reference: xarray.Dataset | None
+) -> Picture:
+    """Each variable, coupled and reference, below each other."""
     figure = Picture(figsize=(8.0, 2.2 * len(variables) + 0.6), layout="constrained")
     grid = figure.subplots(len(variables), sharex=True, squeeze=False)
+    along = show_attributes(coupled[over].attrs)
     for axes, name in zip(grid[:, 0], variables, strict=True):
-        values = coupled[name]
-        axes.plot(values["time"], values, label="coupled")
-        if reference is not None and name in reference:
-            axes.plot(reference["time"], reference[name], "--", label="reference")
-        unit = str(values.attrs.get("units", "1"))
-        if unit in PREFIXED:
-            axes.yaxis.set_major_formatter(EngFormatter(unit))
-        axes.set_ylabel(name if unit in (*PREFIXED, "1", "") else f"{name}\n[{unit}]")
+        shown = show_attributes(coupled[name].attrs)
+        axes.plot(along.factor * coupled[over], shown.factor * coupled[name], label="coupled")
+        if reference is not None and name in reference and over in reference:
+            axes.plot(along.factor * reference[over], shown.factor * reference[name], "--", label="reference")
+        axes.set_ylabel(f"{name}\n({shown.symbol})" if shown.unit else name)
     if len(variables):
-        grid[-1, 0].set_xlabel("time [s]")
+        grid[-1, 0].set_xlabel(f"{over.replace('_', ' ')} ({along.symbol})" if along.unit else over)
         if len(grid[0, 0].lines) > 1:
-            grid[0, 0].legend()
+            figure.legend(
+                *grid[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2, frameon=False
+            )
     return figure

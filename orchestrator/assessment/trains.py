@@ -6,7 +6,10 @@ from functools import lru_cache
 from itertools import chain
 
 from models.core import roles
+from models.core.quantities import Quantity
 from models.core.system import Instance, System
+
+from ..store.coordinates import Coordinate
 
 # What ends a train: it is no part of one, or of several.
 ENDS = (
@@ -30,9 +33,10 @@ class Angle:
         return WORDS[self.name]
 
     @property
-    def description(self) -> str:
-        """Where it is from."""
-        return f"{self.words.lower()}: {'' if self.factor == 1.0 else f'{self.factor:g} times '}{self.source}"
+    def coordinate(self) -> Coordinate:
+        times = "" if self.factor == 1.0 else f"{self.factor:g} times "
+        meaning = f"{self.words.lower()}: {times}{self.source}"
+        return Coordinate(self.source, self.factor, Quantity("rad", meaning, display_unit="deg"))
 
 
 @dataclass(frozen=True)

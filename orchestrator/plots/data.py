@@ -14,7 +14,8 @@ from models.core.system import System
 
 from ..assessment.diagnosis.steps import NONE, Steps, read_written_steps
 from ..assessment.trains import Angle, Train, find_angle, find_angles, find_trains
-from ..scenario.units import choose_time_unit, to_unit
+from ..scenario.display import SYMBOLS, show
+from ..scenario.units import choose_time_unit
 from ..store.result_file import ResultFile
 
 # More points than these cannot be distinguished in a figure.
@@ -25,18 +26,6 @@ FILMS = ("film_thickness", "minimum_film_thickness", "film_ratio")
 
 # Figures use an angle as abscissa if it deviates from a uniform rise by less than this share.
 UNEVEN = 0.02
-
-# Units as they are set in a figure.
-SYMBOLS = {
-    "um": "µm",
-    "us": "µs",
-    "deg": "°",
-    "rpm": "r/min",
-    "N.m": "N m",
-    "N.s": "N s",
-    "rad/s2": "rad/s²",
-    "m/s2": "m/s²",
-}
 
 
 @dataclass(frozen=True)
@@ -145,10 +134,8 @@ class FigureData:
 
     def shown(self, name: str) -> tuple[float, str]:
         """Factor to the display unit, and the unit as it is set."""
-        quantity = self.quantities[name]
-        unit = quantity.display_unit or quantity.unit
-        factor = 1.0 / to_unit(f"1 {unit}", quantity.unit) if quantity.display_unit else 1.0
-        return factor, SYMBOLS.get(unit, unit.replace(".", " "))
+        shown = show(self.quantities[name])
+        return shown.factor, shown.symbol
 
     def label(self, name: str, words: str = "") -> str:
         """An axis label with unit."""

@@ -6,8 +6,9 @@ A panel for each bond with the larger part, in joules; the title says how much w
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..scenario.display import SYMBOLS
 from ..scenario.units import choose_time_unit
-from .data import SYMBOLS, FigureData
+from .data import FigureData
 from .style import ACCENT, COUPLED, MUTED, add_title, create_subplots
 
 # Bonds with less than this share of the largest created energy cannot be seen beside it.

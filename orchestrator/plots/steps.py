@@ -15,8 +15,9 @@ from models.core.quantities import Vector
 from ..assessment.diagnosis.steps import Steps
 from ..assessment.diagnosis.text import percent
 from ..engine.step import REASONS
+from ..scenario.display import SYMBOLS
 from ..scenario.units import choose_time_unit
-from .data import SYMBOLS, FigureData
+from .data import FigureData
 from .style import ACCENT, MUTED, REFERENCE, add_title, create_subplots
 
 # Steps drawn of each kind at most: more cannot be told apart.

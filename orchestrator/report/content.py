@@ -11,7 +11,7 @@ from models.core.quantities import Vector
 from ..assessment.diagnosis.text import WORDS, percent
 from ..engine.step import REASONS
 from ..scenario import Scenario, parse_ends
-from ..scenario.units import to_unit
+from ..scenario.display import show_unit
 from .mechanism import list_sketches
 from .packing import COARSE, bucket, pack, pack_detail, pack_exactly
 from .records import Group, Records
@@ -28,6 +28,8 @@ KINDS = 7
 STEP = ("macro_step", "reason", "source")
 # What results say of a variable.
 ATTRIBUTES = ("units", "display_units", "long_name", "flag_meanings")
+# Of a contact, valid under load only.
+FILMS = ("film_thickness", "minimum_film_thickness", "steady_film_thickness", "film_ratio")
 # Relative distance of times from an even spacing, below which that is given instead.
 EVEN = 1e-9
 
@@ -46,9 +48,15 @@ def collect_run(records: Records, scenario: Scenario | None, summary: Mapping[st
         "sketches": [sketch.content() for sketch in sketches],
         "profiles": {name: _pack_profiles(group) for name, group in records.profiles.items()},
         "panels": panels,
+        "abscissa": next((str(v["name"]) for v in variables if is_angle(str(v["name"]))), ""),
         "marks": list_marks([str(v["name"]) for v in variables if v["group"] == "coupled"]),
         "steps": _tell_steps(records, bases, variables, scenario),
     }
+
+
+def is_angle(name: str) -> bool:
+    """Whether it is an angle of the system, which belongs to no component."""
+    return name in ("cam_angle", "crank_angle", "shaft_angle")
 
 
 def _pack_groups(
@@ -87,8 +95,13 @@ def _rank(
     moving = set().union(*(sketch.variables for sketch in sketches)) if sketches else set()
     compared = set(summary.get("errors", {})) | set(scenario.tolerance if scenario else ())
 
-    def rank(name: str) -> tuple[bool, bool, bool]:
-        return name not in moving, name not in compared, not name.endswith((".load", ".film_thickness"))
+    def rank(name: str) -> tuple[bool, bool, bool, bool]:
+        return (
+            not is_angle(name),
+            name not in moving,
+            name not in compared,
+            not name.endswith((".load", ".film_thickness")),
+        )
 
     return sorted(names, key=rank)
 
@@ -204,7 +217,7 @@ def _name_connections(output: str, scenario: Scenario | None) -> str:
 def _read(group: Group, name: str) -> Vector:
     """The values of a variable; a contact without load has no film."""
     part, _, ending = name.rpartition(".")
-    if ending != "film_thickness" or f"{part}.load" not in group.stored:
+    if ending not in FILMS or f"{part}.load" not in group.stored:
         return group.read(name)
     return np.where(group.read(f"{part}.load") > 0.0, group.read(name), np.nan)
 
@@ -242,11 +255,11 @@ class _Base:
 
 def describe(name: str, attributes: Mapping[str, str]) -> dict[str, Any]:
     """Name, unit in which it is shown with the factor to it, description and choices of a variable."""
-    unit, shown = attributes.get("units", ""), attributes.get("display_units", "")
+    shown = show_unit(attributes.get("units", ""), attributes.get("display_units", ""))
     return {
         "name": name,
-        "unit": shown or (unit if unit != "1" else ""),
-        "factor": 1.0 / to_unit(f"1 {shown}", unit) if shown else 1.0,
+        "unit": shown.text,
+        "factor": shown.factor,
         "description": attributes.get("long_name", ""),
         "choices": attributes.get("flag_meanings", "").split(),
     }

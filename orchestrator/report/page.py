@@ -13,6 +13,7 @@ from markupsafe import Markup
 
 from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError
+from ..scenario.display import show_unit
 from ..scenario.files import load
 from ..store import atomic_write
 from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY
@@ -72,7 +73,7 @@ def _tell_run(records: Records, summary: Mapping[str, Any]) -> dict[str, Any]:
     """What the page says of a run besides its content."""
     attributes = records.attributes
     errors = [
-        {"name": name, **error, "order": _finite(error.get("order"))}
+        {"name": name, **error, "order": _finite(error.get("order")), **_find_unit(records, name)}
         for name, error in summary.get("errors", {}).items()
     ]
     return {
@@ -91,6 +92,14 @@ def _tell_run(records: Records, summary: Mapping[str, Any]) -> dict[str, Any]:
         "fmus": summary.get("fmus", {}),
         "toml": str(attributes.get("scenario_toml", "")),
     }
+
+
+def _find_unit(records: Records, name: str) -> dict[str, Any]:
+    """The unit in which a variable's errors are shown, and the factor to it."""
+    group = records.groups.get("coupled")
+    known = {key: group.attribute(name, key) for key in ("units", "display_units")} if group else {}
+    shown = show_unit(known.get("units", ""), known.get("display_units", ""))
+    return {"unit": shown.text, "factor": shown.factor}
 
 
 def _render(values: Mapping[str, Any], content: Mapping[str, Any]) -> str:

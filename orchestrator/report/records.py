@@ -29,8 +29,8 @@ class Group:
         return np.asarray(self.stored[name][:], dtype=np.float64)
 
     def attribute(self, name: str, key: str) -> str:
-        """A text attribute of a variable; empty if it has none."""
-        return str(self.stored[name].attrs.get(key, ""))
+        """A text attribute of a variable; empty if it has none, or is not there."""
+        return str(self.stored[name].attrs.get(key, "")) if name in self.stored else ""
 
     @property
     def rows(self) -> int:

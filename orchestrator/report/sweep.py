@@ -120,9 +120,6 @@ def _list_number(name: str, values: xarray.DataArray) -> dict[str, Any]:
 
 
 def _describe(name: str, values: xarray.DataArray) -> dict[str, Any]:
-    """As of a run; angles without a unit of their own are shown in degrees."""
+    """As of a run."""
     attributes = {"units": "1", **{str(key): str(value) for key, value in values.attrs.items()}}
-    attributes["display_units"] = attributes.get("display_units") or (
-        "deg" if attributes["units"] == "rad" else ""
-    )
     return {**describe(name, attributes), "group": "coupled"}

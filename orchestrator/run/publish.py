@@ -11,6 +11,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from ..assessment.trains import find_angles
 from ..errors import Command, MistakeError, Words, in_command_line, join, start_over
 from ..reporter import Reporter
 from ..store.atomic_write import NO_ROOM, naming
@@ -41,14 +42,15 @@ PACKAGES = ("tribocosim", "numpy", "scipy", "numba", "scikit-sundae", "fmpy", "p
 @contextmanager
 def open_result(plan: Plan, folder: OutputFolder, reporter: Reporter) -> Iterator[ResultFile]:
     """The result file of what the journals hold, and the CSV files beside it."""
-    with ResultFile(folder.path / RESULT, _describe(plan)) as result:
+    angles = {name: angle.coordinate for name, angle in find_angles(plan.system).items()}
+    with ResultFile(folder.path / RESULT, _describe(plan), angles) as result:
         with reporter.stage("result file"), naming(folder.path / RESULT):
             recorded = {name: Recorded(path) for name, path in journals(folder.unfinished).items()}
             for name, journal in recorded.items():
                 result.take(name, journal)
         if "coupled" in recorded:
-            write_csv(folder.path / CSV, recorded["coupled"])
-            write_units(folder.path / UNITS, recorded["coupled"])
+            write_csv(folder.path / CSV, recorded["coupled"], angles)
+            write_units(folder.path / UNITS, recorded["coupled"], angles)
         yield result
 
 

@@ -8,22 +8,30 @@ that units stand in a file of their own.
 import csv
 import io
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 from .atomic_write import naming, partial, replace
+from .coordinates import Coordinate, Extension
 from .journal import Recorded
 
 ROWS = 4096  # in memory at once
 
 
-def write_csv(path: Path, recorded: Recorded) -> None:
-    """Write "time","instance.variable",... in SI units; the file appears when it is whole."""
+def list_angles(coordinates: Mapping[str, Coordinate]) -> dict[str, Coordinate]:
+    """The columns of angles (rad), which are in degrees: people and spreadsheets read them."""
+    return {f"{name}_deg": one.in_degrees() for name, one in coordinates.items()}
+
+
+def write_csv(path: Path, recorded: Recorded, coordinates: Mapping[str, Coordinate]) -> None:
+    """Write "time","instance.variable",... in SI units and then angles; the file appears when it is whole."""
+    extension = Extension(recorded.columns, list_angles(coordinates))
     new = partial(path)
     try:
         with naming(path), new.open("w", encoding="utf-8", newline="\n", buffering=1 << 20) as file:
-            quoted = (name.replace('"', '""') for name in recorded.columns)
+            quoted = (name.replace('"', '""') for name in extension.columns)
             file.write(",".join(f'"{name}"' for name in quoted) + "\n")
-            for block in recorded.blocks(ROWS):
+            for block in extension.extend(recorded.blocks(ROWS)):
                 # repr: the shortest text that reads back as the same number.
                 file.writelines(",".join(map(repr, row)) + "\n" for row in block.tolist())
         os.replace(new, path)
@@ -31,10 +39,11 @@ def write_csv(path: Path, recorded: Recorded) -> None:
         new.unlink(missing_ok=True)
 
 
-def write_units(path: Path, recorded: Recorded) -> None:
+def write_units(path: Path, recorded: Recorded, coordinates: Mapping[str, Coordinate]) -> None:
     """Write a line "variable","unit","description" for each column, in its order."""
     text = io.StringIO()
     table = csv.writer(text, quoting=csv.QUOTE_ALL, lineterminator="\n")
     table.writerow(("variable", "unit", "description"))
-    table.writerows((name, of.unit, of.description) for name, of in recorded.columns.items())
+    columns = Extension(recorded.columns, list_angles(coordinates)).columns
+    table.writerows((name, of.unit, of.description) for name, of in columns.items())
     replace(path, text.getvalue().encode())

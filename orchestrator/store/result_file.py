@@ -21,6 +21,7 @@ from models.core.quantities import Quantity, Vector
 
 from ..errors import Command
 from .atomic_write import check_room, naming, partial
+from .coordinates import Coordinate, Extension
 from .journal import TIME, Recorded
 from .output_folder import RESULT, OutputFolderError, find_run_state
 
@@ -35,14 +36,18 @@ CHUNK = 4096  # rows of a compressed chunk: and of what is written at once: 32 k
 
 
 class ResultFile:
-    """A result being written, in a `with` block. `attributes` say what it is of.
+    """A result being written, in a `with` block. `attributes` say what it is of; groups with the sources of
+    `coordinates` have these too.
 
     The file appears at the end of the block, if `finish` was called in it; until then it has the name
     `partial(path)`.
     """
 
-    def __init__(self, path: Path, attributes: Mapping[str, str]) -> None:
+    def __init__(
+        self, path: Path, attributes: Mapping[str, str], coordinates: Mapping[str, Coordinate] | None = None
+    ) -> None:
         self.path = path
+        self._coordinates = coordinates or {}
         try:
             with naming(path):
                 # Chunks are written whole and read once; HDF5 would hold 1 MB of them for each variable.
@@ -71,9 +76,11 @@ class ResultFile:
 
     def _write(self, name: str, columns: Mapping[str, Quantity], rows: int, blocks: Iterable[Vector]) -> None:
         chunk = min(rows, CHUNK) or CHUNK
+        self._quantities[name] = {key: value for key, value in columns.items() if key != "time"}
+        extension = Extension(columns, self._coordinates)
+        columns = extension.columns
         # As if nothing could be compressed.
         check_room(self.path, len(columns) * (8 * chunk * math.ceil(rows / chunk) + DESCRIBED))
-        self._quantities[name] = {key: value for key, value in columns.items() if key != "time"}
         group = self._file.create_group(name)
         # Of an unlimited dimension h5netcdf asks all variables for their length whenever it makes or opens
         # one; netCDF knows no other of length 0.
@@ -85,7 +92,9 @@ class ResultFile:
             for key, quantity in columns.items()
         ]
         _list_attached(time, [dataset for dataset in datasets if dataset is not time])
-        for first, block in _number_blocks(blocks):
+        if extension.added:
+            place.attrs["coordinates"] = " ".join(extension.added)
+        for first, block in _number_blocks(extension.extend(blocks)):
             for dataset, values in zip(datasets, np.ascontiguousarray(block.T), strict=True):
                 dataset[first : first + len(block)] = values
 

@@ -10,9 +10,8 @@ from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
-from ..plots.data import SYMBOLS
 from ..plots.style import add_title, create_subplots
-from ..scenario.units import to_unit
+from ..scenario.display import show_attributes
 
 MOST_CURVES = 6  # that can be told apart in one panel
 
@@ -97,9 +96,8 @@ def _set_scale(set_scale: Any, axis: xarray.DataArray) -> None:
 
 def _choose_unit(values: xarray.DataArray) -> tuple[float, str]:
     """Factor to the display unit, and that unit."""
-    unit, shown = values.attrs.get("units", "1"), values.attrs.get("display_units", "")
-    factor = 1.0 / to_unit(f"1 {shown}", unit) if shown else 1.0
-    return factor, SYMBOLS.get(shown or unit, (shown or unit).replace(".", " "))
+    shown = show_attributes(values.attrs)
+    return shown.factor, shown.symbol
 
 
 def _format_label(values: xarray.DataArray, name: str = "") -> str:

@@ -1,10 +1,11 @@
-"""The points of a study as a CSV table: parameters, results, status and message, with units in the head."""
+"""The points of a study as a CSV table: parameters, results, status and message, in the units of figures."""
 
 from pathlib import Path
 
 import numpy as np
 import xarray
 
+from ..scenario.display import add_unit, show_attributes
 from ..store.atomic_write import replace
 from .files import MESSAGE, STATUS
 
@@ -15,6 +16,9 @@ def write_table(found: xarray.Dataset, path: Path) -> None:
     states = found[STATUS].attrs["flag_meanings"].split()
     frame = found.to_dataframe(dim_order=list(found[STATUS].dims)).reset_index()[names]
     frame[STATUS] = np.array(states)[frame[STATUS].to_numpy()]
-    units = {name: found[name].attrs.get("units", "") for name in names}
-    frame.columns = [name if units[name] in ("", "1") else f"{name} [{units[name]}]" for name in names]
+    shown = {name: show_attributes(found[name].attrs) for name in names}
+    for name in names:
+        if shown[name].factor != 1.0:
+            frame[name] *= shown[name].factor
+    frame.columns = [add_unit(name, shown[name]) for name in names]
     replace(path, frame.to_csv(index=False, lineterminator="\n").encode())

@@ -180,7 +180,7 @@ def test_a_pressure_beyond_the_elastic_limit_is_warned_of():
     assert found["contact"].pressure == 3e9
     assert found["contact"].pressure_time == 2.0
     assert found["contact"].yielding == 0.25
-    assert any("yield" in line and "3 GPa" in line for line in told(found))
+    assert any("yield" in line and "3000 MPa" in line for line in told(found))
     below = history([0.0, 1.0], [1.0, 2000.0])
     assert not any("yield" in line for line in told(below))
 

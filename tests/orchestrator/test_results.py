@@ -21,6 +21,7 @@ from orchestrator.run.summary import Summary
 from orchestrator.scenario.files import load
 from orchestrator.scenario.warnings import list_warnings
 from orchestrator.stepping import FixedSteps
+from orchestrator.store.coordinates import Coordinate
 from orchestrator.store.csv_file import ROWS, write_csv, write_units
 from orchestrator.store.journal import HELD, Journal, JournalError, Mark, Recorded, journals
 from orchestrator.store.result_file import CHUNK, ResultFile, open_result
@@ -46,6 +47,35 @@ def _recorded(path: Path, steps: int, every: int) -> None:
         for name, journal in journals(path.parent).items():
             file.take(name, Recorded(journal))
         file.finish(True, "")
+
+
+def test_angles_are_coordinates_of_the_result_and_last_columns_in_degrees(tmp_path: Path) -> None:
+    """Twice the first column: a crank's angle of a cam's; a group without that column has no such angle."""
+    quantity = Quantity("rad", "crank angle: 2 times cam.angle", display_unit="deg")
+    angles = {"crank_angle": Coordinate("cam.angle", 2.0, quantity)}
+    recorder = ResultRecorder(tmp_path, {"cam.angle": Quantity("rad", "angle")}, 1)
+    recorder.begin(["cam.angle"])
+    for i in range(3):
+        recorder.observe(0.1 * i, np.array([0.5 * np.pi * i]).copy, Step(0.1 * i, 1.0, 1))
+    recorder.end(True, "")
+    found = {name: Recorded(path) for name, path in journals(tmp_path).items()}
+    with ResultFile(tmp_path / "result.nc", {}, angles) as file:
+        for name, recorded in found.items():
+            file.take(name, recorded)
+        assert list(file.quantities("coupled")) == ["cam.angle"]
+        file.finish(True, "")
+    with open_result(tmp_path) as tree:
+        coupled = tree["coupled"].to_dataset()
+        assert set(coupled.coords) == {"time", "crank_angle"}
+        np.testing.assert_array_equal(coupled["crank_angle"], np.pi * np.arange(3))
+        assert coupled["cam.angle"].coords["crank_angle"].attrs["display_units"] == "deg"
+        assert set(tree["steps"].coords) == {"time"}
+    write_csv(tmp_path / "out.csv", found["coupled"], angles)
+    write_units(tmp_path / "units.csv", found["coupled"], angles)
+    head, *rows = csv.reader((tmp_path / "out.csv").read_text().splitlines())
+    assert head == ["time", "cam.angle", "crank_angle_deg"]
+    assert [float(row[2]) for row in rows] == [0.0, 180.0, 360.0]
+    assert '"crank_angle_deg","deg"' in (tmp_path / "units.csv").read_text()
 
 
 @pytest.mark.parametrize("every", [1, 3])
@@ -102,8 +132,8 @@ def test_csv_is_in_cross_check_layout_exact_and_has_its_units_beside_it(tmp_path
         recorder.observe(0.1 * i, values.copy, Step(0.1 * i, 1.0, 1))
     recorder.end(True, "")
     recorded = Recorded(journals(tmp_path)["coupled"])
-    write_csv(tmp_path / "out.csv", recorded)
-    write_units(tmp_path / "units.csv", recorded)
+    write_csv(tmp_path / "out.csv", recorded, {})
+    write_units(tmp_path / "units.csv", recorded, {})
     with (tmp_path / "out.csv").open() as file:
         first = file.readline().strip()
         rows = [[float(text) for text in row] for row in csv.reader(file)]

@@ -42,7 +42,7 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         return f"{time} ({shaft} {summary.angles[key]:.1f} deg)" if key in summary.angles else time
 
     text = f"load {summary.least_load:.4g} to {summary.largest_load:.4g} N, the largest {at('largest_load')}"
-    text += f"; highest pressure {1e-9 * summary.pressure:.3g} GPa {at('pressure')}"
+    text += f"; highest pressure {1e-6 * summary.pressure:.4g} MPa {at('pressure')}"
     text += " (spikes at a reversal grow with the nodes)" if summary.solved else ""
     if summary.film > 0.0:
         text += f"; least film {1e6 * summary.film:.3g} µm {at('film')}, "
@@ -70,7 +70,7 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
 
 def _warnings(name: str, summary: ContactSummary, fixed_steps: bool) -> Iterator[str]:
     if summary.pressure > summary.elastic_limit:
-        pressure, limit = f"{summary.pressure / 1e9:.3g} GPa", f"{summary.elastic_limit / 1e9:.3g} GPa"
+        pressure, limit = f"{1e-6 * summary.pressure:.4g} MPa", f"{1e-6 * summary.elastic_limit:.4g} MPa"
         yield (
             f"the pressure reaches {pressure} at t = {summary.pressure_time:.6g} s, above the elastic limit "
             f"of {limit} ({_percent(summary.yielding)} % of the time): the bodies yield, which is not "

@@ -1,7 +1,7 @@
 // Axes and lines of plots on a canvas.
 "use strict";
 
-const MARGIN = { left: 68, right: 22, top: 8, bottom: 36 };
+const MARGIN = { left: 82, right: 22, top: 8, bottom: 36 };
 
 const colors = new Map();
 
@@ -39,7 +39,7 @@ function prepare(canvas, box = canvas.getBoundingClientRect()) {
 // Whether a box is on the screen, or about to be; on paper all are.
 function isSeen(box) { return document.documentElement.classList.contains("light") || (box.bottom > -200 && box.top < window.innerHeight + 200); }
 
-function drawAxes(g, frame, x, y, label) {
+function drawAxes(g, frame, x, y, label, upright) {
   g.strokeStyle = color("line"); g.fillStyle = color("soft"); g.lineWidth = 1;
   g.textAlign = "right"; g.textBaseline = "middle";
   const rows = frame.logarithmic ? decades(...y) : ticks(...y, 6);
@@ -55,6 +55,11 @@ function drawAxes(g, frame, x, y, label) {
     g.fillText(readable(v), at, frame.bottom + 5);
   }
   g.fillText(label, 0.5 * (frame.left + frame.right), frame.bottom + 20);
+  g.save();
+  g.translate(10, 0.5 * (frame.top + frame.bottom)); g.rotate(-Math.PI / 2); g.textBaseline = "middle";
+  const room = frame.bottom - frame.top + 12, short = g.measureText(upright).width > room ? upright.replace(/^.*\.(?=\S+( \(|$))/, "") : upright;
+  g.fillText(short, 0, 0, room);
+  g.restore();
 }
 
 // Powers of ten from a to b.

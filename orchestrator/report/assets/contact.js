@@ -129,7 +129,7 @@ class Contact {
     g.setLineDash([2, 4]);
     g.beginPath(); g.moveTo(0, high(this.pressure)); g.lineTo(width, high(this.pressure)); g.stroke();
     g.setLineDash([]);
-    g.fillText(readable(1e-9 * this.pressure) + " GPa", 8, high(this.pressure) + 14);
+    g.fillText(readable(1e-6 * this.pressure) + " MPa", 8, high(this.pressure) + 14);
   }
 
   // The gap of a contact without load; NaN where the result lacks it. Without retreat the other surface rests.
@@ -141,9 +141,9 @@ class Contact {
   describe(row) {
     const load = this.value("load", row), h = 1e6 * this.value("film_thickness", row), open = 1e6 * this.open(row);
     return (load > 0
-      ? "load " + readable(load) + " N, film " + readable(h) + " um, pressure " + readable(1e-9 * this.value("maximum_pressure", row)) +
-        " GPa, width " + readable(2e3 * this.value("half_width", row)) + " mm"
-      : "no load" + (open === open ? ", gap " + readable(open) + " um" : "")) + "; " + this.describeSource(row) + ", heights enlarged";
+      ? "load " + readable(load) + " N, film " + readable(h) + " µm, pressure " + readable(1e-6 * this.value("maximum_pressure", row)) +
+        " MPa, width " + readable(2e3 * this.value("half_width", row)) + " mm"
+      : "no load" + (open === open ? ", gap " + readable(open) + " µm" : "")) + "; " + this.describeSource(row) + ", heights enlarged";
   }
 
   describeSource(row) {

@@ -2,6 +2,8 @@
 "use strict";
 
 const MOST_MARKS = 50000;
+// Landings with less than this share of a contact's largest load are not marked.
+const SLIGHT = 0.01;
 
 class Marks {
   constructor(records, told) { this.records = records; this.told = told; this.lost = new Map(); this.events = []; }
@@ -25,9 +27,13 @@ class Marks {
       if (open && begin < 0) begin = i;
       if (open || begin < 0) continue;
       spans.push([begin, i]);
-      if (i < low.length) this.events.push({ part, kind: "lands", time: times[i] });
       begin = -1;
     }
+    const least = SLIGHT * series.range(0, low.length)[1];
+    spans.forEach(([, at], k) => {
+      const until = k + 1 < spans.length ? spans[k + 1][0] : low.length;
+      if (at < until && series.range(at, until)[1] >= least) this.events.push({ part, kind: "lands", time: times[at] });
+    });
     this.lost.set(part, spans);
   }
 

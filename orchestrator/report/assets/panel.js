@@ -73,7 +73,7 @@ class Panel {
     if (detail) { [series, base] = [detail, v.detailBase]; [i, j] = this.view.rows(base); }
     const xs = this.view.along(base), y = widen(series.range(i, j).map((n) => n * v.factor));
     const frame = this.frame = makeFrame(width, height, x, y);
-    drawAxes(g, frame, x, y, this.view.label());
+    drawAxes(g, frame, x, y, this.view.label(), label((this.shown === this.error ? "error of " : "") + this.name, v));
     inside(g, frame, () => {
       this.report.marks.draw(g, frame, this.view, this.part);
       if (this.shown === this.values && this.error && this.records.bases[v.base].stretch === 1) {
@@ -103,7 +103,8 @@ class Panel {
   read(i) {
     const v = this.variable, unit = v.unit ? " " + v.unit : "", value = this.values.at(i);
     let text = v.choices.length && Number.isInteger(value) ? v.choices[value] || String(value) : readable(value * v.factor) + unit;
-    if (this.error) text += ", error " + readable(this.error.at(i) * v.factor) + unit;
+    if (Number.isNaN(value)) text = "no contact";
+    else if (this.error) text += ", error " + readable(this.error.at(i) * v.factor) + unit;
     if (text === this.reading.textContent) return;
     this.reading.textContent = text;
     if (!this.report.playing) this.canvas.setAttribute("aria-label", "Plot of " + this.name + ": " + v.description + "; here " + text);

@@ -25,7 +25,7 @@ class Phase {
     const { g, width, height } = prepare(this.canvas), [i, j] = this.view.rows(0);
     const limits = (s, f) => widen(s.range(i, j).map((v) => v * f));
     const xr = limits(x, a.factor), yr = limits(y, b.factor), frame = makeFrame(width, height, xr, yr);
-    drawAxes(g, frame, xr, yr, label(this.x.value, a));
+    drawAxes(g, frame, xr, yr, label(this.x.value, a), label(this.y.value, b));
     g.strokeStyle = color("coupled"); g.lineWidth = 1; g.lineJoin = "bevel";
     g.beginPath();
     for (let k = i, step = Math.max(1, Math.floor((j - i) / 3000)); k < j; k += step)

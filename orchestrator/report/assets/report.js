@@ -20,7 +20,8 @@ class ReportPage {
     this.base = this.records.bases[0];
     const time = this.base.times;
     this.now = time[0];
-    await this.view.over(this.content.abscissa || "");
+    await this.view.over(this.records.variables.has(this.content.abscissa) ? this.content.abscissa : "");
+    if (!this.view.rises) await this.view.over("");
     await this.marks.start();
     for (const name of this.content.panels) this.add(name);
     await this.startDrawings();
@@ -97,8 +98,16 @@ class ReportPage {
     const left = this.content.leftOut, stretch = this.base.stretch;
     get("told").textContent = (left ? left + " variables are left out for the size of this page; result.nc has them. " : "") +
       (stretch > 1 ? "Lines show the least and largest values of " + stretch + " rows each" + this.tellDetail() + ". " : "") +
-      "Values are rounded to five digits.";
+      "Values are rounded to five digits." + (this.marks.events.length ? " Landings with less than 1 % of the largest load are not marked." : "");
     document.addEventListener("keydown", (e) => this.key(e));
+    // What was clicked keeps no keys to itself; what was reached by the keyboard does.
+    let pointed = false;
+    document.addEventListener("pointerdown", () => { pointed = true; }, true);
+    document.addEventListener("keydown", () => { pointed = false; }, true);
+    for (const kind of ["click", "change"]) document.addEventListener(kind, (e) => {
+      const at = /** @type {HTMLElement} */ (e.target), tag = at.tagName;
+      if (pointed && (tag === "BUTTON" || tag === "SUMMARY" || kind === "change")) at.blur();
+    });
   }
 
   tellDetail() {
@@ -117,12 +126,12 @@ class ReportPage {
     over.onchange = () => this.over(over);
   }
 
-  // Only an angle that rises can take the place of time.
+  // Only an angle that turns one way can take the place of time.
   async over(select) {
     const before = this.view.name;
     await this.view.over(select.value);
-    const xs = this.view.xs;
-    if (!xs.every((v, i) => i === 0 || v > xs[i - 1])) {
+    get("why").textContent = this.view.rises ? "" : select.value + " does not turn one way: it cannot take the place of time.";
+    if (!this.view.rises) {
       select.value = before;
       await this.view.over(before);
     }
@@ -230,6 +239,7 @@ class ReportPage {
       if (!exact) columns.push({ head: one.name + ", largest" + unit, at: (k) => +(one.values.levels[0].high[k] * factor).toPrecision(6) });
       if (exact && one.error) add(one.name + ", reference", one.reference());
     }
+    if (this.view.name) columns.push({ head: this.view.name + " [" + this.view.unit + "]", at: (k) => +this.view.xs[k].toPrecision(8) });
     const lines = [["time [s]", ...columns.map((one) => one.head)].map(quote).join(",")];
     for (let k = locate(this.view.xs, a), j = locate(this.view.xs, b); k <= j; k++)
       lines.push([this.base.times[k], ...columns.map((one) => one.at(k))].join(","));

@@ -31,7 +31,7 @@ class Steps {
     const xs = this.view.along(base), [i, j] = this.view.rows(base), [least, most] = this.length.range(i, j);
     const even = most < 1.5 * least, y = even ? [0, 1.5 * most] : [least / 1.6, most * 1.6];
     const frame = this.frame = makeFrame(width, height, x, y, !even);
-    drawAxes(g, frame, x, y, this.view.label());
+    drawAxes(g, frame, x, y, this.view.label(), "macro step (s)");
     inside(g, frame, () => this.drawBars(g, frame, xs, i, j));
     const now = locate(this.records.bases[base].times, this.report.now);
     drawUpright(g, frame, this.view.at(this.report.now), "now");

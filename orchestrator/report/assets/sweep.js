@@ -156,7 +156,7 @@ class AngleSpeedMap extends Chart {
     g.imageSmoothingEnabled = false;
     g.drawImage(this.picture, f.left, f.top, f.right - f.left, f.bottom - f.top);
     this.drawScale(g, f);
-    drawAxes(g, f, this.degrees, this.speeds, "cam angle (deg), speed (r/min)");
+    drawAxes(g, f, this.degrees, this.speeds, "cam angle (deg)", "speed (r/min)");
     drawUpright(g, f, this.sweep.angle(k, row), "now");
     g.strokeStyle = color("now");
     g.beginPath(); g.moveTo(f.left, f.y(rpm[k])); g.lineTo(f.right, f.y(rpm[k])); g.stroke();
@@ -199,7 +199,7 @@ class Curve extends Chart {
     const values = v.values.map((one) => one === null ? NaN : one * v.factor), finite = this.sweep.kept(values, 1).filter((one) => one === one);
     const y = widen([Math.min(...finite), Math.max(...finite)]), x = this.x = [rpm[0], rpm[rpm.length - 1]];
     const f = this.frame = makeFrame(width, height, x, y);
-    drawAxes(g, f, x, y, "speed (r/min)");
+    drawAxes(g, f, x, y, "speed (r/min)", label(v.name, v));
     inside(g, f, () => this.trace(g, f, values));
     const k = this.sweep.records.chosen, value = readable(values[k]) + (v.unit ? " " + v.unit : "");
     drawUpright(g, f, rpm[k], "now");

@@ -1,16 +1,28 @@
 // What all plots share: the abscissa, the part of it that is shown, and where the pointer is.
 "use strict";
 
+// Values are rounded: equal ones in a row get their places between the next two, by time.
+function separate(xs, times) {
+  for (let i = 0, j; i < xs.length - 1; i = j) {
+    for (j = i + 1; j < xs.length - 1 && xs[j] === xs[i]; j++);
+    for (let k = i + 1; k < j; k++) xs[k] = xs[i] + (xs[j] - xs[i]) * (times[k] - times[i]) / (times[j] - times[i]);
+  }
+}
+
 class View {
   constructor(records) { this.records = records; this.name = ""; this.pointer = null; this.listeners = []; }
 
   async over(name) {
     const base = this.records.bases[0];
     this.name = name;
-    this.unit = name ? this.records.variables.get(name).unit : this.timeUnit(base);
+    const unit = this.timeUnit(base);
+    this.unit = name ? this.records.variables.get(name).unit : unit;
     const series = name ? await this.records.series(name) : null;
     const factor = name ? this.records.variables.get(name).factor : this.timeFactor;
     this.xs = Float64Array.from(base.times, (t, i) => factor * (series ? series.at(i) : t));
+    this.falls = this.xs[this.xs.length - 1] < this.xs[0];
+    if (this.falls) this.xs = this.xs.map((x) => -x);
+    if (name) separate(this.xs, base.times);
     this.whole = [this.xs[0], this.xs[this.xs.length - 1]];
     if (!(this.whole[1] > this.whole[0])) this.whole[1] = this.whole[0] + 1;
     this.shown = [...this.whole];
@@ -19,12 +31,18 @@ class View {
 
   timeUnit(base) {
     const span = base.end - base.times[0];
-    const [unit, factor] = span < 1e-3 ? ["us", 1e6] : span < 1 ? ["ms", 1e3] : ["s", 1];
+    const [unit, factor] = span < 1e-3 ? ["µs", 1e6] : span < 1 ? ["ms", 1e3] : ["s", 1];
     this.timeFactor = factor;
     return unit;
   }
 
-  label() { return (this.name || "time") + (this.unit ? " (" + this.unit + ")" : ""); }
+  // Whether the abscissa can take the place of time.
+  get rises() { return this.xs.every((x, i) => i === 0 || x >= this.xs[i - 1]) && this.xs[this.xs.length - 1] > this.xs[0]; }
+
+  label() {
+    const name = this.name ? (this.name.includes(".") ? this.name : this.name.replace(/_/g, " ")) : "time";
+    return (this.falls ? "−" : "") + name + (this.unit ? " (" + this.unit + ")" : "");
+  }
 
   // The numbers of a base's rows along the abscissa; other bases only have time.
   along(base) {

@@ -15,6 +15,7 @@ from ...errors import Command, MistakeError, Option
 from ...plots.speeds import draw_summary
 from ...plots.style import save_figure
 from ...reporter import Reporter
+from ...scenario.display import show_attributes
 from ...store.output_folder import STORE, SUMMARY
 from .sweep import parse_speed, read_table
 
@@ -32,8 +33,6 @@ LEAST_IS_WORST = (
 )
 # Numbers that are neither good nor bad.
 LEFT_OUT = ("change", "periods", "least_load_angle")
-# Units as people read them, with their factors.
-SHOWN = {"m": ("mm", 1e3), "Pa": ("MPa", 1e-6), "rad": ("deg", math.degrees(1.0))}
 
 
 @dataclass(frozen=True)
@@ -89,7 +88,8 @@ def compare(
         values = common[0][name]
         if name not in common[1] or values.dtype.kind != "f" or name.rpartition(".")[2] in LEFT_OUT:
             continue
-        unit, scale = choose_unit(name, values.attrs.get("units", ""))
+        display = show_attributes(values.attrs)
+        unit, scale = display.text or "1", display.factor
         worst = [find_worst(table, name, scale) for table in common]
         shown.add_row(name, unit, *(str(w) if w else "–" for w in worst))
         plain = [w and asdict(w) for w in worst]
@@ -116,11 +116,6 @@ def read_sweep(folder: Path) -> xarray.Dataset:
         remedy = Command("speeds", (...,), (Option("out", folder),))
         raise MistakeError(f"{folder}: holds no finished sweep", ("make one with ", remedy))
     return read_table(folder)
-
-
-def choose_unit(name: str, unit: str) -> tuple[str, float]:
-    """The unit in which the number is shown, and its factor."""
-    return ("um", 1e6) if name.endswith(("_film", ".bounce")) else SHOWN.get(unit, (unit, 1.0))
 
 
 def label(first: Path, second: Path) -> tuple[str, str]:

@@ -1,0 +1,63 @@
+"""The units in which numbers are shown: one for each quantity, in figures, pages, tables and messages."""
+
+import functools
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from models.core.quantities import Quantity
+
+from .units import to_unit
+
+# Of quantities that name none. Lengths name theirs: lifts are in mm, films in um.
+USUAL = {"Pa": "MPa", "rad": "deg", "rad/s": "rpm", "m2": "mm2"}
+# As they are set in a figure; in a text the degree is a word.
+SYMBOLS = {
+    "um": "µm",
+    "us": "µs",
+    "deg": "°",
+    "rpm": "r/min",
+    "N.m": "N m",
+    "N.s": "N s",
+    "rad/s2": "rad/s²",
+    "m/s2": "m/s²",
+    "mm2": "mm²",
+}
+
+
+class Shown(NamedTuple):
+    """The factor from the stored unit, and the unit with its symbol ("" of a plain number)."""
+
+    factor: float
+    unit: str
+
+    @property
+    def symbol(self) -> str:
+        return SYMBOLS.get(self.unit, self.unit.replace(".", " "))
+
+    @property
+    def text(self) -> str:
+        """The symbol in a table or message."""
+        return "deg" if self.unit == "deg" else self.symbol
+
+
+def show(quantity: Quantity) -> Shown:
+    """How this quantity is shown."""
+    return show_unit(quantity.unit, quantity.display_unit)
+
+
+def show_attributes(attributes: Mapping[Any, Any]) -> Shown:
+    """How a variable of a result file or store with these attributes is shown."""
+    return show_unit(str(attributes.get("units", "1")), str(attributes.get("display_units", "")))
+
+
+@functools.cache
+def show_unit(unit: str, display_unit: str = "") -> Shown:
+    """How a number in `unit` (SI symbols) is shown; `display_unit` is what its quantity names."""
+    shown = display_unit or USUAL.get(unit, unit)
+    factor = 1.0 if shown == unit else 1.0 / to_unit(f"1 {shown}", unit)
+    return Shown(factor, "" if shown == "1" else shown)
+
+
+def add_unit(name: str, shown: Shown) -> str:
+    """The head of a column: "load [N]"."""
+    return f"{name} [{shown.text}]" if shown.unit else name
