@@ -45,7 +45,7 @@ def draw_summary(tables: Mapping[str, xarray.Dataset]) -> Figure:
         every = dict.fromkeys(
             str(n) for t in tables.values() for n in t.data_vars if str(n).endswith(endings)
         )
-        if names := [n for n in every if any(_has_values(table, n) for table in tables.values())]:
+        if names := [n for n in every if any(has_values(table, n) for table in tables.values())]:
             shown.append((title, scale, names))
     rows = math.ceil(len(shown) / 3)
     figure, axes = create_subplots(rows, 3, figsize=(11.0, 2.6 * rows), squeeze=False, sharex=True)
@@ -55,7 +55,7 @@ def draw_summary(tables: Mapping[str, xarray.Dataset]) -> Figure:
     for panel, (title, scale, names) in zip(axes.flat, shown, strict=False):
         for table, line in zip(tables.values(), ("solid", "dashed"), strict=False):
             _draw_curves(panel, scale, names, table, line)
-        _limit_to_contact(panel, scale, names, tables)
+        limit_to_contact(panel, scale, names, tables)
         panel.set_title(title)
         panel.ticklabel_format(axis="y", useOffset=False)
     for panel in axes.flat[max(0, len(shown) - 3) : len(shown)]:
@@ -64,7 +64,7 @@ def draw_summary(tables: Mapping[str, xarray.Dataset]) -> Figure:
     return figure
 
 
-def _limit_to_contact(
+def limit_to_contact(
     axes: Axes, scale: float, names: list[str], tables: Mapping[str, xarray.Dataset]
 ) -> None:
     """Scale a panel by the speeds with contact: impacts after separation hide all else."""
@@ -88,7 +88,8 @@ def _shown_speeds(table: xarray.Dataset) -> NDArray[np.bool_]:
     return kept if np.count_nonzero(kept) >= LEAST_SHOWN else every
 
 
-def _has_values(table: xarray.Dataset, name: str) -> bool:
+def has_values(table: xarray.Dataset, name: str) -> bool:
+    """Whether the result is there, and not zero at all speeds."""
     return name in table and bool(np.any(np.nan_to_num(table[name].values) != 0.0))
 
 

@@ -23,7 +23,12 @@ def run_speeds(  # noqa: PLR0913  # options of a command
         Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-speeds")
     ] = None,
     set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario.")
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="PATH=VALUE",
+            help="Change the scenario; PATH=A,B,C sweeps each value and puts them side by side.",
+        ),
     ] = None,
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one a core")
@@ -49,11 +54,20 @@ def run_speeds(  # noqa: PLR0913  # options of a command
     from orchestrator.scenario.files import load, read_changed
     from orchestrator.study.run import Where
     from orchestrator.study.speeds.sweep import parse_range, sweep
+    from orchestrator.study.speeds.variants import list_variants, sweep_variants
 
     speeds = parse_range(low, high, count)
-    folder = out or Path("results") / f"{load(scenario, set_ or []).name}-speeds"
-    tables = read_changed(scenario, set_ or [])
+    variants = list_variants(set_ or [])
+    names = [load(scenario, variant.settings).name for variant in variants]
+    folder = out or Path("results") / f"{names[0]}-speeds"
     where, reporter = Where(workers=workers), build_reporter(as_json)
+    if len(variants) > 1:
+        designs = {variant: read_changed(scenario, variant.settings) for variant in variants}
+        every = sweep_variants(designs, speeds, folder, where, reporter, overwrite, second_film)
+        if as_json:
+            print_json({label: one.summary for label, one in every.items()})
+        return max(one.status for one in every.values())
+    tables = read_changed(scenario, variants[0].settings)
     found = sweep(tables, speeds, folder, where, reporter, overwrite, second_film)
     if as_json:
         print_json({**found.summary, "table": found.table.to_dict()})

@@ -1,0 +1,136 @@
+"""Sweeps over speed of several designs: a scenario with each of several values, in one table and figure."""
+
+import csv
+import itertools
+import math
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+from rich.table import Table
+
+from ...assessment.lost_contact import find_lost
+from ...errors import MistakeError, Option
+from ...plots.style import save_figure
+from ...plots.variants import draw_variants
+from ...reporter import Reporter
+from ..run import Where
+from .compare import find_worst
+from .sweep import Range, Swept, select_columns, sweep
+
+TABLE, FIGURE = "variants.csv", "variants.png"
+RPM = 30.0 / math.pi
+# Of a name of a folder, all that is not one of these becomes an underscore.
+_UNSAFE = re.compile(r"[^\w.=+ -]")
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A design: what distinguishes it, and the settings "path=value" that make it."""
+
+    label: str
+    settings: tuple[str, ...]
+
+    @property
+    def folder(self) -> str:
+        return _UNSAFE.sub("_", self.label) or "scenario"
+
+
+def list_variants(settings: Sequence[str]) -> list[Variant]:
+    """Every combination of the values of settings such as "path=A,B,C"; those with one value are in all."""
+    choices = []
+    for text in settings:
+        path, equals, written = text.partition("=")
+        values = _split(written) if equals else [written]
+        short = path.strip().rpartition(".")[2]
+        shown = [f"{short}={value}" if len(values) > 1 else "" for value in values]
+        choices.append(
+            [(label, f"{path}{equals}{value}") for label, value in zip(shown, values, strict=True)]
+        )
+    found = []
+    for combined in itertools.product(*choices):
+        label = ", ".join(short for short, _ in combined if short)
+        found.append(Variant(label, tuple(text for _, text in combined)))
+    folders = [variant.folder for variant in found]
+    if len(set(folders)) < len(folders):
+        raise MistakeError((Option("set"), ": the same value twice"))
+    return found
+
+
+def _split(written: str) -> list[str]:
+    """The values between commas; one where the whole is a value, such as a list or a quoted text."""
+    try:
+        tomllib.loads(f"value = {written.strip()}")
+    except tomllib.TOMLDecodeError:
+        return [value.strip() for value in written.split(",") if value.strip()] or [written]
+    return [written]
+
+
+def sweep_variants(
+    designs: Mapping[Variant, Mapping[str, Any]],
+    speeds: Range,
+    out: Path,
+    where: Where,
+    reporter: Reporter,
+    overwrite: bool = False,
+    second_film: str | None = None,
+) -> dict[str, Swept]:
+    """Sweep each design's tables in a folder of `out`, then put all side by side; by the variants' labels."""
+    found: dict[str, Swept] = {}
+    for number, (variant, tables) in enumerate(designs.items(), 1):
+        reporter.line(f"{variant.label} ({number} of {len(designs)})")
+        found[variant.label] = sweep(
+            tables, speeds, out / variant.folder, where, reporter, overwrite, second_film
+        )
+    swept = {label: one for label, one in found.items() if one.table.sizes["speed"]}
+    if swept:
+        _report(swept, out, reporter)
+    return found
+
+
+def tabulate(swept: Mapping[str, Swept]) -> tuple[str, list[dict[str, str]]]:
+    """The range of speed in which all designs keep contact, in words; a row for each design: its speed of
+    separation, and the worst of each number in that range."""
+    kept = keep_contact([one.table for one in swept.values()])
+    columns = [column for column in select_columns(kept[0]) if not column[1].endswith(("_angle", ".lost"))]
+    rows = []
+    for (label, one), table in zip(swept.items(), kept, strict=True):
+        separation = (one.summary.get("separation") or {}).get("speed")
+        row = {"design": label, "contact lost from r/min": "–" if separation is None else f"{separation:.0f}"}
+        for head, name, scale in columns:
+            worst = find_worst(table, name, scale) if name in table else None
+            row[head] = f"{worst.value:.4g}" if worst else "–"
+        rows.append(row)
+    speeds = RPM * kept[0]["speed"].values
+    return f"{speeds.min():.0f} to {speeds.max():.0f} r/min", rows
+
+
+def keep_contact(tables: Sequence[xarray.Dataset]) -> list[xarray.Dataset]:
+    """The tables at the speeds that all have and at which none loses contact; at all that they have in
+    common, where there is none."""
+    speeds = [set(table["speed"].values) for table in tables]
+    common = sorted(set.intersection(*speeds))
+    same = [table.sel(speed=common) for table in tables]
+    lost = np.any([find_lost(table) for table in same], axis=0)
+    return same if lost.all() else [table.isel(speed=np.flatnonzero(~lost)) for table in same]
+
+
+def _report(swept: Mapping[str, Swept], out: Path, reporter: Reporter) -> None:
+    speeds, rows = tabulate(swept)
+    title = f"Worst from {speeds}, where all keep contact"
+    shown = Table(*rows[0], title=title, title_justify="left")
+    for row in rows:
+        shown.add_row(*row.values())
+    reporter.console.print(shown)
+    with (out / TABLE).open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+    tables = {label: one.table for label, one in swept.items()}
+    save_figure(lambda: draw_variants(tables), out / FIGURE)
+    reporter.line(f"designs in {out}: {TABLE}, {FIGURE}")

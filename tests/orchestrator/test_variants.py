@@ -1,0 +1,55 @@
+"""Sweeps of several designs, side by side."""
+
+import numpy as np
+import pytest
+import xarray
+
+from orchestrator.errors import MistakeError
+from orchestrator.plots.variants import draw_variants
+from orchestrator.study.speeds.sweep import Swept
+from orchestrator.study.speeds.variants import Variant, list_variants, tabulate
+
+
+def make_swept(load: float, lost_from: float) -> Swept:
+    """A least load (N) that falls with the speed (rad/s)."""
+    speed = np.array([100.0, 200.0, 300.0])
+    values = {"contact.least_load": load - speed, "contact.lost": (speed >= lost_from) * 0.1}
+    table = xarray.Dataset({name: ("speed", v) for name, v in values.items()}, {"speed": speed})
+    return Swept(0, table, {"separation": {"speed": 2500.4 if lost_from < 400.0 else None, "text": ""}})
+
+
+def test_several_values_make_every_combination() -> None:
+    found = list_variants(["a.lash=0.1 mm, 0.2 mm", "a.mass=1", "b.rate=[1, 2]", "b.law=x,y"])
+    assert found[0] == Variant(
+        "lash=0.1 mm, law=x", ("a.lash=0.1 mm", "a.mass=1", "b.rate=[1, 2]", "b.law=x")
+    )
+    assert [v.label for v in found[1:]] == ["lash=0.1 mm, law=y", "lash=0.2 mm, law=x", "lash=0.2 mm, law=y"]
+    assert len({v.folder for v in found}) == 4
+    assert list_variants(["a.mass=1"]) == [Variant("", ("a.mass=1",))]
+    assert list_variants([]) == [Variant("", ())]
+    with pytest.raises(MistakeError, match="the same value twice"):
+        list_variants(["a.mass=1,1"])
+
+
+def test_designs_are_judged_at_the_speeds_at_which_all_keep_contact() -> None:
+    """The stiffer one keeps it to the end; its load there is not set beside the other's at less speed."""
+    speeds, rows = tabulate({"soft": make_swept(400.0, 300.0), "stiff": make_swept(500.0, 1e9)})
+    assert speeds == "955 to 1910 r/min"
+    assert [row["least N"] for row in rows] == ["200", "300"]
+    assert [row["contact lost from r/min"] for row in rows] == ["2500", "–"]
+
+
+def test_a_figure_has_a_colour_for_each_design() -> None:
+    tables = {name: make_swept(load, 1e9).table for name, load in (("a", 400.0), ("b", 500.0), ("c", 600.0))}
+    figure = draw_variants(tables)
+    (panel,) = figure.axes
+    assert (
+        len(
+            {
+                line.get_color() if isinstance(line.get_color(), str) else tuple(line.get_color())
+                for line in panel.lines
+            }
+        )
+        == 3
+    )
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["a", "b", "c"]
