@@ -54,5 +54,4 @@ def draw(data: FigureData) -> Figure:
         ax.axhline(0.0, color=MUTED, lw=0.7)
         ax.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
         ax.set_ylabel("Energy (J)")
-    figure.align_ylabels(axes)
     return figure

@@ -65,7 +65,6 @@ def draw(data: FigureData) -> Figure:
             shade(ax, own, name)
         label_abscissa(column[-1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
-    figure.align_ylabels(axes)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 

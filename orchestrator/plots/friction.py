@@ -46,5 +46,4 @@ def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure
     for ax in axes:
         ax.set_ylim(bottom=0.0)
     force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
-    figure.align_ylabels(axes)
     return figure

@@ -80,7 +80,6 @@ def draw(data: FigureData) -> Figure:
     for ax, variable in zip(axes[:, 0], shown, strict=True):
         _draw_panel(ax, data, found[variable], variable)
     label_abscissa(axes[-1, 0], data)
-    figure.align_ylabels(axes)
     if data.reference:
         figure.supxlabel("Wide pale lines: the monolithic reference.", fontsize=8.5, x=0.012, ha="left")
     return figure

@@ -61,7 +61,6 @@ def draw(data: FigureData) -> Figure:
         _draw_levels(column[3])
         label_abscissa(column[-1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
-    figure.align_ylabels(axes)
     add_legend_above(axes[0, -1])
     return figure
 

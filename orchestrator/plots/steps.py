@@ -93,7 +93,6 @@ def draw_steps(steps: Steps, title: str) -> Figure:
     axes[-1, 0].set_xlabel(f"Time ({SYMBOLS.get(unit, unit)})")
     axes[-1, 0].xaxis.set_major_formatter(FuncFormatter(lambda time, _: f"{factor * time:.10g}"))
     axes[-1, 1].set_xlabel("Share of steps (%)")
-    figure.align_ylabels(axes[:, 0])
     longest = max(len(str(entry.get_label())) for entry in entries)
     figure.legend(handles=entries, loc="outside lower left", ncols=3 if longest < 34 else 2, handlelength=1.4)
     return figure

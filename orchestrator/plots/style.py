@@ -9,6 +9,7 @@ from matplotlib import rc_context, rcParams
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
@@ -33,7 +34,6 @@ RC: dict[Any, Any] = {
     "lines.linewidth": 1.3,
     "legend.frameon": False,
     "legend.fontsize": 8.5,
-    "figure.constrained_layout.use": True,
     "figure.dpi": 100,
     "savefig.dpi": 200,
 }
@@ -54,8 +54,28 @@ def create_subplots(
     rows: int = 1, columns: int = 1, figsize: tuple[float, float] | None = None, **create_panels: Any
 ) -> tuple[Figure, Any]:
     """A figure and its panels, without pyplot, so that no window or notebook shows it."""
-    figure = Figure(figsize=figsize, layout="constrained")
+    figure = Figure(figsize=figsize, layout=_Layout())
     return figure, figure.subplots(rows, columns, **create_panels)
+
+
+class _Layout(ConstrainedLayoutEngine):
+    """Constrained layout, then the labels of the ordinates of each column of panels in one line.
+
+    matplotlib's `align_ylabels` measures the whole column again for each of its panels.
+    """
+
+    def execute(self, fig: Any) -> None:
+        super().execute(fig)
+        columns: dict[Any, list[Axes]] = {}
+        for ax in fig.axes:
+            if (place := ax.get_subplotspec()) and ax.get_visible() and ax.get_ylabel():
+                columns.setdefault((place.get_gridspec(), place.colspan.start), []).append(ax)
+        for column in columns.values():
+            for ax in column:
+                ax.yaxis.get_tightbbox()  # moves the label beside its ticks
+            left = min(ax.yaxis.label.get_position()[0] - ax.bbox.x0 for ax in column)
+            for ax in column:
+                ax.yaxis.set_label_coords(left / ax.bbox.width, 0.5)
 
 
 def add_title(figure: Figure, title: str) -> None:
@@ -69,7 +89,6 @@ def create_panels(rows: int, data: FigureData, title: str, height: float = 1.75)
     axes = axes[:, 0]
     add_title(figure, title)
     label_abscissa(axes[-1], data)
-    figure.align_ylabels(axes)
     return figure, axes
 
 

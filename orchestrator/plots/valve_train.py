@@ -255,5 +255,4 @@ def _add_legend(figure: Figure, axes: np.ndarray, others: int) -> None:
     }
     if others:
         found[f"the other {others} trains"] = Line2D([], [], color=PALE)
-    figure.align_ylabels(axes)
     figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=len(found))

@@ -34,7 +34,6 @@ def _create_panels(rows: int, title: str, heights: Sequence[float] = ()) -> tupl
     axes[-1].set_xlabel("Cam angle [deg] (nose at 180)")
     axes[-1].set_xlim(0.0, 360.0)
     axes[-1].xaxis.set_major_locator(MultipleLocator(30.0))
-    figure.align_ylabels(axes)
     return figure, axes
 
 
