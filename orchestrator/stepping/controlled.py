@@ -68,6 +68,24 @@ class StepControl:
             )
 
 
+@dataclass
+class _Trial:
+    """A step that is tried: `length`, then `gap` to cross an event, to `end`; `reason` sets its length.
+
+    `event` is the source of an event that was located in it, or -1; `rejected` why it was not made.
+    """
+
+    length: float
+    gap: float
+    end: float
+    reason: int
+    attempt: Any = None
+    error: float = 0.0
+    source: int = -1
+    event: int = -1
+    rejected: int | None = None
+
+
 class ControlledSteps:
     """Attempts a step, estimates its error, and accepts it or goes back and takes a shorter one."""
 
@@ -87,71 +105,79 @@ class ControlledSteps:
         self._locator = Locator(coupling, self._control.event_tolerance)
 
     def step(self, time: float) -> Step:
-        coupling, shortest = self._coupling, self._control.minimum_step
-        rejected, early = 0, self._master.implicit
-        with coupling.points.keep() as saved:
-            attempt: Any
-
-            def again(shorter: float) -> None:
-                nonlocal attempt
-                coupling.points.restore(saved)
-                attempt = self._estimator.attempt(coupling, self._master, time, shorter)
-
-            while True:
-                length, gap, end, reason = self._propose(time)
-                event, error = -1, 0.0
-                coupling.state.history.end_smooth[:] = ~self._locator.bent(end)
-                try:
-                    attempt = self._attempt(saved, time, length)
-                    error, source = self._norm(saved.coupling.values, attempt.error)
-                    # A step over an event has a large estimate, from what jumps or bends there, before the
-                    # event is located. (After an explicit step with such an error nothing may be right.)
-                    met = early and self._locator.find_event(saved.coupling.values) >= 0
-                    if error <= 1.0 or length <= shortest or met:
-                        whole = length
-                        length, over, event = self._locator.locate(saved, time, whole, again)
-                        if length < whole:
-                            gap, end, reason = over, time + length + over, EVENT
-                            error, source = self._norm(saved.coupling.values, attempt.error)
-                        if length == 0.0:
-                            coupling.points.restore(saved)
-                            error = 0.0
-                        if error <= 1.0 or length <= shortest:
-                            break
-                except (NonConvergenceError, RecoverableError) as failure:
-                    rejected += 1
-                    why = CONVERGENCE if isinstance(failure, NonConvergenceError) else DISCARD
-                    if error <= 1.0:
-                        self._go_back(saved, length, failure)
-                        continue
-                    early = False  # the event was too far away for this step
-                except EndedError as ended:
-                    if not (ended.inside(time) and ended.reached < time + length):
-                        raise
-                    coupling.points.restore(saved)
-                    rejected, why = rejected + 1, STOP
-                    self._next, self._set_by = ended.reached - time, STOP
-                    continue
-                else:
-                    rejected += 1
-                    why = ERROR
-                coupling.points.restore(saved)
-                self._next = max(shortest, length * self._controller.instead(error, attempt.exponent))
-                self._set_by = ERROR
-        if rejected and reason in (ERROR, GROWTH):
-            reason = why
+        rejected, why, early = 0, ERROR, self._master.implicit
+        with self._coupling.points.keep() as saved:
+            while (trial := self._try(saved, time, early)).rejected is not None:
+                rejected, why = rejected + 1, trial.rejected
+                # After a failure over an event, this step was too long to see where the event is.
+                early &= why not in (CONVERGENCE, DISCARD) or trial.error <= 1.0
+        if rejected and trial.reason in (ERROR, GROWTH):
+            trial.reason = why
         smooth: Any = False
-        if gap:
-            smooth = ~self._locator.bent(end, event)
-            if length:
-                coupling.accept(time + length)
-            gap = self._locator.cross(
-                self._master, time + length, gap, saved.coupling.values if reason == EVENT else None
-            )
-        if event >= 0:
-            source, end = event, time + length + gap
-            self._locator.last = end
-        return self._accept(time, end, length, smooth, attempt, error, source, reason, rejected)
+        if trial.gap:
+            smooth = ~self._locator.bent(trial.end, trial.event)
+            reached, before = time + trial.length, saved.coupling.values
+            if trial.length:
+                self._coupling.accept(reached)
+            jumped = before if trial.reason == EVENT else None
+            trial.gap = self._locator.cross(self._master, reached, trial.gap, jumped)
+        if trial.event >= 0:
+            trial.source, trial.end = trial.event, time + trial.length + trial.gap
+            self._locator.last = trial.end
+        return self._accept(time, trial, smooth, rejected)
+
+    def _try(self, saved: SavedPoint, time: float, early: bool) -> _Trial:
+        """Make a step, or else go back to its start and propose another length.
+
+        `early`: an event is looked for in a step whose estimated error is too large, too.
+        """
+        coupling, shortest = self._coupling, self._control.minimum_step
+        trial = _Trial(*self._propose(time))
+        coupling.state.history.end_smooth[:] = ~self._locator.bent(trial.end)
+        try:
+            self._make(saved, time, trial, early)
+            if trial.error <= 1.0 or trial.length <= shortest:
+                return trial
+            trial.rejected = ERROR
+        except (NonConvergenceError, RecoverableError) as failure:
+            trial.rejected = CONVERGENCE if isinstance(failure, NonConvergenceError) else DISCARD
+            if trial.error <= 1.0:
+                self._go_back(saved, trial.length, failure)
+                return trial
+        except EndedError as ended:
+            if not (ended.inside(time) and ended.reached < time + trial.length):
+                raise
+            coupling.points.restore(saved)
+            trial.rejected = self._set_by = STOP
+            self._next = ended.reached - time
+            return trial
+        coupling.points.restore(saved)
+        shorter = trial.length * self._controller.instead(trial.error, trial.attempt.exponent)
+        self._next, self._set_by = max(shortest, shorter), ERROR
+        return trial
+
+    def _make(self, saved: SavedPoint, time: float, trial: _Trial, early: bool) -> None:
+        """Attempt the step, and end it where an event is located in it."""
+        coupling, before = self._coupling, saved.coupling.values
+        trial.attempt = self._attempt(saved, time, trial.length)
+        trial.error, trial.source = self._norm(before, trial.attempt.error)
+        # A step over an event has a large estimate, from what jumps or bends there, before the event is
+        # located. (After an explicit step with such an error nothing may be right.)
+        met = early and self._locator.find_event(before) >= 0
+        if not (trial.error <= 1.0 or trial.length <= self._control.minimum_step or met):
+            return
+
+        def again(shorter: float) -> None:
+            coupling.points.restore(saved)
+            trial.attempt = self._estimator.attempt(coupling, self._master, time, shorter)
+
+        length, over, trial.event = self._locator.locate(saved, time, trial.length, again)
+        if length < trial.length:
+            trial.length, trial.gap, trial.end, trial.reason = length, over, time + length + over, EVENT
+            trial.error, trial.source = self._norm(before, trial.attempt.error)
+        if length == 0.0:
+            coupling.points.restore(saved)
+            trial.error = 0.0
 
     def _propose(self, time: float) -> tuple[float, float, float, int]:
         """Length of the next attempt, how long to cross what then comes, where that ends, what sets it."""
@@ -202,15 +228,13 @@ class ControlledSteps:
         sizes = np.maximum(np.abs(before), np.abs(e.state.values))
         return np.asarray(control.absolute * e.wiring.nominal + control.relative * sizes)
 
-    def _accept(
-        self, time: float, end: float, length: float, smooth: Any, attempt: Attempt, error: float,
-        source: int, reason: int, rejected: int,
-    ) -> Step:  # fmt: skip
-        """A step to `end`, of which `length` has the estimated error.
+    def _accept(self, time: float, trial: _Trial, smooth: Any, rejected: int) -> Step:
+        """A step to the trial's end, of which its length has the estimated error.
 
         `smooth`: the sources whose rates hold after an event that was crossed; False for none.
         """
-        coupling = self._coupling
+        coupling, attempt, error, source = self._coupling, trial.attempt, trial.error, trial.source
+        length, end, reason = trial.length, trial.end, trial.reason
         discontinuous = error > 1.0
         self._over = self._over + 1 if discontinuous else 0
         if self._over > DISCONTINUITY:
