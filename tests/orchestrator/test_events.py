@@ -1,12 +1,13 @@
 """Events inside macro steps: against exact instants, conservation, and the monolithic reference."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from models.core.system import Instance, System
+from models.core.system import Instance, Port, System
 from models.flywheel import flywheel
 from models.monolithic import equilibrium, solve
 from models.oscillators import exact
@@ -17,6 +18,7 @@ from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
+from orchestrator.stepping.locator import Locator
 
 from .coupled import run_coupled, start_from
 
@@ -111,6 +113,38 @@ def test_fixed_steps_end_at_events_and_return_to_the_grid(master, limit, record)
     others = np.array([s.end for s in recorder.steps if s.reason != EVENT])
     np.testing.assert_allclose(others / step, np.round(others / step), atol=1e-9)
     assert len(others) == 501
+
+
+@pytest.mark.parametrize(("event_time", "most"), [("when", 8), ("", 2 * 31)])
+def test_of_counted_events_the_first_is_located(event_time, most):
+    """Two of them in a step of 1 s, to 1 ns: with the last one's time as a guess, or by bisection (30 halves,
+    closed in from both sides). Those within 100 tolerances of the last are stepped over."""
+    time, tolerance, instants, made = 5.0, 1e-9, np.array([5.3137, 5.7]), []
+    tells = SimpleNamespace(event_indicators=(), event_counter="count", event_time=event_time, next_event="")
+    state = SimpleNamespace(
+        values=np.zeros(2), history=SimpleNamespace(end_smooth=np.ones(2, bool), rated=np.zeros(2, bool))
+    )
+    wiring = SimpleNamespace(
+        system=SimpleNamespace(instances={"ball": SimpleNamespace(component=tells)}),
+        number={Port("ball", "count"): 0, Port("ball", "when"): 1},
+        sources=(0, 1),
+    )
+
+    def attempt(length):
+        past = instants[instants <= time + length]
+        made.append(length)
+        state.values = np.array([len(past), past.max(initial=0.0)])
+
+    locator = Locator(SimpleNamespace(wiring=wiring, state=state), tolerance)
+    start = SimpleNamespace(coupling=SimpleNamespace(values=np.zeros(2)))
+    attempt(1.0)
+    before, over, source = locator.locate(start, time, 1.0, attempt)
+    assert time + before < instants[0] <= time + before + over <= time + before + tolerance * (1.0 + 1e-6)
+    assert (source, made[-1]) == (0, before)
+    assert len(made) <= most
+    locator.last = instants[0] - 90.0 * tolerance
+    attempt(1.0)
+    assert locator.locate(start, time, 1.0, attempt) == (1.0, 0.0, -1)
 
 
 def slider_crank_on_a_free_flywheel():
