@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from models.catalogue import CATALOGUE
+from models.core.evaluation import Evaluation
 from models.core.system import Instance, System
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
@@ -110,12 +111,8 @@ DIRECT = {
 TOLERANCES = {"least cam force (N)": 4e-4, "landing velocity (m/s)": 2e-3, "landing (deg)": 5e-5}
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("speed", DIRECT)
-def test_a_direct_train_with_an_adjuster(speed, record):
-    omega = speed * math.pi / 30.0
-    seat = {"seat_stiffness": 2e7, "seat_damping": 300.0, "surge_frequency": 1e4, "damping_ratio": 0.0}
-    system = System(
+def direct_train(omega, **spring):
+    return System(
         {
             "flywheel": Instance(
                 CATALOGUE["flywheel"](),
@@ -124,7 +121,7 @@ def test_a_direct_train_with_an_adjuster(speed, record):
             ),
             "camshaft": Instance(CATALOGUE["camshaft"](), {}),
             "adjuster": Instance(ADJUSTER, {}),
-            "valve_spring": Instance(CATALOGUE["valve_spring"](), seat),
+            "valve_spring": Instance(CATALOGUE["valve_spring"](), spring),
         },
         (
             ("flywheel.angle", "camshaft.drive_angle"),
@@ -137,6 +134,33 @@ def test_a_direct_train_with_an_adjuster(speed, record):
             ("adjuster.force", "valve_spring.load"),
         ),
     )
+
+
+def test_a_valve_on_an_adjuster_swings_and_sinks():
+    """m x'' = F - k x with F' = -K x' - F/tau, on the base circle and without a seat: the roots of
+    l^3 + l^2/tau + (K + k)/m l + k/(m tau). A spring that surges at 100 kHz has 1e-6 of the valve's mass."""
+    system = direct_train(0.0, surge_frequency=1e5, damping_ratio=0.0, seat_stiffness=0.0)
+    evaluation, n, moving = Evaluation(system), system.state.size, system.state.names
+    x, steps = np.zeros(n), 1e-6 * system.state.nominal
+    x[moving.index("valve_spring.position")] = -1e-5
+    at = evaluation.derivative(0.0, x).copy()
+    a = np.column_stack([(evaluation.derivative(0.0, x + s).copy() - at) for s in np.diag(steps)]) / steps
+    own = [i for i, name in enumerate(moving) if name.startswith(("adjuster", "valve_spring"))]
+    found = np.linalg.eigvals(a[np.ix_(own, own)])
+    K, k, tau = 1.011789e7, 35e3, 39.2975e-3
+    m = CATALOGUE["valve_spring"]().parameters.field("valve_mass").start
+    for root in np.roots([1.0, 1.0 / tau, (K + k) / m, k / (m * tau)]):
+        nearest = found[np.argmin(np.abs(found - root))]
+        assert nearest.imag == pytest.approx(root.imag, rel=2e-4, abs=1e-6)
+        assert nearest.real == pytest.approx(root.real, rel=2e-3)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("speed", DIRECT)
+def test_a_direct_train_with_an_adjuster(speed, record):
+    omega = speed * math.pi / 30.0
+    seat = {"seat_stiffness": 2e7, "seat_damping": 300.0, "surge_frequency": 1e4, "damping_ratio": 0.0}
+    system = direct_train(omega, **seat)
     times = np.r_[0.0, np.linspace(3.0, 4.0, 36001) * turn(speed)]
     y = run(SystemProblem(system), equilibrium(system), times)[1:]
     force, dip = column(system, y, "adjuster.force"), column(system, y, "valve_spring.seat_dip")

@@ -54,7 +54,7 @@ def pushrod_links(segments=4):
     )
 
 
-@pytest.mark.long
+@pytest.mark.plain
 def test_natural_frequencies_of_a_pushrod_train(record):
     """The cam's side is held; four segments."""
     system = pushrod_links()

@@ -42,7 +42,7 @@ def appendix(theta: float, phi: float, corrected: bool) -> Vector:
     return np.array([[a1, a2, izz * c], [a2, b2, 0.0], [c1, 0.0, c3]])
 
 
-@pytest.mark.long
+@pytest.mark.plain
 @pytest.mark.parametrize("angles", [(0.4, 0.9, -0.7), (-2.0, 1.3, 0.2)])
 def test_appendix_2_holds_with_c1_and_c3_corrected(angles: tuple[float, float, float]) -> None:
     _, theta, phi = angles
