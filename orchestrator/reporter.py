@@ -66,6 +66,10 @@ class Reporter:
     def line(self, text: Words) -> None:
         self.console.print(Text(in_command_line(text)), soft_wrap=True)
 
+    def tell(self, text: str, share: float) -> None:
+        """A share of a long task is done, in words."""
+        self.line(text)
+
     def keep_prints(self, path: Path) -> AbstractContextManager[None]:
         """For the block in which FMUs of others run: a command may put what they print into that file."""
         return nullcontext()

@@ -19,6 +19,10 @@ class SilentReporter(Reporter):
         super().__init__(Console(file=io.StringIO(), force_jupyter=False))  # a notebook shows it otherwise
         self._progress = progress
 
+    def tell(self, text: str, share: float) -> None:
+        if self._progress:
+            self._progress(text, share)
+
     @contextmanager
     def stage(self, text: str, stop_time: float = 1.0) -> Iterator[Bar]:
         tell = self._progress

@@ -144,11 +144,13 @@ def study(
     scheduler: str | None = None,
     overwrite: bool = False,
     retry_failed: bool = False,
+    progress: Progress | None = None,
 ) -> xarray.Dataset:
     """A parameter study: a shipped one, a file, or its tables, on all cores or on a dask `scheduler`.
 
     `scenario` is its subject; without it the tables name one. The variable `status` is 1 where a point is
     done; `message` says why one failed. `out` keeps the zarr store; a study that was stopped goes on there.
+    `progress` gets a line with the time left, and the share that is done: `progress=print` prints both.
     """
     check_study_packages()
     import xarray
@@ -170,7 +172,7 @@ def study(
         plan = load_study(str(tables), build_fmu)
     where = Where(scheduler, workers)
     with _open_folder(out, "study.zarr") as store:
-        run(plan, store, where, SilentReporter(), overwrite, retry_failed)
+        run(plan, store, where, SilentReporter(progress), overwrite, retry_failed)
         with xarray.open_zarr(store) as found:
             return found.load()
 

@@ -4,8 +4,12 @@ A master's `step` advances all participants by one macro step and leaves their o
 values. Its fields are the options of a scenario's [master] table.
 """
 
+from dataclasses import is_dataclass
 from typing import Any
 
+from models.catalogue import import_own
+
+from ..errors import one_of
 from .gauss_seidel import GaussSeidel
 from .iterated import Iterated
 from .jacobi import Jacobi
@@ -25,4 +29,20 @@ def find_name(master: Master) -> str:
     return next((name for name, kind in MASTERS.items() if isinstance(master, kind)), type(master).__name__)
 
 
-__all__ = ["MASTERS", "GaussSeidel", "Iterated", "Jacobi", "Master", "Newton", "find_name"]
+def find_master(name: str) -> type[Any]:
+    """The master of that name, or a user's own as "module:object"; ValueError if there is none."""
+    if ":" not in name:
+        if name not in MASTERS:
+            raise ValueError(f"{name!r}: {one_of(MASTERS, name)} (or your own as module:object)")
+        return MASTERS[name]
+    kind = import_own(name)
+    lacking = [
+        member for member in ("implicit", "extrapolation", "degree", "step") if not hasattr(kind, member)
+    ]
+    if not (isinstance(kind, type) and is_dataclass(kind)) or lacking:
+        lacks = f"lacks {', '.join(lacking)}" if lacking else "is no dataclass"
+        raise ValueError(f"{name}: {lacks}; must be a class as orchestrator.masters.protocol.Master says")
+    return kind
+
+
+__all__ = ["MASTERS", "GaussSeidel", "Iterated", "Jacobi", "Master", "Newton", "find_master", "find_name"]

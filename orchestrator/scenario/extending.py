@@ -7,7 +7,7 @@ from typing import Any
 from models.core.system import suggestion
 
 from ..errors import MistakeError
-from ..masters import MASTERS
+from ..masters import find_master
 from .connection import parse_line
 from .lift_table import CAM_KEYS, replace_law
 
@@ -101,8 +101,9 @@ def replace_cam(table: dict[str, Any], parameters: object) -> None:
 
 def drop_other_options(table: Mapping[str, Any], name: str) -> dict[str, Any]:
     """The [master] table for the master `name`, without the options that it does not have."""
-    if name not in MASTERS:
+    try:
+        known = {field.name for field in fields(find_master(name))}
+    except ValueError:
         return {"name": name}  # which the scenario's check refuses
-    known = {field.name for field in fields(MASTERS[name])}
     same = table.get("name") == name
     return {key: value for key, value in table.items() if same or key in known} | {"name": name}

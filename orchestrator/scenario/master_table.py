@@ -7,8 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, field_validator
 
 from models.core.system import suggestion
 
-from ..errors import one_of
-from ..masters import MASTERS
+from ..masters import find_master
 from .values import Faults
 
 
@@ -17,18 +16,17 @@ class MasterTable(BaseModel):
 
     model_config = ConfigDict(extra="allow", frozen=True)
 
-    name: str = Field("gauss_seidel", description="Name of the master")
+    name: str = Field("gauss_seidel", description="Name of the master, or your own as module:object")
 
     @field_validator("name")
     @classmethod
     def _check_name(cls, name: str) -> str:
-        if name not in MASTERS:
-            raise ValueError(f"{name!r}: {one_of(MASTERS, name)}")
+        find_master(name)
         return name
 
     def build(self) -> Any:
         """The master with its options; ValidationError or ValueError for wrong options."""
-        kind = MASTERS[self.name]
+        kind = find_master(self.name)
         options = dict(self.model_extra or {})
         known = [field.name for field in fields(kind)]
         for key in options:

@@ -110,6 +110,7 @@ def _describe_masters() -> dict[str, Any]:
     return {
         "type": "object",
         "description": "The co-simulation master and its options",
-        "properties": {"name": {"enum": list(MASTERS)}} | described,
-        "additionalProperties": False,
+        "properties": {"name": {"anyOf": [{"enum": list(MASTERS)}, {"pattern": ":"}]}} | described,
+        "if": {"not": {"properties": {"name": {"pattern": ":"}}, "required": ["name"]}},
+        "then": {"propertyNames": {"enum": ["name", *described]}},
     }

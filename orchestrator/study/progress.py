@@ -1,10 +1,14 @@
-"""Progress of a study: a bar on a terminal, elsewhere a line for each tenth."""
+"""Progress of a study: a bar on a terminal, elsewhere a line for each tenth and at least each 20 s."""
 
 from __future__ import annotations
+
+import time as clock
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ..reporter import Reporter
+
+EVERY_S = 20.0
 
 
 class StudyProgress:
@@ -24,6 +28,8 @@ class StudyProgress:
         self._bar = Progress(*columns, console=reporter.console, transient=True, disable=not self._live)
         self._task = self._bar.add_task(name, total=total, failed=0)
         self._tenth = -1
+        self._begun: tuple[int, float] | None = None  # points that were there, and when
+        self._told = 0.0
 
     def __enter__(self) -> StudyProgress:
         self._bar.start()
@@ -35,8 +41,18 @@ class StudyProgress:
     def show(self, done: int, failed: int) -> None:
         finished = done + failed
         self._bar.update(self._task, completed=finished, failed=failed)
-        tenth = 10 * finished // self._total
-        if not self._live and tenth > self._tenth:
-            self._tenth = tenth
+        tenth, now = 10 * finished // self._total, clock.monotonic()
+        self._begun = self._begun or (finished, now)
+        if not self._live and (tenth > self._tenth or now - self._told > EVERY_S):
+            self._tenth, self._told = tenth, now
             left = self._total - finished
-            self._reporter.line(f"{self._name}: {done} done, {failed} failed, {left} left")
+            text = f"{self._name}: {done} done, {failed} failed, {left} left{self._estimate(finished, left)}"
+            self._reporter.tell(text, finished / self._total)
+
+    def _estimate(self, finished: int, left: int) -> str:
+        """How long the points that are left take, if that is known."""
+        before, begun = self._begun or (0, 0.0)
+        if not left or finished == before:
+            return ""
+        seconds = left * (clock.monotonic() - begun) / (finished - before)
+        return f", about {seconds:.0f} s" if seconds < 100.0 else f", about {seconds / 60.0:.0f} min"

@@ -15,6 +15,7 @@ from .components import print_components
 from .diagnose import print_diagnosis
 from .fmu import fmu_build, fmu_compare, fmu_info, fmu_validate
 from .friction import print_friction
+from .masters import run_masters
 from .report import write_page
 from .run import resume_run, run_scenario
 from .scenarios import list_scenarios
@@ -35,6 +36,7 @@ app.command("report")(write_page)
 app.command("diagnose")(print_diagnosis)
 app.command("friction")(print_friction)
 app.command("analyse")(run_analysis)
+app.command("masters")(run_masters)
 app.command("cam")(draw_cam)
 app.command("speeds")(run_speeds)
 app.command("compare")(compare_sweeps)

@@ -1,6 +1,7 @@
 """Spectral radius and estimated error over the macro step: a column a master, a line a signal."""
 
 import math
+from typing import Any
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -14,6 +15,8 @@ from .behaviour import format_time
 from .survey import AssessedMethod, Survey
 
 STABLE = "#dfeadf"
+# Of a method that another one has the signal of: the same master in another order.
+_OTHER_ORDER = (0, (5, 1.5, 1, 1.5))
 
 
 def draw_figure(found: Survey) -> Figure:
@@ -27,10 +30,14 @@ def draw_figure(found: Survey) -> Figure:
     for column, name in enumerate(masters):
         radius, error = axes[:, column]
         radius.set_title(name)
+        drawn: set[str] = set()
         for method in found.methods:
             if find_name(method.master) == name:
-                _draw_radius(radius, method)
-                _draw_error(error, found, method)
+                signal = method.master.extrapolation
+                style = _OTHER_ORDER if signal in drawn else "-"
+                drawn.add(signal)
+                _draw_radius(radius, method, style)
+                _draw_error(error, found, method, style)
         for panel in (radius, error):
             panel.set_xscale("log")
             panel.axvline(found.scenario.macro_step, color="black", lw=0.8, ls=":")
@@ -53,17 +60,23 @@ def _list_legend(found: Survey) -> list[Artist]:
     """What colours, lines and marks mean; only of signals that were surveyed."""
     used = {method.master.extrapolation for method in found.methods}
     step = format_time(found.scenario.macro_step)
-    return [
-        *(Line2D([], [], color=colour, label=f"signals: {n}") for n, colour in SIGNALS.items() if n in used),
+    names = [(find_name(method.master), method.master.extrapolation) for method in found.methods]
+    other = Line2D([], [], color="0.3", ls=_OTHER_ORDER, label="the same signals, another order")
+    limits = [
         Line2D([], [], color="0.3", marker="o", ms=4.5, ls="", label="limit of stability"),
         Line2D([], [], color="0.3", lw=0.8, ls="--", label="beyond the limit: unstable"),
+    ]
+    return [
+        *(Line2D([], [], color=colour, label=f"signals: {n}") for n, colour in SIGNALS.items() if n in used),
+        *([other] if len(set(names)) < len(names) else []),
+        *(limits if any(math.isfinite(method.limit) for method in found.methods) else []),
         Patch(color=STABLE, label="stable: radius up to 1"),
         Line2D([], [], color="black", lw=0.8, ls=":", label=f"the scenario's step, {step}"),
         Line2D([], [], color="black", lw=0.8, label="allowed error"),
     ]
 
 
-def _draw_radius(axes: Axes, method: AssessedMethod) -> None:
+def _draw_radius(axes: Axes, method: AssessedMethod, style: Any) -> None:
     """Dashed beyond the limit, where only few steps were sampled."""
     signal = method.master.extrapolation
     colour = SIGNALS[signal]
@@ -71,19 +84,19 @@ def _draw_radius(axes: Axes, method: AssessedMethod) -> None:
     limit = [(method.limit, 1.0)] if math.isfinite(method.limit) else []
     stable = [point for point in seen if point[0] <= method.limit] + limit
     beyond = limit + [point for point in seen if point[0] > method.limit]
-    axes.plot(*zip(*stable, strict=True), color=colour, label=signal)
+    axes.plot(*zip(*stable, strict=True), color=colour, ls=style)
     if limit:
         axes.plot(*zip(*beyond, strict=True), color=colour, lw=0.8, ls="--")
         axes.plot(*limit[0], "o", ms=4.5, color=colour)
 
 
-def _draw_error(axes: Axes, found: Survey, method: AssessedMethod) -> None:
+def _draw_error(axes: Axes, found: Survey, method: AssessedMethod, style: Any) -> None:
     allowed = found.scenario.tolerance
     points = [
         (step, max(e / allowed[n] for n, e in errors.items())) for step, errors in method.errors.items()
     ]
     points = [(step, excess) for step, excess in points if math.isfinite(excess) and excess > 0.0]
     colour = SIGNALS[method.master.extrapolation]
-    axes.plot([p[0] for p in points], [p[1] for p in points], ".-", ms=5, color=colour)
+    axes.plot([p[0] for p in points], [p[1] for p in points], marker=".", ls=style, ms=5, color=colour)
     if math.isfinite(method.limit) and points:
         axes.plot([method.limit] * 2, [points[-1][1], 1e3], color=colour, lw=0.8, ls="--")

@@ -144,13 +144,12 @@ def survey(
     points, left = linearise_points(system, trajectory, rows.tolist(), watched, linearisations)
     surveyor = _Surveyor(scenario, system, trajectory, watched, points)
     methods = []
-    masters = _list_masters(scenario, system, surveyor)
+    masters = _list_masters(scenario, system, surveyor, limits.restorable)
     for i, master in enumerate(masters):
         methods.append(surveyor.assess(master))
         progress(0.3 + 0.7 * (i + 1) / len(masters))
     own = methods[0]
-    restorable = limits.restorable
-    usable = [m for m in methods if m.advised_step > 0.0 and (restorable or not m.master.implicit)]
+    usable = [m for m in methods if m.advised_step > 0.0 and (limits.restorable or not m.master.implicit)]
     methods.sort(key=lambda m: m.cost)
     return Survey(
         scenario, system, surveyor.partition, surveyor.points, methods, own,
@@ -173,15 +172,18 @@ def _find_course(
         return run_course(system, units, scenario.master.build(), times, progress)
 
 
-def _list_masters(scenario: Scenario, system: System, surveyor: _Surveyor) -> list[Master]:
-    """The scenario's own master, then every master with every signal, in the best order."""
+def _list_masters(scenario: Scenario, system: System, surveyor: _Surveyor, restorable: bool) -> list[Master]:
+    """The scenario's own master, then every master that its FMUs can take with every signal, in the best
+    order."""
     own = scenario.master.build()
     signals = list(DEGREES)[: surveyor.highest + 1]
     orders, stiff = {signal: surveyor.find_order(signal) for signal in signals}, surveyor.partition.stiff
     if getattr(own, "order", None) == () and orders[own.extrapolation] == tuple(system.instances):
         own = replace(own, order=orders[own.extrapolation])
     masters: list[Master] = [own]
-    for kind in MASTERS.values():
+    for kind in dict.fromkeys((*MASTERS.values(), type(own))):
+        if kind.implicit and not restorable:
+            continue  # which these FMUs cannot take
         options = {item.name for item in fields(kind)}
         if "extrapolation" not in options:
             continue

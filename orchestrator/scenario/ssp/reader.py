@@ -128,6 +128,8 @@ def _read_settings(found: Structure, where: str) -> dict[str, Any]:
             try:
                 settings = dict(parse_json(annotation[0].text or ""))
                 settings.pop("extends", None)  # another file, of whoever runs the package
+                if ":" in str(dict(settings.get("master") or {}).get("name", "")):
+                    del settings["master"]  # code that it would import
                 return settings
             except ValueError as error:
                 raise ScenarioError(

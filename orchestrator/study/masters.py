@@ -1,0 +1,140 @@
+"""Masters side by side on one scenario: the error of each against its work, over the macro step."""
+
+import csv
+import io
+import math
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import astuple, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+from rich.table import Table
+
+from ..analyses._evaluate import create_folder, find_results
+from ..errors import MistakeError, RunError, in_command_line
+from ..masters import MASTERS, find_master
+from ..plots.style import add_title, create_subplots, save_figure
+from ..reporter import Reporter
+from ..run.pipeline import run
+from ..scenario import Scenario
+from ..scenario.fmu_limits import FmuLimits
+from ..scenario.system import Builder
+from ..store import atomic_write
+
+NAME = "masters"
+# Macro steps, as multiples of the scenario's.
+LONGER = (4.0, 2.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A run: `error` is the largest relative RMS error over its tolerance, `output` the one that has it.
+
+    `steps` counts the steps that participants made. NaN and a message where the run failed.
+    """
+
+    master: str
+    macro_step: float
+    error: float = math.nan
+    output: str = ""
+    steps: float = math.nan
+    seconds: float = math.nan
+    message: str = ""
+
+
+def compare_masters(
+    vary: Callable[[Mapping[str, Any]], Scenario],
+    own: Sequence[str],
+    out: Path | None,
+    overwrite: bool,
+    build: Builder,
+    reporter: Reporter,
+    silent: Reporter,
+) -> list[Tried]:
+    """Run the scenario that `vary({})` gives with every master that its FMUs can take, and with `own` ones;
+    `vary` also sets keys of it. Print the table, write it and a figure into `out`; runs speak to `silent`."""
+    scenario = vary({})
+    if not scenario.tolerance or not scenario.reference.enabled:
+        raise MistakeError("tolerance: missing; state the error allowed of an output, with the reference")
+    restorable = FmuLimits(scenario).restorable
+    names = [name for name in (*MASTERS, *own) if restorable or not find_master(name).implicit]
+    longer = (1.0,) if scenario.step_control else LONGER
+    folder = out or Path("results") / f"{scenario.name}-{NAME}"
+    held = find_results(folder, NAME, overwrite)
+    tried: list[Tried] = []
+    with create_folder(folder):
+        with reporter.stage("masters") as bar:
+            for name in names:
+                for factor in longer:
+                    step = factor * scenario.macro_step
+                    tried.append(_try(vary, name, step, build, silent))
+                    bar.show(len(tried) / (len(names) * len(longer)))
+        for file in held:
+            file.unlink()
+        atomic_write.replace(folder / f"{NAME}.csv", _write(tried).encode())
+        save_figure(lambda: _draw(scenario, tried), folder / f"{NAME}.png")
+    reporter.console.print(_tabulate(scenario, tried))
+    if left := [name for name in MASTERS if name not in names]:
+        reporter.line(f"left out: {', '.join(left)}, which repeat steps; an FMU cannot restore its state")
+    reporter.line(f"results in {folder}: {NAME}.csv, {NAME}.png")
+    return tried
+
+
+def _try(
+    vary: Callable[[Mapping[str, Any]], Scenario], name: str, step: float, build: Builder, silent: Reporter
+) -> Tried:
+    try:
+        one = vary({"master.name": name, "macro_step": step})
+        with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
+            summary = run(one, Path(folder, "run"), build, silent, figures=False)
+    except (MistakeError, RunError) as error:
+        return Tried(name, step, message=in_command_line(error))
+    shares = {key: e.relative_rms / e.tolerance for key, e in summary.errors.items() if e.tolerance}
+    if not summary.complete or not shares:
+        return Tried(name, step, message=in_command_line(summary.message))
+    output = max(shares, key=shares.__getitem__)
+    steps = math.nan if summary.do_steps is None else float(summary.do_steps)
+    return Tried(name, step, shares[output], output, steps, summary.coupled_time_s)
+
+
+def _write(tried: Sequence[Tried]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    heads = {"macro_step": "macro_step (s)", "error": "error/tolerance", "seconds": "wall time (s)"}
+    writer.writerow([heads.get(field.name, field.name) for field in fields(Tried)])
+    writer.writerows(map(astuple, tried))
+    return text.getvalue()
+
+
+def _tabulate(scenario: Scenario, tried: Sequence[Tried]) -> Table:
+    table = Table(title=f"{scenario.name}: error against work", title_justify="left", box=None)
+    for head in ("master", "macro step (s)", "error/tolerance", "of", "participant steps", "wall time (s)"):
+        table.add_column(head, justify="left" if head in ("master", "of") else "right")
+    for one in tried:
+        if one.message:
+            table.add_row(one.master, f"{one.macro_step:g}", "failed", one.message[:60])
+        else:
+            numbers = f"{one.error:.2g}", one.output, f"{one.steps:.0f}", f"{one.seconds:.2g}"
+            table.add_row(one.master, f"{one.macro_step:g}", *numbers)
+    return table
+
+
+def _draw(scenario: Scenario, tried: Sequence[Tried]) -> Figure:
+    figure, ((left, right),) = create_subplots(1, 2, figsize=(8.6, 3.6), sharey=True, squeeze=False)
+    add_title(figure, f"{scenario.name}: error of each master against its work")
+    for i, name in enumerate(dict.fromkeys(one.master for one in tried)):
+        style = {"marker": "osD^v"[i % 5], "ls": "-" if i % 2 else "--", "ms": 4}
+        points = [one for one in tried if one.master == name and one.error > 0.0]
+        errors = [one.error for one in points]
+        left.loglog([one.steps for one in points], errors, label=name, **style)
+        right.loglog([one.macro_step for one in points], errors, **style)
+    left.set_xlabel("Steps of all participants")
+    right.set_xlabel("Macro step (s)")
+    left.set_ylabel("Largest error over tolerance")
+    for axes in (left, right):
+        axes.axhline(1.0, color="black", lw=0.8)
+        axes.xaxis.set_minor_formatter(lambda value, _: f"{value:g}")
+    figure.legend(loc="outside lower center", ncols=5)
+    return figure

@@ -1,0 +1,105 @@
+"""A master in a file of its own is one like the others; masters are compared on any scenario."""
+
+import csv
+import itertools
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import tribocosim
+from orchestrator.analyses.stability import survey as surveying
+from orchestrator.errors import MistakeError
+from orchestrator.masters import MASTERS
+from orchestrator.scenario.files import load
+from orchestrator.scenario.fmu_limits import FmuLimits
+from orchestrator.study.masters import LONGER, compare_masters
+from tribocosim.cached_fmus import build_fmu
+from tribocosim.reporting import SilentReporter
+
+OWN = """
+from dataclasses import dataclass
+from orchestrator.masters import Jacobi
+
+@dataclass(frozen=True)
+class Own(Jacobi):
+    gain: float = 1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.gain <= 0.0:
+            raise ValueError(f"gain = {self.gain}: must be > 0")
+
+class Plain:
+    pass
+
+number = 3
+"""
+
+
+@pytest.fixture(autouse=True)
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "own_master.py").write_text(OWN)
+    monkeypatch.syspath_prepend(tmp_path)
+
+
+def vary(changes: Any) -> Any:
+    return tribocosim.load("two-masses").with_({"stop_time": 0.5, **changes}).check()
+
+
+def test_an_own_master_runs_as_the_same_one_of_ours() -> None:
+    short = tribocosim.load("two-masses").with_({"stop_time": 0.2, "reference.enabled": False})
+    runs = [
+        tribocosim.run(short.with_({"master.name": name}), figures=False).coupled
+        for name in ("jacobi", "own_master:Own")
+    ]
+    assert runs[0].equals(runs[1])
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        (["own_master:Other"], "cannot be imported"),
+        (["own_master:Plain"], "lacks implicit"),
+        (["own_master:number"], "lacks implicit"),
+        (["os:system"], "a module of Python"),
+        (["nothing"], "must be one of"),
+        (["own_master:Own", "master.gain=-1"], "gain = -1.0: must be > 0"),
+        (["own_master:Own", "master.size=1"], "has no such option"),
+    ],
+)
+def test_what_is_no_master_is_refused(settings: list[str], said: str) -> None:
+    with pytest.raises(MistakeError, match=said):
+        load("two-masses", [f"master.name={settings[0]}", *settings[1:]])
+
+
+@pytest.mark.parametrize("restorable", [True, False])
+def test_masters_are_compared_by_error_and_work(
+    restorable: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Half the step, at least a quarter of the error of these masters; masters that repeat steps only where
+    the FMUs can be restored."""
+    monkeypatch.setattr(FmuLimits, "restorable", restorable)
+    own = ["own_master:Own"] if restorable else []
+    monkeypatch.setattr("orchestrator.study.masters.MASTERS", {n: MASTERS[n] for n in ("jacobi", "newton")})
+    silent = SilentReporter()
+    tried = compare_masters(vary, own, tmp_path / "out", False, build_fmu, silent, silent)
+    names = list(dict.fromkeys(one.master for one in tried))
+    assert names == (["jacobi", "newton", *own] if restorable else ["jacobi"])
+    for name in names:
+        errors = [one.error for one in tried if one.master == name]
+        assert len(errors) == len(LONGER)
+        assert all(
+            math.isfinite(error) and error > 3.0 * finer for error, finer in itertools.pairwise(errors)
+        )
+    with (tmp_path / "out" / "masters.csv").open() as file:
+        assert len(list(csv.reader(file))) == 1 + len(tried)
+    assert (tmp_path / "out" / "masters.png").is_file()
+
+
+def test_only_masters_that_the_fmus_can_take_are_ranked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(FmuLimits, "restorable", False)
+    table = tribocosim.analyse(tribocosim.load("two-masses").with_({"stop_time": 0.5}))
+    assert set(table["master"].values) == {n for n, kind in MASTERS.items() if not kind.implicit}
+    assert surveying.MASTERS is MASTERS

@@ -1,0 +1,47 @@
+"""tribocosim masters."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..packages import check_study_packages
+from .apart import carry_out_apart
+from .completion import ScenarioName
+from .error_report import report_errors
+from .json_output import Json, build_reporter, print_json
+
+
+@report_errors
+def run_masters(
+    scenario: ScenarioName,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario.")
+    ] = None,
+    master: Annotated[
+        list[str] | None, typer.Option(metavar="MODULE:OBJECT", help="Also run a master of your own.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-masters")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Run a scenario with every master that its FMUs can take: the error of each against its work."""
+    check_study_packages()
+    from orchestrator.scenario.files import load, read_changed
+    from orchestrator.study.masters import compare_masters
+
+    from ..cached_fmus import build_fmu
+    from ..reporting import SilentReporter
+    from ..scenario import Scenario
+
+    carry_out_apart(load(scenario, set_ or []), None)
+    content = Scenario(read_changed(scenario, set_ or []))
+    found = compare_masters(
+        lambda changes: content.with_(changes).check(), master or [], out, overwrite, build_fmu,
+        build_reporter(as_json), SilentReporter(),
+    )  # fmt: skip
+    if as_json:
+        print_json([asdict(one) for one in found])
