@@ -35,6 +35,7 @@ RC: dict[Any, Any] = {
     "legend.frameon": False,
     "legend.fontsize": 8.5,
     "figure.dpi": 100,
+    "figure.constrained_layout.use": True,
     "savefig.dpi": 200,
 }
 
