@@ -10,6 +10,7 @@ from pydantic import (
     Field,
     PrivateAttr,
     ValidationInfo,
+    ValidatorFunctionWrapHandler,
     field_validator,
     model_validator,
 )
@@ -179,25 +180,17 @@ class ComponentTable(Table):
             check_sizes(Path(info.data["participant"]), info.data["interface"], structure)
         return structure
 
-    @field_validator("parameters", "start", "inputs", mode="before", json_schema_input_type=dict[str, Given])
+    @field_validator("parameters", "start", "inputs", mode="wrap", json_schema_input_type=dict[str, Given])
     @classmethod
-    def _spread_lists(cls, values: Any, info: ValidationInfo) -> Any:
+    def _read_values(cls, given: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
         if not {"participant", "component", "structure"} <= set(info.data):
-            return values  # an earlier check has failed
-        component = _resolve(info.data)
-        layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
-        return spread_lists(values, layouts[info.field_name or ""])
-
-    @field_validator("parameters", "start", "inputs")
-    @classmethod
-    def _parse_values(cls, values: dict[str, Value], info: ValidationInfo) -> dict[str, Value]:
-        if not {"participant", "component", "structure"} <= set(info.data):
-            return values  # an earlier check has failed
+            return check(given)  # an earlier check has failed
         component = _resolve(info.data)
         layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
         kinds = {"parameters": "parameter", "start": "state", "inputs": "input"}
         assert info.field_name
         layout, chosen = layouts.pop(info.field_name), dict[str, Value]()
+        values: dict[str, Value] = check(spread_lists(given, layout))
         if isinstance(component, ThirdPartyComponent):
             chosen = convert_enumerations(
                 component, {key: value for key, value in values.items() if key in layout}
