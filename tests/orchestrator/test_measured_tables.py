@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.catalogue import CATALOGUE
@@ -69,7 +69,8 @@ def test_a_table_of_the_formula_tends_to_it(tmp_path: Path, record) -> None:
     record("Slider-crank", f"{case}: order", order, 2.75, "2 at extremes, 3 elsewhere", tolerance=0.75)
 
 
-@pytest.mark.long
+@pytest.mark.plain
+@settings(max_examples=20, deadline=None)
 @given(
     pressures=st.lists(st.floats(0.5e5, 8e6), min_size=8, max_size=40),
     angle=st.floats(-40.0, 40.0),
