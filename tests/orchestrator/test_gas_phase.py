@@ -1,7 +1,5 @@
 """The phase at which a valve opens against its gas: doubted before a run where engines do not have it."""
 
-from __future__ import annotations
-
 import pytest
 
 from orchestrator.assessment.gas_phase import list_doubtful_gas
