@@ -117,6 +117,9 @@ class SharedParameters:
     limiting_shear_coefficient: float = _coefficient("growth gamma of the limit with pressure").default(0.07)
 
 
+# m, about the size of an atom: a thinner film is none.
+ATOM = 0.3e-9
+
 FilmThickness = Annotated[
     float,
     Quantity(

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from models.contact.records import ATOM
 from models.core.quantities import Quantity, Vector
 from models.core.system import System
 
@@ -111,12 +112,13 @@ class FigureData:
         return np.asarray(values[f"{contact}.load"] <= 0.0)
 
     def in_contact(self, contact: str) -> FigureData:
-        """The data with NaN for the contact's films where it carries no load."""
+        """The data with NaN for the contact's films where it carries no load, and for films below an atom."""
 
         def under_load(values: Mapping[str, Vector], reference: bool) -> dict[str, Vector]:
             films = [name for film in FILMS if (name := f"{contact}.{film}") in values]
             lost = self.lost(contact, reference) if films else False
-            return {**values, **{name: np.where(lost, np.nan, values[name]) for name in films}}
+            none = {name: lost | (values[name] < ATOM) & ~name.endswith("_ratio") for name in films}
+            return {**values, **{name: np.where(none[name], np.nan, values[name]) for name in films}}
 
         return replace(
             self, coupled=under_load(self.coupled, False), reference=under_load(self.reference, True)

@@ -12,6 +12,7 @@ from models.core.system import System
 
 from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, suggestions
+from ..assessment.merits import list_merits
 from ..errors import RunError, Set, Words, join
 from ..reporter import Reporter
 from ..store.result_file import ResultFile
@@ -50,13 +51,14 @@ def assess(plan: Plan, record: Record, result: ResultFile, reporter: Reporter) -
 
 def _summarise_contacts(system: System, record: Record, result: ResultFile) -> Assessment:
     """The contacts as observed, or else as recorded, with their angles."""
-    contacts, source = record.contacts, MACRO_STEPS
+    contacts, source, merits = record.contacts, MACRO_STEPS, list[str]()
     if result.length("coupled") > 1:
         read = partial(result.read, "coupled", rows=slice(None))
         if not contacts and (found := summarise_rows(system, read)):
             contacts, source = found, ROWS
         contacts = with_angles(system, contacts, read)
-    return Assessment(record.ending, contacts, source)
+        merits = list_merits(system, read)
+    return Assessment(record.ending, contacts, source, merits)
 
 
 def _diagnose(plan: Plan, record: Record, result: ResultFile, assessment: Assessment) -> Assessment:

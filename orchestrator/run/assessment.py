@@ -22,6 +22,7 @@ class Assessment:
     ending: Ending
     contacts: ContactSummaries
     contacts_from: str = MACRO_STEPS
+    merits: Sequence[str] = field(default_factory=list)
     steps: Diagnosis | None = None
     rejected_steps: int = 0
     suggestions: Sequence[str] = field(default_factory=list)

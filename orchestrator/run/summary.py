@@ -53,6 +53,7 @@ class Summary:
     errors: Errors = field(default_factory=dict)
     contacts: ContactSummaries = field(default_factory=dict)
     contacts_from: str = MACRO_STEPS
+    merits: Sequence[str] = field(default_factory=list)
     energy: Account | None = None
     steps: Diagnosis | None = None
     suggestions: Sequence[str] = field(default_factory=list)
@@ -65,8 +66,11 @@ class Summary:
     notices: Sequence[Words] = field(default_factory=list)
 
     def tell(self) -> list[Words]:
-        """What contacts, energies and steps came to, and warnings of FMUs, in words."""
-        lines: list[Words] = [*contact_lines(self.contacts, self.contacts_from, self.fixed_steps)]
+        """What trains, contacts, energies and steps came to, and warnings of FMUs, in words."""
+        lines: list[Words] = [
+            *self.merits,
+            *contact_lines(self.contacts, self.contacts_from, self.fixed_steps),
+        ]
         lines += energy_lines(self.energy) if self.energy else []
         lines += brief(self.steps, self.suggestions) if self.steps else []
         for name, given in self.warnings.items():

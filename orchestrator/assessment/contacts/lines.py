@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+from models.contact.records import ATOM
+
 from .contact_summary import RESOLVED, ContactSummaries, ContactSummary
 
 SYMBOLS = {"material": "G", "squeeze": "w_s", "load": "W", "speed": "U"}
@@ -45,7 +47,8 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
     text += f"; highest pressure {1e-6 * summary.pressure:.4g} MPa {at('pressure')}"
     text += " (spikes at a reversal grow with the nodes)" if summary.solved else ""
     if summary.film > 0.0:
-        text += f"; least film {1e6 * summary.film:.3g} µm {at('film')}, "
+        least = f"least film {1e6 * summary.film:.3g} µm" if summary.film >= ATOM else "no film"
+        text += f"; {least} {at('film')}, "
         which = "least ratio of the central film to roughness" if summary.solved else "least film ratio"
         shared = "" if summary.solved else " under the fluid's share of the load"
         text += f"{which} {summary.film_ratio:.2g}{shared}" if summary.film_ratio > 0.0 else "smooth surfaces"

@@ -9,6 +9,8 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from models.contact.records import ATOM
+
 from ...errors import Option, Words
 from .cycle import TURN, Cycle, Summary, Wear, summary
 
@@ -42,7 +44,8 @@ def _film(found: Judged) -> str:
     """The film whose ratio is the least: printed numbers are quotients of one another."""
     if found.roughness <= 0.0:
         return "smooth"
-    return f"{1e6 * found.summary.least_film_ratio * found.roughness:.4g}"
+    film = found.summary.least_film_ratio * found.roughness
+    return f"{1e6 * film:.4g}" if film >= ATOM else "no film"
 
 
 def _cam_place(found: Judged) -> str:

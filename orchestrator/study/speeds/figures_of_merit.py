@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from models.contact.records import ATOM
 from models.core import roles
 from models.core.component import Component
 from models.core.quantities import Vector
@@ -101,6 +102,12 @@ def _least_load(contact: Part) -> int:
     return int(np.argmin(np.where(contact.lifted, contact["load"], np.inf)))
 
 
+def _least_film(contact: Part) -> float:
+    """Of a film below an atom nothing."""
+    film = float(np.min(contact["minimum_film_thickness"]))
+    return film if film >= ATOM else 0.0
+
+
 def _film_feed(contact: Part) -> float:
     """Of the power that goes through the film, to and fro, the share that stays in the motion."""
     power = contact["load"] * contact["squeeze_velocity"]
@@ -180,8 +187,8 @@ CONTACT: Mapping[str, Number] = {
         lambda c: float(np.max(c["maximum_pressure"])) / c.parameter("elastic_limit"),
     ),
     "least_film": (
-        Result("m", "least film thickness, of smooth surfaces", display_unit=MICROMETRES),
-        lambda c: float(np.min(c["minimum_film_thickness"])),
+        Result("m", "least film thickness, of smooth surfaces; 0: no film", display_unit=MICROMETRES),
+        _least_film,
     ),
     "least_film_ratio": (
         Result("1", "least film over roughness; the film bears the fluid's share of the load"),
