@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from models.core.remedies import Command, Option, Set, Words, in_command_line
-
 from ..messages import say
 
 if TYPE_CHECKING:
+    from models.core.remedies import Words
     from orchestrator.scenario import Scenario
 
 FAILED, INTERRUPTED = 3, 130
@@ -61,6 +60,8 @@ def carry_out_apart(scenario: Scenario, out: Path | None) -> None:
     stated = os.read(reading, 100)
     if stated.startswith(b"ended ") and stated.endswith(b"."):
         raise typer.Exit(int(stated[6:-1]))
+    from models.core.remedies import Set, in_command_line
+
     if interruptions > 1:
         say(in_command_line(("interrupted", _describe_records(out))))
         raise typer.Exit(INTERRUPTED)
@@ -107,5 +108,7 @@ def _describe_records(out: Path | None) -> Words:
     last = find_last_time(find_run_state(out))
     if last is None:
         return "; nothing was recorded"
+    from models.core.remedies import Command, Option
+
     resume = Command("resume", (format_path(out),), (Option("keep", True),))
     return "; ", resume, f" makes the result of what was recorded, to t = {last:.9g} s"
