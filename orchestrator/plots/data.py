@@ -117,7 +117,8 @@ class FigureData:
         def under_load(values: Mapping[str, Vector], reference: bool) -> dict[str, Vector]:
             films = [name for film in FILMS if (name := f"{contact}.{film}") in values]
             lost = self.lost(contact, reference) if films else False
-            none = {name: lost | (values[name] < ATOM) & ~name.endswith("_ratio") for name in films}
+            least = {name: 0.0 if name.endswith("_ratio") else ATOM for name in films}
+            none = {name: lost | (values[name] < least[name]) for name in films}
             return {**values, **{name: np.where(none[name], np.nan, values[name]) for name in films}}
 
         return replace(
