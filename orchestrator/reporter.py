@@ -47,10 +47,20 @@ class Bar:
 
 
 class _Console(Console):
-    """Raises BrokenPipeError where the reader has left; rich would end the program with status 1."""
+    """Prints no more where the reader has left or the disk is full: results do not depend on what is shown.
+
+    What is left in the buffer of standard output tells the command of it at its end.
+    """
 
     def on_broken_pipe(self) -> None:
         raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE), "standard output")
+
+    def _check_buffer(self) -> None:
+        try:
+            super()._check_buffer()
+        except OSError:
+            self._buffer.clear()
+            self.quiet = True
 
 
 class Reporter:

@@ -14,6 +14,7 @@ from ..participants import ThirdPartyComponent
 from ..participants.protocol import SideChannel
 from ..store.json_codec import Plain
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
 HEADER = ("time", "variable", "text")
 
 
@@ -30,7 +31,8 @@ def list_texts(components: Mapping[str, ThirdPartyComponent]) -> dict[str, list[
 class TextRecorder:
     """Records the `texts` (by instance) in a CSV file: at the start, and where a macro step changes one.
 
-    A text holds until the next line of its variable. Binary values are hexadecimal digits.
+    A text holds until the next line of its variable. Binary values are hexadecimal digits. A text that
+    spreadsheets would take for a formula gets a ' in front.
     """
 
     def __init__(self, path: Path, texts: Mapping[str, Sequence[str]]) -> None:
@@ -55,7 +57,9 @@ class TextRecorder:
             for name, text in zip(names, self._sides[instance].get_texts(names), strict=True):
                 if self._last.get(variable := f"{instance}.{name}") != text:
                     self._last[variable] = text
-                    rows.append((repr(float(time)), variable, text))
+                    # Spreadsheets would compute a text that begins so, or run its command.
+                    shown = f"'{text}" if text.startswith(FORMULA) else text
+                    rows.append((repr(float(time)), variable, shown))
         if rows:
             self._write(rows)
 

@@ -55,6 +55,7 @@ def _start_cluster(workers: int) -> Iterator[Client]:
                 threads_per_worker=1,
                 security=Security.temporary(),  # other users cannot run code through the port
                 dashboard_address="127.0.0.1:0",  # any free port
+                scheduler_kwargs={"dashboard": False},  # bokeh, if installed, would show it to all
                 silence_logs=logging.CRITICAL,
             )
         with cluster, Client(cluster) as client:

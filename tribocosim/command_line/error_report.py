@@ -38,7 +38,14 @@ def _carry_out(
     try:
         with noticed:
             status = command(*arguments, **options)
+        try:
             sys.stdout.flush()
+        except OSError as error:
+            if isinstance(error, BrokenPipeError):
+                raise
+            _discard_output()
+            say(f"standard output cannot be written: {error.strerror}; files are complete")
+            return status or FAILED
     except typer.Exit as ended:  # in a child process
         return ended.exit_code
     except KeyboardInterrupt as interruption:
