@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from models.core import roles
 from models.core.quantities import Quantity, Vector
 
-from ..assessment.kinematics import find_kinematics
+from ..assessment.kinematics import find_kinematics, find_landing
 from ..assessment.trains import Train
 from .data import FigureData
 from .style import ACCENT, MUTED, add_title, create_subplots, label_abscissa, plot_both, shade, shade_where
@@ -190,22 +190,12 @@ def _magnify_seat(ax: Axes, data: FigureData, train: Train) -> None:
     """The ramps: lifts up to a share of the largest, and what a landing does there."""
     top = OPENED * 1e3 * float(np.max(data.coupled[f"{train.cam}.cam_lift"]))
     ax.set_ylim(-0.15 * top, top)
-    landing = _find_landing(data, train)
+    landing = find_landing(train, data.coupled)
     if landing is not None:
         velocity = -float(data.coupled[f"{train.valve}.velocity"][landing])
         where = f"seats with {velocity:.3g} m/s at {data.x()[landing]:.1f}°"
         ax.plot(data.x()[landing], 0.0, "v", color=ACCENT, ms=5)
         _write(ax, where)
-
-
-def _find_landing(data: FigureData, train: Train) -> int | None:
-    """The first row on the seat after the largest lift; None where the valve has no seat or does not land."""
-    dip = data.coupled.get(f"{train.valve}.seat_dip")
-    if dip is None or not data.parameters.get(f"{train.valve}.seat_stiffness", 1.0):
-        return None
-    found = np.flatnonzero((dip[:-1] < 0.0) & (dip[1:] >= 0.0)) + 1
-    highest = int(np.argmax(data.coupled[f"{train.valve}.position"]))
-    return int(next((i for i in found if i >= highest), found[0])) if found.size else None
 
 
 def _add_margin(ax: Axes, data: FigureData, train: Train) -> None:

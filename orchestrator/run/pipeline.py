@@ -14,7 +14,7 @@ from ..store.output_folder import PRINTED, SCENARIO, OutputFolder, check_folder,
 from .assess import assess
 from .execute import execute
 from .plan import Plan, make_plan
-from .publish import finish_result, open_result, publish, settle_ending
+from .publish import finish_result, open_result, publish, publish_merits, settle_ending
 from .record import ENDS, Record, classify_ending
 from .summary import Summary, summarise
 from .workload import announce
@@ -69,6 +69,7 @@ def conclude(plan: Plan, record: Record, folder: OutputFolder, reporter: Reporte
         with open_result(plan, folder, reporter) as result:
             assessment = assess(plan, record, result, reporter)
             ending = assessment.ending
+            publish_merits(plan, assessment, result)
             finish_result(plan, ending, result, reporter)
     except ENDS as error:
         failure = classify_ending(error, folder.path)

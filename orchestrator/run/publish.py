@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -11,6 +12,9 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from models.core.quantities import Vector
+
+from ..assessment.summary_table import write_merits
 from ..assessment.trains import find_angles
 from ..errors import Command, MistakeError, Words, in_command_line, join, start_over
 from ..reporter import Reporter
@@ -20,6 +24,7 @@ from ..store.journal import Recorded, journals
 from ..store.output_folder import (
     CSV,
     FIGURES,
+    MERITS,
     REPORT,
     RESULT,
     SUMMARY,
@@ -30,6 +35,7 @@ from ..store.output_folder import (
     list_files,
 )
 from ..store.result_file import ResultFile
+from .assessment import Assessment
 from .comparison import Errors, VariableError
 from .plan import Plan
 from .record import FAILED, INTERRUPTED, Ending
@@ -63,6 +69,20 @@ def _describe(plan: Plan) -> dict[str, str]:
         "versions": ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES),
         "fmu_sha256": "\n".join(f"{name} {sha256}" for name, sha256 in plan.sha256.items()) or "none",
     }
+
+
+def publish_merits(plan: Plan, assessment: Assessment, result: ResultFile) -> None:
+    """The table of the figures of merit of what was recorded."""
+    if result.length("coupled") > 1:
+
+        @cache
+        def column(name: str) -> Vector:
+            return result.read("coupled", [name], slice(None))[name]
+
+        def read(names: Sequence[str]) -> dict[str, Vector]:
+            return {name: column(name) for name in names}
+
+        write_merits(plan.system, assessment.contacts, read, result.path.with_name(MERITS))
 
 
 def finish_result(plan: Plan, ending: Ending, result: ResultFile, reporter: Reporter) -> None:

@@ -22,8 +22,9 @@ STORE, CYCLES = "speeds.zarr", "cycles.nc"  # of a sweep over speed, instead of 
 REPLACED = "replaced"  # files of an earlier run, put aside until this one has its first values
 RESULT, CSV, UNITS, SCENARIO = "result.nc", "coupled.csv", "units.csv", "scenario.toml"
 SUMMARY, REPORT, PRINTED, TEXTS = "summary.json", "report.html", "printed.log", "texts.csv"
+MERITS = "summary.csv"
 # What a run writes, in the order to be shown, and its figures.
-WRITTEN, FIGURES = (REPORT, SUMMARY, RESULT, CSV, UNITS, TEXTS, SCENARIO, PRINTED), "figures"
+WRITTEN, FIGURES = (REPORT, SUMMARY, MERITS, RESULT, CSV, UNITS, TEXTS, SCENARIO, PRINTED), "figures"
 
 
 class OutputFolderError(MistakeError):
