@@ -26,7 +26,7 @@ NATURAL = {"surge": REFERENCE, "torsion": COUPLED, "bending": ACCENT}
 # Title, unit with its factor, endings of results: a panel for each that the table has.
 PANELS = (
     ("Contact load (N)", 1.0, (".least_load", ".largest_load")),
-    ("Spring margin (1)", 1.0, (".spring_margin",)),
+    ("Spring margin", 1.0, (".spring_margin",)),
     ("Surge force (N)", 1.0, (".surge_force",)),
     ("Landing velocity (m/s)", 1.0, (".seating_velocity",)),
     ("Least film (µm)", 1e6, (".least_film",)),
@@ -38,8 +38,14 @@ PANELS = (
 )
 
 
-def draw_summary(tables: Mapping[str, xarray.Dataset]) -> Figure:
-    """The numbers of all cycles over speed, scaled by those with contact; of a second design dashed."""
+def draw_summary(
+    tables: Mapping[str, xarray.Dataset], separations: Mapping[str, float | None] | None = None
+) -> Figure:
+    """The numbers of all cycles over speed, scaled by those with contact; of a second design dashed.
+
+    Shaded from the speed (r/min) at which a design loses contact, if `separations` have it; curves may leave
+    the frame there.
+    """
     shown = []
     for title, scale, endings in PANELS:
         every = dict.fromkeys(
@@ -49,14 +55,22 @@ def draw_summary(tables: Mapping[str, xarray.Dataset]) -> Figure:
             shown.append((title, scale, names))
     rows = math.ceil(len(shown) / 3)
     figure, axes = create_subplots(rows, 3, figsize=(11.0, 2.6 * rows), squeeze=False, sharex=True)
-    add_title(figure, " and ".join(tables) + (" (dashed)" if len(tables) > 1 else " over speed"))
+    lost = any(find_lost(table).any() for table in tables.values())
+    add_title(
+        figure,
+        " and ".join(tables)
+        + (" (dashed)" if len(tables) > 1 else " over speed")
+        + ("; shaded where contact is lost: there curves may leave the frame" if lost else ""),
+    )
     for panel in axes.flat[len(shown) :]:
         panel.remove()
     for panel, (title, scale, names) in zip(axes.flat, shown, strict=False):
         for table, line in zip(tables.values(), ("solid", "dashed"), strict=False):
             _draw_curves(panel, scale, names, table, line)
         limit_to_contact(panel, scale, names, tables)
-        panel.set_title(title)
+        for design, table in tables.items():
+            _shade_lost(panel, table, (separations or {}).get(design))
+        panel.set_ylabel(title)
         panel.ticklabel_format(axis="y", useOffset=False)
     for panel in axes.flat[max(0, len(shown) - 3) : len(shown)]:
         panel.set_xlabel("Speed (r/min)")
@@ -100,8 +114,19 @@ def _draw_curves(axes: Axes, scale: float, names: list[str], table: xarray.Datas
             continue
         label = name.replace("_", " ").replace(".", ": ") if line == "solid" else None
         axes.plot(rpm, scale * table[name].values, color=COLOURS[i % len(COLOURS)], ls=line, label=label)
-    if len(names) > 1:
-        axes.legend(fontsize=7)
+    legend = axes.legend(loc="lower left", fontsize=6.5, ncols=2, columnspacing=1.0, handlelength=1.4)
+    legend.set_bbox_to_anchor((-0.02, 0.98), transform=axes.transAxes)
+
+
+def _shade_lost(axes: Axes, table: xarray.Dataset, separation: float | None) -> None:
+    """From the separation, which is marked; without it from half-way between computed speeds."""
+    rpm, lost = RPM * table["speed"].values, find_lost(table)
+    edges = np.concatenate([rpm[:1], 0.5 * (rpm[1:] + rpm[:-1]), rpm[-1:]])
+    for low, high, one in zip(edges[:-1], edges[1:], lost, strict=True):
+        if one:
+            axes.axvspan(max(low, separation or low), high, color=MUTED, alpha=0.2, lw=0.0)
+    if separation:
+        axes.axvline(separation, color=MUTED, lw=1.0, ls=(0, (3, 2)))
 
 
 def draw_map(cycles: xarray.Dataset, name: str, lost: NDArray[np.bool_]) -> Figure:
@@ -156,11 +181,14 @@ def draw_orders(cycles: xarray.Dataset, name: str) -> Figure:
 def draw_campbell(cycles: xarray.Dataset, name: str) -> Figure:
     """Campbell diagram: a load's orders at their frequencies over speed, and the natural frequencies."""
     figure, axes = create_subplots(figsize=(7.6, 5.0))
-    add_title(figure, f"Campbell diagram of {name}: amplitude (N)")
+    add_title(figure, f"Campbell diagram of {name}: amplitude (N) of the numbered orders")
     orders, amplitude = find_orders(cycles[name])
     rpm, turns = RPM * cycles["speed"].values, find_cam_speeds(cycles) / (2.0 * math.pi)
     for order in orders:
         axes.plot(rpm, order * turns, color=MUTED, lw=0.4, zorder=1)
+        place = (rpm[-1] + 0.012 * np.ptp(rpm), order * turns[-1])
+        axes.text(*place, f"{order}", fontsize=6.5, va="center", color="0.35")
+    axes.set_xlim(rpm[0] - 0.02 * np.ptp(rpm), rpm[-1] + 0.05 * np.ptp(rpm))
     drawn = axes.scatter(
         np.repeat(rpm, orders.size), np.outer(turns, orders), c=amplitude, s=14, cmap="viridis",
         norm=_scale(amplitude), zorder=2,

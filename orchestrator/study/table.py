@@ -19,6 +19,7 @@ def write_table(found: xarray.Dataset, path: Path) -> None:
     shown = {name: show_attributes(found[name].attrs) for name in names}
     for name in names:
         if shown[name].factor != 1.0:
-            frame[name] *= shown[name].factor
+            # Twelve digits: 3000 r/min are 3000 again.
+            frame[name] = [float(f"{shown[name].factor * value:.12g}") for value in frame[name]]
     frame.columns = [add_unit(name, shown[name]) for name in names]
     replace(path, frame.to_csv(index=False, lineterminator="\n").encode())

@@ -41,7 +41,10 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_run_leaves_result_csv_figures_report_scenario_and_summary(result: Path) -> None:
     names = {path.name for path in result.iterdir()}
-    files = {"result.nc", "coupled.csv", "units.csv", "scenario.toml", "summary.json", "report.html"}
+    files = {"result.nc", "coupled.csv", "units.csv", "scenario.toml", "report.html"} | {
+        "summary.json",
+        "summary.csv",
+    }
     assert names == {*files, "figures"}
     figures = list((result / "figures").glob("*.png"))
     assert len(figures) >= 3

@@ -255,7 +255,7 @@ def test_what_is_no_unfinished_run_is_told(whole: Path, tmp_path: Path) -> None:
 
 
 def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> None:
-    for name in ("result.nc", "coupled.csv", "units.csv", "summary.json"):
+    for name in ("result.nc", "coupled.csv", "units.csv", "summary.csv", "summary.json"):
         shutil.copy(whole / name, killed)
     (killed / "unfinished" / "checkpoint").unlink()
     assert resume(killed, build_fmu, quiet()).complete

@@ -106,7 +106,8 @@ def compare(
             if separation:
                 reporter.line(f"{name}: {separation['text']}")
     if out is not None:
-        reporter.line(f"figure: {save_figure(lambda: draw_summary(tables), out)}")
+        separations = {name: one and one["speed"] for name, one in found["separation"].items()}
+        reporter.line(f"figure: {save_figure(lambda: draw_summary(tables, separations), out)}")
     return found
 
 

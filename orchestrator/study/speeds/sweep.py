@@ -102,7 +102,7 @@ def sweep(
         "scenario_toml": to_full_toml(subject.scenario),
     }
     (out / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", "utf-8")
-    files = publish(subject, table, out)
+    files = publish(subject, table, out, separation and separation.speed)
     if (out / CYCLES) in files:
         from ...report import write_report  # reads what is above
 
@@ -242,9 +242,10 @@ def describe_feeding(subject: SpeedSubject, table: xarray.Dataset) -> Iterator[s
         )
 
 
-def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Path]:
-    """Figures, and all cycles over angle and speed in one file."""
-    files = [save_figure(lambda: draw_summary({subject.scenario.name: table}), out / "speeds.png")]
+def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path, separation: float | None) -> list[Path]:
+    """Figures with the speed of separation (r/min), and all cycles over angle and speed in one file."""
+    design = subject.scenario.name
+    files = [save_figure(lambda: draw_summary({design: table}, {design: separation}), out / "speeds.png")]
     cycles = [
         (float(speed), path)
         for speed in table["speed"].values
