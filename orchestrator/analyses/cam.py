@@ -234,24 +234,29 @@ def draw_cam(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     _plot(axes[0, 1], degrees, MM * data["lift"].values, "Lift (mm)")
     if "other_lift" in data:
         axes[0, 1].plot(degrees, MM * data["other_lift"].values, color=REFERENCE, label=values["other"])
-        axes[0, 1].legend()
+        axes[0, 1].legend(loc="lower right", bbox_to_anchor=(1.0, 0.98))
     _plot(axes[1, 1], degrees, speed * data["slope"].values, "Velocity (m/s)")
     _plot(axes[2, 1], degrees, speed**2 * data["curvature"].values, "Acceleration (m/s²)")
     _plot(axes[0, 2], degrees, 1.0 / data["radius_of_curvature"].values, "Curvature of the cam (1/m)")
-    _plot(axes[1, 2], degrees, np.degrees(data["pressure_angle"].values), "Pressure angle (°)")
+    pressure = np.degrees(data["pressure_angle"].values)
+    if np.any(pressure):
+        _plot(axes[1, 2], degrees, pressure, "Pressure angle (°)")
+    else:
+        axes[1, 2].set_axis_off()
+        axes[1, 2].text(0.5, 0.5, "The pressure angle\nis zero everywhere.", ha="center", color=MUTED)
     velocity = speed * data["entraining_velocity"].values
-    _plot(axes[2, 2], degrees, velocity, "Entraining velocity (m/s)")
+    _plot(axes[2, 2], degrees, velocity, "Velocity of the contact (m/s)", "entraining")
     axes[2, 2].plot(degrees, speed * data["sliding_velocity"].values, color=ACCENT, label="sliding")
-    axes[2, 2].legend()
+    axes[2, 2].legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=2)
     _plot(axes[2, 0], degrees, speed**3 * data["jerk"].values, "Jerk (m/s³)")
     for panel in (axes[2, 0], axes[2, 1], axes[2, 2]):
         panel.set_xlabel("Cam angle (°)")
     return figure
 
 
-def _plot(axes: Axes, degrees: Vector, curve: Vector, label: str) -> None:
+def _plot(axes: Axes, degrees: Vector, curve: Vector, label: str, name: str | None = None) -> None:
     axes.axhline(0.0, color=MUTED, lw=0.8)
-    axes.plot(degrees, curve, color=COUPLED)
+    axes.plot(degrees, curve, color=COUPLED, label=name)
     axes.set_ylabel(label)
     axes.set_xlim(0.0, 360.0)
     axes.xaxis.set_major_locator(MultipleLocator(90.0))
