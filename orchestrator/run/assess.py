@@ -37,6 +37,17 @@ def assess(plan: Plan, record: Record, result: ResultFile, reporter: Reporter) -
     assessment = _diagnose(plan, record, result, _summarise_contacts(plan.system, record, result))
     if not record.ending.complete:
         return assessment
+    assessed = _judge(plan, assessment, result, reporter)
+    if not record.not_finite or assessed.ending.exit_status != WITHIN:
+        return assessed
+    name, since = next(iter(record.not_finite.items()))
+    more = f" and {len(record.not_finite) - 1} more" if len(record.not_finite) > 1 else ""
+    said = join(f"not finite: {name} from t = {since:.6g} s{more}; ", assessed.verdict)
+    return replace(assessed, verdict=said, ending=replace(assessed.ending, exit_status=OUTSIDE))
+
+
+def _judge(plan: Plan, assessment: Assessment, result: ResultFile, reporter: Reporter) -> Assessment:
+    """Compare a complete run with its reference, if it has one."""
     if plan.reference is None:
         return replace(
             assessment,

@@ -19,7 +19,7 @@ from ..store.json_codec import Plain
 from ..store.output_folder import SCENARIO, SUMMARY, TEXTS, OutputFolder, format_path
 from .checkpoint import Checkpoints, Identity
 from .interruption import Interruption
-from .nan_monitor import NotNumbers
+from .not_finite import NotFinite
 from .participants import open_participants
 from .plan import Plan
 from .record import ENDS, Ending, Record, Warnings, classify_ending
@@ -62,11 +62,11 @@ class _Observation:
     def __init__(self, plan: Plan, folder: OutputFolder) -> None:
         system, every, stop = plan.system, plan.scenario.record_every, plan.stop_time
         held_for = 0.0 if plan.scenario.exposed else FLUSH_SECONDS  # a process that ends takes no rows along
-        self.not_numbers, self.contacts = NotNumbers(every, stop), ContactObserver(system)
+        self.not_finite, self.contacts = NotFinite(every, stop), ContactObserver(system)
         self.counter = _Counter(folder.backup.delete)
         self.warnings: dict[str, Warnings] = {}
         recorder = ResultRecorder(folder.unfinished, plan.quantities, every, held_for, stop)
-        recorders: list[Observer] = [recorder, self.not_numbers]
+        recorders: list[Observer] = [recorder, self.not_finite]
         texts = list_texts(plan.third_party)
         text_recorders = [TextRecorder(folder.path / TEXTS, texts)] if texts else []
         self._ledger = None
@@ -89,7 +89,7 @@ class _Observation:
             contacts=self.contacts.summaries(),
             energy=self._ledger.account() if self._ledger else None,
             warnings=self.warnings,
-            not_numbers=self.not_numbers.since,
+            not_finite=self.not_finite.since,
             python_sweeps=statistics.python_sweeps if statistics else {},
             without_rates=statistics.without_rates if statistics else (),
             unproven=statistics.unproven if statistics else (),

@@ -59,7 +59,7 @@ class Record:
     contacts: ContactSummaries = field(default_factory=dict)
     energy: Account | None = None
     warnings: Mapping[str, Warnings] = field(default_factory=dict)
-    not_numbers: Mapping[str, float] = field(default_factory=dict)  # the first time (s) an output was NaN
+    not_finite: Mapping[str, float] = field(default_factory=dict)  # the first time (s) an output was so
     python_sweeps: Mapping[str, str] = field(default_factory=dict)  # slow participants: reason
     without_rates: Sequence[str] = ()  # participants whose rates were not used
     unproven: Sequence[str] = ()  # why participants were not restored

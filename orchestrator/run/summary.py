@@ -58,7 +58,7 @@ class Summary:
     steps: Diagnosis | None = None
     suggestions: Sequence[str] = field(default_factory=list)
     warnings: Mapping[str, Warnings] = field(default_factory=dict)
-    not_numbers: Mapping[str, float] = field(default_factory=dict)
+    not_finite: Mapping[str, float] = field(default_factory=dict)
     python_sweeps: Mapping[str, str] = field(default_factory=dict)
     without_rates: Sequence[str] = ()
     unproven: Sequence[str] = ()
@@ -82,9 +82,9 @@ class Summary:
                 f"{', '.join(self.without_rates)}: rates of change are no numbers at the start, so signals "
                 "go through values only"
             )
-        for name, since in self.not_numbers.items():
+        for name, since in self.not_finite.items():
             lines.append(
-                f"{name}: not a number (NaN) from t = {since:.6g} s on, or at times; look at its participant"
+                f"{name}: not finite from t = {since:.6g} s on, or at times; look at its participant"
             )
         return lines
 

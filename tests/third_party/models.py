@@ -273,6 +273,8 @@ for _name, _reached in {"stuck": "t", "backwards": "t - 1", "timeless": "0.0 / 0
     )
 # Is a number until half of the run.
 MODELS["vanishing"] = replace(MODELS["dahlquist"], step=EXPONENTIAL + " if (t > 0.495) $x = 0.0 / 0.0;")
+# Is finite until half of the run.
+MODELS["growing"] = replace(MODELS["dahlquist"], step=EXPONENTIAL + " if (t > 0.495) $x = 1.0 / 0.0;")
 # Takes 600 MB in its first step after half a second.
 MODELS["greedy"] = replace(
     MODELS["dahlquist"],

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from fmus.build import build
-from orchestrator.errors import MistakeError
+from orchestrator.errors import MistakeError, in_command_line
 from orchestrator.participants import unpacked
 from orchestrator.participants.unpacked import NEW, PREFIX, UnpackedFolder
 from orchestrator.reporter import Reporter
@@ -292,12 +292,18 @@ def test_times_that_cannot_be_are_not_believed(vice: str, said: str, tmp_path: P
 
 
 @pytest.mark.parametrize("version", [2, 3])
-def test_outputs_that_are_no_numbers_are_told(version: int, tmp_path: Path) -> None:
-    """Also where nothing takes them."""
-    summary, found = ran(case(fmu("vanishing", version, tmp_path), "shared"), tmp_path / "out")
-    assert np.isnan(found["decay.x"][51:]).all()
-    assert list(summary.not_numbers) == ["decay.x"]
-    assert summary.not_numbers["decay.x"] == pytest.approx(found["time"][51])
+@pytest.mark.parametrize("vice", ["vanishing", "growing"])
+def test_a_run_whose_outputs_are_not_finite_does_not_end_well(
+    vice: str, version: int, tmp_path: Path
+) -> None:
+    """Also where nothing takes them, and nothing is compared."""
+    summary, found = ran(case(fmu(vice, version, tmp_path), "shared"), tmp_path / "out")
+    assert not np.isfinite(found["decay.x"][51:]).any()
+    assert list(summary.not_finite) == ["decay.x"]
+    assert summary.not_finite["decay.x"] == pytest.approx(found["time"][51])
+    assert summary.complete
+    assert summary.exit_status == 1
+    assert in_command_line(summary.verdict).startswith("not finite: decay.x from t = 0.51 s")
 
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="needs prlimit of Linux")

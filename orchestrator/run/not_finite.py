@@ -1,6 +1,7 @@
-"""Outputs that were no numbers (NaN) in a run.
+"""Outputs that were not finite in a run: no numbers (NaN), or infinite.
 
-What is connected ends a run at once (`coupling`); what is only recorded does not, and is told at the end.
+NaN in what is connected ends a run at once (`coupling`); what is only recorded does not, and is told at the
+end.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -14,9 +15,9 @@ from ..engine.step import Step
 from ..store.json_codec import Plain
 
 
-class NotNumbers:
+class NotFinite:
     """Observer of every n-th macro step and of `stop` (s): `since` has, by output, the first time (s) at
-    which it was NaN."""
+    which it was not finite."""
 
     def __init__(self, every: int, stop: float) -> None:
         self._every, self._stop = every, stop
@@ -28,7 +29,7 @@ class NotNumbers:
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if is_recorded(self._count, time, self._every, self._stop):
-            bad = np.isnan(outputs())
+            bad = ~np.isfinite(outputs())
             if bad.any():
                 for i in np.flatnonzero(bad):
                     self.since.setdefault(self._names[i], time)
