@@ -11,9 +11,10 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import math
+import os
 import time as clock
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -25,26 +26,47 @@ from ..participants import Participant
 from ..store.atomic_write import replace
 from ..store.json_codec import Plain, from_text, to_text
 
-FORMAT = "tribocosim checkpoint 2"
+FORMAT = "tribocosim checkpoint 3"
 # With another version of these the last bits may differ.
 COMPUTING = ("tribocosim", "numpy", "scipy", "numba", "llvmlite")
+# So they may with other code for the processor, which these choose.
+CODE = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NPY_DISABLE_CPU_FEATURES", "OPENBLAS_CORETYPE")
 # Of the wall time at most, where a disk is slow or a state large.
 SHARE = 0.01
 
 
 @dataclass(frozen=True)
 class Identity:
-    """What a run is. With another of these it would not end with the same numbers."""
+    """What a run is. With another of these it would not end with the same numbers.
+
+    `machine` has the processor and what chooses code for it: another is no reason to refuse.
+    """
 
     versions: Mapping[str, str]  # of the packages that compute
     scenario: str  # SHA-256 of the resolved scenario file
     fmus: Mapping[str, str]  # SHA-256 by instance
+    machine: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, scenario: Path, fmus: Mapping[str, str]) -> Identity:
         """Of a run of the resolved scenario file with these FMUs, here and now."""
         versions = {name: metadata.version(name) for name in COMPUTING}
-        return cls(versions, hashlib.sha256(scenario.read_bytes()).hexdigest(), dict(fmus))
+        import llvmlite.binding  # takes long
+
+        machine = {"processor": llvmlite.binding.get_host_cpu_name()}
+        machine |= {name: os.environ[name] for name in CODE if os.environ.get(name)}
+        return cls(versions, hashlib.sha256(scenario.read_bytes()).hexdigest(), dict(fmus), machine)
+
+    def compare_machines(self, found: Identity, out: Path) -> str:
+        """What differs between this machine and that of the checkpoint `found` in `out`; empty if nothing."""
+        differ = [
+            f"{name} was {found.machine.get(name, 'not set')}, is {self.machine.get(name, 'not set')}"
+            for name in ("processor", *CODE)
+            if self.machine.get(name) != found.machine.get(name)
+        ]
+        if not differ:
+            return ""
+        return f"{out}: {', '.join(differ)}; the last digits may differ from those of a run without a stop"
 
     def check(self, found: Identity, out: Path) -> None:
         """CheckpointError unless `found`, of the checkpoint in `out`, is the same."""

@@ -43,6 +43,8 @@ def execute(
     identity = Identity.of(folder.path / SCENARIO, plan.sha256)
     if checkpoint:
         identity.check(checkpoint[0], format_path(folder.path))
+        if differ := identity.compare_machines(checkpoint[0], format_path(folder.path)):
+            reporter.line(differ)
     else:  # this is left if a participant ends the process
         summarise(plan, Ending(), Record()).write(folder.path / SUMMARY)
     observation = _Observation(plan, folder)

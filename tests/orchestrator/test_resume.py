@@ -5,13 +5,16 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from io import StringIO
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from models.core.errors import ModelError
 from models.core.remedies import Command, find_actions
 from orchestrator.errors import CheckpointError, MistakeError, start_over
+from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.run.resume import resume
 from orchestrator.scenario.files import load
@@ -150,6 +153,20 @@ def test_the_wall_time_is_that_of_all_processes(killed: Path) -> None:
     summary = resume(killed, build_fmu, quiet(), figures=False)
     assert 100.0 < summary.wall_time_s < 400.0
     assert summary.coupled_time_s < summary.wall_time_s
+
+
+def test_a_run_that_goes_on_with_another_processor_or_blas_says_so_once(
+    killed: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OPENBLAS_CORETYPE", "Nehalem")
+    monkeypatch.setattr("llvmlite.binding.get_host_cpu_name", lambda: "other")
+    reporter = Reporter(Console(file=StringIO(), width=500))
+    assert resume(killed, build_fmu, reporter, figures=False).complete
+    said = [line for line in reporter.console.file.getvalue().splitlines() if "digits" in line]
+    assert len(said) == 1
+    assert "OPENBLAS_CORETYPE was not set, is Nehalem" in said[0]
+    assert "is other" in said[0]
+    assert "the last digits may differ" in said[0]
 
 
 def test_a_damaged_checkpoint_is_refused(killed: Path) -> None:
