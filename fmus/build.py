@@ -182,7 +182,8 @@ def resolve_component(name: str, structure: Mapping[str, int] | None) -> tuple[d
     try:
         return sizes, find_factory(name)(**sizes)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"structure of {name}: {error}") from None
+        place = f"structure of {name}" if sizes else identify(name)
+        raise ValueError(f"{place}: {error}") from None
 
 
 def compute_references(name: str, structure: Mapping[str, int] | None, exchange: bool) -> dict[str, bytes]:

@@ -1,5 +1,6 @@
 """Python files of a scenario's components, from which FMUs are built: one part, or all as one component."""
 
+import builtins
 import keyword
 import re
 import sys
@@ -9,10 +10,19 @@ from pathlib import Path
 from typing import Any
 
 from models.catalogue import find_factory, is_own
+from models.core.errors import ModelError
 from models.core.system import Instance
 
 from .declared import explain_no_native, find_extra
 from .fmi.description import Experiment
+
+# Names that the file made here, or the script of an FMU in Python, needs for something else.
+_TAKEN = {
+    *keyword.kwlist,
+    *dir(builtins),
+    *("compose", "with_values", "Instance"),
+    *("sys", "ctypes", "numpy", "show_to_all", "slave_class", "FAILURES"),
+}
 
 _FILE = '''"""{about}"""
 
@@ -70,19 +80,21 @@ def write_train(
 
 def to_identifier(name: str) -> str:
     """A name for a file, a function and an FMU, from any text."""
-    text = re.sub(r"\W", "_", name, flags=re.ASCII)
-    return f"_{text}" if keyword.iskeyword(text) or not text[:1].isidentifier() else text
+    text = "".join(letter if letter.isascii() else f"u{ord(letter):x}" for letter in name)
+    text = re.sub(r"\W", "_", text)
+    taken = text in _TAKEN or text.startswith(("make_", "__"))
+    return f"_{text}" if taken or not text[:1].isidentifier() else text
 
 
 _IMPORTS = ["from models.core.system import Instance"]
 
 
 def _import(parts: Iterable[Part]) -> list[str]:
-    """A line for each component; ValueError for one of a user's own file, which may import others."""
+    """A line for each component; ModelError for one of a user's own file, which may import others."""
     names = sorted({part.catalogue_name for part in parts})
     for name in names:
         if is_own(name):
-            raise ValueError(
+            raise ModelError(
                 f"{name}: only components of the catalogue can be built with a scenario's values"
             )
     return [f"from {find_factory(name).__module__} import {name} as make_{name}" for name in names]

@@ -92,6 +92,19 @@ def check_options(names: Sequence[str] | None, options: FmuOptions) -> Sequence[
     sizes = options.structure or {}
     if sizes and len(names or NAMES) > 1:
         raise MistakeError((Option("structure"), ": name the one component that has these sizes"))
+    check_kind(options)
+    for name in names or NAMES:
+        if name not in NAMES and not is_own(name):
+            raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)} (or your own as module:factory)")
+        try:
+            build_component(name, tuple(sizes.items()))
+        except ValueError as error:
+            raise MistakeError((Option("structure"), f": {error}") if sizes else str(error)) from None
+    return names or (NATIVE_NAMES if options.native else NAMES)
+
+
+def check_kind(options: FmuOptions) -> None:
+    """MistakeError for options of the kind of FMU that do not fit together."""
     if options.platforms and not options.native:
         python = ": FMUs that run in Python are one file for Linux and Windows alike"
         raise MistakeError((Option("platform"), python), ("add ", NATIVE, " to choose"))
@@ -103,14 +116,14 @@ def check_options(names: Sequence[str] | None, options: FmuOptions) -> Sequence[
         )
     if options.libpython and options.native:
         raise MistakeError((Option("libpython"), ": native FMUs need no Python"), "leave one of them out")
-    for name in names or NAMES:
-        if name not in NAMES and not is_own(name):
-            raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)} (or your own as module:factory)")
-        try:
-            build_component(name, tuple(sizes.items()))
-        except ValueError as error:
-            raise MistakeError((Option("structure"), f": {error}") if sizes else str(error)) from None
-    return names or (NATIVE_NAMES if options.native else NAMES)
+
+
+def check_place(out: Path, names: Sequence[str]) -> None:
+    """MistakeError for one file in which several FMUs would be written."""
+    if len(names) > 1 and out.suffix == ".fmu":
+        raise MistakeError(
+            (Option("out", out), f": is one file, but {len(names)} FMUs are built"), "give a folder"
+        )
 
 
 def build_file(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from models.core.system import Instance, suggestion
 from orchestrator.errors import MistakeError, Option
 
-from .fmu import FmuOptions, build_file
+from .fmu import FmuOptions, build_file, check_kind, check_place
 from .scenario import Scenario, load
 
 if TYPE_CHECKING:
@@ -47,27 +47,30 @@ def build_scenario_fmus(
 
     checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
     options = FmuOptions(None, native, platforms or None, fmi)
+    check_kind(options)
     _check(checked, components, whole, outside)
     assembly = assemble(checked)
     system = resolve_start(checked, assembly.system)
     experiment = Experiment(checked.stop_time, checked.macro_step, tolerance=TOLERANCE)
     parts = _list_parts(checked, system.instances)
+    names = list(dict.fromkeys(components)) or list(parts)
+    check_place(Path(out), () if whole else names)
     with tempfile.TemporaryDirectory(prefix="tribocosim-") as temporary:
         folder = Path(temporary)
         if whole:
             _check_whole(checked, assembly, outside)
             lines = [(str(c.source), str(c.target)) for c in system.connections]
-            name = to_identifier(checked.name)
+            train = to_identifier(checked.name)
             about = (
                 f"{checked.description or checked.name}: {', '.join(p for p in parts if p not in outside)}"
             )
-            own = [write_train(folder, name, about, parts, lines, outside, experiment)]
+            own = [write_train(folder, train, about, parts, lines, outside, experiment)]
         else:
             own = [
                 write_part(folder, to_identifier(name), f"{name} of {checked.name}", parts[name], experiment)
-                for name in components or parts
+                for name in names
             ]
-        return [build_file(name, Path(out), options, progress) for name in own]
+        return [build_file(one, Path(out), options, progress) for one in own]
 
 
 def _check(scenario: CheckedScenario, components: Sequence[str], whole: bool, outside: Sequence[str]) -> None:
@@ -79,6 +82,9 @@ def _check(scenario: CheckedScenario, components: Sequence[str], whole: bool, ou
         if name not in scenario.components:
             known = suggestion(name, scenario.components)
             raise MistakeError(f"no component {name!r} in {scenario.name}; {known}")
+    for name in components:
+        if scenario.components[name].third_party:
+            raise MistakeError(f"components.{name}: is an FMU of another tool; leave it out")
 
 
 def _list_parts(scenario: CheckedScenario, instances: Mapping[str, Instance]) -> dict[str, Part]:

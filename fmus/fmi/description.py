@@ -1,6 +1,7 @@
 """modelDescription.xml of a component, generated from the metadata of its quantities."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -46,6 +47,9 @@ EXCHANGE = {
     "canSerializeFMUstate": "true",
     "providesDirectionalDerivative": "true",
 }
+
+# A name by the convention "structured", in which other letters need quotes.
+_STRUCTURED = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*(\[\d+\])?", re.ASCII)
 
 GUID_PLACE = "{guid}"
 
@@ -104,6 +108,8 @@ def model_description(
 
 def about(component: Any, origin: Origin) -> dict[str, str]:
     """Attributes that say what it is and whose."""
+    layouts = component.parameters, component.state, component.inputs, component.outputs
+    fits = all(_STRUCTURED.fullmatch(name) for layout in layouts for name in layout.names)
     return {
         "description": component.description,
         "author": origin.author,
@@ -111,7 +117,7 @@ def about(component: Any, origin: Origin) -> dict[str, str]:
         "copyright": origin.copyright,
         "license": origin.license,
         "generationTool": origin.tool,
-        "variableNamingConvention": "structured",
+        "variableNamingConvention": "structured" if fits else "flat",
     }
 
 

@@ -232,8 +232,8 @@ class Layout:
         return {name: float(value) for name, value in zip(self.names, vector, strict=True)}
 
     def view(self, vector: Vector) -> Any:
-        """The record that shares the vector's memory."""
-        return vector.view(self.dtype)[0]
+        """The record that shares the vector's memory; one without fields, of no memory."""
+        return vector.view(self.dtype)[0] if self.size else np.zeros(1, self.dtype)[0]
 
     def defaults(self) -> Any:
         """The record of the start values."""

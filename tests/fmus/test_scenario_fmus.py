@@ -110,6 +110,36 @@ def test_a_whole_train_moves_as_the_reference(native: bool, tmp_path: Path, isol
         assert value == pytest.approx(float(reference[name][-1]), rel=1e-6, abs=1e-12)
 
 
+def test_a_system_without_inputs_moves(tmp_path: Path, isolated: Isolated) -> None:
+    """In free fall s = g t^2 / 2, which the integrator has exactly but for rounding."""
+    (path,) = tribocosim.build_scenario_fmus("bouncing-mass", tmp_path, whole=True)
+    (position,), _ = isolated(STEPPED.format(fmu=str(path), steps=5, size=0.01, outputs=["mass.position"]))
+    assert position == pytest.approx(0.1 - 9.81 * 0.05**2 / 2.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "names", [("compose", "make_stop"), ("sys", "print"), ("é", "ü"), ("int", "__init__")]
+)
+def test_components_have_any_name(names: tuple[str, str], tmp_path: Path, isolated: Isolated) -> None:
+    """Those of the code of an FMU, of Python, and with letters that the naming convention does not have."""
+    mass, stop = names
+    tables = {
+        "name": mass,
+        "reference": {"enabled": False},
+        "stop_time": "1 s",
+        "macro_step": "1 ms",
+        "connections": [f"{stop}.force -> {mass}.force", f"{mass}.position -> {stop}.position"],
+        "components": {mass: {"component": "falling_mass"}, stop: {"component": "spring_stop"}},
+    }
+    scenario = tribocosim.load(tables)
+    whole = tribocosim.build_scenario_fmus(scenario, tmp_path / "whole", whole=True)
+    parts = tribocosim.build_scenario_fmus(scenario, tmp_path)
+    assert len({path.name for path in parts}) == len(names)
+    for path in (*whole, *parts):
+        assert not tribocosim.validate_fmu(path), tribocosim.validate_fmu(path)
+        isolated(STEPPED.format(fmu=str(path), steps=2, size=1e-3, outputs=[]))
+
+
 def test_a_component_has_the_scenario_s_values_as_defaults(tmp_path: Path) -> None:
     scenario = tribocosim.load("valve-train").with_(
         {"components.valve_spring.parameters.valve_mass": "0.2 kg"}
@@ -131,8 +161,23 @@ def test_a_component_has_the_scenario_s_values_as_defaults(tmp_path: Path) -> No
         ({"outside": ["flywheel"]}, "outside"),
         ({"components": ["camshaft"], "whole": True}, "has all components"),
         ({"whole": True, "outside": ["wheel"]}, "no component 'wheel'"),
+        ({"whole": True, "fmi": 3}, "fmi"),
+        ({"native": True, "fmi": 4}, "must be 2 or 3"),
+        ({"platforms": ["x86_64-linux"]}, "platform"),
     ],
 )
 def test_what_cannot_be_built_is_named(options: dict, said: str, tmp_path: Path) -> None:
     with pytest.raises(tribocosim.MistakeError, match=said):
         tribocosim.build_scenario_fmus("valve-train", tmp_path, **options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_many_fmus_are_not_written_in_one_file(tmp_path: Path) -> None:
+    with pytest.raises(tribocosim.MistakeError, match="is one file, but 4 FMUs"):
+        tribocosim.build_scenario_fmus("valve-train", tmp_path / "all.fmu")
+    assert not list(tmp_path.iterdir())
+
+
+def test_equations_that_are_no_odes_are_named_with_the_scenario(tmp_path: Path) -> None:
+    with pytest.raises(tribocosim.MistakeError, match=r"^valve_train_ehl: contact: ehl_line_contact is no"):
+        tribocosim.build_scenario_fmus("valve-train-ehl", tmp_path, whole=True)

@@ -65,15 +65,18 @@ def fmu_build(  # noqa: PLR0913  # options of a command
     With --scenario NAMES are components of the scenario: parameters, tables, oil and start values become the
     FMUs' defaults.
     """
-    from ..fmu import FmuOptions, build_file, check_options
+    from ..fmu import FmuOptions, build_file, check_options, check_place
 
     if scenario is not None:
+        _check_with_scenario(libpython)
         _build_of_scenario(scenario, set_ or [], names, whole, outside, out, structure, native, platform, fmi)
         return
     _check_without_scenario(set_, whole, outside)
     sizes = dict(map(_parse_size, structure)) if structure else None
     options = FmuOptions(sizes, native, platform, fmi, libpython)
-    for name in check_options(names, options):
+    found = check_options(names, options)
+    check_place(out, found)
+    for name in found:
         with _report_replacement(name, out), _show_progress(name, native) as progress:
             print(build_file(name, out, options, progress))
 
@@ -105,6 +108,15 @@ def _build_of_scenario(  # noqa: PLR0913  # options of a command
         )  # fmt: skip
     for file in files:
         print(file)
+
+
+def _check_with_scenario(libpython: str | None) -> None:
+    from orchestrator.errors import MistakeError, Option
+
+    if libpython:
+        raise MistakeError(
+            (Option("libpython"), ": not with a scenario"), ("add ", Option("native", True), " for any host")
+        )
 
 
 def _check_without_scenario(changes: list[str] | None, whole: bool, outside: list[str] | None) -> None:
