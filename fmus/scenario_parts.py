@@ -61,19 +61,18 @@ def write_train(
     about: str,
     parts: Mapping[str, Part],
     connections: Sequence[tuple[str, str]],
-    outside: Sequence[str],
     experiment: Experiment,
 ) -> str:
-    """A file whose component is all parts but those `outside`, connected (see `composite.compose`)."""
+    """A file whose component is all parts, connected (see `composite.compose`)."""
     imports = ["from models.core.composite import compose", *_IMPORTS, *_import(parts.values())]
     shown = "".join(f"            {key!r}: {_show(part)},\n" for key, part in parts.items())
     lines = "".join(f"            {pair!r},\n" for pair in connections)
     expression = (
         f"compose(\n        {name!r},\n        {about!r},\n        {{\n{shown}        }},\n"
-        f"        [\n{lines}        ],\n        {list(outside)!r},\n    )"
+        f"        [\n{lines}        ],\n    )"
     )
     own = _write(folder, name, about, imports, expression)
-    reasons = [explain_no_native(part.catalogue_name) for key, part in parts.items() if key not in outside]
+    reasons = [explain_no_native(part.catalogue_name) for part in parts.values()]
     _declare(own, EXPERIMENT=experiment, PYTHON_ONLY=next(filter(None, reasons), ""))
     return own
 

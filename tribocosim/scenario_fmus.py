@@ -53,6 +53,8 @@ def build_scenario_fmus(
     system = resolve_start(checked, assembly.system)
     experiment = Experiment(checked.stop_time, checked.macro_step, tolerance=TOLERANCE)
     parts = _list_parts(checked, system.instances)
+    for name in outside:
+        parts.pop(name, None)
     names = list(dict.fromkeys(components)) or list(parts)
     check_place(Path(out), () if whole else names)
     with tempfile.TemporaryDirectory(prefix="tribocosim-") as temporary:
@@ -61,10 +63,8 @@ def build_scenario_fmus(
             _check_whole(checked, assembly, outside)
             lines = [(str(c.source), str(c.target)) for c in system.connections]
             train = to_identifier(checked.name)
-            about = (
-                f"{checked.description or checked.name}: {', '.join(p for p in parts if p not in outside)}"
-            )
-            own = [write_train(folder, train, about, parts, lines, outside, experiment)]
+            about = f"{checked.description or checked.name}: {', '.join(parts)}"
+            own = [write_train(folder, train, about, parts, lines, experiment)]
         else:
             own = [
                 write_part(folder, to_identifier(name), f"{name} of {checked.name}", parts[name], experiment)
@@ -98,6 +98,8 @@ def _list_parts(scenario: CheckedScenario, instances: Mapping[str, Instance]) ->
 
 
 def _check_whole(scenario: CheckedScenario, assembly: Assembly, outside: Sequence[str]) -> None:
+    if set(outside) >= set(scenario.components):
+        raise MistakeError((Option("outside"), ": leaves no component for the FMU"))
     for name, table in scenario.components.items():
         if table.third_party and name not in outside:
             raise MistakeError(

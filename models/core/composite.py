@@ -43,32 +43,26 @@ def compose(
     description: str,
     instances: Mapping[str, Instance],
     connections: Sequence[tuple[str, str]],
-    outside: Sequence[str] = (),
 ) -> Component:
     """The system of `instances` and `connections` (see `System`) as one component.
 
-    Inputs that nothing drives are its inputs, with the instances' values as defaults. Instances named
-    `outside` are left to the host: their outputs that drive others become inputs. ModelError for parts
-    that are no ordinary differential equations, for names that are not there, and for loops through more
-    than one output.
+    Inputs that nothing drives are its inputs, with the instances' values as defaults. Connections may begin
+    or end at other components, which are left to the host: their outputs that drive others become inputs.
+    ModelError for parts that are no ordinary differential equations, and for loops through more than one
+    output.
     """
-    for left in outside:
-        if left not in instances:
-            raise ModelError(f"{left}: no component to leave out; known: {', '.join(instances)}")
     for part, instance in instances.items():
-        if part not in outside and not instance.component.ode:
+        if not instance.component.ode:
             raise ModelError(
                 f"{part}: {instance.component.name} is no system of ordinary differential equations, which "
                 "one FMU of a whole train needs; take a film formula, or leave it out"
             )
-    whole = System(instances, connections)
-    kept = {part: instance for part, instance in instances.items() if part not in outside}
-    inner = [c for c in whole.connections if c.source.instance in kept and c.target.instance in kept]
-    inside = System(kept, [(str(c.source), str(c.target)) for c in inner])
+    inner = [line for line in connections if all(_part(end) in instances for end in line)]
+    inside = System(instances, inner)
     if len(inside.torn) > 1:
         raise ModelError(f"algebraic loops through {inside.loops()}: one FMU can close one; leave a part out")
-    opening = _Opening(whole, inside)
-    parts = {part: with_values(instance) for part, instance in kept.items()}
+    opening = _Opening(inside, {target: source for source, target in connections})
+    parts = {part: with_values(instance) for part, instance in instances.items()}
     kernels = _Kernels(inside, opening)
     return Composite(
         name=name,
@@ -88,6 +82,10 @@ def compose(
         event_indicators=[f"{part}.{n}" for part, c in parts.items() for n in c.event_indicators],
         kernels=kernels,
     )
+
+
+def _part(port: str) -> str:
+    return port.partition(".")[0]
 
 
 def _join(layouts: Mapping[str, Layout]) -> Layout:
@@ -131,20 +129,18 @@ class Composite(Component):
 class _Opening:
     """The inputs that are left open: their fields, and where each drives an input of a part."""
 
-    def __init__(self, whole: System, inside: System) -> None:
+    def __init__(self, inside: System, sources: Mapping[str, str]) -> None:
         self.names: dict[Port, str] = {}
         self.fields: list[Field] = []
         places: list[tuple[int, int]] = []
         driven = {c.target for c in inside.connections}
-        outer = {c.target: c.source for c in whole.connections if c.target not in driven}
         numbers: dict[str, int] = {}
         for part, instance in inside.instances.items():
             for field in instance.component.inputs.fields:
                 port = Port(part, field.name)
                 if port in driven:
                     continue
-                source = outer.get(port)
-                name = self.names[port] = str(source or port)
+                name = self.names[port] = sources.get(str(port), str(port))
                 if name not in numbers:
                     numbers[name] = len(self.fields)
                     start = float(instance.inputs.get(field.name, field.start))
