@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 from models.core import roles
 from models.core.quantities import Vector
 
-from .trains import Train, parameter_of
+from .trains import Train
 
 # Knots at most of the spline through a lift that was recorded: closer ones show the rounding of its values in
 # the second derivative.
@@ -38,17 +38,3 @@ def find_kinematics(train: Train, time: Vector, values: Mapping[str, Vector]) ->
     _, kept = np.unique(np.floor((time - time[0]) / apart), return_index=True)
     spline = CubicSpline(time[kept], lift[kept])
     return Kinematics(lift, spline(time, 1), spline(time, 2))
-
-
-def find_landing(train: Train, values: Mapping[str, Vector]) -> int | None:
-    """The first record on the seat after the largest lift; None where no seat is hit."""
-    valve = train.valve
-    component = train.system.instances[valve].component
-    if not component.has_role(roles.Valve) or not parameter_of(
-        train.system.instances[valve], "seat_stiffness"
-    ):
-        return None
-    dip = values[f"{valve}.seat_dip"]
-    found = np.flatnonzero((dip[:-1] < 0.0) & (dip[1:] >= 0.0)) + 1
-    highest = int(np.argmax(values[f"{valve}.position"]))
-    return int(next((i for i in found if i >= highest), found[0])) if found.size else None

@@ -1,161 +1,159 @@
-"""What an engineer asks first of each train of a run: does it follow its cam, how does its valve land, do
-coils clash, what do its contacts bear and lose."""
+"""The figures of merit of a run: all of them, and what an engineer asks first of each train in words."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.contact.records import ATOM
 from models.core import roles
-from models.core.quantities import Vector
+from models.core.quantities import Quantity, Vector
 from models.core.system import Port, System
 
-from .trains import Train, find_trains
+from ..scenario.display import format_number, show
+from .contacts import ContactSummaries, ContactSummary
+from .figures_of_merit import Motion, measure
+from .trains import Train, find_drive_angle, find_trains
 
-# Columns of the coupled run, by "instance.variable", and "time".
-Read = Callable[[Sequence[str]], Mapping[str, Vector]]
-# Of the largest lift: above it a cam lifts, and a valve is open on purpose.
-LIFTED = 0.1
-# A valve that leaves its seat again within this angle (rad) after landing bounces.
-AFTER = np.pi / 3.0
+# A column of the coupled run, by "instance.variable", or "time".
+Read = Callable[[str], Vector]
 # So many trains are told one by one: of more those whose margin is least.
 SHOWN = 4
+# Figures that are the angles of others.
+PLACES = ("least_load_angle",)
+GAP = Quantity("m", "largest gap", display_unit="um")
+IMPACT = Quantity("m/s", "speed of the hardest impact")
+OPEN = Quantity("1", "share of the time without contact")
 
 
-def list_merits(system: System, read: Read) -> list[str]:
-    """A line for each train, of the recorded rows."""
-    told = [
-        (margin, f"{train.valve}: {text}")
-        for train in find_trains(system)
-        for margin, text in _judge(train, read)
-    ]
+@dataclass(frozen=True)
+class Merit:
+    """A figure of a part, in SI units, and when it stands (s; None: of the whole run)."""
+
+    part: str
+    figure: str
+    value: float
+    quantity: Quantity
+    time: float | None = None
+
+    @property
+    def text(self) -> str:
+        """As it is shown."""
+        shown = show(self.quantity)
+        return f"{format_number(shown.factor * self.value, 3)} {shown.text}".rstrip()
+
+
+def list_merits(system: System, contacts: ContactSummaries, read: Read) -> list[Merit]:
+    """Of the recorded rows, in the order of the parts; what contacts were observed to have at every macro
+    step goes before them."""
+    motion = read_motion(system, read)
+    found = {}
+    for part, figure, quantity, (value, row) in measure(motion):
+        time = None if row is None else float(motion.times[row])
+        found[part, figure] = Merit(part, figure, value, quantity, time)
+    for part, contact in contacts.items():
+        for figure, value, time, quantity in _list_observed(contact):
+            quantity = found[part, figure].quantity if (part, figure) in found else quantity
+            found[part, figure] = Merit(part, figure, value, quantity, time)
+    order = list(system.instances)
+    known = [merit for merit in found.values() if np.isfinite(merit.value) and merit.figure not in PLACES]
+    return sorted(known, key=lambda merit: order.index(merit.part))
+
+
+def read_motion(system: System, read: Read) -> Motion:
+    """The recorded rows; an input has what drives it, or the value that the scenario gives it."""
+    sources = {connection.target: connection.source for connection in system.connections}
+    times = read("time")
+
+    def column(name: str) -> Vector:
+        instance, _, variable = name.partition(".")
+        port = sources.get(Port(instance, variable), Port(instance, variable))
+        part = system.instances[port.instance]
+        if port.variable in part.component.outputs.names:
+            return read(str(port))
+        given = part.inputs.get(port.variable, part.component.inputs.field(port.variable).start)
+        return np.full(times.size, given)
+
+    return Motion(system, times, column, find_drive_angle(system))
+
+
+def _list_observed(contact: ContactSummary) -> Iterator[tuple[str, float, float | None, Quantity]]:
+    """Figure, value, time, and the quantity of those that only an observed contact has."""
+    yield "largest_load", contact.largest_load, contact.largest_load_time, OPEN
+    yield "peak_pressure", contact.pressure, contact.pressure_time, OPEN
+    film = contact.film if contact.film >= ATOM else 0.0
+    yield "least_film", film, contact.film_time, OPEN
+    yield "least_film_ratio", contact.film_ratio, None, OPEN
+    yield "open", contact.lost, None, OPEN
+    if contact.separation:
+        yield "largest_gap", contact.separation.gap, contact.separation.gap_time, GAP
+    if contact.impact:
+        yield "impact_speed", contact.impact.speed, contact.impact.time, IMPACT
+
+
+def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
+    """A line for each train."""
+    found = {(merit.part, merit.figure): merit for merit in merits}
+    told = []
+    for train in find_trains(system):
+        margin, followed = _follow(train, found)
+        said = [*followed, *_list_landing(train, found), *_list_clash(train, found)]
+        if said := [*said, *_list_contacts(train, found)]:
+            told.append((margin, f"{train.valve}: {'; '.join(said)}"))
     if len(told) <= SHOWN:
         return [text for _, text in told]
     least = sorted(told)[:SHOWN]
     return [*(text for _, text in least), f"{len(told) - SHOWN} more trains with larger margins"]
 
 
-def _judge(train: Train, read: Read) -> Iterator[tuple[float, str]]:
-    """The share of the load that is left where it is least, and the line."""
-    columns = _Columns(train, read)
-    lift = columns.of(train.cam, "cam_lift")
-    if lift is None or not np.max(lift) > 0.0:
-        return
-    lifted = lift > LIFTED * np.max(lift)
-    followed = _follow(train, columns, lifted)
-    said = [followed[1]] if followed else []
-    said += [*_list_landing(train, columns), *_list_clash(train, columns), *_list_contacts(train, columns)]
-    if said:
-        yield followed[0] if followed else 0.0, "; ".join(said)
+Merits = Mapping[tuple[str, str], Merit]
 
 
-class _Columns:
-    """Rows of the train's outputs, and of what drives its inputs."""
-
-    def __init__(self, train: Train, read: Read) -> None:
-        self.system, self.read = train.system, read
-        self.sources = {c.target: c.source for c in self.system.connections}
-
-    def of(self, part: str, variable: str) -> Vector | None:
-        port = Port(part, variable)
-        port = self.sources.get(port, port)
-        if port.variable not in self.system.instances[port.instance].component.outputs:
-            return None
-        return self.read([str(port)])[str(port)]
-
-    @property
-    def time(self) -> Vector:
-        return self.read(["time"])["time"]
+def _follow(train: Train, found: Merits) -> tuple[float, list[str]]:
+    """Whether the cam is followed while it lifts: the share of the load that is left, and a sentence."""
+    first = next(iter(train.contacts), "")
+    lost, least = found.get((first, "lost")), found.get((first, "least_load"))
+    if lost and lost.value > 0.0:
+        share = f"{100.0 * lost.value:.2g} % of the time"
+        return -lost.value, [f"contact is lost while the cam lifts, in {share}"]
+    if margin := found.get((train.valve, "spring_margin")):
+        words = margin.quantity.description
+        return margin.value, [f"separation margin {100.0 * margin.value:.3g} % ({words})"]
+    return (least.value, [f"least load {least.text} while the cam lifts"]) if least else (0.0, [])
 
 
-def _mean(values: Vector | NDArray[np.bool_], time: Vector) -> float:
-    return float(np.trapezoid(np.asarray(values, dtype=np.float64), time) / (time[-1] - time[0]))
-
-
-def _follow(train: Train, columns: _Columns, lifted: NDArray[np.bool_]) -> tuple[float, str] | None:
-    """Whether the cam is followed while it lifts: the least load on the valve over its springs' force."""
-    on_cam = [columns.of(name, "load") for name in train.contacts[:1]]
-    if not on_cam or on_cam[0] is None:
-        return None
-    lost = _mean((on_cam[0] <= 0.0) & lifted, columns.time) / max(_mean(lifted, columns.time), 1e-300)
-    known = columns.system.instances[train.valve].component
-    named = [name for name in (*known.outputs.names, *known.inputs.names) if name.startswith("spring_force")]
-    springs = [columns.of(train.valve, name) for name in named]
-    load = columns.of(train.valve, "load")
-    forces = [force for force in springs if force is not None]
-    if lost > 0.0:
-        return -lost, f"contact is lost for {100.0 * lost:.2g} % of the lift"
-    if forces and load is not None:
-        left = float(np.min(load[lifted] / np.sum(forces, axis=0)[lifted]))
-        text = (
-            f"separation margin {100.0 * left:.3g} % (least load on the open valve over its spring's force)"
-        )
-        return left, text
-    least = float(np.min(on_cam[0][lifted]))
-    return least, f"least load {least:.4g} N while the cam lifts"
-
-
-def _list_landing(train: Train, columns: _Columns) -> Iterator[str]:
+def _list_landing(train: Train, found: Merits) -> Iterator[str]:
     """Seating velocity and bounce of each valve that lands on a seat."""
-    angle = columns.of(train.cam, train.role.angle)
     for valve in train.list_parts(roles.Valve):
-        dip, velocity = (columns.of(valve, name) for name in ("seat_dip", "velocity"))
-        if angle is not None and dip is not None and velocity is not None and np.max(dip) >= 0.0:
-            yield from _describe_landing(angle, dip, velocity)
+        velocity, bounce = found.get((valve, "seating_velocity")), found.get((valve, "bounce"))
+        if velocity and bounce:
+            yield f"seats with {velocity.text}"
+            yield f"bounces by {bounce.text}" if bounce.value > 0.0 else "does not bounce"
 
 
-def _describe_landing(angle: Vector, dip: Vector, velocity: Vector) -> Iterator[str]:
-    opened = np.concatenate([[False], dip < 0.0, [False]])
-    edges = np.flatnonzero(opened[1:] != opened[:-1])
-    flights = [(i, j, float(-np.min(dip[i:j]))) for i, j in zip(edges[::2], edges[1::2], strict=True)]
-    high = LIFTED * max((height for _, _, height in flights), default=0.0)
-    landed = [j for _, j, height in flights if height > high and j < dip.size]
-    if not landed:
-        return
-    bounces = [
-        height
-        for i, _, height in flights
-        for j in landed
-        if height <= high and i >= j and angle[i] - angle[j] < AFTER
-    ]
-    yield f"seats with {max(-velocity[j] for j in landed):.3g} m/s"
-    yield f"bounces by {1e6 * max(bounces):.3g} µm" if bounces else "does not bounce"
-
-
-def _list_clash(train: Train, columns: _Columns) -> Iterator[str]:
+def _list_clash(train: Train, found: Merits) -> Iterator[str]:
     """Whether coils clash, and the least gap between coils that do not."""
-    gaps = []
-    for name in (*train.list_parts(roles.CoilSpring), *train.list_parts(roles.LoadedSpring)):
-        gap, force = columns.of(name, "least_gap"), columns.of(name, "clash_force")
-        if gap is None or np.ptp(gap) == 0.0:
-            continue
-        gaps.append(float(np.min(gap)))
-        if force is not None and np.max(force) > 0.0:
-            yield f"coils of {name} clash with up to {np.max(force):.3g} N"
-        elif gaps[-1] <= 0.0:
-            yield f"coils of {name} clash"
-    if gaps and min(gaps) > 0.0:
-        yield f"no clash of coils, least gap {1e3 * min(gaps):.3g} mm"
+    springs = dict.fromkeys((*train.list_parts(roles.CoilSpring), *train.list_parts(roles.LoadedSpring)))
+    gaps = [found[name, "least_gap"] for name in springs if (name, "least_gap") in found]
+    for gap in gaps:
+        force = found.get((gap.part, "largest_clash_force"))
+        if force and force.value > 0.0:
+            yield f"coils of {gap.part} clash with up to {force.text}"
+        elif gap.value <= 0.0:
+            yield f"coils of {gap.part} clash"
+    if gaps and (least := min(gaps, key=lambda gap: gap.value)).value > 0.0:
+        yield f"no clash of coils, least gap {least.text}"
 
 
-def _list_contacts(train: Train, columns: _Columns) -> Iterator[str]:
+def _list_contacts(train: Train, found: Merits) -> Iterator[str]:
     """Highest pressure, least film ratio, and the mean power of friction."""
-    pressures, ratios, power = [], [], 0.0
-    for name in train.contacts:
-        pressure, ratio, friction, sliding = (
-            columns.of(name, one)
-            for one in ("maximum_pressure", "film_ratio", "friction_force", "sliding_velocity")
-        )
-        if pressure is not None and ratio is not None:
-            pressures.append((float(np.max(pressure)), name))
-            ratios.append((float(np.min(ratio)), name))
-        if friction is not None and sliding is not None:
-            power += _mean(friction * sliding, columns.time)
-    for name in (*train.list_parts(roles.Pivot), *train.list_parts(roles.Roller)):
-        if (lost := columns.of(name, "power_loss")) is not None:
-            power += _mean(lost, columns.time)
-    if pressures:
-        yield f"highest pressure {1e-6 * max(pressures)[0]:.4g} MPa in {max(pressures)[1]}"
-        if min(ratios)[0] > 0.0:
-            yield f"least film ratio {min(ratios)[0]:.2g} in {min(ratios)[1]}"
-        yield f"friction {power:.3g} W"
+
+    def of(figure: str, parts: Sequence[str] = train.contacts) -> list[Merit]:
+        known = [found.get((part, figure)) for part in parts]
+        return sorted((merit for merit in known if merit), key=lambda merit: merit.value)
+
+    if pressures := of("peak_pressure"):
+        yield f"highest pressure {pressures[-1].text} in {pressures[-1].part}"
+        if (ratios := of("least_film_ratio")) and ratios[0].value > 0.0:
+            yield f"least film ratio {ratios[0].value:.2g} in {ratios[0].part}"
+        yield f"friction {sum(merit.value for merit in of('friction_power', train.parts)):.3g} W"

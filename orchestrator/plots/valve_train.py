@@ -16,7 +16,9 @@ from matplotlib.lines import Line2D
 from models.core import roles
 from models.core.quantities import Quantity, Vector
 
-from ..assessment.kinematics import find_kinematics, find_landing
+from ..assessment.figures_of_merit import OPENED, VALVE, Found, Part
+from ..assessment.kinematics import find_kinematics
+from ..assessment.merits import read_motion
 from ..assessment.trains import Train
 from .data import FigureData
 from .style import ACCENT, MUTED, add_title, create_subplots, label_abscissa, plot_both, shade, shade_where
@@ -32,8 +34,6 @@ CONTACT = {
 ADJUSTER = {"Adjuster": "extension", "Oil pressure": "pressure"}
 # What a run may lack of a revolution.
 OPEN = 0.01
-# Of the largest lift: above it a valve is open, below it is near its seat.
-OPENED = 0.05
 PALE = "#c3ccd5"
 # Of another train's curve.
 POINTS = 1500
@@ -190,9 +190,8 @@ def _magnify_seat(ax: Axes, data: FigureData, train: Train) -> None:
     """The ramps: lifts up to a share of the largest, and what a landing does there."""
     top = OPENED * 1e3 * float(np.max(data.coupled[f"{train.cam}.cam_lift"]))
     ax.set_ylim(-0.15 * top, top)
-    landing = find_landing(train, data.coupled)
+    velocity, landing = _measure(data, train, "seating_velocity")
     if landing is not None:
-        velocity = -float(data.coupled[f"{train.valve}.velocity"][landing])
         where = f"seats with {velocity:.3g} m/s at {data.x()[landing]:.1f}°"
         ax.plot(data.x()[landing], 0.0, "v", color=ACCENT, ms=5)
         _write(ax, where)
@@ -202,15 +201,21 @@ def _add_margin(ax: Axes, data: FigureData, train: Train) -> None:
     """The load that opens the valve beside the spring's force, and the least share that it keeps of it."""
     load = data.drivers.get(f"{train.valve}.load", "") if train.list_parts(roles.Valve) else ""
     load = load or f"{train.contacts[0]}.load"
-    spring, lift = data.coupled.get(SPRING), data.coupled[f"{train.valve}.position"]
+    spring = data.coupled.get(SPRING)
     if spring is None or load not in data.coupled:
         return
     ax.plot(data.x(), data.coupled[load], color=ACCENT, lw=1.0, label="load that opens the valve")
-    opened = np.flatnonzero(lift > OPENED * np.max(lift))
-    if opened.size:
-        share = data.coupled[load][opened] / spring[opened]
-        at = int(np.argmin(share))
-        _write(ax, f"least load / spring force {share[at]:.2f} at {data.x()[opened[at]]:.1f}°")
+    share, at = _measure(data, train, "spring_margin")
+    if at is not None:
+        _write(ax, f"least load / spring force {share:.2f} at {data.x()[at]:.1f}°")
+
+
+def _measure(data: FigureData, train: Train, figure: str) -> Found:
+    """A figure of merit of the train's valve in these rows."""
+    if not train.list_parts(roles.Valve):
+        return Found(math.nan)
+    motion = read_motion(train.system, {"time": data.time, **data.coupled}.__getitem__)
+    return VALVE[figure][1](Part(motion, train.valve))
 
 
 def _write(ax: Axes, text: str) -> None:

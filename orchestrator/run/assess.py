@@ -12,7 +12,7 @@ from models.core.system import System
 
 from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, suggestions
-from ..assessment.merits import list_merits
+from ..assessment.merits import Merit, describe_trains, list_merits
 from ..errors import RunError, Set, Words, join
 from ..reporter import Reporter
 from ..store.result_file import ResultFile
@@ -61,15 +61,15 @@ def _judge(plan: Plan, assessment: Assessment, result: ResultFile, reporter: Rep
 
 
 def _summarise_contacts(system: System, record: Record, result: ResultFile) -> Assessment:
-    """The contacts as observed, or else as recorded, with their angles."""
-    contacts, source, merits = record.contacts, MACRO_STEPS, list[str]()
+    """The contacts as observed, or else as recorded, with their angles; figures of merit of all parts."""
+    contacts, source, figures = record.contacts, MACRO_STEPS, list[Merit]()
     if result.length("coupled") > 1:
         read = partial(result.read, "coupled", rows=slice(None))
         if not contacts and (found := summarise_rows(system, read)):
             contacts, source = found, ROWS
         contacts = with_angles(system, contacts, read)
-        merits = list_merits(system, read)
-    return Assessment(record.ending, contacts, source, merits)
+        figures = list_merits(system, contacts, lambda name: read([name])[name])
+    return Assessment(record.ending, contacts, source, describe_trains(system, figures), figures)
 
 
 def _diagnose(plan: Plan, record: Record, result: ResultFile, assessment: Assessment) -> Assessment:

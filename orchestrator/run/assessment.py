@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from ..assessment.contacts import ContactSummaries
 from ..assessment.diagnosis import Diagnosis
+from ..assessment.merits import Merit
 from ..errors import Words
 from .comparison import Errors
 from .plan import MONOLITHIC
@@ -23,6 +24,7 @@ class Assessment:
     contacts: ContactSummaries
     contacts_from: str = MACRO_STEPS
     merits: Sequence[str] = field(default_factory=list)
+    figures_of_merit: Sequence[Merit] = field(default_factory=list)
     steps: Diagnosis | None = None
     rejected_steps: int = 0
     suggestions: Sequence[str] = field(default_factory=list)

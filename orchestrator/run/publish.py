@@ -76,13 +76,10 @@ def publish_merits(plan: Plan, assessment: Assessment, result: ResultFile) -> No
     if result.length("coupled") > 1:
 
         @cache
-        def column(name: str) -> Vector:
+        def read(name: str) -> Vector:
             return result.read("coupled", [name], slice(None))[name]
 
-        def read(names: Sequence[str]) -> dict[str, Vector]:
-            return {name: column(name) for name in names}
-
-        write_merits(plan.system, assessment.contacts, read, result.path.with_name(MERITS))
+        write_merits(plan.system, assessment.figures_of_merit, read, result.path.with_name(MERITS))
 
 
 def finish_result(plan: Plan, ending: Ending, result: ResultFile, reporter: Reporter) -> None:

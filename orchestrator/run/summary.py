@@ -113,6 +113,7 @@ def summarise(
     scenario = plan.scenario
     found = vars(record) | (vars(assessment) if assessment else {})
     del found["ending"]
+    found.pop("figures_of_merit", None)  # a table of its own
     return Summary(
         scenario=scenario.name,
         description=scenario.description,

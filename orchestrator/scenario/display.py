@@ -1,8 +1,11 @@
 """The units in which numbers are shown: one for each quantity, in figures, pages, tables and messages."""
 
 import functools
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from models.core.quantities import Quantity
 
@@ -61,3 +64,13 @@ def show_unit(unit: str, display_unit: str = "") -> Shown:
 def add_unit(name: str, shown: Shown) -> str:
     """The head of a column: "load [N]"."""
     return f"{name} [{shown.text}]" if shown.unit else name
+
+
+def format_number(value: float, digits: int = 4) -> str:
+    """With so many significant digits; with an exponent only where it is next to nothing, "–" of nan."""
+    if not math.isfinite(value):
+        return "–" if math.isnan(value) else str(value)
+    rounded = float(f"{value:.{digits}g}")
+    tiny = 0.0 < abs(rounded) < 1e-4
+    # Zero may be negative.
+    return f"{rounded:g}" if tiny else np.format_float_positional(rounded + 0.0, trim="-")

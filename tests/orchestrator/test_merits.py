@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import csv
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from models.core.quantities import Vector
+from models.monolithic.cycle import Cycle
 from orchestrator.assessment.contacts import ContactSummary, lines
-from orchestrator.assessment.merits import list_merits
+from orchestrator.assessment.figures_of_merit import VALVE, measure
+from orchestrator.assessment.merits import describe_trains, list_merits, read_motion
+from orchestrator.assessment.summary_table import write_merits
+from orchestrator.scenario.display import show
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
+from orchestrator.study.speeds.subject import to_motion
 
 # A turn of the cam in 0.06 s: 8 mm of lift about the nose, half a sine over 120 deg.
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 7201)
@@ -19,8 +26,11 @@ LIFT = 8e-3 * np.maximum(0.0, np.cos(1.5 * (ANGLE - np.pi))) * (np.abs(ANGLE - n
 CLOSED = np.flatnonzero(LIFT > 1e-9)[-1] + 1
 
 
-def told(**changed: Vector) -> str:
-    """The line of a train whose columns are these, and else 0."""
+SYSTEM = build_system(load("coil-clash"))
+
+
+def read_columns(**changed: Vector) -> Callable[[str], Vector]:
+    """Columns of a train, else 0."""
     columns = {
         "time": 0.06 * ANGLE / (2.0 * np.pi),
         "camshaft.profile_angle": ANGLE,
@@ -28,7 +38,8 @@ def told(**changed: Vector) -> str:
         "contact.load": 300.0 + 0.0 * ANGLE,
         "spring.force": np.where(LIFT > 4e-3, 400.0, 310.0),
         "valve.seat_dip": np.where(LIFT > 1e-9, -LIFT, 1e-6),
-        "valve.velocity": np.where(np.arange(ANGLE.size) == CLOSED, -0.25, 0.0),
+        "valve.position": LIFT,
+        "valve.velocity": np.where(np.arange(ANGLE.size) == CLOSED - 1, -0.25, 0.0),
         "spring.least_gap": 1e-3 - 0.1 * LIFT,
         "contact.maximum_pressure": 5e8 * LIFT / 8e-3,
         "contact.film_ratio": 0.5 + 0.0 * ANGLE,
@@ -36,10 +47,12 @@ def told(**changed: Vector) -> str:
         "camshaft.sliding_velocity": 2.0 + 0.0 * ANGLE,
     } | {name.replace("__", "."): values for name, values in changed.items()}
 
-    def read(names: Sequence[str]) -> Mapping[str, Vector]:
-        return {name: columns.get(name, 0.0 * ANGLE) for name in names}
+    return lambda name: columns.get(name, 0.0 * ANGLE)
 
-    (line,) = list_merits(build_system(load("coil-clash")), read)
+
+def told(**changed: Vector) -> str:
+    """The line of the train."""
+    (line,) = describe_trains(SYSTEM, list_merits(SYSTEM, {}, read_columns(**changed)))
     return line
 
 
@@ -58,14 +71,38 @@ HOP[CLOSED + 100 : CLOSED + 200] = 30e-6
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"contact__load": 9.0 * (abs(ANGLE - np.pi) > np.pi / 60.0)}, "contact is lost for 5.3 %"),
+        ({"contact__load": 9.0 * (abs(ANGLE - np.pi) > np.pi / 60.0)}, "while the cam lifts, in 1.7 % of"),
         ({"valve__seat_dip": np.where(LIFT > 1e-9, -LIFT, 1e-6) - HOP}, "bounces by 29 µm"),
         ({"spring__clash_force": 45.0 * LIFT / 8e-3}, "coils of spring clash with up to 45 N"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_with_a_train_is_named(changed: dict[str, Vector], said: str) -> None:
-    """The cam lifts by more than a tenth over 2 acos(0.1)/1.5 = 112.35 deg, of which 6 deg are 5.34 %."""
+    """6 deg of the turn are 1.67 %."""
     assert said in told(**changed)
+
+
+def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_path: Path) -> None:
+    """To the six digits of the table."""
+    read = read_columns(valve__seat_dip=np.where(LIFT > 1e-9, -LIFT, 1e-6) - HOP)
+    merits = list_merits(SYSTEM, {}, read)
+    write_merits(SYSTEM, merits, read, tmp_path / "summary.csv")
+    rows = csv.DictReader((tmp_path / "summary.csv").read_text("utf-8-sig").splitlines())
+    table = {(row["part"], row["figure of merit"]): float(row["value"]) for row in rows}
+    inputs, outputs = (
+        np.transpose([read_motion(SYSTEM, read).column(name) for name in layout.names])
+        for layout in (SYSTEM.inputs, SYSTEM.outputs)
+    )
+    cycle = Cycle(SYSTEM, read("time"), inputs, outputs, SYSTEM.x0, 0.0, 1)
+    found = {(part, figure): one.value for part, figure, _, one in measure(to_motion(cycle, "flywheel"))}
+    said, (line,) = [], describe_trains(SYSTEM, merits)
+    for merit in merits:
+        assert found[merit.part, merit.figure] == merit.value
+        shown = show(merit.quantity).factor * merit.value
+        assert table[merit.part, merit.quantity.description] == pytest.approx(shown, rel=5e-6)
+        said += [merit.figure] if merit.text in line else []
+    first = {"spring_margin", "seating_velocity", "bounce", "least_gap", "peak_pressure", "friction_power"}
+    assert first - set(said) == {"spring_margin"}  # in per cent
+    assert f"{100.0 * table['valve', VALVE['spring_margin'][0].description]:.3g} %" in line
 
 
 @pytest.mark.parametrize(

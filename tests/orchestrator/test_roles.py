@@ -12,8 +12,7 @@ from orchestrator.report.mechanism import list_sketches
 from orchestrator.scenario import Scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
-from orchestrator.study.speeds.figures_of_merit import describe_numbers
-from orchestrator.study.speeds.subject import find_flywheel
+from orchestrator.study.speeds.subject import describe_numbers, find_flywheel
 
 OWN = """from dataclasses import replace
 

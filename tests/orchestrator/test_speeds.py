@@ -15,12 +15,13 @@ import tribocosim
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
+from orchestrator.assessment.figures_of_merit import Motion, measure
+from orchestrator.assessment.trains import Angle
 from orchestrator.errors import MistakeError
 from orchestrator.plots.speeds import draw_summary, find_orders
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.study.speeds import separation
 from orchestrator.study.speeds.compare import Choice, find_worst, parse_choice, select_speeds
-from orchestrator.study.speeds.figures_of_merit import describe_numbers, measure
 from orchestrator.study.speeds.separation import (
     CLOSE,
     OTHER,
@@ -33,7 +34,7 @@ from orchestrator.study.speeds.separation import (
     find_second,
     find_separation,
 )
-from orchestrator.study.speeds.subject import SpeedSubject
+from orchestrator.study.speeds.subject import SpeedSubject, describe_numbers
 from orchestrator.study.speeds.sweep import describe_lift_loss, read_table
 
 from .commands import called, said
@@ -256,7 +257,8 @@ def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(
     def find_motion(subject: SpeedSubject, speed: float) -> tuple[str, float]:
         return subject.tables["components"]["contact"]["parameters"]["film_model"], speed
 
-    def is_lost(film: str, speed: float, number: str) -> bool:
+    def is_lost(motion: tuple[str, float], number: str) -> bool:
+        film, speed = motion
         return RPM * speed >= limits[film] + 100.0 * (number == "lost_on_nose")
 
     monkeypatch.setattr(SpeedSubject, "find_motion_at", find_motion)
@@ -321,6 +323,16 @@ def test_bisection_ends_within_a_tenth_of_a_revolution() -> None:
     assert 0.0 <= found - 123.4 <= CLOSE
 
 
+def measure_over(cycle: Cycle, angle: np.ndarray) -> dict[str, float]:
+    """The figures of a cycle whose parts are read over this angle (rad)."""
+
+    def column(name: str) -> np.ndarray:
+        return angle if name == "shaft.angle" else cycle[name]
+
+    motion = Motion(cycle.system, cycle.times, column, Angle("shaft_angle", "shaft.angle"))
+    return {f"{part}.{name}": found.value for part, name, _, found in measure(motion)}
+
+
 def valve_cycle(position: np.ndarray) -> Cycle:
     """A made cycle of a valve with a seat, by its positions over a turn."""
     component = CATALOGUE["valve_spring"]()
@@ -346,7 +358,7 @@ def test_numbers_of_a_made_cycle() -> None:
     lift = np.interp(
         share, [0.0, 0.2, 0.5, 0.9, 0.92, 0.94, 1.0], [-1e-6, -1e-6, 8e-3, -1e-6, 1e-4, -1e-6, -1e-6]
     )
-    found = measure(valve_cycle(lift), 2.0 * math.pi * share)
+    found = measure_over(valve_cycle(lift), 2.0 * math.pi * share)
     assert found["valve.largest_lift"] == pytest.approx(8e-3)
     assert found["valve.seating_velocity"] == pytest.approx(8e-3 / 0.4, rel=1e-3)
     assert found["valve.bounce"] == pytest.approx(1e-4, rel=1e-3)
@@ -368,7 +380,7 @@ def test_losses_on_the_flanks_and_over_the_nose_are_told_apart() -> None:
         cycle = Cycle(system, share, np.zeros((share.size, system.inputs.size)), outputs, system.x0, 0.0, 1)
         for name, values in (made | {"contact.load": np.where(lost, 0.0, 500.0)}).items():
             cycle[name][:] = values
-        found = measure(cycle, angle)
+        found = measure_over(cycle, angle)
         return found["contact.lost"], found["contact.lost_on_nose"]
 
     # A loss ends between two samples.
@@ -398,7 +410,7 @@ def test_numbers_of_a_made_cycle_of_a_bearing() -> None:
         outputs[:, component.outputs.index(name)] = values
     system = System({"bearing": Instance(component, {})}, ())
     inputs = np.zeros((times.size, component.inputs.size))
-    found = measure(Cycle(system, times, inputs, outputs, system.x0, 0.0, 1), 2.0 * math.pi * times)
+    found = measure_over(Cycle(system, times, inputs, outputs, system.x0, 0.0, 1), 2.0 * math.pi * times)
     assert found == pytest.approx(
         {
             "bearing.bearing_load": 500.0,

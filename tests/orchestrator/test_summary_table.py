@@ -2,13 +2,13 @@
 
 import csv
 from collections import defaultdict
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from models.core.quantities import Vector
+from orchestrator.assessment.merits import list_merits
 from orchestrator.assessment.summary_table import HEAD, write_merits
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
@@ -22,10 +22,8 @@ def test_each_number_has_its_unit_angle_time_and_speed(tmp_path: Path) -> None:
     columns["valve_spring.spring_force"] = np.where(np.arange(11) == 3, 500.0, 300.0)
     columns["valve_spring.valve_lift"] = np.where(np.arange(11) == 5, 8e-3, 0.0)
 
-    def read(names: Sequence[str]) -> dict[str, Vector]:
-        return {name: columns[name] for name in names}
-
-    write_merits(build_system(load("valve-train")), {}, read, tmp_path / "summary.csv")
+    system, read = build_system(load("valve-train")), columns.__getitem__
+    write_merits(system, list_merits(system, {}, read), read, tmp_path / "summary.csv")
     text = (tmp_path / "summary.csv").read_bytes()
     assert text.startswith(b"\xef\xbb\xbf")  # by which a spreadsheet knows UTF-8
     head, *rows = csv.reader(text.decode("utf-8-sig").splitlines())

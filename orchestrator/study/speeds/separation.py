@@ -14,11 +14,12 @@ from models.contact.films import FILMS
 from models.core.quantities import Vector
 from models.core.system import ModelError
 
+from ...assessment.figures_of_merit import CONTACT, Motion, Part, list_contacts
 from ...assessment.lost_contact import find_lost, list_shares
+from ...assessment.trains import parameter_of
 from ...errors import MistakeError, Option, one_of
 from ...scenario.files import put
 from ...scenario.system import build_system
-from .figures_of_merit import is_separated, parameter_of
 from .subject import SpeedSubject
 
 # Of the speed (rad/s): 0.1 r/min.
@@ -76,13 +77,19 @@ def bisect_separation(separated: Callable[[float], bool], kept: float, lost: flo
     return lost
 
 
+def is_separated(motion: Motion, number: str) -> bool:
+    """Whether a contact is lost while the cam lifts; `lost_on_nose`: where it slows the valve."""
+    share = CONTACT[number][1]
+    return any(share(Part(motion, name)).value > 0.0 for name in list_contacts(motion.system))
+
+
 def _find_losses(subject: SpeedSubject) -> Callable[[float, str], bool]:
     """A function of speed (rad/s) and number; what it finds at a speed serves all numbers."""
 
     @functools.cache
     def measure(speed: float) -> dict[str, bool]:
         motion = subject.find_motion_at(speed)
-        return {number: is_separated(*motion, number) for number in ("lost", "lost_on_nose")}
+        return {number: is_separated(motion, number) for number in ("lost", "lost_on_nose")}
 
     return lambda speed, number: measure(speed)[number]
 

@@ -17,6 +17,8 @@ from models.core.system import ModelError, System
 from models.monolithic.cycle import Cycle, find_cycle
 
 from ...analyses import Parameter, Result
+from ...assessment.figures_of_merit import Motion, Part, list_figures, measure
+from ...assessment.trains import Angle, find_trains, list_ratios
 from ...errors import MistakeError
 from ...scenario import Scenario, build_scenario
 from ...scenario.files import put, to_full_toml
@@ -24,7 +26,6 @@ from ...scenario.oil_notices import list_oils
 from ...scenario.system import build_system, resolve_start
 from ...scenario.values import Value
 from ...scenario.warnings import list_warnings
-from .figures_of_merit import describe_numbers, measure, parameter_of
 
 SPEED = Parameter(
     1000.0 * math.pi / 30.0, "rad/s", "speed of the flywheel", positive=True, plausible=plausible.SPEED
@@ -92,17 +93,18 @@ class SpeedSubject:
         period = count_turns(system) * 2.0 * math.pi / speed
         return find_cycle(system, period, [f"{self.flywheel}.angle"], samples=SAMPLES)
 
-    def find_motion_at(self, speed: float) -> tuple[Cycle, Vector]:
-        """The cycle at this speed (rad/s), and the cam angles (rad) of its samples."""
-        cycle = self.find_cycle_at(speed)
-        return cycle, find_cam_angle(cycle, self.flywheel)
+    def find_motion_at(self, speed: float) -> Motion:
+        """The cycle at this speed (rad/s)."""
+        return to_motion(self.find_cycle_at(speed), self.flywheel)
 
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
         speed = float(values["speed"])
-        cycle, angle = self.find_motion_at(speed)
+        cycle = self.find_cycle_at(speed)
+        motion = to_motion(cycle, self.flywheel)
         if self.folder is not None:
-            save_cycle(cycle, angle, cycle_path(Path(self.folder), speed))
-        return measure(cycle, angle) | {"change": cycle.change, "periods": float(cycle.periods)}
+            save_cycle(cycle, Part(motion, self.flywheel).angle, cycle_path(Path(self.folder), speed))
+        found = {f"{part}.{name}": value.value for part, name, _, value in measure(motion)}
+        return found | {"change": cycle.change, "periods": float(cycle.periods)}
 
 
 def find_flywheel(scenario: Scenario) -> str:
@@ -122,11 +124,7 @@ def find_flywheel(scenario: Scenario) -> str:
 
 def count_turns(system: System) -> int:
     """Turns of the drive in a period: two where a camshaft turns at half its speed."""
-    ratios = [
-        parameter_of(instance, "drive_ratio")
-        for instance in system.instances.values()
-        if "drive_ratio" in instance.component.parameters.names
-    ]
+    ratios = list_ratios(system)
     turns = round(1.0 / min(ratios, default=1.0))
     if any(
         not math.isclose(ratio * turns, round(ratio * turns)) or round(ratio * turns) < 1 for ratio in ratios
@@ -135,12 +133,20 @@ def count_turns(system: System) -> int:
     return max(1, turns)
 
 
-def find_cam_angle(cycle: Cycle, flywheel: str) -> Vector:
-    """Of the first cam (rad); of a train without one the flywheel's."""
-    for name, instance in cycle.system.instances.items():
-        if cam := instance.component.find_role(roles.Cam):
-            return cycle[f"{name}.{cam.angle}"]
-    return cycle[f"{flywheel}.angle"]
+def describe_numbers(scenario: Scenario) -> dict[str, Result]:
+    """The results of every cycle of the scenario, by "part.figure"."""
+    components = {name: table.resolve() for name, table in scenario.components.items()}
+    return {
+        f"{part}.{name}": Result(quantity.unit, quantity.description, display_unit=quantity.display_unit)
+        for part, name, (quantity, _) in list_figures(components)
+    }
+
+
+def to_motion(cycle: Cycle, flywheel: str) -> Motion:
+    """Parts without a cam of their own are read over the first one's angle, without any the flywheel's."""
+    cams = [train.angle for train in find_trains(cycle.system)]
+    angle = next(iter(cams), Angle("shaft_angle", f"{flywheel}.angle"))
+    return Motion(cycle.system, cycle.times, cycle.__getitem__, angle)
 
 
 def cycle_path(folder: Path, speed: float) -> Path:

@@ -19,7 +19,9 @@ from models.core.system import System
 from models.monolithic.cycle import STEADY
 
 from ...assessment.contacts.lines import FED
+from ...assessment.figures_of_merit import list_contacts
 from ...assessment.lost_contact import find_lost
+from ...assessment.trains import parameter_of
 from ...errors import MistakeError, Option
 from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
 from ...plots.style import save_figure
@@ -32,7 +34,6 @@ from ..files import Plan, parse_study
 from ..points import expand_points
 from ..run import Where, run
 from ..store import DONE
-from .figures_of_merit import list_contacts, parameter_of
 from .separation import (
     Separation,
     check_film,

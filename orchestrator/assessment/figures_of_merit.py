@@ -1,0 +1,404 @@
+"""What an engineer asks of a motion, a run's records or a steady cycle, by the roles of its parts.
+
+To add a figure: a row in the table of its role.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.contact.records import ATOM
+from models.core import roles
+from models.core.component import Component
+from models.core.quantities import Quantity, Vector
+from models.core.system import System
+
+from .trains import Angle, Train, find_trains, parameter_of
+
+# Of the largest lift: above LIFTED a cam lifts, above OPENED a valve is open.
+LIFTED, OPENED = 0.1, 0.05
+# A valve that leaves its seat again within this angle (rad) after landing bounces.
+AFTER = math.pi / 3.0
+
+
+class Found(NamedTuple):
+    """A value (nan: the part has none), and the row where it stands (None: it is of all rows)."""
+
+    value: float
+    row: int | None = None
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Rows of a system: their times (s), inputs and outputs by "instance.variable", and the angle over which
+    parts are read that no cam moves."""
+
+    system: System
+    times: Vector
+    column: Callable[[str], Vector]
+    angle: Angle | None
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part in a motion: its variables by their own names."""
+
+    motion: Motion
+    name: str
+    _columns: dict[str, Vector] = field(default_factory=dict)
+
+    def __getitem__(self, variable: str) -> Vector:
+        if variable not in self._columns:
+            self._columns[variable] = self.motion.column(f"{self.name}.{variable}")
+        return self._columns[variable]
+
+    @property
+    def component(self) -> Component:
+        return self.motion.system.instances[self.name].component
+
+    @cached_property
+    def train(self) -> Train | None:
+        """Its own, or the only one."""
+        trains = find_trains(self.motion.system)
+        own = next((train for train in trains if self.name in train.parts), None)
+        return own or (trains[0] if len(trains) == 1 else None)
+
+    @cached_property
+    def angle(self) -> Vector:
+        """Of its cam (rad); nan without any."""
+        angle = self.train.angle if self.train else self.motion.angle
+        return angle.factor * self.motion.column(angle.source) if angle else np.nan * self.motion.times
+
+    @cached_property
+    def cam_lift(self) -> Vector | None:
+        return self.motion.column(f"{self.train.cam}.cam_lift") if self.train else None
+
+    @cached_property
+    def lifted(self) -> NDArray[np.bool_]:
+        """Where its cam lifts by a tenth of its lift; everywhere, if it has no cam of its own."""
+        if self.cam_lift is None:
+            return np.ones(self.motion.times.size, dtype=np.bool_)
+        return np.asarray(self.cam_lift > LIFTED * np.max(self.cam_lift))
+
+    def parameter(self, name: str) -> float:
+        return parameter_of(self.motion.system.instances[self.name], name)
+
+    def mean(self, values: Vector | NDArray[np.bool_]) -> float:
+        """Over the time."""
+        # The sum of two truth values is a truth value.
+        numbers, times = np.asarray(values, dtype=np.float64), self.motion.times
+        return float(np.trapezoid(numbers, times) / (times[-1] - times[0]))
+
+
+Figure = tuple[Quantity, Callable[[Part], Found]]
+NONE = Found(math.nan)
+
+
+def _at(values: Vector, row: int | np.intp) -> Found:
+    return Found(float(values[row]), int(row))
+
+
+def _largest(variable: str) -> Callable[[Part], Found]:
+    return lambda part: _at(part[variable], np.argmax(part[variable]))
+
+
+def _least(variable: str) -> Callable[[Part], Found]:
+    return lambda part: _at(part[variable], np.argmin(part[variable]))
+
+
+def _mean(variable: str) -> Callable[[Part], Found]:
+    return lambda part: Found(part.mean(part[variable]))
+
+
+def _list_flights(valve: Part) -> list[tuple[int, int, bool]]:
+    """First row off the seat, next row on it, and whether the cam opened the valve; none without a seat."""
+    dip = valve["seat_dip"]
+    if valve.parameter("seat_stiffness") == 0.0 or np.max(dip) < 0.0:
+        return []
+    opened = np.concatenate([[False], dip < 0.0, [False]])
+    edges = np.flatnonzero(opened[1:] != opened[:-1])
+    high = LIFTED * -float(np.min(dip))
+    # The flight in which the rows begin has been higher.
+    return [
+        (int(i), int(j), i == 0 or float(-np.min(dip[i:j])) > high)
+        for i, j in zip(edges[::2], edges[1::2], strict=True)
+    ]
+
+
+def find_landings(valve: Part) -> list[int]:
+    """The last row off the seat of each flight from the cam's lift."""
+    return [j - 1 for _, j, lifted in _list_flights(valve) if lifted and j < valve.motion.times.size]
+
+
+def _find_hardest(valve: Part) -> int | None:
+    return max(find_landings(valve), key=lambda row: -valve["velocity"][row], default=None)
+
+
+def _seating_velocity(valve: Part) -> Found:
+    """As it enters the seat, of the hardest landing."""
+    landing = _find_hardest(valve)
+    return NONE if landing is None else Found(-float(valve["velocity"][landing]), landing)
+
+
+def _bounce(valve: Part) -> Found:
+    """How far the valve leaves its seat again after a landing."""
+    landings, found = find_landings(valve), [Found(0.0)]
+    for i, j, _ in _list_flights(valve):
+        if any(i > row and abs(valve.angle[i] - valve.angle[row]) < AFTER for row in landings):
+            row = i + int(np.argmin(valve["seat_dip"][i:j]))
+            found.append(Found(-float(valve["seat_dip"][row]), row))
+    return max(found, key=lambda bounce: bounce.value) if landings else NONE
+
+
+def _spring_margin(valve: Part) -> Found:
+    """Least load that opens the valve over the force of its springs, while it is off its seat."""
+    names = [*valve.component.outputs.names, *valve.component.inputs.names]
+    forces = [valve[name] for name in names if name.startswith("spring_force")]
+    opened = valve["position"] > OPENED * np.max(valve["position"])
+    if not forces or not opened.any():
+        return NONE
+    share = np.full(opened.size, np.inf)
+    share[opened] = valve["load"][opened] / np.sum(forces, axis=0)[opened]
+    return _at(share, np.argmin(share))
+
+
+def _surge(part: Part) -> Found:
+    """Largest force of the coils' own motion: the spring's less that of its static rate."""
+    static = part.parameter("preload") + part.parameter("spring_rate") * part["position"]
+    surge = np.abs(part["spring_force"] - static)
+    return _at(surge, np.argmax(surge))
+
+
+def _lift_area(valve: Part) -> Found:
+    """Of a turn."""
+    turned = np.nan_to_num(abs(valve.angle[-1] - valve.angle[0])) / (2.0 * math.pi)
+    return Found(float(np.trapezoid(valve["valve_lift"], valve.angle)) / max(1, round(turned)))
+
+
+def _least_gap(spring: Part) -> Found:
+    """None of coils whose gaps are not computed: they stay as they are."""
+    return _least("least_gap")(spring) if np.ptp(spring["least_gap"]) else NONE
+
+
+def _twist(shaft: Part) -> Found:
+    driven = shaft.parameter("drive_ratio") * shaft["drive_angle"] + shaft.parameter("phase")
+    twist = np.abs(shaft["cam_angle"] - driven)
+    return _at(twist, np.argmax(twist))
+
+
+def _slip(roller: Part) -> Found:
+    slip = np.abs(roller["slip"])
+    return _at(slip, np.argmax(slip))
+
+
+def _least_load(contact: Part) -> Found:
+    """While the cam lifts: a train with lash has none on the base circle."""
+    if not contact.lifted.any():
+        return NONE
+    return _at(contact["load"], np.argmin(np.where(contact.lifted, contact["load"], np.inf)))
+
+
+def _least_load_angle(contact: Part) -> Found:
+    row = _least_load(contact).row
+    return NONE if row is None else Found(float(contact.angle[row] % (2.0 * math.pi)), row)
+
+
+def _least_film(contact: Part) -> Found:
+    """Of a film below an atom nothing."""
+    film = _least("minimum_film_thickness")(contact)
+    return film if film.value >= ATOM else Found(0.0, film.row)
+
+
+def _film_power(contact: Part) -> Found:
+    return Found(contact.mean(contact["load"] * contact["squeeze_velocity"]))
+
+
+def _film_feed(contact: Part) -> Found:
+    """Of the power that goes through the film, to and fro, the share that stays in the motion."""
+    power = contact["load"] * contact["squeeze_velocity"]
+    gross = contact.mean(np.abs(power))
+    return Found(contact.mean(power) / gross if gross > 0.0 else 0.0)
+
+
+def _lost(contact: Part) -> Found:
+    return Found(contact.mean((contact["load"] <= 0.0) & contact.lifted))
+
+
+def _lost_on_nose(contact: Part) -> Found:
+    """Losses that begin where the cam slows the valve down (s'' < 0); none without a cam of its own.
+
+    On the flanks, where s'' > 0, a contact is lost as it rebounds from the take-up of lash or play.
+    """
+    if contact.cam_lift is None:
+        return NONE
+    lost = (contact["load"] <= 0.0) & contact.lifted
+    with np.errstate(divide="ignore", invalid="ignore"):  # rows of step control may have one angle
+        slows = np.gradient(np.gradient(contact.cam_lift, contact.angle), contact.angle) < 0.0
+    begin = np.maximum.accumulate(np.where(lost & ~np.append(False, lost[:-1]), np.arange(lost.size), 0))
+    return Found(contact.mean(lost & slows[begin]))
+
+
+def _friction_power(part: Part) -> Found:
+    return Found(part.mean(part["friction_force"] * part["sliding_velocity"]))
+
+
+def _friction_torque(part: Part) -> Found:
+    """The power over the mean speed of the cam."""
+    times, turned = part.motion.times, float(part.angle[-1] - part.angle[0])
+    return Found(_friction_power(part).value * (times[-1] - times[0]) / turned) if turned else NONE
+
+
+def _landing_lift(valve: Part) -> Found:
+    """Lift of the cam as the valve lands: a measure of the ramp that is left."""
+    landing = _find_hardest(valve)
+    return NONE if landing is None or valve.cam_lift is None else _at(valve.cam_lift, landing)
+
+
+def _ramp_left(valve: Part) -> Found:
+    """Lift of the cam over the height of its ramp, as the valve lands: above 1 the ramp has not begun."""
+    if valve.train is None:
+        return NONE
+    cam = Part(valve.motion, valve.train.cam)
+    height = cam.parameter("ramp_height") if "ramp_height" in cam.component.parameters.names else 0.0
+    lift = _landing_lift(valve)
+    return Found(lift.value / height, lift.row) if height > 0.0 else NONE
+
+
+CONTACT: Mapping[str, Figure] = {
+    "least_load": (Quantity("N", "least load while the cam lifts"), _least_load),
+    "least_load_angle": (
+        Quantity("rad", "cam angle of the least load", display_unit="deg"),
+        _least_load_angle,
+    ),
+    "largest_load": (Quantity("N", "largest load"), _largest("load")),
+    "lost": (Quantity("1", "share of the time that lifts without load"), _lost),
+    "lost_on_nose": (
+        Quantity("1", "share of the time in losses of contact that begin where the cam slows the valve"),
+        _lost_on_nose,
+    ),
+    "peak_pressure": (
+        Quantity("Pa", "largest Hertz pressure", display_unit="MPa"),
+        _largest("maximum_pressure"),
+    ),
+    "stress_ratio": (
+        Quantity("1", "largest Hertz pressure over the permissible one, elastic_limit"),
+        lambda c: Found(float(np.max(c["maximum_pressure"])) / c.parameter("elastic_limit")),
+    ),
+    "least_film": (
+        Quantity("m", "least film thickness, of smooth surfaces; 0: no film", display_unit="um"),
+        _least_film,
+    ),
+    "least_film_ratio": (
+        Quantity("1", "least film over roughness; the film bears the fluid's share of the load"),
+        _least("film_ratio"),
+    ),
+    "film_power": (Quantity("W", "mean power that the growing film gives to the motion"), _film_power),
+    "film_feed": (Quantity("1", "share of the film's power that the motion keeps"), _film_feed),
+    "friction_power": (Quantity("W", "mean friction power"), _friction_power),
+    "friction_torque": (Quantity("N.m", "mean friction power over the speed of the cam"), _friction_torque),
+}
+VALVE: Mapping[str, Figure] = {
+    "largest_lift": (Quantity("m", "largest lift", display_unit="mm"), _largest("valve_lift")),
+    "lift_area": (
+        Quantity("m", "lift, integrated over the cam angle in radians", display_unit="mm"),
+        _lift_area,
+    ),
+    "spring_margin": (Quantity("1", "least load on the open valve over its spring's force"), _spring_margin),
+    "seating_velocity": (Quantity("m/s", "seating velocity"), _seating_velocity),
+    "landing_lift": (Quantity("m", "lift of the cam at landing", display_unit="mm"), _landing_lift),
+    "ramp_left": (Quantity("1", "lift of the cam over its ramp's height at landing"), _ramp_left),
+    "bounce": (Quantity("m", "bounce after landing", display_unit="um"), _bounce),
+    "largest_seat_force": (Quantity("N", "largest seat force"), _largest("seat_force")),
+}
+SPRING: Mapping[str, Figure] = {
+    "least_gap": (Quantity("m", "least gap between coils", display_unit="mm"), _least_gap),
+}
+LOADED_SPRING: Mapping[str, Figure] = {
+    "largest_spring_force": (Quantity("N", "largest spring force"), _largest("spring_force")),
+    "surge_force": (Quantity("N", "largest force by surge"), _surge),
+    **SPRING,
+}
+COIL_SPRING: Mapping[str, Figure] = {
+    **SPRING,
+    "largest_clash_force": (
+        Quantity("N", "largest force between coils that clash"),
+        _largest("clash_force"),
+    ),
+}
+DRIVE: Mapping[str, Figure] = {
+    "least_torque": (Quantity("N.m", "least torque"), _least("supplied_torque")),
+    "largest_torque": (Quantity("N.m", "largest torque"), _largest("supplied_torque")),
+    "mean_torque": (Quantity("N.m", "mean torque"), _mean("supplied_torque")),
+}
+SHAFT: Mapping[str, Figure] = {
+    "largest_twist": (Quantity("rad", "largest twist", display_unit="deg"), _twist),
+}
+ADJUSTER: Mapping[str, Figure] = {
+    "peak_pressure": (
+        Quantity("Pa", "largest pressure of the chamber", display_unit="MPa"),
+        _largest("pressure"),
+    ),
+    "largest_extension": (
+        Quantity("m", "largest length over that of the start", display_unit="um"),
+        _largest("extension"),
+    ),
+}
+PIVOT: Mapping[str, Figure] = {"friction_power": (Quantity("W", "mean friction power"), _mean("power_loss"))}
+ROLLER: Mapping[str, Figure] = {
+    "largest_slip": (Quantity("m/s", "largest velocity by which the roller slides"), _slip),
+    **PIVOT,
+}
+BEARING: Mapping[str, Figure] = {
+    "bearing_load": (Quantity("N", "largest load of the bearing"), _largest("load")),
+    **{name: CONTACT[name] for name in ("least_film", "least_film_ratio")},
+    "largest_eccentricity": (
+        Quantity("1", "largest eccentricity over the clearance"),
+        _largest("eccentricity_ratio"),
+    ),
+    "peak_pressure": (
+        Quantity("Pa", "highest pressure of the film", display_unit="MPa"),
+        _largest("maximum_pressure"),
+    ),
+    **PIVOT,
+}
+# By the role of the part.
+TABLES: Mapping[type[roles.Role], Mapping[str, Figure]] = {
+    roles.Drive: DRIVE,
+    roles.TwistedCam: SHAFT,
+    roles.Valve: VALVE,
+    roles.LoadedSpring: LOADED_SPRING,
+    roles.CoilSpring: COIL_SPRING,
+    roles.Adjuster: ADJUSTER,
+    roles.Bearing: BEARING,
+    roles.Pivot: PIVOT,
+    roles.Roller: ROLLER,
+    roles.Contact: CONTACT,
+}
+
+
+def list_figures(components: Mapping[str, Component]) -> Iterator[tuple[str, str, Figure]]:
+    """Part, name and definition of all that these parts have, by their components."""
+    for part, component in components.items():
+        for role, table in TABLES.items():
+            if component.has_role(role):
+                for name, figure in table.items():
+                    yield part, name, figure
+
+
+def measure(motion: Motion) -> Iterator[tuple[str, str, Quantity, Found]]:
+    """Part, name, quantity and value of all figures of the motion."""
+    part = Part(motion, "")
+    components = {name: instance.component for name, instance in motion.system.instances.items()}
+    for name, figure, (quantity, find) in list_figures(components):
+        part = part if part.name == name else Part(motion, name)
+        yield name, figure, quantity, find(part)
+
+
+def list_contacts(system: System) -> list[str]:
+    """The lubricated contacts."""
+    return [name for name, instance in system.instances.items() if instance.component.has_role(roles.Contact)]
