@@ -32,10 +32,10 @@ KINDS = (
 
 
 def find_figures(
-    result: ResultFile, title: str, system: System, tolerance: Mapping[str, float]
+    result: ResultFile, title: str, system: System, tolerance: Mapping[str, float], over: str | None = None
 ) -> dict[str, Callable[[], Any]]:
-    """The functions that draw the figures that apply, by name."""
-    data = FigureData.read(result, title, system, tolerance)
+    """The functions that draw the figures that apply, by name; over that angle, if the system has it."""
+    data = FigureData.read(result, title, system, tolerance).over(over)
     kinds = {name: importlib.import_module(f".{name}", __package__) for name in KINDS}
     return {name: partial(kind.draw, data) for name, kind in kinds.items() if kind.applies(data)}
 

@@ -34,9 +34,9 @@ class FigureData:
     """Values by "instance.variable" in SI units. `reference` is empty if there is none.
 
     `drivers` gives the output that drives an input, `parameters` what the scenario states, `tolerance` the
-    allowed relative RMS error of a variable. `angle` is what to draw against; None: the system's first, if
-    `system` is known and has one. Figures over it begin at `origin` (rad). `energies` are the ledger's
-    channels at `energy_time`, if one was kept.
+    allowed relative RMS error of a variable. `angle` is what to draw against; None: that of the instance
+    drawn, or the system's first, if `system` is known and has one. Figures over it begin at `origin` (rad).
+    `energies` are the ledger's channels at `energy_time`, if one was kept.
     """
 
     title: str
@@ -157,9 +157,15 @@ class FigureData:
         known = [train for train in every if train.contacts and train.angle.source in self.coupled]
         return sorted(known, key=largest, reverse=True)
 
+    def over(self, name: str | None) -> FigureData:
+        """The data over that angle of the system, if it has it."""
+        return replace(self, angle=find_angles(self.system).get(name or "") if self.system else None)
+
     def of(self, instance: str) -> FigureData:
-        """The data over the angle of the instance: of its cam, or else of crank or shaft."""
-        return replace(self, angle=find_angle(self.system, instance)) if self.system else self
+        """The data over the angle of the instance, of its cam, or else of crank or shaft; or over `angle`."""
+        if self.angle or not self.system:
+            return self
+        return replace(self, angle=find_angle(self.system, instance))
 
     def between(self, angle: Angle, low: float, high: float) -> FigureData:
         """The rows between two values of the angle (rad), drawn from zero at the lower one."""

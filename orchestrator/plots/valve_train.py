@@ -1,7 +1,7 @@
 """A valve train for a design review: its motion in the first column, each of its contacts in one beside it.
 
-Over the last whole revolution of the cam; of several trains the one with the highest load, the others pale.
-Where a contact carries no load, its column is shaded and has no film, but a gap.
+Over the last whole revolution of the cam, in its degrees or the crank's; of several trains the one with the
+highest load, the others pale. Where a contact carries no load, its column is shaded and has a gap, no film.
 """
 
 import math
@@ -19,7 +19,7 @@ from models.core.quantities import Quantity, Vector
 from ..assessment.figures_of_merit import OPENED, VALVE, Found, Part
 from ..assessment.kinematics import find_kinematics
 from ..assessment.merits import read_motion
-from ..assessment.trains import Train
+from ..assessment.trains import Angle, Train
 from .data import FigureData
 from .style import ACCENT, MUTED, add_title, create_subplots, label_abscissa, plot_both, shade, shade_where
 
@@ -35,6 +35,8 @@ ADJUSTER = {"Adjuster": "extension", "Oil pressure": "pressure"}
 # What a run may lack of a revolution.
 OPEN = 0.01
 PALE = "#c3ccd5"
+# Which rows are drawn where there is no whole revolution.
+WHOLE = "the whole run"
 # Of another train's curve.
 POINTS = 1500
 SPRING, GAP = "train spring_force", "gap"
@@ -70,8 +72,8 @@ def draw(data: FigureData) -> Figure:
             ax.set_visible(False)
         last = column[len(panels) - 1]
         label_abscissa(last, own)
-        if own.origin or which == "one revolution":
-            last.set_xlim(0.0, 360.0)
+        if which != WHOLE:
+            last.set_xlim(0.0, math.degrees(find_period(own, train)))
         last.tick_params(labelbottom=True)
     by_words = dict(zip(columns[0], axes[:, 0], strict=False))
     _add_kinematics(by_words, own, train)
@@ -90,14 +92,16 @@ def prepare(data: FigureData, train: Train) -> tuple[FigureData, str]:
 
     All rows where the cam turns less, or back. With the springs' force and the contacts' gaps.
     """
-    own = replace(_select(data, train), angle=train.angle)
-    angle = data.coupled[train.angle.source]
-    turn, slack = 2.0 * math.pi, 2.0 * math.pi * OPEN
+    over = data.angle if data.angle and data.angle.source in data.coupled else train.angle
+    own = replace(_select(data, train, over), angle=over)
+    angle = over.factor * data.coupled[over.source]
+    turn = find_period(own, train)
+    slack = turn * OPEN
     last = math.floor((angle[-1] + slack) / turn)
     count = last - math.ceil((angle[0] - slack) / turn)
-    which = "the whole run"
+    which = WHOLE
     if count > 0 and np.all(np.diff(angle) >= 0.0):
-        own = own.between(train.angle, turn * (last - 1), turn * last)
+        own = own.between(over, turn * (last - 1), turn * last)
         which = f"revolution {count} of {count}" if count > 1 else "one revolution"
     springs = [f"{name}.spring_force" for name in train.list_parts(roles.LoadedSpring)]
     springs += [f"{name}.force" for name in train.list_parts(roles.CoilSpring)]
@@ -120,10 +124,17 @@ def prepare(data: FigureData, train: Train) -> tuple[FigureData, str]:
     return own, which
 
 
-def _select(data: FigureData, train: Train) -> FigureData:
-    """The variables of the train's parts, and of what drives their inputs."""
+def find_period(data: FigureData, train: Train) -> float:
+    """The rise of the data's angle in a revolution of the train's cam (rad): of a crank's twice 2 pi."""
+    over = data.angle or train.angle
+    turned, cam = (np.ptp(data.coupled[angle.source]) for angle in (over, train.angle))
+    return 2.0 * math.pi * max(1, round(over.factor * turned / cam)) if cam > 0.0 else 2.0 * math.pi
+
+
+def _select(data: FigureData, train: Train, over: Angle) -> FigureData:
+    """The variables of the train's parts, of what drives their inputs, and of the angle."""
     sources = [source for target, source in data.drivers.items() if target.split(".")[0] in train.parts]
-    wanted = {*train.parts, *(source.split(".")[0] for source in sources)}
+    wanted = {*train.parts, *(source.split(".")[0] for source in [*sources, over.source])}
 
     def select(values: Mapping[str, Vector]) -> dict[str, Vector]:
         return {name: column for name, column in values.items() if name.split(".")[0] in wanted}
@@ -189,7 +200,8 @@ def _add_kinematics(panels: Mapping[str, Axes], data: FigureData, train: Train) 
 def _magnify_seat(ax: Axes, data: FigureData, train: Train) -> None:
     """The ramps: lifts up to a share of the largest, and what a landing does there."""
     top = OPENED * 1e3 * float(np.max(data.coupled[f"{train.cam}.cam_lift"]))
-    ax.set_ylim(-0.15 * top, top)
+    dip = 1.1e3 * float(np.min(data.coupled[f"{train.valve}.position"]))
+    ax.set_ylim(min(-0.15 * top, dip), top)
     velocity, landing = _measure(data, train, "seating_velocity")
     if landing is not None:
         where = f"seats with {velocity:.3g} m/s at {data.x()[landing]:.1f}°"

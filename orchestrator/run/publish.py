@@ -90,7 +90,7 @@ def finish_result(plan: Plan, ending: Ending, result: ResultFile, reporter: Repo
     from .. import plots
 
     title = plan.name if ending.complete else f"{plan.name} (incomplete)"
-    figures = plots.find_figures(result, title, plan.system, plan.tolerance)
+    figures = plots.find_figures(result, title, plan.system, plan.tolerance, plan.scenario.figures_over)
     with reporter.stage("figures") if figures else nullcontext():
         plots.draw_all(figures, result.path.with_name(FIGURES))
     if not figures:

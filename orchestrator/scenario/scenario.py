@@ -95,6 +95,10 @@ class Scenario(Table):
     checkpoint_every: SecondsOr0 = Field(
         30.0, description="Wall time from one checkpoint to the next (tribocosim resume); 0: none"
     )
+    figures_over: Literal["cam_angle", "crank_angle"] | None = Field(
+        None,
+        description="Draw all figures over this angle; default: each part's over its own cam's or shaft's",
+    )
     start: Literal["equilibrium", "given"] = Field(
         "equilibrium", description="Start at rest in balance, or from the start values as given"
     )

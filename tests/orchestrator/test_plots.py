@@ -242,8 +242,9 @@ def test_a_valve_that_stays_on_its_cam_has_no_gap(bouncing: FigureData) -> None:
     assert "Gap (µm)" not in [ax.get_ylabel() for ax in valve_train.draw(without_gap).axes]
 
 
-def test_the_last_whole_revolution_is_drawn_from_zero(bouncing: FigureData) -> None:
-    """Of two and a half turns from 0 on the second one."""
+@pytest.fixture
+def long(bouncing: FigureData) -> FigureData:
+    """Two and a half turns."""
 
     def repeat(values: Vector, step: float = 0.0) -> Vector:
         return np.concatenate([values[:-1] + i * step for i in range(3)])[: 5 * (len(values) - 1) // 2]
@@ -251,11 +252,22 @@ def test_the_last_whole_revolution_is_drawn_from_zero(bouncing: FigureData) -> N
     turning = {"flywheel.angle": 2.0 * np.pi, "camshaft.cam_angle": 2.0 * np.pi}
     coupled = {name: repeat(values, turning.get(name, 0.0)) for name, values in bouncing.coupled.items()}
     time = repeat(bouncing.time, float(bouncing.time[-1]))
-    long = replace(bouncing, time=time, coupled=coupled, reference_time=time, reference=coupled)
+    return replace(bouncing, time=time, coupled=coupled, reference_time=time, reference=coupled)
+
+
+def test_the_last_whole_revolution_is_drawn_from_zero(bouncing: FigureData, long: FigureData) -> None:
     own, which = valve_train.prepare(long, long.trains[0])
     assert which == "revolution 2 of 2"
     assert own.x()[[0, -1]] == pytest.approx([0.0, 360.0], abs=0.51)
     np.testing.assert_array_equal(own.coupled["contact.load"][:720], bouncing.coupled["contact.load"][:720])
+
+
+def test_over_the_crank_a_revolution_of_the_cam_has_720_degrees(long: FigureData) -> None:
+    cam, crank = (valve_train.prepare(data, long.trains[0])[0] for data in (long, long.over("crank_angle")))
+    np.testing.assert_allclose(crank.x(), 2.0 * cam.x(), rtol=1e-12)
+    np.testing.assert_array_equal(crank.coupled["contact.load"], cam.coupled["contact.load"])
+    bottom = valve_train.draw(long.over("crank_angle")).axes[-1]
+    assert (bottom.get_xlabel(), bottom.get_xlim()) == ("Crank angle (°)", (0.0, 720.0))
 
 
 def test_many_valves_are_all_drawn_and_named(bouncing: FigureData) -> None:
