@@ -117,9 +117,9 @@ def _mean(variable: str) -> Callable[[Part], Found]:
 
 def _list_flights(valve: Part) -> list[tuple[int, int, bool]]:
     """First row off the seat, next row on it, and whether the cam opened the valve; none without a seat."""
-    dip = valve["seat_dip"]
-    if valve.parameter("seat_stiffness") == 0.0 or np.max(dip) < 0.0:
+    if valve.parameter("seat_stiffness") == 0.0:
         return []
+    dip = valve["seat_dip"]
     opened = np.concatenate([[False], dip < 0.0, [False]])
     edges = np.flatnonzero(opened[1:] != opened[:-1])
     high = LIFTED * -float(np.min(dip))
