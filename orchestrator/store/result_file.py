@@ -220,6 +220,6 @@ def find_result(path: Path | str) -> Path:
 
 def open_result(path: Path | str) -> xarray.DataTree:
     """The result as an xarray DataTree: /coupled, /reference, /steps. `path` is the file or its folder."""
-    import xarray
+    from .stored_tree import read_tree  # xarray takes long to import
 
-    return xarray.open_datatree(find_result(path), engine="h5netcdf")
+    return read_tree(find_result(path))
