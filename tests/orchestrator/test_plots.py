@@ -194,6 +194,7 @@ def bouncing() -> FigureData:
         "camshaft.drive_torque": (np.sin(angle), FORCE),
         "valve_spring.position": (cam + 20e-6 * nose, METRE),
         "valve_spring.valve_lift": (cam + 20e-6 * nose, METRE),
+        "valve_spring.seat_dip": (np.zeros_like(time), METRE),
         "valve_spring.velocity": (np.sin(angle), METRE),
         "valve_spring.acceleration": (np.cos(angle), METRE),
         "valve_spring.spring_force": (300.0 + cam, FORCE),
