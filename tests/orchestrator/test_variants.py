@@ -6,6 +6,7 @@ import xarray
 
 from orchestrator.errors import MistakeError
 from orchestrator.plots.variants import draw_variants
+from orchestrator.study.speeds.compare import Choice, select_speeds
 from orchestrator.study.speeds.sweep import Swept
 from orchestrator.study.speeds.variants import Variant, list_variants, tabulate
 
@@ -34,9 +35,28 @@ def test_several_values_make_every_combination() -> None:
 def test_designs_are_judged_at_the_speeds_at_which_all_keep_contact() -> None:
     """The stiffer one keeps it to the end; its load there is not set beside the other's at less speed."""
     speeds, rows = tabulate({"soft": make_swept(400.0, 300.0), "stiff": make_swept(500.0, 1e9)})
-    assert speeds == "955 to 1910 r/min"
+    assert speeds == "955 to 1910 r/min, where all keep contact"
     assert [row["least N"] for row in rows] == ["200", "300"]
     assert [row["contact lost from r/min"] for row in rows] == ["2500", "–"]
+
+
+def test_designs_that_lose_contact_at_every_speed_say_so() -> None:
+    speeds, _ = tabulate({"soft": make_swept(400.0, 0.0), "stiff": make_swept(500.0, 1e9)})
+    assert speeds == "955 to 2865 r/min, at each of which one loses contact"
+
+
+def test_lists_and_tables_are_values_and_equal_names_have_paths() -> None:
+    found = list_variants(["a.rate=[1, 2],[3, 4]", 'oil={ name = "x, y", t = 1 }, { name = "z", t = 2 }'])
+    assert found[0].settings == ("a.rate=[1, 2]", 'oil={ name = "x, y", t = 1 }')
+    assert len(found) == 4
+    assert list_variants(["a.mass=1,2", "b.mass=3,4"])[0].label == "a.mass=1, b.mass=3"
+
+
+def test_one_speed_is_between_the_computed_ones() -> None:
+    tables = [make_swept(load, 1e9).table for load in (400.0, 500.0)]
+    assert [t["speed"].values.tolist() for t in select_speeds(tables, Choice(at=120.0))] == [[100.0]] * 2
+    with pytest.raises(MistakeError, match="955 to 2865 r/min"):
+        select_speeds(tables, Choice(at=942.0))
 
 
 def test_a_figure_has_a_colour_for_each_design() -> None:

@@ -2,7 +2,7 @@
 
 import json
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -73,8 +73,10 @@ def compare(
     tables = dict(zip(label(first, second), map(read_sweep, (first, second)), strict=True))
     common = select_speeds(list(tables.values()), choice)
     if not all(table.sizes["speed"] for table in common):
-        kept = "" if choice.lost else " at which both keep contact"
-        add = () if choice.lost else (("add ", Option("lost", True), " for the others"),)
+        with_lost = select_speeds(list(tables.values()), replace(choice, lost=True))
+        only_lost = all(table.sizes["speed"] for table in with_lost)
+        kept = " at which both keep contact" if only_lost else " there"
+        add = (("add ", Option("lost", True), " for the others"),) if only_lost else ()
         raise MistakeError(f"{first} and {second}: have no speeds in common{kept}", *add)
     ends = [f"{RPM * float(pick(table['speed'])):.0f}" for pick in (np.min, np.max) for table in common]
     title = f"{min(ends[:2], key=float)} to {max(ends[2:], key=float)} r/min"
@@ -152,6 +154,14 @@ def find_worst(table: xarray.Dataset, name: str, scale: float) -> Worst | None:
     return Worst(scale * float(values[worst]), RPM * float(table["speed"].values[worst]), angle)
 
 
+def _check_inside(at: float, speeds: Any) -> None:
+    """MistakeError for a speed that is not between the computed ones."""
+    low, high = speeds.min(), speeds.max()
+    if not low * (1 - 1e-9) <= at <= high * (1 + 1e-9):
+        between = f"must be from {RPM * low:.0f} to {RPM * high:.0f} r/min, which were computed"
+        raise MistakeError((Option("at", f"{RPM * at:.0f} rpm"), f": {between}"))
+
+
 def select_speeds(tables: list[xarray.Dataset], choice: Choice) -> list[xarray.Dataset]:
     """The chosen speeds of both tables, which may have different ones."""
     found = []
@@ -162,7 +172,8 @@ def select_speeds(tables: list[xarray.Dataset], choice: Choice) -> list[xarray.D
         low, high = max(choice.low, inside[0]), min(choice.high, inside[1])
         chosen = (speeds >= low * (1 - 1e-9)) & (speeds <= high * (1 + 1e-9))
         if choice.at is not None:
-            chosen &= np.arange(speeds.size) == np.abs(speeds - choice.at).argmin()
+            chosen = np.arange(speeds.size) == np.abs(speeds - choice.at).argmin()
+            _check_inside(choice.at, speeds)
         elif not choice.lost:
             chosen &= ~lost & ~find_lost(other)[nearest]
         found.append(table.isel(speed=np.flatnonzero(chosen)))

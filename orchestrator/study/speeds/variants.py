@@ -25,6 +25,8 @@ from .sweep import Range, Swept, select_columns, sweep
 
 TABLE, FIGURE = "variants.csv", "variants.png"
 RPM = 30.0 / math.pi
+# A value of several: commas in brackets and quotes are its own.
+_VALUE = re.compile(r"""(?:\[[^]]*\]|\{[^}]*\}|"[^"]*"|'[^']*'|[^,])+""")
 # Of a name of a folder, all that is not one of these becomes an underscore.
 _UNSAFE = re.compile(r"[^\w.=+ -]")
 
@@ -44,10 +46,13 @@ class Variant:
 def list_variants(settings: Sequence[str]) -> list[Variant]:
     """Every combination of the values of settings such as "path=A,B,C"; those with one value are in all."""
     choices = []
+    several = [text.partition("=") for text in settings]
+    ends = [path.strip().rpartition(".")[2] for path, _, written in several if len(_split(written)) > 1]
     for text in settings:
         path, equals, written = text.partition("=")
         values = _split(written) if equals else [written]
         short = path.strip().rpartition(".")[2]
+        short = path.strip() if ends.count(short) > 1 else short
         shown = [f"{short}={value}" if len(values) > 1 else "" for value in values]
         choices.append(
             [(label, f"{path}{equals}{value}") for label, value in zip(shown, values, strict=True)]
@@ -67,7 +72,7 @@ def _split(written: str) -> list[str]:
     try:
         tomllib.loads(f"value = {written.strip()}")
     except tomllib.TOMLDecodeError:
-        return [value.strip() for value in written.split(",") if value.strip()] or [written]
+        return [value.strip() for value in _VALUE.findall(written) if value.strip()] or [written]
     return [written]
 
 
@@ -94,8 +99,8 @@ def sweep_variants(
 
 
 def tabulate(swept: Mapping[str, Swept]) -> tuple[str, list[dict[str, str]]]:
-    """The range of speed in which all designs keep contact, in words; a row for each design: its speed of
-    separation, and the worst of each number in that range."""
+    """The speeds that are judged, in words, and a row for each design: its speed of separation, and the worst
+    of each number. These are the speeds at which all designs keep contact, if there are any."""
     kept = keep_contact([one.table for one in swept.values()])
     columns = [column for column in select_columns(kept[0]) if not column[1].endswith(("_angle", ".lost"))]
     rows = []
@@ -107,7 +112,9 @@ def tabulate(swept: Mapping[str, Swept]) -> tuple[str, list[dict[str, str]]]:
             row[head] = f"{worst.value:.4g}" if worst else "–"
         rows.append(row)
     speeds = RPM * kept[0]["speed"].values
-    return f"{speeds.min():.0f} to {speeds.max():.0f} r/min", rows
+    lost = any(find_lost(table).any() for table in kept)
+    where = "at each of which one loses contact" if lost else "where all keep contact"
+    return f"{speeds.min():.0f} to {speeds.max():.0f} r/min, {where}", rows
 
 
 def keep_contact(tables: Sequence[xarray.Dataset]) -> list[xarray.Dataset]:
@@ -121,9 +128,11 @@ def keep_contact(tables: Sequence[xarray.Dataset]) -> list[xarray.Dataset]:
 
 
 def _report(swept: Mapping[str, Swept], out: Path, reporter: Reporter) -> None:
+    if not set.intersection(*(set(one.table["speed"].values) for one in swept.values())):
+        reporter.line("the designs have no speed in common at which a cycle was found: no table of all")
+        return
     speeds, rows = tabulate(swept)
-    title = f"Worst from {speeds}, where all keep contact"
-    shown = Table(*rows[0], title=title, title_justify="left")
+    shown = Table(*rows[0], title=f"Worst from {speeds}", title_justify="left")
     for row in rows:
         shown.add_row(*row.values())
     reporter.console.print(shown)
