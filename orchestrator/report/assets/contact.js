@@ -2,6 +2,9 @@
 // result has that, otherwise of Hertz.
 "use strict";
 
+// µm, about the size of an atom: a thinner film is none.
+const ATOM = 0.3e-3;
+
 // One contact of all, chosen by name.
 class Contacts {
   constructor(report, told) {
@@ -141,7 +144,7 @@ class Contact {
   describe(row) {
     const load = this.value("load", row), h = 1e6 * this.value("film_thickness", row), open = 1e6 * this.open(row);
     return (load > 0
-      ? "load " + readable(load) + " N, film " + readable(h) + " µm, pressure " + readable(1e-6 * this.value("maximum_pressure", row)) +
+      ? "load " + readable(load) + " N, " + (h < ATOM ? "no film" : "film " + readable(h) + " µm") + ", pressure " + readable(1e-6 * this.value("maximum_pressure", row)) +
         " MPa, width " + readable(2e3 * this.value("half_width", row)) + " mm"
       : "no load" + (open === open ? ", gap " + readable(open) + " µm" : "")) + "; " + this.describeSource(row) + ", heights enlarged";
   }
