@@ -16,6 +16,8 @@ from .sketch import CIRCLE, MM, Parts, Sketch, get_numbers
 
 # Points of a cam's contour.
 CONTOUR = 240
+# Thickness of a bucket's plate (mm).
+PLATE = 3.0
 
 
 def draw_cam(sketch: Sketch, parts: Parts, name: str, follower: str, angle: str) -> float:
@@ -50,6 +52,6 @@ def draw_pad(sketch: Sketch, moving: int, centre: float, radius: float, top: flo
 
 
 def draw_bucket(sketch: Sketch, moving: int, bottom: float, width: float, title: str) -> None:
-    sketch.box("body", moving, 0.0, bottom, width, 3.0, title)
+    sketch.box("body", moving, 0.0, bottom, width, PLATE, title)
     for side in (-1.0, 1.0):
-        sketch.box("body", moving, side * (0.5 * width - 1.2), bottom + 3.0, 2.4, 12.0, title)
+        sketch.box("body", moving, side * (0.5 * width - 1.2), bottom + PLATE, 2.4, 12.0, title)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from models.core import roles
 
-from .cams import draw_bucket, draw_cam, draw_pad
+from .cams import PLATE, draw_bucket, draw_cam, draw_pad
 from .sketch import GROUND, MM, Parts, Sketch
 from .valves import draw_valve, draw_valve_below, find_valve
 
@@ -41,15 +41,15 @@ def sketch_tappet(parts: Parts, tappet: str) -> Sketch | None:
     moving = sketch.frame(shift=[(f"{tappet}.position", 0.0, MM)])
     contacts = parts.list_driven(f"{tappet}.entraining_velocity")
     if follower == "flat":
-        top = base
+        top, seat = base, base + PLATE
         draw_bucket(sketch, moving, base, width, tappet)
     else:
         centre = math.sqrt((base + radius) ** 2 - offset**2)
         sketch.circle("roller" if follower == "roller" else "body", moving, offset, centre, radius, tappet)
-        top = centre + radius
+        top, seat = centre + radius, centre + radius + 8.0
         sketch.box("body", moving, offset, centre, 1.2 * radius, radius + 8.0, tappet)
     if parts.has_role(rocker, roles.Rocker):
-        contacts += _draw_rocker(sketch, parts, rocker, rod, moving, offset, top + 8.0)
+        contacts += _draw_rocker(sketch, parts, rocker, rod, moving, offset, seat)
     else:
         # A tappet that springs act on directly is one body with its valve.
         valve = tappet if parts.has_role(above, roles.CoilSpring) else find_valve(parts, above)
