@@ -164,7 +164,7 @@ def test_printed_numbers_are_quotients_of_one_another():
     assert float(shown["its ratio to the roughness"]) == pytest.approx(film / roughness, rel=6e-3)
     work, torque = float(shown["friction work"]), float(shown["mean friction torque"])
     assert work == pytest.approx(2.0 * math.pi * torque, rel=1e-3)
-    assert units[words.index("roughness")] == "um"
+    assert units[words.index("roughness")] == "µm"
 
 
 @pytest.fixture(scope="module")

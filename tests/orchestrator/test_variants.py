@@ -6,8 +6,9 @@ import xarray
 
 from orchestrator.errors import MistakeError
 from orchestrator.plots.variants import draw_variants
+from orchestrator.scenario.display import format_number
 from orchestrator.study.speeds.compare import Choice, select_speeds
-from orchestrator.study.speeds.sweep import Swept
+from orchestrator.study.speeds.sweep import Swept, select_columns
 from orchestrator.study.speeds.variants import Variant, list_variants, tabulate
 
 
@@ -36,7 +37,7 @@ def test_designs_are_judged_at_the_speeds_at_which_all_keep_contact() -> None:
     """The stiffer one keeps it to the end; its load there is not set beside the other's at less speed."""
     speeds, rows = tabulate({"soft": make_swept(400.0, 300.0), "stiff": make_swept(500.0, 1e9)})
     assert speeds == "955 to 1910 r/min, where all keep contact"
-    assert [row["least N"] for row in rows] == ["200", "300"]
+    assert [row["least load"] for row in rows] == ["200", "300"]
     assert [row["contact lost from r/min"] for row in rows] == ["2500", "–"]
 
 
@@ -57,6 +58,21 @@ def test_one_speed_is_between_the_computed_ones() -> None:
     assert [t["speed"].values.tolist() for t in select_speeds(tables, Choice(at=120.0))] == [[100.0]] * 2
     with pytest.raises(MistakeError, match="955 to 2865 r/min"):
         select_speeds(tables, Choice(at=942.0))
+
+
+def test_a_line_of_a_sweep_has_the_units_that_figures_have() -> None:
+    attributes = {"peak_pressure": {"units": "Pa"}, "least_film": {"units": "m", "display_units": "um"}}
+    data = {f"contact.{name}": ("speed", [1.0], attributes[name]) for name in attributes}
+    heads = [(head, factor) for head, _, factor in select_columns(xarray.Dataset(data))]
+    assert heads == [("pressure MPa", pytest.approx(1e-6)), ("film µm", pytest.approx(1e6))]
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [(-0.0, "0"), (1713.4e6, "1713000000"), (17134.0, "17130"), (-0.024289, "-0.02429"), (np.nan, "–")],
+)
+def test_a_number_in_a_table_has_no_exponent_and_no_negative_zero(value: float, shown: str) -> None:
+    assert format_number(value) == shown
 
 
 def test_a_figure_has_a_colour_for_each_design() -> None:

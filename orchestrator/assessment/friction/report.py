@@ -12,6 +12,7 @@ from rich.text import Text
 from models.contact.records import ATOM
 
 from ...errors import Option, Words
+from ...scenario.display import format_number
 from .cycle import TURN, Cycle, Summary, Wear, summary
 
 # Of the cam's lift: a profile that has lost more is no longer the one that was computed.
@@ -45,7 +46,7 @@ def _film(found: Judged) -> str:
     if found.roughness <= 0.0:
         return "smooth"
     film = found.summary.least_film_ratio * found.roughness
-    return f"{1e6 * film:.4g}" if film >= ATOM else "no film"
+    return format_number(1e6 * film) if film >= ATOM else "no film"
 
 
 def _cam_place(found: Judged) -> str:
@@ -57,24 +58,24 @@ def _follower_place(found: Judged) -> str:
 
 
 ROWS: tuple[tuple[str, str, Callable[[Judged], str]], ...] = (
-    ("mean friction torque", "N m", lambda f: f"{f.summary.mean_torque:.4g}"),
-    ("largest friction torque", "N m", lambda f: f"{f.summary.largest_torque:.4g}"),
-    ("mean friction power", "W", lambda f: f"{f.summary.mean_power:.4g}"),
-    ("friction work", "J", lambda f: f"{f.summary.work:.4g}"),
-    ("coefficient of friction", "", lambda f: f"{f.summary.coefficient:.4g}"),
-    ("asperities' share of the load", "%", lambda f: f"{100.0 * f.summary.asperity_share:.3g}"),
-    ("asperities' share of the work", "%", lambda f: f"{100.0 * f.summary.boundary_share:.3g}"),
-    ("least film of the oil under load", "um", _film),
-    ("its ratio to the roughness", "", lambda f: f"{f.summary.least_film_ratio:.3g}"),
-    ("roughness", "um", lambda f: f"{1e6 * f.roughness:.3g}"),
-    ("time without contact", "%", lambda f: f"{100.0 * f.summary.lost:.3g}"),
-    ("deepest wear of the cam", "m", lambda f: f"{f.deepest[0]:.3g}"),
+    ("mean friction torque", "N m", lambda f: format_number(f.summary.mean_torque)),
+    ("largest friction torque", "N m", lambda f: format_number(f.summary.largest_torque)),
+    ("mean friction power", "W", lambda f: format_number(f.summary.mean_power)),
+    ("friction work", "J", lambda f: format_number(f.summary.work)),
+    ("coefficient of friction", "", lambda f: format_number(f.summary.coefficient)),
+    ("asperities' share of the load", "%", lambda f: format_number(100.0 * f.summary.asperity_share, 3)),
+    ("asperities' share of the work", "%", lambda f: format_number(100.0 * f.summary.boundary_share, 3)),
+    ("least film of the oil under load", "µm", _film),
+    ("its ratio to the roughness", "", lambda f: format_number(f.summary.least_film_ratio, 3)),
+    ("roughness", "µm", lambda f: format_number(1e6 * f.roughness, 3)),
+    ("time without contact", "%", lambda f: format_number(100.0 * f.summary.lost, 3)),
+    ("deepest wear of the cam", "pm", lambda f: format_number(1e12 * f.deepest[0], 3)),
     ("  at the cam angle", "deg", _cam_place),
-    ("deepest wear of the follower", "m", lambda f: f"{f.deepest[1]:.3g}"),
+    ("deepest wear of the follower", "pm", lambda f: format_number(1e12 * f.deepest[1], 3)),
     ("  at the place", "mm", _follower_place),
-    ("worn off each body", "m3", lambda f: f"{f.worn.volume:.3g}"),
-    ("cam after all revolutions", "um", lambda f: f"{1e6 * f.cycles * f.deepest[0]:.3g}"),
-    ("follower after all revolutions", "um", lambda f: f"{1e6 * f.cycles * f.deepest[1]:.3g}"),
+    ("worn off each body", "µm³", lambda f: format_number(1e18 * f.worn.volume, 3)),
+    ("cam after all revolutions", "µm", lambda f: format_number(1e6 * f.cycles * f.deepest[0], 3)),
+    ("follower after all revolutions", "µm", lambda f: format_number(1e6 * f.cycles * f.deepest[1], 3)),
 )
 
 
@@ -84,7 +85,7 @@ def tables(found: Sequence[Judged]) -> Iterator[Table]:
         some = found[first : first + COLUMNS]
         apart = 1e6 * float(np.diff(some[0].cycle.time).max())
         note = f"wear at {some[0].coefficient:g} m2/N; all revolutions: {some[0].cycles:g}; "
-        note += f"from recorded rows, {apart:.3g} us apart at most"
+        note += f"from recorded rows, {apart:.3g} µs apart at most"
         table = Table(
             title="Friction and wear over the last revolution",
             caption=note, title_justify="left", caption_justify="left", box=box.SIMPLE_HEAD, pad_edge=False,
@@ -111,14 +112,14 @@ def remarks(found: Judged) -> Iterator[Words]:
         yield (
             f"{contact}: the follower is off its cam for {100.0 * found.summary.lost:.3g} % of the time. "
             "Means are over all of it; the wear is that of sliding, without that of landing. These are rows "
-            f"up to {1e6 * float(np.diff(cycle.time).max()):.3g} us apart: summary.json has the peaks of all "
+            f"up to {1e6 * float(np.diff(cycle.time).max()):.3g} µs apart: summary.json has the peaks of all "
             "macro steps"
         )
     lift = float(np.ptp(cycle["cam_lift"]))
     worst = found.cycles * max(found.deepest)
     if worst > WORN * lift:
         yield (
-            f"{contact}: {1e6 * worst:.4g} um of wear are {100.0 * worst / lift:.3g} % of the lift of "
+            f"{contact}: {1e6 * worst:.4g} µm of wear are {100.0 * worst / lift:.3g} % of the lift of "
             f"{1e3 * lift:.3g} mm: the computed profile is gone long before {found.cycles:g} revolutions; "
             "extrapolate over at most ",
             Option("cycles", f"{WORN * lift / max(found.deepest):.1g}"),

@@ -15,7 +15,7 @@ from ...errors import Command, MistakeError, Option
 from ...plots.speeds import draw_summary
 from ...plots.style import save_figure
 from ...reporter import Reporter
-from ...scenario.display import show_attributes
+from ...scenario.display import format_number, show_attributes
 from ...store.output_folder import STORE, SUMMARY
 from .sweep import parse_speed, read_table
 
@@ -139,7 +139,7 @@ class Worst:
 
     def __str__(self) -> str:
         place = "" if self.angle_deg is None else f", {self.angle_deg:.0f}°"
-        return f"{self.value:.5g} at {self.speed_rpm:.0f}{place}"
+        return f"{format_number(self.value, 5)} at {self.speed_rpm:.0f}{place}"
 
 
 def find_worst(table: xarray.Dataset, name: str, scale: float) -> Worst | None:

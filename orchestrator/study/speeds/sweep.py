@@ -27,6 +27,7 @@ from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_
 from ...plots.style import save_figure
 from ...reporter import Reporter
 from ...scenario import build_scenario
+from ...scenario.display import Shown, format_number, show_attributes
 from ...scenario.files import to_full_toml
 from ...scenario.system import build_system
 from ...store.output_folder import CYCLES, REPORT, STORE, SUMMARY
@@ -171,7 +172,7 @@ def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
     columns, lost = select_columns(table), find_lost(table)
     shown = Table("r/min", *(head for head, _, _ in columns), title="Steady cycles", title_justify="left")
     for i, speed in enumerate(table["speed"].values):
-        cells = (f"{scale * float(table[name][i]):.4g}" for _, name, scale in columns)
+        cells = (format_number(scale * float(table[name][i])) for _, name, scale in columns)
         marks = {"contact lost": lost[i], "not steady": table["change"][i] > STEADY}
         shown.add_row(f"{speed * RPM:.0f}", *cells, ", ".join(text for text, holds in marks.items() if holds))
     reporter.console.print(shown)
@@ -185,23 +186,19 @@ def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
 
 def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
     """Head, result and factor of what a line shows: of the first part that has it, contacts before others."""
-    wanted = (
-        ("least N", ".least_load", 1.0),
-        ("at deg", ".least_load_angle", math.degrees(1.0)),
-        ("largest N", ".largest_load", 1.0),
-        ("lost %", ".lost", 100.0),
-        ("film um", ".least_film", 1e6),
-        ("margin", ".spring_margin", 1.0),
-        ("seating m/s", ".seating_velocity", 1.0),
-        ("at lift mm", ".landing_lift", 1e3),
-        ("torque N m", ".largest_torque", 1.0),
-    )
+    wanted = {
+        "least load": "least_load", "at": "least_load_angle", "largest load": "largest_load", "lost": "lost",
+        "pressure": "peak_pressure", "film": "least_film", "margin": "spring_margin",
+        "seating": "seating_velocity", "at lift": "landing_lift", "torque": "largest_torque",
+    }  # fmt: skip
     found = []
-    for head, ending, scale in wanted:
-        names = [str(n) for n in table.data_vars if str(n).endswith(ending)]
+    for words, figure in wanted.items():
+        names = [str(n) for n in table.data_vars if str(n).endswith(f".{figure}")]
         name = min(names, key=lambda n: f"{n.split('.')[0]}.lost" not in table, default=None)
         if name is not None and np.any(np.isfinite(table[name].values)):
-            found.append((head, name, scale))
+            share = figure in ("lost", "spring_margin")
+            shown = Shown(100.0, "%") if share else show_attributes(table[name].attrs)
+            found.append((f"{words} {shown.text}".strip(), name, shown.factor))
     return found
 
 

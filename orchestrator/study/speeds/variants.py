@@ -19,6 +19,7 @@ from ...errors import MistakeError, Option
 from ...plots.style import save_figure
 from ...plots.variants import draw_variants
 from ...reporter import Reporter
+from ...scenario.display import format_number
 from ..run import Where
 from .compare import find_worst
 from .sweep import Range, Swept, select_columns, sweep
@@ -109,7 +110,7 @@ def tabulate(swept: Mapping[str, Swept]) -> tuple[str, list[dict[str, str]]]:
         row = {"design": label, "contact lost from r/min": "–" if separation is None else f"{separation:.0f}"}
         for head, name, scale in columns:
             worst = find_worst(table, name, scale) if name in table else None
-            row[head] = f"{worst.value:.4g}" if worst else "–"
+            row[head] = format_number(worst.value) if worst else "–"
         rows.append(row)
     speeds = RPM * kept[0]["speed"].values
     lost = any(find_lost(table).any() for table in kept)
