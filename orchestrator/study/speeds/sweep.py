@@ -170,7 +170,8 @@ def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan
 def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
     """A line for each speed, and how many cycles are not steady."""
     columns, lost = select_columns(table), find_lost(table)
-    shown = Table("r/min", *(head for head, _, _ in columns), title="Steady cycles", title_justify="left")
+    heads = (head for head, _, _ in columns)
+    shown = Table("r/min", *heads, title="Steady cycles", title_justify="left", padding=0)
     for i, speed in enumerate(table["speed"].values):
         cells = (format_number(scale * float(table[name][i])) for _, name, scale in columns)
         marks = {"contact lost": lost[i], "not steady": table["change"][i] > STEADY}
