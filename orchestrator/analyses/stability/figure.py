@@ -1,6 +1,7 @@
 """Spectral radius and estimated error over the macro step: a column a master, a line a signal."""
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from matplotlib.artist import Artist
@@ -15,8 +16,8 @@ from .behaviour import format_time
 from .survey import AssessedMethod, Survey
 
 STABLE = "#dfeadf"
-# Of a method that another one has the signal of: the same master in another order.
-_OTHER_ORDER = (0, (5, 1.5, 1, 1.5))
+# Of a method that another one has the signal of, the same master in another order: seen below its twin, too.
+_OTHER_ORDER: Mapping[str, Any] = {"lw": 4.0, "alpha": 0.4, "zorder": 1.0}
 
 
 def draw_figure(found: Survey) -> Figure:
@@ -34,7 +35,7 @@ def draw_figure(found: Survey) -> Figure:
         for method in found.methods:
             if find_name(method.master) == name:
                 signal = method.master.extrapolation
-                style = _OTHER_ORDER if signal in drawn else "-"
+                style = _OTHER_ORDER if signal in drawn else {}
                 drawn.add(signal)
                 _draw_radius(radius, method, style)
                 _draw_error(error, found, method, style)
@@ -61,7 +62,7 @@ def _list_legend(found: Survey) -> list[Artist]:
     used = {method.master.extrapolation for method in found.methods}
     step = format_time(found.scenario.macro_step)
     names = [(find_name(method.master), method.master.extrapolation) for method in found.methods]
-    other = Line2D([], [], color="0.3", ls=_OTHER_ORDER, label="the same signals, another order")
+    other = Line2D([], [], color="0.3", label="the same signals, another order", **_OTHER_ORDER)
     limits = [
         Line2D([], [], color="0.3", marker="o", ms=4.5, ls="", label="limit of stability"),
         Line2D([], [], color="0.3", lw=0.8, ls="--", label="beyond the limit: unstable"),
@@ -76,7 +77,7 @@ def _list_legend(found: Survey) -> list[Artist]:
     ]
 
 
-def _draw_radius(axes: Axes, method: AssessedMethod, style: Any) -> None:
+def _draw_radius(axes: Axes, method: AssessedMethod, style: Mapping[str, Any]) -> None:
     """Dashed beyond the limit, where only few steps were sampled."""
     signal = method.master.extrapolation
     colour = SIGNALS[signal]
@@ -84,19 +85,19 @@ def _draw_radius(axes: Axes, method: AssessedMethod, style: Any) -> None:
     limit = [(method.limit, 1.0)] if math.isfinite(method.limit) else []
     stable = [point for point in seen if point[0] <= method.limit] + limit
     beyond = limit + [point for point in seen if point[0] > method.limit]
-    axes.plot(*zip(*stable, strict=True), color=colour, ls=style)
+    axes.plot(*zip(*stable, strict=True), color=colour, **style)
     if limit:
-        axes.plot(*zip(*beyond, strict=True), color=colour, lw=0.8, ls="--")
-        axes.plot(*limit[0], "o", ms=4.5, color=colour)
+        axes.plot(*zip(*beyond, strict=True), color=colour, ls="--", **{"lw": 0.8, **style})
+        axes.plot(*limit[0], "o", color=colour, **{**style, "ms": 8.0 if style else 4.5})
 
 
-def _draw_error(axes: Axes, found: Survey, method: AssessedMethod, style: Any) -> None:
+def _draw_error(axes: Axes, found: Survey, method: AssessedMethod, style: Mapping[str, Any]) -> None:
     allowed = found.scenario.tolerance
     points = [
         (step, max(e / allowed[n] for n, e in errors.items())) for step, errors in method.errors.items()
     ]
     points = [(step, excess) for step, excess in points if math.isfinite(excess) and excess > 0.0]
     colour = SIGNALS[method.master.extrapolation]
-    axes.plot([p[0] for p in points], [p[1] for p in points], marker=".", ls=style, ms=5, color=colour)
+    axes.plot([p[0] for p in points], [p[1] for p in points], marker=".", ms=5, color=colour, **style)
     if math.isfinite(method.limit) and points:
-        axes.plot([method.limit] * 2, [points[-1][1], 1e3], color=colour, lw=0.8, ls="--")
+        axes.plot([method.limit] * 2, [points[-1][1], 1e3], color=colour, ls="--", **{"lw": 0.8, **style})
