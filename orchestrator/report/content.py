@@ -76,7 +76,7 @@ def _pack_groups(
             reference = None
         names = [n for n in group.names if n != "time"]
         if name == "coupled":
-            names = _rank(names, scenario, sketches, summary)
+            names = rank_variables(names, scenario, sketches, summary)
         for variable in names:
             packed = base.pack(group, variable, reference)
             size = sum(len(text) for text in packed["data"].values())
@@ -88,18 +88,26 @@ def _pack_groups(
     return bases, variables, left_out
 
 
-def _rank(
+def rank_variables(
     names: Sequence[str], scenario: Scenario | None, sketches: Sequence[Sketch], summary: Mapping[str, Any]
 ) -> list[str]:
-    """Variables that the sketches move by first, then those with an error, contacts' loads, and the rest."""
+    """Variables that the sketches move by first, then those with an error, those that roles promise (lifts,
+    loads, films), and the rest."""
     moving = set().union(*(sketch.variables for sketch in sketches)) if sketches else set()
     compared = set(summary.get("errors", {})) | set(scenario.tolerance if scenario else ())
+    promised = {
+        f"{part}.{variable}"
+        for part, table in (scenario.components.items() if scenario else ())
+        for role in table.resolve().roles
+        for variable in role.promised
+    }
 
-    def rank(name: str) -> tuple[bool, bool, bool, bool]:
+    def rank(name: str) -> tuple[bool, bool, bool, bool, bool]:
         return (
             not is_angle(name),
             name not in moving,
             name not in compared,
+            name not in promised,
             not name.endswith((".load", ".film_thickness")),
         )
 

@@ -18,6 +18,7 @@ from hypothesis.extra import numpy as hnp
 import tribocosim
 from models.core.quantities import Quantity
 from orchestrator.report import write_report
+from orchestrator.report.content import rank_variables
 from orchestrator.report.mechanism import list_sketches
 from orchestrator.report.packing import COARSE, DIVISIONS, PRECISE, bucket, pack, pack_detail, pack_exactly
 from orchestrator.report.sketch import Sketch
@@ -49,6 +50,22 @@ def test_packed_numbers_come_back_within_half_a_bit(values: Any, bits: int) -> N
     assert np.all(np.abs(found - values) <= np.abs(values) * (2.0 ** -(bits + 1) + 2.0**-23) + 1e-37)
     special = np.array([math.nan, math.inf, -math.inf, 0.0, 3.4028234e38])
     np.testing.assert_equal(unpack(pack(special), 4), special.astype(np.float32))
+
+
+def test_a_page_without_room_for_all_keeps_what_roles_promise() -> None:
+    """The lift of the valve before every flag and every force on a pivot."""
+    scenario = load("pushrod-train")
+    system = build_system(scenario)
+    ranked = rank_variables(list(system.outputs.names), scenario, [], {})
+    promised = [
+        "valve_spring.valve_lift",
+        "valve_spring.position",
+        "tappet.position",
+        "cam_contact.film_ratio",
+    ]
+    others = [name for name in ranked if name.endswith(("_in_range", "next_event", "thermal_reduction"))]
+    assert len(others) > 3
+    assert max(map(ranked.index, promised)) < min(map(ranked.index, others))
 
 
 ROUNDED = st.floats(-1e3, 1e3).map(lambda value: round(value, 9))  # no ranges below the normal numbers
