@@ -226,8 +226,8 @@ class _Kernels:
         room = np.dtype((np.record, [("u", "f8", (s.inputs.size,)), ("y", "f8", (s.outputs.size,))]))
         inputs, parts = s.inputs.size, len(names)
         self.output = _make_output(evaluate, room, inputs)
-        self.derivative = _make_derivative(evaluate, room, inputs, derivatives)
-        self.energy = _make_energy(evaluate, room, inputs, energies, parts)
+        self.derivative = _make_each(evaluate, room, inputs, derivatives)
+        self.energy = _make_energy(_make_each(evaluate, room, inputs, energies), parts)
         hybrid = [(name, c) for name, c in zip(names, components, strict=True) if c.events is not None]
         counts = [c.events.count for _, c in hybrid if c.events is not None]
         ends = np.cumsum([0, *counts])
@@ -239,7 +239,7 @@ class _Kernels:
                 for (name, _), start, end in zip(hybrid, ends[:-1], ends[1:], strict=True)
             ],
         )
-        self.guards = _make_guards(evaluate, room, inputs, guards)
+        self.guards = _make_each(evaluate, room, inputs, guards)
         change = _no_transition
         for (name, c), start in zip(hybrid, ends[:-1], strict=True):
             change = _make_change(c.flat_transition, bounds(name, *slots), int(start), change)
@@ -288,47 +288,33 @@ def _make_output(evaluate: Any, room: Any, inputs: int) -> Any:
     return flat_output
 
 
-def _make_derivative(evaluate: Any, room: Any, inputs: int, derivatives: Composition) -> Any:
-    run, none, bound, ends = derivatives.run, derivatives.source, derivatives.bounds, derivatives.ends
+def _make_each(evaluate: Any, room: Any, inputs: int, parts: Composition) -> Any:
+    """each(t, x, c, p, out): what the parts write at these open inputs, such as derivatives or guards."""
+    run, none, bound, ends = parts.run, parts.source, parts.bounds, parts.ends
 
     @kernel
-    def flat_derivative(t: float, x: Any, c: Any, p: Any, dx: Any) -> None:
+    def each(t: float, x: Any, c: Any, p: Any, out: Any) -> None:
         memory = scratch(room)
         u = memory[:inputs]
         evaluate(t, x, c, p, u, memory[inputs:])
-        run(t, x, u, p, dx, Tables(none, none, bound, ends), 0)
+        run(t, x, u, p, out, Tables(none, none, bound, ends), 0)
 
-    return flat_derivative
+    return each
 
 
-def _make_energy(evaluate: Any, room: Any, inputs: int, energies: Composition, parts: int) -> Any:
-    run, none, bound, ends = energies.run, energies.source, energies.bounds, energies.ends
-    table = np.dtype((np.record, [("each", "f8", (3 * parts,))]))
+def _make_energy(each: Any, parts: int) -> Any:
+    """The sums over the parts of what `each` writes, three numbers of each."""
+    table = np.dtype((np.record, [("energies", "f8", (3 * parts,))]))
 
     @kernel
     def flat_energy(t: float, x: Any, c: Any, p: Any, e: Any) -> None:
-        memory, each = scratch(room), scratch(table)
-        u = memory[:inputs]
-        evaluate(t, x, c, p, u, memory[inputs:])
-        run(t, x, u, p, each, Tables(none, none, bound, ends), 0)
+        energies = scratch(table)
+        each(t, x, c, p, energies)
         e[:] = 0.0
-        for i in range(each.shape[0]):
-            e[i % 3] += each[i]
+        for i in range(energies.shape[0]):
+            e[i % 3] += energies[i]
 
     return flat_energy
-
-
-def _make_guards(evaluate: Any, room: Any, inputs: int, guards: Composition) -> Any:
-    run, none, bound, ends = guards.run, guards.source, guards.bounds, guards.ends
-
-    @kernel
-    def flat_guards(t: float, x: Any, c: Any, p: Any, g: Any) -> None:
-        memory = scratch(room)
-        u = memory[:inputs]
-        evaluate(t, x, c, p, u, memory[inputs:])
-        run(t, x, u, p, g, Tables(none, none, bound, ends), 0)
-
-    return flat_guards
 
 
 @kernel
