@@ -53,8 +53,7 @@ def draw_summary(
         )
         if names := [n for n in every if any(has_values(table, n) for table in tables.values())]:
             shown.append((title, scale, names))
-    rows = math.ceil(len(shown) / 3)
-    figure, axes = create_subplots(rows, 3, figsize=(11.0, 2.6 * rows), squeeze=False, sharex=True)
+    figure, panels = create_panels(len(shown))
     lost = any(find_lost(table).any() for table in tables.values())
     add_title(
         figure,
@@ -62,20 +61,30 @@ def draw_summary(
         + (" (dashed)" if len(tables) > 1 else " over speed")
         + ("; shaded where contact is lost: there curves may leave the frame" if lost else ""),
     )
-    for panel in axes.flat[len(shown) :]:
-        panel.remove()
-    for panel, (title, scale, names) in zip(axes.flat, shown, strict=False):
+    for panel, (title, scale, names) in zip(panels, shown, strict=True):
         for table, line in zip(tables.values(), ("solid", "dashed"), strict=False):
             _draw_curves(panel, scale, names, table, line)
         limit_to_contact(panel, scale, names, tables)
         for design, table in tables.items():
             _shade_lost(panel, table, (separations or {}).get(design))
         panel.set_ylabel(title)
+    return figure
+
+
+def create_panels(count: int, below: float = 0.0) -> tuple[Figure, list[Axes]]:
+    """A figure with so many panels over speed, three in a row, and room `below` them (inches)."""
+    rows = math.ceil(count / 3)
+    size = (11.0, 2.6 * rows + below)
+    figure, axes = create_subplots(rows, 3, figsize=size, squeeze=False, sharex=True)
+    panels = list(axes.flat)
+    for panel in panels[count:]:
+        panel.remove()
+    for panel in panels[:count]:
         panel.ticklabel_format(axis="y", useOffset=False)
-    for panel in axes.flat[max(0, len(shown) - 3) : len(shown)]:
+    for panel in panels[max(0, count - 3) : count]:
         panel.set_xlabel("Speed (r/min)")
         panel.tick_params(labelbottom=True)
-    return figure
+    return figure, panels[:count]
 
 
 def limit_to_contact(

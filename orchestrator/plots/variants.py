@@ -1,6 +1,5 @@
 """Designs side by side over speed: a colour for each."""
 
-import math
 from collections.abc import Mapping
 
 import matplotlib
@@ -9,8 +8,8 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from .speeds import PANELS, RPM, has_values, limit_to_contact
-from .style import add_title, create_subplots
+from .speeds import PANELS, RPM, create_panels, has_values, limit_to_contact
+from .style import add_title
 
 
 def draw_variants(tables: Mapping[str, xarray.Dataset]) -> Figure:
@@ -24,23 +23,16 @@ def draw_variants(tables: Mapping[str, xarray.Dataset]) -> Figure:
         ]
         if names:
             shown.append((title, scale, names))
-    rows = math.ceil(len(shown) / 3)
-    figure, axes = create_subplots(rows, 3, figsize=(11.0, 2.6 * rows + 0.4), squeeze=False, sharex=True)
+    figure, panels = create_panels(len(shown), below=0.4)
     add_title(figure, "Designs over speed")
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(tables)))
-    for panel in axes.flat[len(shown) :]:
-        panel.remove()
-    for panel, (title, scale, names) in zip(axes.flat, shown, strict=False):
+    for panel, (title, scale, names) in zip(panels, shown, strict=True):
         for colour, table in zip(colours, tables.values(), strict=True):
             for name in names:
                 if name in table:
                     panel.plot(RPM * table["speed"].values, scale * table[name].values, color=colour)
         limit_to_contact(panel, scale, names, tables)
         panel.set_title(title)
-        panel.ticklabel_format(axis="y", useOffset=False)
-    for panel in axes.flat[max(0, len(shown) - 3) : len(shown)]:
-        panel.set_xlabel("Speed (r/min)")
-        panel.tick_params(labelbottom=True)
     lines = [Line2D([], [], color=c, label=label) for c, label in zip(colours, tables, strict=True)]
     figure.legend(handles=lines, loc="outside lower center", ncols=min(4, len(lines)))
     return figure

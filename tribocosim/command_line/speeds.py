@@ -1,7 +1,8 @@
 """tribocosim speeds."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -53,7 +54,7 @@ def run_speeds(  # noqa: PLR0913  # options of a command
     check_study_packages()
     from orchestrator.scenario.files import load, read_changed
     from orchestrator.study.run import Where
-    from orchestrator.study.speeds.sweep import parse_range, sweep
+    from orchestrator.study.speeds.sweep import Swept, parse_range, sweep
     from orchestrator.study.speeds.variants import list_variants, sweep_variants
 
     speeds = parse_range(low, high, count)
@@ -61,14 +62,17 @@ def run_speeds(  # noqa: PLR0913  # options of a command
     names = [load(scenario, variant.settings).name for variant in variants]
     folder = out or Path("results") / f"{names[0]}-speeds"
     where, reporter = Where(workers=workers), build_reporter(as_json)
+
+    def sweep_one(tables: Mapping[str, Any], place: Path) -> Swept:
+        return sweep(tables, speeds, place, where, reporter, overwrite, second_film)
+
     if len(variants) > 1:
         designs = {variant: read_changed(scenario, variant.settings) for variant in variants}
-        every = sweep_variants(designs, speeds, folder, where, reporter, overwrite, second_film)
+        every = sweep_variants(designs, folder, reporter, sweep_one)
         if as_json:
             print_json({label: one.summary for label, one in every.items()})
         return max(one.status for one in every.values())
-    tables = read_changed(scenario, variants[0].settings)
-    found = sweep(tables, speeds, folder, where, reporter, overwrite, second_film)
+    found = sweep_one(read_changed(scenario, variants[0].settings), folder)
     if as_json:
         print_json({**found.summary, "table": found.table.to_dict()})
     return found.status

@@ -5,7 +5,7 @@ import itertools
 import math
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,9 +20,8 @@ from ...plots.style import save_figure
 from ...plots.variants import draw_variants
 from ...reporter import Reporter
 from ...scenario.display import format_number
-from ..run import Where
 from .compare import find_worst
-from .sweep import Range, Swept, select_columns, sweep
+from .sweep import Swept, select_columns
 
 TABLE, FIGURE = "variants.csv", "variants.png"
 RPM = 30.0 / math.pi
@@ -79,20 +78,16 @@ def _split(written: str) -> list[str]:
 
 def sweep_variants(
     designs: Mapping[Variant, Mapping[str, Any]],
-    speeds: Range,
     out: Path,
-    where: Where,
     reporter: Reporter,
-    overwrite: bool = False,
-    second_film: str | None = None,
+    sweep: Callable[[Mapping[str, Any], Path], Swept],
 ) -> dict[str, Swept]:
-    """Sweep each design's tables in a folder of `out`, then put all side by side; by the variants' labels."""
+    """Sweep each design by `sweep(tables, folder)` in a folder of `out`, then put all side by side; by the
+    variants' labels."""
     found: dict[str, Swept] = {}
     for number, (variant, tables) in enumerate(designs.items(), 1):
         reporter.line(f"{variant.label} ({number} of {len(designs)})")
-        found[variant.label] = sweep(
-            tables, speeds, out / variant.folder, where, reporter, overwrite, second_film
-        )
+        found[variant.label] = sweep(tables, out / variant.folder)
     swept = {label: one for label, one in found.items() if one.table.sizes["speed"]}
     if swept:
         _report(swept, out, reporter)
