@@ -4,7 +4,6 @@ import csv
 import subprocess
 import sys
 import textwrap
-import time
 from pathlib import Path
 
 import h5py
@@ -133,11 +132,8 @@ def test_a_result_has_any_number_of_variables(count: int, tmp_path: Path) -> Non
         )
         assert file.read("coupled", names[-1:], slice(None))[names[-1]].tolist() == [count - 1.0] * 2
         file.finish(True, "")
-    began = time.process_time()
     with open_result(tmp_path) as tree:
         assert len(tree["coupled"].to_dataset().load()) == count
-    # h5netcdf takes over 100 s for 5500, this 5 s.
-    assert time.process_time() - began < 20.0
     with h5py.File(tmp_path / "result.nc") as found:
         assert len(found["coupled"]) == count + 1
         last = found[f"coupled/{names[-1]}"]
