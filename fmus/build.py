@@ -93,7 +93,7 @@ def build(
     if destination is not None:
         files = collect_files(name, structure, libpython)
         if references:
-            files |= compute_references(name, structure, exchange=False)
+            files |= compute_references(name, structure)
         return write_fmu(pack_files(files), identify(name), Path(destination))
 
     def find() -> Path:
@@ -186,14 +186,14 @@ def resolve_component(name: str, structure: Mapping[str, int] | None) -> tuple[d
         raise ValueError(f"{place}: {error}") from None
 
 
-def compute_references(name: str, structure: Mapping[str, int] | None, exchange: bool) -> dict[str, bytes]:
+def compute_references(name: str, structure: Mapping[str, int] | None) -> dict[str, bytes]:
     """The FMU's reference results by path; none for a component without a stimulus or of other sizes."""
     sizes = resolve_component(name, structure)[1].structure
     if is_own(name) or sizes != CATALOGUE[name]().structure or find_extra(name, "STIMULUS", None) is None:
         return {}
     from .reference_results.inside import build_references  # its solvers take long to import
 
-    return build_references(name, exchange)
+    return build_references(name)
 
 
 def digest_own(name: str) -> str:

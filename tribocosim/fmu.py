@@ -71,11 +71,11 @@ def validate_fmu(file: str | Path) -> Findings:
     return inspect(Path(file))
 
 
-def compare_fmu(file: str | Path, tolerance: float | None = None) -> list[Comparison]:
-    """Run an FMU in this process and compare it with its reference results, inside the file or beside it.
+def compare_fmu(file: str | Path, tolerance: float | None = None) -> Comparison:
+    """Step an FMU in this process and compare it with its reference results, inside the file or beside it.
 
-    One entry for each way in which it can be run; `agrees` says whether it is within `tolerance` (default: of
-    the .opt file). MistakeError if there is no reference or it does not run.
+    `agrees` says whether it is within `tolerance` (default: of the .opt file). MistakeError if there is no
+    reference or it does not run.
     """
     from fmus.reference_results.compare import compare
 

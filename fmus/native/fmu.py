@@ -74,7 +74,7 @@ def build(
         if destination is None:
             raise
         content = pack()
-    references = python_build.compute_references(name, structure, exchange=True)
+    references = python_build.compute_references(name, structure)
     content = python_build.pack_files(python_build.unpack_files(content) | references)
     return python_build.write_fmu(content, label, Path(destination))
 

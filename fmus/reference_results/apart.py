@@ -12,7 +12,7 @@ from .files import ComparisonError
 
 def compare_in_process(
     paths: Sequence[Path], tolerance: float | None
-) -> Iterator[tuple[Path, list[Comparison] | ComparisonError]]:
+) -> Iterator[tuple[Path, Comparison | ComparisonError]]:
     """What `compare` says of each file, or why nothing can be said; one process until a file ends it."""
     pool = _pool()
     try:

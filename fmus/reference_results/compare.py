@@ -1,7 +1,4 @@
-"""Runs an FMU, ours or third-party, with its reference inputs, and compares with its reference results.
-
-Co-simulation is fmpy's; model exchange `exchange`'s, over fmpy's calls.
-"""
+"""Runs an FMU, ours or third-party, with its reference inputs, and compares with its reference results."""
 
 import contextlib
 import io
@@ -16,17 +13,10 @@ from numpy.typing import NDArray
 
 from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, open_archive
 from models.core.remedies import Option
-from models.monolithic.reference import SHARPEST
 
-from .exchange import integrate
 from .files import ComparisonError, Options, Table, read_csv, read_options
 from .inside import FOLDER
 from .manifest import find_results, read_results, state_options
-
-CO_SIMULATION, MODEL_EXCHANGE = "co-simulation", "model exchange"
-# What the solver of model exchange is given, over the tolerance of the results: errors of steps add up, and
-# impacts multiply them.
-SOLVER_SHARE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -51,9 +41,8 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Comparison:
-    """One way to run an FMU, how far each variable was off, and what is allowed (relative)."""
+    """How far each variable of an FMU was off, and what is allowed (relative)."""
 
-    kind: str
     options: Options
     place: str
     tolerance: float
@@ -72,8 +61,7 @@ class Comparison:
     def __str__(self) -> str:
         """A table for reading."""
         o = self.options
-        fixed = self.kind == CO_SIMULATION and o.step_size > 0.0
-        steps = f"steps of {o.step_size:g} s" if fixed else "a solver's steps"
+        steps = f"steps of {o.step_size:g} s" if o.step_size > 0.0 else "steps between the results"
         rows = [("variable", "largest difference", "relative", "at t (s)")]
         rows += [
             (d.variable, f"{d.largest:.2e} {d.unit}".strip(), f"{d.relative:.1e}", f"{d.time:g}")
@@ -84,15 +72,15 @@ class Comparison:
         verdict = "agrees" if self.agrees else f"DIFFERS: {self.worst.variable}"
         return "\n".join(
             [
-                f"  {self.kind}, {o.start_time:g} to {o.stop_time:g} s in {steps}; {self.place}",
+                f"  {o.start_time:g} to {o.stop_time:g} s in {steps}; {self.place}",
                 *table,
                 f"    {verdict}; largest {self.worst.relative:.1e}, allowed {self.tolerance:.0e}",
             ]
         )
 
 
-def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
-    """The FMU at `path`, in every way that it can be run and has a reference for.
+def compare(path: Path, tolerance: float | None = None) -> Comparison:
+    """The FMU at `path` in co-simulation.
 
     The reference lies beside the file (`NAME_ref.csv`, `NAME_ref.opt`, and `NAME_in.csv` if there are
     inputs), or else inside it (`extra/`), also as a manifest of FMI-LS-REF names it. `tolerance` replaces
@@ -103,29 +91,18 @@ def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
     files, place = _beside(path), "reference beside the file"
     if not files:
         files, place = _inside(path), "reference inside the file"
-    found = []
     try:
         own = any(name.endswith("_ref.csv") for name in files)
         related = "" if own else find_results(files)
+        reference = _related(related, files, described) if related else _reference(files)
+        _check_variables(described, reference)
+        allowed = tolerance or reference.options.tolerance
+        if allowed == 0.0:
+            raise ComparisonError("RelTol = 0 in the .opt file says nothing", ("give ", Option("tolerance")))
+        result = _simulate(path, described, reference)
     except ComparisonError as error:
         raise ComparisonError((f"{path}: ", error)) from None
-    # A manifest does not say for which way of running the result is: it is what the FMU itself does.
-    kinds = _kinds(path, described)[:1] if related else _kinds(path, described)
-    for kind in kinds:
-        try:
-            reference = _related(related, files, described) if related else _reference(kind, files)
-            _check_variables(described, reference)
-            allowed = tolerance or reference.options.tolerance
-            if allowed == 0.0:
-                raise ComparisonError(
-                    "RelTol = 0 in the .opt file says nothing", ("give ", Option("tolerance"))
-                )
-            result = _simulate(path, described, kind, reference, allowed)
-        except ComparisonError as error:
-            raise ComparisonError((f"{path}: ", error)) from None
-        deviations = _deviations(described, reference.results, result)
-        found.append(Comparison(kind, reference.options, place, allowed, deviations))
-    return found
+    return Comparison(reference.options, place, allowed, _deviations(described, reference.results, result))
 
 
 def _read_description(path: Path) -> ModelDescription:
@@ -142,15 +119,11 @@ def _read_description(path: Path) -> ModelDescription:
         raise ComparisonError(f"{path}: {DESCRIPTION} cannot be read: {one_line(error)}") from None
     if described.fmiVersion == "1.0":
         raise ComparisonError(f"{path}: is of FMI 1.0, which is not run here; give one of FMI 2.0 or 3.0")
+    if described.coSimulation is None:
+        raise ComparisonError(
+            f"{path}: is not for co-simulation, in which FMUs are compared; a scenario can integrate it"
+        )
     return described
-
-
-def _kinds(path: Path, described: ModelDescription) -> list[str]:
-    """How the FMU can be run."""
-    has = {CO_SIMULATION: described.coSimulation, MODEL_EXCHANGE: described.modelExchange}
-    if kinds := [kind for kind, part in has.items() if part is not None]:
-        return kinds
-    raise ComparisonError(f"{path}: is neither for co-simulation nor for model exchange")
 
 
 def _beside(path: Path) -> dict[str, str]:
@@ -171,16 +144,15 @@ def _inside(path: Path) -> dict[str, str]:
     return {name.removeprefix(FOLDER + "/"): text for name, text in texts.items()}
 
 
-def _reference(kind: str, files: Mapping[str, str]) -> Reference:
-    """What there is for this way of running. ComparisonError if it is missing or not as the rules say."""
+def _reference(files: Mapping[str, str]) -> Reference:
+    """What the files say. ComparisonError if it is missing or not as the rules say."""
     results = next((name for name in files if name.endswith("_ref.csv")), None)
     if results is None:
         raise ComparisonError(
             f"has no reference results: NAME_ref.csv must lie beside the FMU or inside it, in {FOLDER}"
         )
     name = results.removesuffix("_ref.csv")
-    own = f"me/{name}_ref.opt"
-    chosen = own if kind == MODEL_EXCHANGE and own in files else f"{name}_ref.opt"
+    chosen = f"{name}_ref.opt"
     if chosen not in files:
         raise ComparisonError(f"{chosen} is missing: it has the times and the tolerance")
     inputs = files.get(f"{name}_in.csv")
@@ -231,18 +203,13 @@ def _find_variable(described: ModelDescription, name: str) -> tuple[str, int | N
     return name, None
 
 
-def _simulate(
-    path: Path, described: ModelDescription, kind: str, reference: Reference, allowed: float
-) -> NDArray[np.void]:
+def _simulate(path: Path, described: ModelDescription, reference: Reference) -> NDArray[np.void]:
     """The run's variables over time, as fmpy gives them; an instant may stand more than once."""
     columns = (_find_variable(described, name)[0] for name in reference.results.columns)
     o, named = reference.options, list(dict.fromkeys(columns))
     times = np.unique(reference.results.times)
     with _silence() as said:
         try:
-            if kind == MODEL_EXCHANGE:
-                tolerance = max(SOLVER_SHARE * allowed, SHARPEST)
-                return integrate(path, described, o, reference.inputs, times, named, tolerance)
             result: NDArray[np.void] = fmpy.simulate_fmu(
                 str(path),
                 validate=False,
@@ -257,8 +224,8 @@ def _simulate(
             return result
         except Exception as error:  # whatever the FMU, fmpy or the system's loader say
             last = [line for line in said.getvalue().splitlines() if "missing input" not in line][-1:]
-            told_by = "".join(f" ({line})" for line in last)
-            raise ComparisonError(f"{kind}: {one_line(error)}{told_by}") from None
+            logged = "".join(f" ({line})" for line in last)
+            raise ComparisonError(f"{one_line(error)}{logged}") from None
 
 
 @contextlib.contextmanager

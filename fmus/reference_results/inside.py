@@ -26,22 +26,17 @@ _KINDS = {
 }
 
 
-def build_references(name: str, exchange: bool) -> dict[str, bytes]:
-    """The files to ship with the FMU `name`, by path: inputs and computed results.
-
-    `exchange`: with what model exchange needs besides.
-    """
+def build_references(name: str) -> dict[str, bytes]:
+    """The files to ship with the FMU `name`, by path: inputs and computed results."""
     files = compute_results(name).files
-    kept = [path for path in sorted(files) if exchange or not path.startswith("me/")]
-    found = {f"{FOLDER}/{path}": files[path].encode() for path in kept}
-    return found | {MANIFEST: _manifest(kept).encode()}
+    found = {f"{FOLDER}/{path}": text.encode() for path, text in sorted(files.items())}
+    return found | {MANIFEST: _manifest(sorted(files)).encode()}
 
 
 def _manifest(paths: Iterable[str]) -> str:
     lines = []
     for path in paths:
         kind, role, says = next(kind for suffix, kind in _KINDS.items() if path.endswith(suffix))
-        says += ", model exchange" if path.startswith("me/") else ""
         attributes = f'source={quoteattr(path)} role="{role}" description={quoteattr(says)}'
         lines.append(f'    <Related type="{kind}" {attributes}/>\n')
     return _HEAD + "".join(lines) + "</fmiReferences>\n"

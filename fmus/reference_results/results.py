@@ -13,7 +13,6 @@ from models.core.component import Component
 from models.core.quantities import Vector
 from models.monolithic.driven import Driven, Piece, solve_driven
 
-from ..declared import explain_no_native
 from .files import Options, Table, csv_text, read_csv
 from .stimulus import Stimulus, load_stimulus, slope_name
 
@@ -25,8 +24,6 @@ DIGITS = 10
 MARGIN = 10.0
 # No smaller tolerance is stated: twenty roundings of the file.
 LEAST = 1e-8
-# What a host of model exchange is to tell its solver.
-EXCHANGE_SOLVER = 1e-9
 
 
 @dataclass(frozen=True)
@@ -61,19 +58,15 @@ def compute_results(name: str) -> Results:
     uncertainty = {o: float(np.max(solved.difference[:, i])) / size[o] for o, i in by_output}
     apart = {o: float(np.max(np.abs(steps[:, i] - values[o]))) / size[o] for o, i in by_output}
     tolerance = round_tolerance(max(*apart.values(), *uncertainty.values()))
-    exchange = (
-        {}
-        if explain_no_native(name)
-        else {f"me/{name}_ref.opt": _options(stimulus, 0.0, stimulus.exchange_tolerance)}
-    )
     return Results(
         files={
             f"{name}_in.csv": inputs,
             f"{name}_ref.csv": written,
-            f"{name}_ref.opt": _options(stimulus, stimulus.step_size, tolerance),
+            f"{name}_ref.opt": Options(
+                0.0, stimulus.stop_time, stimulus.step_size, tolerance, stimulus.interval
+            ).text(),
             "README.md": _readme(name, stimulus, solved, uncertainty, apart, tolerance),
-        }
-        | exchange,
+        },
         uncertainty=uncertainty,
         stepped=apart,
         tolerance=tolerance,
@@ -126,10 +119,6 @@ def step_component(component: Component, pieces: Sequence[Piece], instants: Vect
     return rows
 
 
-def _options(stimulus: Stimulus, step_size: float, tolerance: float) -> str:
-    return Options(0.0, stimulus.stop_time, step_size, tolerance, stimulus.interval).text()
-
-
 def _readme(
     name: str,
     stimulus: Stimulus,
@@ -140,20 +129,13 @@ def _readme(
 ) -> str:
     first, second = solved.method_names
     events = f"On the way are {len(solved.events)} impacts and releases." if solved.events else ""
-    inputs = agreement = ""
-    if not explain_no_native(name):
-        inputs = "In model exchange inputs are interpolated between rows, and corners are events."
-        agreement = (
-            f"Model exchange agrees within {stimulus.exchange_tolerance:.0e} (`RelTol` in its file), with a "
-            f"solver of relative tolerance {EXCHANGE_SOLVER:.0e} that locates events."
-        )
     paragraphs = [
         stimulus.says,
         "Parameters and start values are the FMU's own, the start time is 0.",
         f"""**Inputs** (`{name}_in.csv`) are straight lines between corners; those without a column keep
         their start values. Columns `<input>_der1` are slopes, which are inputs of the FMU, too. A host of
         co-simulation that sets all columns at the beginning of each step, at a corner from its last row, has
-        the inputs exactly, without interpolating within the step. {inputs}""",
+        the inputs exactly, without interpolating within the step.""",
         f"""**Results** (`{name}_ref.csv`, {DIGITS} digits) were not computed by the FMU. The component's
         equations were solved with these inputs by two methods that locate events, begun afresh at every
         corner. The results are those of {first}. The table has how far two others are from them, over the
@@ -161,7 +143,7 @@ def _readme(
         of {stimulus.step_size:g} s as the FMU is. {events}""",
         f"""**Tolerance**: co-simulation in steps of {stimulus.step_size:g} s agrees within {tolerance:.0e} of
         an output's largest value (`RelTol` in `{name}_ref.opt`): the next power of ten above {MARGIN:g} times
-        what the table has, at least {LEAST:.0e}. {agreement}""",
+        what the table has, at least {LEAST:.0e}.""",
         "`tribocosim fmu compare FILE` runs the FMU and compares.",
     ]
     filled = [textwrap.fill(" ".join(paragraph.split()), 116) for paragraph in paragraphs]

@@ -20,7 +20,6 @@ class Stimulus:
     Inputs that are not named keep their starts. `step_size` (s) is that of co-simulation; corners lie on its
     multiples. `interval` (s) is that of the reference results, `outputs` what they are of, at most ten.
     `says` tells in a few sentences what happens, and for impacts how long it can be predicted.
-    `exchange_tolerance`: within which model exchange agrees, over an output's largest value.
     """
 
     says: str
@@ -29,7 +28,6 @@ class Stimulus:
     step_size: float
     interval: float
     outputs: Sequence[str]
-    exchange_tolerance: float = 1e-5
 
     @property
     def stop_time(self) -> float:

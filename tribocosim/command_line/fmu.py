@@ -235,10 +235,10 @@ def fmu_compare(
             say(text)
             status, results[path] = 2, text
             continue
-        results[path] = [{**asdict(one), "agrees": one.agrees} for one in found]
+        results[path] = {**asdict(found), "agrees": found.agrees}
         if not as_json:
-            print(path, *found, sep="\n", flush=True)
-        if not all(comparison.agrees for comparison in found):
+            print(path, found, sep="\n", flush=True)
+        if not found.agrees:
             status = status or 1
     if as_json:
         print_json(results)

@@ -1,4 +1,4 @@
-"""Model exchange: a host that integrates native FMUs finds their own motion, and their references."""
+"""Model exchange: a host that integrates native FMUs finds their own motion; their steps their references."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import fmpy
 import numpy as np
 import pytest
 
-from fmus.reference_results.compare import CO_SIMULATION, MODEL_EXCHANGE, Comparison, compare
+from fmus.reference_results.compare import compare
 
 from ..instance import Instance
 from ..names import mark_long
@@ -77,33 +77,16 @@ def test_states_and_their_derivatives_are_shown(name: str, native_files: dict[st
     slave.free()
 
 
+@pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", EVERY)
-def test_fmi2(name: str, referenced_native_files: dict[str, Path], record) -> None:
-    record_deviations(record, "FMI 2", agrees(referenced_native_files[name]))
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", EVERY)
-def test_fmi3(name: str, referenced_fmi3_files: dict[str, Path]) -> None:
-    agrees(referenced_fmi3_files[name])
-
-
-@pytest.mark.long
-def test_fmi3_with_impacts(referenced_fmi3_files: dict[str, Path], record) -> None:
-    record_deviations(record, "FMI 3, slider_crank", agrees(referenced_fmi3_files["slider_crank"]))
-
-
-def agrees(path: Path) -> list[Comparison]:
-    """Both ways, each within the tolerance that it ships with."""
-    found = compare(path)
-    assert [comparison.kind for comparison in found] == [CO_SIMULATION, MODEL_EXCHANGE]
-    for comparison in found:
-        assert comparison.agrees, str(comparison)
-    return found
-
-
-def record_deviations(record, version: str, found: list[Comparison]) -> None:
-    for comparison in found:
-        quantity, worst = f"deviation of native FMUs, {version}, {comparison.kind}", comparison.worst.relative
-        source = "reference results in the FMU"
-        record("FMUs", quantity, worst, 0.0, source, tolerance=comparison.tolerance)
+def test_steps_reproduce_the_reference_results(
+    name: str,
+    fmi: int,
+    referenced_native_files: dict[str, Path],
+    referenced_fmi3_files: dict[str, Path],
+    record,
+) -> None:
+    found = compare((referenced_native_files if fmi == 2 else referenced_fmi3_files)[name])
+    assert found.agrees, str(found)
+    quantity, worst = f"deviation of native FMUs, FMI {fmi}", found.worst.relative
+    record("FMUs", quantity, worst, 0.0, "reference results in the FMU", tolerance=found.tolerance)

@@ -20,7 +20,7 @@ from ..names import REFERENCED, mark_long
 @pytest.mark.parametrize("name", mark_long(REFERENCED, ["valve_spring", "flywheel"]))
 def test_fmus_in_python_reproduce_their_references(name: str, referenced: dict[str, Path], record) -> None:
     """To the tolerance that ships with each: that of the component's own steps, as the FMU adds nothing."""
-    (found,) = compare(referenced[name])
+    found = compare(referenced[name])
     assert found.agrees, str(found)
     quantity, worst = "deviation of FMUs in Python, relative to the largest value", found.worst.relative
     record("FMUs", quantity, worst, 0.0, "reference results in the FMU", tolerance=found.tolerance)
@@ -48,14 +48,14 @@ def test_a_difference_is_found_in_the_variable_and_at_the_time_where_it_is(
         rows = np.column_stack([table.times, *table.columns.values()])
         return csv_text(["time", *table.columns], rows.tolist(), 12).encode()
 
-    (found,) = compare(changed(referenced["quarter_car_chassis"], tmp_path / "moved.fmu", file, moved))
+    found = compare(changed(referenced["quarter_car_chassis"], tmp_path / "moved.fmu", file, moved))
     assert not found.agrees
     assert found.worst.variable == "velocity"
     assert found.worst.relative == pytest.approx(1e-7, rel=0.02)
     times = read_csv(compute_results("quarter_car_chassis").files[file], "ref").times
     assert found.worst.time == times[40]
     assert "DIFFERS: velocity" in str(found)
-    (wider,) = compare(tmp_path / "moved.fmu", tolerance=1e-6)
+    wider = compare(tmp_path / "moved.fmu", tolerance=1e-6)
     assert wider.agrees
 
 
@@ -68,13 +68,13 @@ def test_events_of_a_reference_are_left_out(referenced: dict[str, Path], tmp_pat
         return "\n".join(lines).encode()
 
     file, fmu = "quarter_car_chassis_ref.csv", referenced["quarter_car_chassis"]
-    (found,) = compare(changed(fmu, tmp_path / "jumping.fmu", file, jumping))
+    found = compare(changed(fmu, tmp_path / "jumping.fmu", file, jumping))
     assert [d.variable for d in found.deviations if d.largest > 1e-3] == []
     assert len(found.deviations) == 3
 
 
 def test_a_reference_beside_the_file_is_taken_first(referenced: dict[str, Path], tmp_path: Path) -> None:
-    """Without `OutputIntervalLength`, without `me/`."""
+    """Without `OutputIntervalLength`."""
     folder = tmp_path
     fmu = repack(
         referenced["falling_mass"],
@@ -84,14 +84,14 @@ def test_a_reference_beside_the_file_is_taken_first(referenced: dict[str, Path],
     for suffix in ("_in.csv", "_ref.csv"):
         (folder / f"hop{suffix}").write_text(compute_results("falling_mass").files[f"falling_mass{suffix}"])
     (folder / "hop_ref.opt").write_text("StartTime,0\nStopTime,0.5\nStepSize,0.001\nRelTol,1e-6\n")
-    (found,) = compare(fmu)
+    found = compare(fmu)
     assert found.agrees
     assert found.place == "reference beside the file"
     assert found.options.step_size == 1e-3
     (folder / "hop_ref.opt").write_text("StartTime,0\nStopTime,0.5\nStepSize,0.001\nRelTol,0\n")
     with pytest.raises(ComparisonError, match="give tolerance"):
         compare(fmu)
-    assert compare(fmu, 1e-6)[0].agrees
+    assert compare(fmu, 1e-6).agrees
     (folder / "hop_ref.opt").unlink()
     with pytest.raises(ComparisonError, match=r"hop_ref\.opt is missing"):
         compare(fmu)
@@ -106,10 +106,10 @@ def test_a_third_party_fmu_against_its_closed_form(version: int, tmp_path: Path)
     (path.parent / f"{path.stem}_ref.csv").write_text(csv_text(["time", "x"], rows))
     options = path.parent / f"{path.stem}_ref.opt"
     options.write_text("StartTime, 0\nStopTime, 1\nStepSize, 0.05\nRelTol, 1e-12\n")
-    (found,) = compare(path)
+    found = compare(path)
     assert found.agrees
     options.write_text("StartTime, 0\nStopTime, 1\nStepSize, 0.1\nRelTol, 1e-3\n")
-    (between,) = compare(path)
+    between = compare(path)
     assert not between.agrees  # a straight line between e^0 and e^-0.1 is up to 1.2e-3 off
     assert between.worst.relative == pytest.approx(1.2e-3, rel=0.1)
 
@@ -124,7 +124,7 @@ def test_a_crash_is_an_answer_and_the_next_file_is_run(referenced: dict[str, Pat
     assert isinstance(crashed, ComparisonError)
     assert "the FMU crashed: it ended the process" in str(crashed)
     assert not isinstance(found, ComparisonError)
-    assert found[0].agrees
+    assert found.agrees
     assert "no such file" in str(absent)
 
 

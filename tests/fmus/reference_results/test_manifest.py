@@ -28,7 +28,7 @@ PUBLIC = ("BouncingBall", "Dahlquist", "Feedthrough", "Resource", "Stair", "Stat
 @pytest.mark.parametrize("name", mark_long(PUBLIC, ["Feedthrough", "StateSpace"]))
 def test_a_public_fmu_does_what_its_own_results_say(name: str) -> None:
     """In co-simulation, of which its makers recorded them; arrays, truth values and texts among them."""
-    (found,) = compare(public(f"reference-fmus-3/{name}.fmu"))
+    found = compare(public(f"reference-fmus-3/{name}.fmu"))
     assert found.agrees
     assert found.worst.relative < 1e-12
 
@@ -40,7 +40,7 @@ def test_results_are_compared_with_the_run(factor: float, agrees: bool, tmp_path
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr(MANIFEST, STATED.format("decay.csv"))
         archive.writestr(f"{FOLDER}/decay.csv", "\n".join(["time,x", *lines]))
-    (found,) = compare(path)
+    found = compare(path)
     assert found.agrees == agrees
 
 
