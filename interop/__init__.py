@@ -10,7 +10,6 @@ only the tool's packages and this folder. It has
   loop takes for them. It holds the inputs of the first row and records as little as the tool allows. The
   first call does not count;
 - optionally steps(count, step): time and size of each step, if the steps do not begin at i * step;
-- optionally NEXT_INPUTS = True: outputs are computed with the inputs of the next step;
 - optionally FMI: the versions that the tool takes, if not both;
 - optionally PLATFORM: the platform of native FMUs, if it is not this one;
 - optionally FINDINGS: lines for the page.

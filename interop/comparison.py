@@ -70,13 +70,9 @@ def make_case(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
 
 
 def compute_expected(
-    name: str,
-    kind: Kind,
-    case: Case,
-    steps: Iterable[tuple[float, float]],
-    next_inputs: bool = False,
+    name: str, kind: Kind, case: Case, steps: Iterable[tuple[float, float]]
 ) -> list[list[float]]:
-    """The component's outputs after each step (time and size), with its inputs or those of the next step."""
+    """The component's outputs after each step (time and size)."""
     reference = Reference(name)
     outputs = reference.component.outputs
     rated = [f"der({f.name})" for f in outputs.fields if not f.quantity.discrete]
@@ -85,8 +81,6 @@ def compute_expected(
         reference.set_inputs(rows[i])
         reference.t = time
         reference.step(size)
-        if next_inputs and i + 1 < len(rows):
-            reference.set_inputs(rows[i + 1])
         known = dict(zip(outputs.names, reference.y, strict=True))
         known |= dict(zip(rated, reference.rates(), strict=True))
         found.append([float(known[one]) for one in case.outputs])
@@ -110,5 +104,5 @@ def compare(name: str, fmu: str, kind: Kind, runs: int = 0) -> tuple[float | Non
     if answer.values is None:
         return None, answer
     steps = getattr(load_tool(name), "steps", list_equal_steps)(case.steps, case.step)
-    truth = compute_expected(fmu, kind, case, steps, getattr(load_tool(name), "NEXT_INPUTS", False))
+    truth = compute_expected(fmu, kind, case, steps)
     return largest_difference(answer.values, truth), answer
