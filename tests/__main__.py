@@ -1,7 +1,8 @@
 """Every check in order: lint, format, types, import rules, C, JavaScript (where `tsc` is installed), tests.
 
 `python -m tests` runs the default part, `python -m tests --all` also the long physics checks.
-`python -m tests --validation [WORD ...]` runs the tests that record numbers and writes docs/validation.md.
+`python -m tests --validation [WORD ...]` runs the tests that record numbers and writes docs/validation.md
+and docs/measurements.md.
 `python -m tests --mutants [WORD ...]` makes deliberate errors of physics and lists the tests that catch them.
 `python -m tests --machines [--all] [WORD ...]` compares these numbers between machines, see `machines`.
 """
@@ -49,7 +50,9 @@ def checks(everything: bool) -> dict[str, list[str]]:
 def recording(words: list[str]) -> list[str]:
     """The command that runs the recording tests whose file or name contains a word, or all."""
     tests = [
-        f"tests/{test}" for test in sorted(recording_tests()) if not words or any(w in test for w in words)
+        f"tests/{test}"
+        for test in sorted(recording_tests() | recording_tests("published"))
+        if not words or any(w in test for w in words)
     ]
     if not tests:
         raise SystemExit(f"no test that records numbers has {' or '.join(words)} in its file or name")
@@ -67,7 +70,7 @@ def main() -> int:
         command = recording([word for word in arguments[1:] if word != "--all"])
         return 0 if compare_machines([*command, *(["-m", ""] if "--all" in arguments else [])], ROOT) else 1
     if arguments[:1] == ["--validation"]:
-        commands = {"validation": [*recording(arguments[1:]), "-p", "tests.validation", "-m", ""]}
+        commands = {"validation": [*recording(arguments[1:]), "-p", "tests.manuals", "-m", ""]}
     else:
         commands = checks("--all" in arguments)
     for name, command in commands.items():

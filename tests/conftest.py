@@ -1,12 +1,13 @@
-"""Settings of all tests, and fixtures of all: numbers for the validation manual, kernels in plain Python."""
+"""Settings of all tests, and fixtures of all: numbers for manuals, kernels in plain Python."""
 
 from hypothesis import settings
 
+from .measurements.page import published
 from .plain import plain_kernels
 from .shared import shared_folder
 from .validation import record
 
-__all__ = ["plain_kernels", "record", "shared_folder"]
+__all__ = ["plain_kernels", "published", "record", "shared_folder"]
 
 # An example that comes first compiles kernels, seconds that say nothing of the test; which one that is
 # depends on the tests that ran before in the same process.

@@ -1,8 +1,4 @@
-"""The validation manual: numbers that tests compare and record, gathered on docs/validation.md.
-
-Loaded as a pytest plugin (`-p tests.validation`), it writes the page at the end of a session. Rows of tests
-that did not run stay on the page as they are.
-"""
+"""The validation manual: numbers that tests compare and record, gathered on docs/validation.md."""
 
 import ast
 import re
@@ -102,14 +98,14 @@ def compare(
     return (differences.ravel() / (allowed or 1.0)).tolist(), cells
 
 
-def recording_tests() -> set[str]:
-    """The tests that take `record`, as "file::test" with the file below tests/."""
+def recording_tests(fixture: str = "record") -> set[str]:
+    """The tests that take the fixture, as "file::test" with the file below tests/."""
     return {
         f"{file.relative_to(TESTS).as_posix()}::{node.name}"
         for file in TESTS.rglob("test_*.py")
         for node in ast.parse(file.read_text("utf-8")).body
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
-        if "record" in {argument.arg for argument in node.args.args + node.args.kwonlyargs}
+        if fixture in {argument.arg for argument in node.args.args + node.args.kwonlyargs}
     }
 
 
@@ -151,7 +147,7 @@ def recorded_blocks(records: Iterable[Record]) -> Blocks:
         cases[subject, named_test(node), cells[0]].append((share, cells))
     blocks: Blocks = defaultdict(list)
     for (subject, test, quantity), found in cases.items():
-        cells = max(found, key=lambda case: max(map(abs, case[0])))[1]
+        cells = max(found, key=lambda case: max(map(abs, case[0]), default=0.0))[1]
         more = f" (worst of {len(found)} cases)" if len(found) > 1 else ""
         row = [quantity + more, *cells[1:], link(test)]
         blocks[subject, test].append(f"| {' | '.join(map(escape, row))} |")
@@ -167,26 +163,3 @@ def link(test: str) -> str:
 def escape(cell: str) -> str:
     """The cell's text in a table."""
     return cell.replace("|", "\\|")
-
-
-_records: list[Record] = []
-_failed: set[str] = set()
-
-
-def pytest_runtest_logreport(report: pytest.TestReport) -> None:
-    """Keep what a test recorded. With pytest-xdist the workers' reports pass here too."""
-    if report.failed:
-        _failed.add(named_test(report.nodeid))
-    elif report.when == "call":
-        found = [value for name, value in report.user_properties if name == "validation"]
-        _records.extend((report.nodeid, place, *row) for place, row in enumerate(found))
-
-
-def pytest_sessionfinish(session: pytest.Session) -> None:
-    """Write the page in the process that has all reports; a test that failed has no rows."""
-    if not hasattr(session.config, "workerinput"):
-        new, tests = recorded_blocks(_records), recording_tests() - _failed
-        old = page_blocks(PAGE.read_text("utf-8")) if PAGE.exists() else {}
-        ran = {test for _, test in new}
-        kept = {key: rows for key, rows in old.items() if key[0] == MACHINES or key[1] not in ran} | new
-        PAGE.write_text(page_text({key: rows for key, rows in kept.items() if key[1] in tests}), "utf-8")

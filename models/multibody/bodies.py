@@ -19,7 +19,8 @@ class Body:
     """A rigid body whose axes are the principal ones of its inertia (kg m^2) at its centre of mass.
 
     The start is a guess of where it stands: the joints move it to where they hold. Its orientation is
-    R_x(alpha) R_y(beta) R_z(gamma), Cardan angles 1-2-3 (rad); they have no rates at beta = +-90 deg.
+    R_x(alpha) R_y(beta) R_z(gamma), Cardan angles 1-2-3 (rad); they have no rates at beta = +-90 deg. The
+    applied `moment` (N m, axes of the ground) is constant.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Body:
     angles: Point = ORIGIN
     velocity: Point = ORIGIN
     angular_velocity: Point = ORIGIN
+    moment: Point = ORIGIN
 
     def __post_init__(self) -> None:
         """ModelError unless mass and inertia are positive. K's Table 1 has inertias that no body can have."""
@@ -39,7 +41,7 @@ class Body:
                 f"body {self.name}: mass = {self.mass:g} kg and inertia = {list(self.inertia)} kg m2 "
                 "must be positive and finite"
             )
-        for field in ("position", "angles", "velocity", "angular_velocity"):
+        for field in ("position", "angles", "velocity", "angular_velocity", "moment"):
             check_vector(f"body {self.name}: {field}", getattr(self, field))
 
 

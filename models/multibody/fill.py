@@ -36,6 +36,7 @@ def fill_tables(
     return Tables(
         mass=np.array([body.mass for body in bodies], float),
         inertia=np.array([body.inertia for body in bodies], float).reshape(-1, 3),
+        moment=np.array([body.moment for body in bodies], float).reshape(-1, 3),
         gravity=np.array(gravity, float),
         rows=_list_rows(joints, find, 0),
         springs=_list_elements(_select(forces, SpringDamper), SPRING, find),

@@ -6,7 +6,7 @@ from ..compile.kernel import kernel
 from ..core.quantities import Vector
 from .loads import push
 from .tables import Evaluation
-from .vectors import Arrow, cross, fill_rotation, pick, scale, to_body, to_ground
+from .vectors import Arrow, add, cross, fill_rotation, pick, scale, to_body, to_ground
 
 
 @kernel
@@ -21,7 +21,7 @@ def place_bodies(q: Vector, v: Vector, e: Evaluation) -> None:
 
 @kernel
 def load_inertia(b: int, tables: Any, e: Evaluation) -> None:
-    """M of the body b and its forces: weight, and -omega x I omega."""
+    """M of the body b and its loads: weight, applied moment, and -omega x I omega."""
     mass, own, rotation = tables.mass[b], tables.inertia[b], e.rotation[b + 1]
     for i in range(3):
         e.blocks[b, i, i] = mass
@@ -34,4 +34,5 @@ def load_inertia(b: int, tables: Any, e: Evaluation) -> None:
     omega = pick(e.omega[b + 1])
     w = to_body(rotation, omega)
     momentum = to_ground(rotation, Arrow(own[0] * w.x, own[1] * w.y, own[2] * w.z))
-    push(e, b + 1, scale(mass, pick(tables.gravity)), cross(momentum, omega))
+    moment = add(cross(momentum, omega), pick(tables.moment[b]))
+    push(e, b + 1, scale(mass, pick(tables.gravity)), moment)

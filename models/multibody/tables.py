@@ -71,6 +71,7 @@ class Tables(NamedTuple):
 
     mass: Vector  # (n,)
     inertia: Vector  # (n, 3), in the body's axes
+    moment: Vector  # (n, 3), applied, in the axes of the ground
     gravity: Vector  # (3,)
     rows: Any  # (m,) of ROW
     springs: Any  # of SPRING
