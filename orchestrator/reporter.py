@@ -46,10 +46,14 @@ class Bar:
             self.show(1.0)
 
 
+# Errors of standard output. Where it has no buffer, flushing it does not meet them again.
+unwritten: list[OSError] = []
+
+
 class _Console(Console):
     """Prints no more where the reader has left or the disk is full: results do not depend on what is shown.
 
-    What is left in the buffer of standard output tells the command of it at its end.
+    The error is kept for the command, which tells of it at its end.
     """
 
     def on_broken_pipe(self) -> None:
@@ -58,7 +62,8 @@ class _Console(Console):
     def _check_buffer(self) -> None:
         try:
             super()._check_buffer()
-        except OSError:
+        except OSError as error:
+            unwritten.append(error)
             self._buffer.clear()
             self.quiet = True
 

@@ -284,10 +284,13 @@ def test_listing_and_version() -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes and statuses of Unix")
-@pytest.mark.parametrize("unbuffered", [[], pytest.param(["-u"], marks=pytest.mark.long)])
+@pytest.mark.parametrize("unbuffered", [[], ["-u"]])
 @pytest.mark.parametrize(
     "arguments",
-    [["scenarios"], pytest.param(["run", "valve-train", *SHORT, "--no-figures"], marks=pytest.mark.long)],
+    [
+        ["scenarios"],
+        ["run", "two-masses", "--no-figures", "--set=stop_time=0.1", "--set=reference.enabled=false"],
+    ],
 )
 def test_a_reader_that_leaves_ends_the_command_quietly(
     unbuffered: list[str], arguments: list[str], tmp_path: Path
@@ -329,6 +332,15 @@ def test_importing_the_command_line_imports_nothing_slow() -> None:
     assert done.stdout.strip() == "[]"
 
 
+@pytest.fixture
+def ctrl_c() -> Iterator[None]:
+    """Ctrl-C interrupts, also in a suite that was started in the background, where it is ignored."""
+    previous = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, previous)
+
+
+@pytest.mark.usefixtures("ctrl_c")
 def test_what_a_library_makes_of_ctrl_c_is_an_interruption(capsys: pytest.CaptureFixture[str]) -> None:
     """numba, broken off while it compiles, fails later on with an error of its own."""
 

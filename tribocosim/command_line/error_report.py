@@ -8,6 +8,7 @@ from typing import Any
 
 import typer
 
+from orchestrator.reporter import unwritten
 from orchestrator.run.interruption import Noticed
 
 from ..messages import say
@@ -35,11 +36,14 @@ def _carry_out(
 ) -> int:
     """Its exit status; an error is told."""
     noticed = Noticed()
+    unwritten.clear()
     try:
         with noticed:
             status = command(*arguments, **options)
         try:
             sys.stdout.flush()
+            if unwritten:
+                raise unwritten[0]
         except OSError as error:
             if isinstance(error, BrokenPipeError):
                 raise
