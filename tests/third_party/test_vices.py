@@ -8,6 +8,8 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ from orchestrator.participants import unpacked
 from orchestrator.participants.unpacked import NEW, PREFIX, UnpackedFolder
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
+from orchestrator.run.resume import resume
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import to_short_toml
 from orchestrator.scenario.system import build_system
@@ -29,6 +32,7 @@ from ..fmus.names import mark_long
 from .c_fmus import TOKEN, fmu
 from .runs import CASES, never, ran, recorded, scenario
 
+posix = pytest.mark.skipif(os.name != "posix", reason="processes and signals are others on Windows")
 GONE = r"decay: its process ended {} in the step from t = 0.5 s by 0.01 s; look at"
 VICES = {
     "crashing": GONE.format("by SIGSEGV"),
@@ -94,7 +98,7 @@ def test_a_process_of_its_own_is_for_all_but_what_is_as_we_made_it(tmp_path: Pat
     assert re.search(VICES["crashing"], summary.message)
 
 
-@pytest.mark.skipif(os.name != "posix", reason="processes are others on Windows")
+@posix
 @pytest.mark.parametrize(
     ("vice", "how"),
     [
@@ -125,36 +129,60 @@ def test_what_ends_the_run_s_process_ends_the_command_as_a_failure(
         assert len(result["coupled"].time) == len(recorded(out)["time"]) == 51
 
 
-@pytest.mark.skipif(os.name != "posix", reason="signals are others on Windows")
-@pytest.mark.parametrize("process", mark_long(["own", "shared"], ["own"]))
-def test_the_second_interrupt_ends_a_call_that_does_not_return(process: str, tmp_path: Path) -> None:
-    out, file = tmp_path / "out", tmp_path / "one.toml"
-    file.write_text(to_short_toml(case(fmu("spinning", 2, tmp_path), process), tmp_path), "utf-8")
-    code = "from tribocosim.command_line import main; main()"
+@posix
+def test_the_second_interrupt_ends_a_call_that_does_not_return(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At once, and the run can go on to the numbers of one without a stop."""
+    mark, out = tmp_path / "mark", tmp_path / "out"
+    one = case(fmu("spinning once", 2, tmp_path), "own", checkpoint_every=1e-9)
+    monkeypatch.setenv("MARK", str(mark))
+
+    def interrupt_twice() -> None:
+        wait_for(mark.exists)
+        os.kill(os.getpid(), signal.SIGINT)
+        wait_for(lambda: signal.getsignal(signal.SIGINT).__self__.asked)  # type: ignore[union-attr]
+        os.kill(os.getpid(), signal.SIGINT)
+
+    with ThreadPoolExecutor() as beside:
+        interrupted = beside.submit(interrupt_twice)
+        summary, found = ran(one, out)
+        interrupted.result()
+    assert (summary.exit_status, summary.resumable, len(found["time"])) == (130, True, 51)
+    monkeypatch.delenv("MARK")
+    assert resume(out, never, Reporter(), figures=False).complete
+    _, whole = ran(one, tmp_path / "whole")
+    np.testing.assert_array_equal(recorded(out)["decay.x"], whole["decay.x"])
+
+
+@posix
+@pytest.mark.parametrize(
+    ("number", "status"), [(signal.SIGTERM, 143), pytest.param(signal.SIGINT, 130, marks=pytest.mark.long)]
+)
+def test_signals_end_a_command_whose_fmu_heeds_none(number: int, status: int, tmp_path: Path) -> None:
+    """It spins in the run's process, where Python hears of no signal. What was recorded is kept."""
+    mark, out, file = tmp_path / "mark", tmp_path / "out", tmp_path / "one.toml"
+    file.write_text(to_short_toml(case(fmu("deaf", 2, tmp_path), "shared"), tmp_path), "utf-8")
     started = subprocess.Popen(
-        [sys.executable, "-c", code, "run", str(file), "--out", str(out)],
+        [sys.executable, "-m", "tribocosim", "run", str(file), "--out", str(out)],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
+        env=os.environ | {"MARK": str(mark)},
         text=True,
     )
-    rows = out / "unfinished" / "coupled.journal"
-    while not rows.exists() and started.poll() is None:
-        time.sleep(0.1)
+    wait_for(mark.exists)
     for _ in range(2):
-        time.sleep(1.0)  # for fifty steps
-        started.send_signal(signal.SIGINT)
+        started.send_signal(number)
+        time.sleep(0.3)  # else the two may become one
     _, said = started.communicate(timeout=60)
-    assert started.returncode == 130, said
-    assert "interrupted" in said
-    if process == "shared":
-        assert command("resume", str(out), "--keep").returncode == 3
-    assert len(recorded(out)["time"]) == 51
+    assert f"resume {out} --keep makes the result of what was recorded, to t = 0.5 s" in said
+    assert started.returncode == status
 
 
 GARBLED = r"decay: its process gave an answer that cannot be read .* in the step from t = 0.5 s by 0.01 s"
 
 
-@pytest.mark.skipif(os.name != "posix", reason="descriptors and fork are others on Windows")
+@posix
 @pytest.mark.parametrize(
     ("vice", "said"),
     [
@@ -172,7 +200,7 @@ def test_an_fmu_cannot_confuse_or_end_the_run(vice: str, said: str, tmp_path: Pa
     assert len(found["time"]) == 51
 
 
-@pytest.mark.skipif(os.name != "posix", reason="descriptors and fork are others on Windows")
+@posix
 def test_copies_that_an_fmu_makes_of_its_process_do_not_answer(tmp_path: Path) -> None:
     import psutil
 
@@ -181,6 +209,25 @@ def test_copies_that_an_fmu_makes_of_its_process_do_not_answer(tmp_path: Path) -
     assert summary.complete, summary.message
     assert len(found["time"]) == 101
     assert set(psutil.Process().children(recursive=True)) <= before
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere orphans have no other parent than the first")
+def test_what_leaves_the_session_of_an_fmu_ends_with_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import psutil
+
+    monkeypatch.setenv("MARK", str(mark := tmp_path / "mark"))
+    summary, _ = ran(case(fmu("detaching", 2, tmp_path), "own"), tmp_path / "out")
+    assert summary.complete, summary.message
+    assert not psutil.pid_exists(int(mark.read_text()))
+
+
+def wait_for(come: Callable[[], bool]) -> None:
+    end = time.monotonic() + 60.0
+    while not come():
+        assert time.monotonic() < end
+        time.sleep(0.01)
 
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:

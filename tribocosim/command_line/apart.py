@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time as clock
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,9 +23,9 @@ if TYPE_CHECKING:
     from models.core.remedies import Words
     from orchestrator.scenario import Scenario
 
-FAILED, INTERRUPTED = 3, 130
+FAILED = 3
 CHANNEL = "TRIBOCOSIM_CHANNEL"  # the descriptor to which a child states its status
-PATIENCE_S = 2.0  # how long a child may take to end after the second Ctrl-C
+PATIENCE_S = 2.0  # how long a child may take to end when it is asked to
 _arguments: list[str] | None = None
 
 
@@ -46,7 +47,12 @@ def carry_out_apart(scenario: Scenario, out: Path | None) -> None:
 
     `out` is the output folder of a run.
     """
-    if not scenario.exposed or _arguments is None or CHANNEL in os.environ or os.name != "posix":
+    if not scenario.exposed or _arguments is None or os.name != "posix":
+        return
+    if CHANNEL in os.environ:
+        from orchestrator.participants.keeper import tie_to_parent
+
+        tie_to_parent(signal.SIGKILL)
         return
     reading, writing = os.pipe()
     child = subprocess.Popen(
@@ -56,15 +62,17 @@ def carry_out_apart(scenario: Scenario, out: Path | None) -> None:
         start_new_session=True,
     )
     os.close(writing)
-    interruptions = _wait(child)
+    status = _wait(child)
+    with suppress(OSError):  # nothing that the FMU started is left in its session
+        os.killpg(child.pid, signal.SIGKILL)
     stated = os.read(reading, 100)
     if stated.startswith(b"ended ") and stated.endswith(b"."):
         raise typer.Exit(int(stated[6:-1]))
     from models.core.remedies import Set, in_command_line
 
-    if interruptions > 1:
+    if status:
         say(in_command_line(("interrupted", _describe_records(out))))
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(status)
     names = scenario.exposed
     who = names[0] if len(names) == 1 else f"one of {', '.join(names)}"
     fault = f"incomplete: {who}: the FMU ended the process of the whole command ({_describe_end(child)}); "
@@ -74,23 +82,26 @@ def carry_out_apart(scenario: Scenario, out: Path | None) -> None:
 
 
 def _wait(child: subprocess.Popen[bytes]) -> int:
-    """Until it has ended; how often Ctrl-C came. Signals are passed on; the second Ctrl-C ends it."""
-    came: list[float] = []
+    """Until it has ended. Signals are passed on; what asks for its end, as the second Ctrl-C does, also ends
+    it where an FMU heeds none. Returns the exit status after that, otherwise 0."""
+    asked: list[int] = []
+    ends: list[float] = []
 
     def pass_on(number: int, frame: Any) -> None:
-        if number == signal.SIGINT:
-            came.append(clock.monotonic())
+        asked.append(number)
         child.send_signal(number)
+        if number != signal.SIGINT or asked.count(number) > 1:
+            ends.append(clock.monotonic() + PATIENCE_S)
 
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, pass_on)
     while True:
         try:
-            child.wait(0.5)
-            return len(came)
+            child.wait(0.1)
+            return 128 + asked[-1] if ends else 0
         except subprocess.TimeoutExpired:
-            if len(came) > 1 and clock.monotonic() - came[1] > PATIENCE_S:
+            if ends and clock.monotonic() > ends[0]:
                 child.kill()
 
 
