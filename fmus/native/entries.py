@@ -97,18 +97,18 @@ def _entries_of_requirements(component: Any, state: Layout, m: int, parameters: 
     n, X, U, P = state.size, state.dtype, component.inputs.dtype, component.parameters.dtype
 
     def of_parameters(met: Any) -> Callable[..., Any]:
-        def entry_requirement(x: Any, u: Any, p: Any, told: Any) -> int:
-            return 1 if met(record_of(carray(p, (parameters,)), P), carray(told, (PLACES,))) else 0
+        def entry_requirement(x: Any, u: Any, p: Any, numbers: Any) -> int:
+            return 1 if met(record_of(carray(p, (parameters,)), P), carray(numbers, (PLACES,))) else 0
 
         return entry_requirement
 
     def requirement_of_start(met: Any) -> Callable[..., Any]:
-        def entry_start_requirement(x: Any, u: Any, p: Any, told: Any) -> int:
+        def entry_start_requirement(x: Any, u: Any, p: Any, numbers: Any) -> int:
             fits = met(
                 record_of(carray(x, (n,)), X),
                 record_of(carray(u, (m,)), U),
                 record_of(carray(p, (parameters,)), P),
-                carray(told, (PLACES,)),
+                carray(numbers, (PLACES,)),
             )
             return 1 if fits else 0
 

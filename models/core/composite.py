@@ -194,8 +194,8 @@ def _list_requirements(system: System) -> list[Requirement]:
 
 def _make_rule(met: Any, part: str) -> Any:
     @kernel
-    def rule(p: Any, told: Any) -> bool:
-        return met(p[part], told)
+    def rule(p: Any, numbers: Any) -> bool:
+        return met(p[part], numbers)
 
     return rule
 

@@ -19,9 +19,9 @@ PLACE = re.compile(r"\{(?:([0-7]):(\.\d+)?([gfe])|(word))\}")
 
 @dataclass(frozen=True)
 class Requirement:
-    """`met(p, told)`, or of a start `met(x, u, p, told)`, is a kernel on records: true where the rule holds.
+    """`met(p, numbers)`, or of a start `met(x, u, p, numbers)`, is a kernel on records: true where it holds.
 
-    Where it does not, it leaves in `told` the numbers of the message `says`: {0:g} stands for the first, in
+    Where it does not, it leaves in `numbers` those of the message `says`: {0:g} stands for the first, in
     that format, and {word} for the one of `words` that the first number counts, from 0. The text begins with
     the name of a parameter or state, and says what is allowed and what to do. Rules are checked one
     by one: a rule whose terms another one forbids counts as met. ValueError for braces that are no place.
@@ -40,11 +40,11 @@ class Requirement:
 
     def fault(self, *records: Any) -> str | None:
         """The message for these records, or None if the requirement is met."""
-        told = np.zeros(PLACES)
+        numbers = np.zeros(PLACES)
         with contextlib.suppress(
             ArithmeticError, ValueError
         ):  # where compiled code has NaN, which meets no rule
-            if self.met(*records, told):
+            if self.met(*records, numbers):
                 return None
-        word = self.words[int(told[0])] if self.words else ""
-        return self.says.format(*told.tolist(), word=word)
+        word = self.words[int(numbers[0])] if self.words else ""
+        return self.says.format(*numbers.tolist(), word=word)

@@ -52,5 +52,5 @@ def check_values(thing: str, **values: float) -> None:
     for name, value in values.items():
         allowed = RANGES[name]
         if not allowed.holds(value):
-            told = f"{value:g} {allowed.unit}".rstrip()
-            raise ModelError(f"{thing}: {name} = {told}: must be {allowed}; give it in SI units")
+            shown = f"{value:g} {allowed.unit}".rstrip()
+            raise ModelError(f"{thing}: {name} = {shown}: must be {allowed}; give it in SI units")

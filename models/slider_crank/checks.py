@@ -20,21 +20,21 @@ OUTSIDE, BESIDE = 1e-6, 0.05
 
 
 @kernel
-def is_almost_linear(p: SliderCrankParameters, told: Vector) -> bool:
+def is_almost_linear(p: SliderCrankParameters, numbers: Vector) -> bool:
     """Linear forms need a small psi; checked if the crank can turn."""
     if p.form == NONLINEAR or p.crank_radius >= p.rod_length:
         return True
     # psi <= gap / sqrt(1 - xi^2).
     largest = SMALL_ANGLE * math.sqrt(p.rod_length**2 - p.crank_radius**2)
-    told[0], told[1], told[2] = p.clearance, largest, SMALL_ANGLE
+    numbers[0], numbers[1], numbers[2] = p.clearance, largest, SMALL_ANGLE
     return p.clearance <= largest
 
 
 @kernel
-def rod_stays_along(p: SliderCrankParameters, told: Vector) -> bool:
+def rod_stays_along(p: SliderCrankParameters, numbers: Vector) -> bool:
     """The nonlinear form needs a rod that cannot stand across; checked if the crank can turn."""
     room = p.rod_length - p.crank_radius
-    told[0], told[1] = p.clearance, room
+    numbers[0], numbers[1] = p.clearance, room
     return p.form != NONLINEAR or room <= 0.0 or p.clearance < room
 
 
@@ -54,33 +54,33 @@ def measure_room(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParame
 
 @kernel
 def films_leave_room(
-    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, told: Vector
+    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, numbers: Vector
 ) -> bool:
-    told[0], told[1], told[2], told[3] = x.psi, x.upper_wall_film, x.lower_wall_film, p.clearance
+    numbers[0], numbers[1], numbers[2], numbers[3] = x.psi, x.upper_wall_film, x.lower_wall_film, p.clearance
     return measure_room(x, u, p).travel >= 0.0
 
 
 @kernel
 def slides_on_a_wall(
-    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, told: Vector
+    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, numbers: Vector
 ) -> bool:
     """A slider with mode +-1 is on that wall; checked if there is room."""
     walls = measure_room(x, u, p)
     on_upper = x.mode > 0.0
     required = walls.upper if on_upper else walls.lower
-    told[0] = 1.0 if on_upper else 0.0
-    told[1], told[2], told[3], told[4] = x.mode, required, u.crank_angle, x.psi
+    numbers[0] = 1.0 if on_upper else 0.0
+    numbers[1], numbers[2], numbers[3], numbers[4] = x.mode, required, u.crank_angle, x.psi
     return x.mode == 0.0 or not walls.travel >= 0.0 or abs(x.psi - required) <= BESIDE * walls.travel
 
 
 @kernel
 def starts_between_walls(
-    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, told: Vector
+    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, numbers: Vector
 ) -> bool:
     """A free slider is between the walls; checked if there is room."""
     walls = measure_room(x, u, p)
     slack = OUTSIDE * walls.travel
-    told[0], told[1], told[2], told[3] = x.psi, walls.lower, walls.upper, u.crank_angle
+    numbers[0], numbers[1], numbers[2], numbers[3] = x.psi, walls.lower, walls.upper, u.crank_angle
     inside = walls.lower - slack <= x.psi <= walls.upper + slack
     return x.mode != 0.0 or not walls.travel >= 0.0 or inside
 

@@ -28,7 +28,7 @@ GasPressure = Annotated[
 
 
 @kernel
-def crank_turns(p: Any, told: Vector) -> bool:
+def crank_turns(p: Any, numbers: Vector) -> bool:
     """The crank is shorter than the rod; reports both."""
-    told[0], told[1] = p.crank_radius, p.rod_length
+    numbers[0], numbers[1] = p.crank_radius, p.rod_length
     return p.crank_radius < p.rod_length

@@ -237,14 +237,14 @@ def energy(t: float, x: FingerState, u: FingerInputs, p: Any, e: Vector) -> None
 
 
 @kernel
-def inertia_is_of_its_mass(p: Any, told: Vector) -> bool:
-    told[0], told[1] = p.inertia, p.mass * p.mass_arm**2
+def inertia_is_of_its_mass(p: Any, numbers: Vector) -> bool:
+    numbers[0], numbers[1] = p.inertia, p.mass * p.mass_arm**2
     return p.inertia > p.mass * p.mass_arm**2
 
 
 @kernel
-def arms_have_one_side(p: Any, told: Vector) -> bool:
-    told[0], told[1] = 1e3 * p.cam_arm, 1e3 * p.valve_arm
+def arms_have_one_side(p: Any, numbers: Vector) -> bool:
+    numbers[0], numbers[1] = 1e3 * p.cam_arm, 1e3 * p.valve_arm
     return p.cam_arm * p.valve_arm > 0.0
 
 
@@ -262,11 +262,11 @@ def require_reach(profile: CamProfile) -> Requirement:
     lift = profile.lift
 
     @kernel
-    def reaches(p: Any, told: Vector) -> bool:
+    def reaches(p: Any, numbers: Vector) -> bool:
         rest = math.sin(p.pivot_angle + p.valve_angle)
         for i in range(360):
             lifted = lift(math.pi * i / 180.0, p).s
-            told[0], told[1], told[2] = 1e3 * p.valve_arm, 1e3 * lifted, float(i)
+            numbers[0], numbers[1], numbers[2] = 1e3 * p.valve_arm, 1e3 * lifted, float(i)
             if p.valve_arm != 0.0 and not abs(lifted / p.valve_arm - rest) < 1.0:
                 return False
         return True

@@ -273,23 +273,23 @@ def energy(
 
 
 @kernel
-def is_short(p: JournalBearingParameters, told: Vector) -> bool:
-    told[0], told[1] = 1e3 * p.width, 1e3 * p.diameter
+def is_short(p: JournalBearingParameters, numbers: Vector) -> bool:
+    numbers[0], numbers[1] = 1e3 * p.width, 1e3 * p.diameter
     return p.width <= p.diameter
 
 
 @kernel
-def is_smooth(p: JournalBearingParameters, told: Vector) -> bool:
-    told[0], told[1] = 1e6 * p.roughness, 1e6 * ROUGHEST * p.radial_clearance
+def is_smooth(p: JournalBearingParameters, numbers: Vector) -> bool:
+    numbers[0], numbers[1] = 1e6 * p.roughness, 1e6 * ROUGHEST * p.radial_clearance
     return p.roughness <= ROUGHEST * p.radial_clearance
 
 
 @kernel
 def is_inside(
-    x: JournalBearingState, u: JournalBearingInputs, p: JournalBearingParameters, told: Vector
+    x: JournalBearingState, u: JournalBearingInputs, p: JournalBearingParameters, numbers: Vector
 ) -> bool:
     farthest = p.radial_clearance + OVERLAP * p.roughness
-    told[0], told[1], told[2] = 1e6 * x.eccentricity_x, 1e6 * x.eccentricity_y, 1e6 * farthest
+    numbers[0], numbers[1], numbers[2] = 1e6 * x.eccentricity_x, 1e6 * x.eccentricity_y, 1e6 * farthest
     return x.eccentricity_x**2 + x.eccentricity_y**2 < farthest**2
 
 

@@ -134,10 +134,10 @@ MultibodyOutputs = make_dataclass(
 
 
 @kernel
-def is_heavy_enough(p: Any, told: Vector) -> bool:
+def is_heavy_enough(p: Any, numbers: Vector) -> bool:
     """Contact damping over mass, under the preload."""
     damping = p.contact_damping * p.preload / p.damping_reference_load
-    told[0], told[1], told[2] = p.valve_mass, damping, damping / FASTEST_DECAY
+    numbers[0], numbers[1], numbers[2] = p.valve_mass, damping, damping / FASTEST_DECAY
     return damping <= FASTEST_DECAY * p.valve_mass
 
 
@@ -244,15 +244,15 @@ def multibody_valve_train(coil_masses: int = 2, table_points: int = 0) -> Compon
         count(x, u, p, e, np.zeros(size))
 
     @kernel
-    def is_together(x: Any, u: Any, p: Any, told: Vector) -> bool:
+    def is_together(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
         worst = find_worst(solve_train(x, u, p, np.zeros(size)).e)
-        told[0], told[1] = worst.row, worst.violation
+        numbers[0], numbers[1] = worst.row, worst.violation
         return worst.violation <= MET
 
     @kernel
-    def moves_together(x: Any, u: Any, p: Any, told: Vector) -> bool:
+    def moves_together(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
         fastest = find_fastest(solve_train(x, u, p, np.zeros(size)))
-        told[0], told[1] = fastest.row, fastest.violation
+        numbers[0], numbers[1] = fastest.row, fastest.violation
         return fastest.violation <= RATE_MET
 
     inputs = Layout(MultibodyInputs)

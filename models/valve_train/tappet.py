@@ -129,8 +129,8 @@ def energy(t: float, x: TappetState, u: TappetInputs, p: Any, e: Vector) -> None
 
 
 @kernel
-def path_is_near(p: Any, told: Vector) -> bool:
-    told[0], told[1] = 1e3 * p.offset, 1e3 * (p.base_radius + p.follower_radius)
+def path_is_near(p: Any, numbers: Vector) -> bool:
+    numbers[0], numbers[1] = 1e3 * p.offset, 1e3 * (p.base_radius + p.follower_radius)
     return p.follower == FLAT or abs(p.offset) < p.base_radius + p.follower_radius
 
 

@@ -107,8 +107,8 @@ class ValveSpringOutputs(FollowerMotion):
 
 
 @kernel
-def has_a_seat_where_it_has_lash(p: ValveSpringParameters, told: Vector) -> bool:
-    told[0] = p.lash
+def has_a_seat_where_it_has_lash(p: ValveSpringParameters, numbers: Vector) -> bool:
+    numbers[0] = p.lash
     return p.lash == 0.0 or p.seat_stiffness > 0.0
 
 

@@ -67,11 +67,11 @@ class BoundCalls:
 
     def _transfer(
         self, function: str, references: Any, *between: Any, values: Vector, after: tuple[Any, ...] = (),
-        fail: Callable[[int], None], told: bool = True,
+        fail: Callable[[int], None], counted: bool = True,
     ) -> Callable[[], Any]:  # fmt: skip
         """function(instance, references, their number, between, values, after), `between` being arrays.
 
-        It returns the status; `fail` gets one that is worse than a warning. Warnings are counted if `told`.
+        It returns the status; `fail` gets one that is worse than a warning. Warnings count if `counted`.
         """
         if not len(references):
             return lambda: OK
@@ -86,7 +86,7 @@ class BoundCalls:
             if status:
                 if status > WARNING:
                     fail(status)
-                self.warned += told
+                self.warned += counted
             return status
 
         return transfer

@@ -23,15 +23,15 @@ from .fmi_instance import DISCARD, WARNING
 
 # Addresses of the functions, of the component, and of the references and numbers that are given to it and
 # taken from it; how many these are. The interpreter is released for the calls unless the FMU is in Python.
-# An FMU of FMI 3 reports on its step in the memory `told`: event, end, early return (a byte each), at 8 the
-# time. `warned` counts the calls that return a warning.
+# An FMU of FMI 3 writes what its step came to into `outcome`: event, end, early
+# return (a byte each), at 8 the time. `warned` counts the calls that return a warning.
 # If `saved` is not 0, the state is saved there before a step and released after it; a step that fails leaves
 # it for its participant.
 CALLS = np.dtype(
     [
         (name, np.int64)
         for name in (
-            "component", "in_python", "fmi3", "told", "set_real", "do_step", "get_real",
+            "component", "in_python", "fmi3", "outcome", "set_real", "do_step", "get_real",
             "given", "given_references", "given_count",
             "taken", "taken_references", "taken_count", "warned",
             "saved", "save", "release",
@@ -137,7 +137,9 @@ def _call_step(typing: Any, function: Any, component: Any, time: Any, step: Any,
 
 
 @intrinsic
-def _call_step3(typing: Any, function: Any, component: Any, time: Any, step: Any, yes: Any, told: Any) -> Any:
+def _call_step3(
+    typing: Any, function: Any, component: Any, time: Any, step: Any, yes: Any, outcome: Any
+) -> Any:
     """fmi3DoStep."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -201,9 +203,9 @@ def _call_transfer(fmu: Any, function: int, references: int, count: int, memory:
 def _call_do_step(fmu: Any, time: float, step: float) -> int:
     yes = numba.int32(1)
     if fmu.fmi3:
-        status = _call_step3(fmu.do_step, fmu.component, time, step, yes, fmu.told)
+        status = _call_step3(fmu.do_step, fmu.component, time, step, yes, fmu.outcome)
         # To ask for the end, or to come back early, is not to have made the step.
-        if status <= WARNING and (_byte(fmu.told + 1) != 0 or _byte(fmu.told + 2) != 0):
+        if status <= WARNING and (_byte(fmu.outcome + 1) != 0 or _byte(fmu.outcome + 2) != 0):
             return numba.int32(DISCARD)
         return status
     return _call_step(fmu.do_step, fmu.component, time, step, yes)

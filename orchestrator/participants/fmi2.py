@@ -90,7 +90,12 @@ class ScalarCalls(BoundCalls):
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], int]:
         return self._transfer(
-            f"{self.version}SetRealInputDerivatives", references, orders, values=values, fail=fail, told=False
+            f"{self.version}SetRealInputDerivatives",
+            references,
+            orders,
+            values=values,
+            fail=fail,
+            counted=False,
         )
 
     def get_reached_time(self) -> float | None:
@@ -156,7 +161,7 @@ class Fmi2(ScalarCalls):
         forget_listener(self._heard)
 
     def get_addresses(self) -> dict[str, int]:
-        return self._addresses("fmi2SetReal", "fmi2DoStep", "fmi2GetReal") | {"fmi3": 0, "told": 0}
+        return self._addresses("fmi2SetReal", "fmi2DoStep", "fmi2GetReal") | {"fmi3": 0, "outcome": 0}
 
     def bind_typed_getter(
         self, kind: str, references: Any, size: int, fail: Callable[[int], None]

@@ -41,7 +41,7 @@ class Fmi3(BoundCalls):
         self._name = name
         self._early = description.returns_early
         # What a step returns: event, end, early return (a byte each); at 8 the time reached.
-        self._told = np.zeros(2)
+        self._outcome = np.zeros(2)
         self.ended_in: list[float] = []
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
@@ -101,7 +101,7 @@ class Fmi3(BoundCalls):
         if self._early:  # which compiled code does not go on from
             return {}
         found = self._addresses("fmi3SetFloat64", "fmi3DoStep", "fmi3GetFloat64")
-        return found | {"fmi3": 1, "told": self._told.ctypes.data}
+        return found | {"fmi3": 1, "outcome": self._outcome.ctypes.data}
 
     def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         size = (ctypes.c_size_t(values.size),)
@@ -141,9 +141,9 @@ class Fmi3(BoundCalls):
     def bind_step(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle = self._function("fmi3DoStep"), self._handle
         yes, begin, duration = ctypes.c_bool(True), ctypes.c_double(), ctypes.c_double()
-        told, at, ended_in = self._told, self._told.ctypes.data, self.ended_in
+        outcome, at, ended_in = self._outcome, self._outcome.ctypes.data, self.ended_in
         places = [ctypes.c_void_p(at + offset) for offset in (0, 1, 2, 8)]
-        marks = told[:1].view(np.uint8)
+        marks = outcome[:1].view(np.uint8)
 
         def advance(time: float, step: float) -> None:
             if ended_in and time > ended_in.pop():
@@ -158,9 +158,9 @@ class Fmi3(BoundCalls):
                     return
                 if status > WARNING or marks[ENDED]:
                     break
-                if not begin.value <= told[1] <= end + abs(end) * ROUNDING:
+                if not begin.value <= outcome[1] <= end + abs(end) * ROUNDING:
                     self.refuse_reached(begin.value, end)
-                begin.value, duration.value = told[1], end - told[1]
+                begin.value, duration.value = outcome[1], end - outcome[1]
                 if duration.value <= 0.0:
                     return
             else:
@@ -172,18 +172,18 @@ class Fmi3(BoundCalls):
     def refuse_reached(self, begin: float, end: float) -> NoReturn:
         raise ParticipantError(
             f"{self._name}: came back early from its step from t = {begin:.9g} s and says that it has "
-            f"reached t = {self._told[1]:.9g} s (lastSuccessfulTime): must not be earlier, and at most "
+            f"reached t = {self._outcome[1]:.9g} s (lastSuccessfulTime): must not be earlier, and at most "
             f"{end:.9g} s; the FMU is at fault, ask who made it"
         )
 
     def refuse_returns(self, time: float, step: float) -> NoReturn:
         raise ParticipantError(
             f"{self._name}: came back early {MAXIMUM_RETURNS} times from its step from t = {time:.9g} s by "
-            f"{step:g} s, and is at t = {self._told[1]:.9g} s; take a smaller macro_step, or ask who made it"
+            f"{step:g} s, and is at t = {self._outcome[1]:.9g} s; take a smaller macro_step, or ask its maker"
         )
 
     def get_reached_time(self) -> float | None:
-        return float(self._told[1])
+        return float(self._outcome[1])
 
     def is_ended(self) -> bool:
-        return bool(self._told[:1].view(np.uint8)[ENDED])
+        return bool(self._outcome[:1].view(np.uint8)[ENDED])

@@ -276,8 +276,8 @@ class Fmi3WithEvents(Fmi3):
             return super().bind_step(fail)
         call, handle = self._function("fmi3DoStep"), self._handle
         yes, begin, duration = c_bool(True), c_double(), c_double()
-        places = [c_void_p(self._told.ctypes.data + offset) for offset in (0, 1, 2, 8)]
-        marks = self._told[:1].view(np.uint8)
+        places = [c_void_p(self._outcome.ctypes.data + offset) for offset in (0, 1, 2, 8)]
+        marks = self._outcome[:1].view(np.uint8)
 
         def advance(time: float, step: float) -> None:
             if self.ended_in and time > self.ended_in.pop():
@@ -302,7 +302,7 @@ class Fmi3WithEvents(Fmi3):
                     self.warned += 1
                 if status > WARNING or marks[ENDED]:
                     return fail(max(status, DISCARD), time, step)
-                reached = float(self._told[1]) if marks[EARLY] else target
+                reached = float(self._outcome[1]) if marks[EARLY] else target
                 if not begin.value <= reached <= end + slack:
                     self.refuse_reached(begin.value, end)
                 self._time = end if reached > end - slack else reached

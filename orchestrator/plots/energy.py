@@ -1,4 +1,4 @@
-"""What the coupling created over each power bond, and what components got besides their bonds, over time.
+"""What the coupling created over each power bond, and what components got outside of bonds, over time.
 
 A panel for each bond with the larger part, in joules; the title says how much went over it.
 """
@@ -45,7 +45,7 @@ def draw(data: FigureData) -> Figure:
         ax.set_title(f"{name}: {exchanged:.3g} J exchanged", loc="left", fontsize=8.5)
     last = axes[-1, 0]
     last.plot(time, data.energies["created"], color=COUPLED, label="over all bonds")
-    last.plot(time, data.energies["besides"], color=ACCENT, label="besides bonds")
+    last.plot(time, data.energies["outside_bonds"], color=ACCENT, label="outside bonds")
     last.set_title("All together", loc="left", fontsize=8.5)
     last.legend(loc="best", ncols=2)
     last.set_xlabel(f"Time ({SYMBOLS.get(unit, unit)})")

@@ -149,8 +149,8 @@ def test_a_hundred_instances_are_one_function_with_the_same_bits():
     assert np.array_equal(composed.y, interpreted.y)
 
 
-def broken(a: float, told: Any) -> bool:
-    told[0], told[1] = a, 1.0 / 3.0
+def broken(a: float, numbers: Any) -> bool:
+    numbers[0], numbers[1] = a, 1.0 / 3.0
     return a < 0.0
 
 
@@ -182,7 +182,7 @@ def test_messages_on_starts_begin_with_a_state() -> None:
 def test_counting_energies_does_not_change_the_records_that_rules_see() -> None:
     """For a longer record numba would compile each rule again, and warn that it is taken for the shorter."""
     seen = []
-    rule = Requirement(lambda x, u, p, told: seen.append(x.dtype) or True, "height = {0:g}")
+    rule = Requirement(lambda x, u, p, numbers: seen.append(x.dtype) or True, "height = {0:g}")
     plain = replace(CATALOGUE["falling_mass"](), start_requirements=[rule])
     for component in (plain, counting(plain)):
         start = component.state.vector()

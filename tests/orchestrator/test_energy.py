@@ -48,7 +48,7 @@ ORDERS = [(kind(signal), k) for kind in (Jacobi, GaussSeidel, Iterated) for k, s
 
 @pytest.mark.parametrize("master", [master for master, _ in ORDERS], ids=repr)
 def test_the_whole_ledger_closes_to_rounding(master, record):
-    """Stored and dissipated - sources = created over bonds + what came besides them."""
+    """Stored and dissipated - sources = created over bonds + what came outside of them."""
     ledger = booked(master, 1e-2)
     # Three sums of the same two numbers: to the last bit.
     taken, given, created = (ledger[f"{word} {BOND}"] for word in ("taken", "given", "created"))
@@ -58,22 +58,22 @@ def test_the_whole_ledger_closes_to_rounding(master, record):
     parts = account.components.values()
     spent = sum(part.stored + part.dissipated - part.sourced for part in parts)
     # Energies of 25 J at the start, 200 steps, sums of a dozen numbers.
-    found, source = account.created + account.besides, "stored + dissipated - sourced"
+    found, source = account.created + account.outside_bonds, "stored + dissipated - sourced"
     rounding = 200 * 25 * 2.3e-16
     record("Coupling", "energy created by a coupling (J)", found, spent, source, tolerance=rounding)
     for part in parts:
-        assert part.besides == pytest.approx(part.jumped + part.unaccounted, abs=1e-12)
-        assert part.besides == pytest.approx(
+        assert part.outside_bonds == pytest.approx(part.jumped + part.unaccounted, abs=1e-12)
+        assert part.outside_bonds == pytest.approx(
             part.stored + part.dissipated - part.sourced - part.received, abs=1e-12
         )
 
 
 def test_a_component_that_only_takes_a_force_closes_in_itself():
-    """Its stored energy does not see the force: nothing comes besides the bond, in any coupling."""
+    """Its stored energy does not see the force: nothing comes outside of the bond, in any coupling."""
     second = booked(Jacobi("hold"), 1e-2).account().components["second"]
     assert second.dissipated > 0.1
     # 1e-10 per integration step of energies below 25 J.
-    assert abs(second.besides) < 1e-9
+    assert abs(second.outside_bonds) < 1e-9
 
 
 @pytest.mark.parametrize(("master", "order"), ORDERS, ids=repr)
@@ -196,8 +196,8 @@ def test_impulses_take_their_work_from_the_shaft(record):
     found = Impulses(inertia=0.1)
     assert found.destroyed > found.bound > 0.0
     quantity, exact = "work of impact impulses on a free flywheel (J)", found.destroyed - found.given
-    besides = found.ledger["besides flywheel"]
-    record("Coupling", quantity, besides, exact, "speeds and impulses", tolerance=found.bound)
+    outside = found.ledger["outside_bonds flywheel"]
+    record("Coupling", quantity, outside, exact, "speeds and impulses", tolerance=found.bound)
 
 
 @pytest.fixture(scope="module")
@@ -209,8 +209,8 @@ def impulses():
 @pytest.mark.long
 def test_what_impulses_take_from_the_shaft_they_give_to_the_mechanism(impulses):
     assert impulses.given > 1.0
-    assert impulses.ledger["besides slider_crank"] == pytest.approx(impulses.given, rel=1e-6)
-    assert impulses.ledger["besides flywheel"] == pytest.approx(-impulses.given, rel=1e-6)
+    assert impulses.ledger["outside_bonds slider_crank"] == pytest.approx(impulses.given, rel=1e-6)
+    assert impulses.ledger["outside_bonds flywheel"] == pytest.approx(-impulses.given, rel=1e-6)
 
 
 @pytest.mark.long

@@ -62,7 +62,7 @@ def test_a_run_tells_what_it_takes_and_gives_the_bits_of_the_numbers(tmp_path):
     first, second = tmp_path / "first", tmp_path / "second"
     run(load(file, SHORT), first, build_fmu, Reporter(Console(file=said, width=400)), figures=False)
     run(load(first / "scenario.toml"), second, build_fmu, quiet(), figures=False)
-    assert_same_run(first, second, besides=["notices"])
+    assert_same_run(first, second, except_for=["notices"])
     state = evaluate_oil(GRADES["SAE 5W-30"], 363.15)
     line = next(line for line in said.getvalue().splitlines() if line.startswith("contact: SAE 5W-30"))
     assert f"at 90 degC has a viscosity of {1e3 * state.viscosity:.4g} mPa.s" in line

@@ -35,8 +35,8 @@ def run_whole(out: Path, overrides: list[str], scenario: str = "valve-train") ->
     return out
 
 
-def assert_same_run(one: Path, two: Path, besides: Sequence[str] = ()) -> None:
-    """Both folders hold the same finished run, `besides` some keys of the summary."""
+def assert_same_run(one: Path, two: Path, except_for: Sequence[str] = ()) -> None:
+    """Both folders hold the same finished run, except for some keys of the summary."""
     assert sorted(path.name for path in one.iterdir()) == sorted(path.name for path in two.iterdir())
     assert (one / "coupled.csv").read_bytes() == (two / "coupled.csv").read_bytes()
     contacts = [json.loads((out / "summary.json").read_text())["contacts"] for out in (one, two)]
@@ -46,7 +46,7 @@ def assert_same_run(one: Path, two: Path, besides: Sequence[str] = ()) -> None:
         assert first.attrs["complete"] == 1
     summaries = [json.loads((folder / "summary.json").read_text()) for folder in (one, two)]
     for summary in summaries:
-        for key in (*WALL_TIMES, *besides):
+        for key in (*WALL_TIMES, *except_for):
             del summary[key]
     assert summaries[0] == summaries[1]
     assert summaries[0]["complete"] is True

@@ -127,7 +127,7 @@ def write_evil(folder: Path) -> Path:
     summary = {
         "complete": True, "scenario": EVIL, "verdict": EVIL, "largest_error": EVIL, "version": EVIL,
         "fmus": {EVIL: EVIL}, "notices": [EVIL], "errors": {EVIL: error},
-        "energy": {"bonds": {EVIL: bond}, "components": {}, "created": 0.0, "besides": 0.0},
+        "energy": {"bonds": {EVIL: bond}, "components": {}, "created": 0.0, "outside_bonds": 0.0},
     }  # fmt: skip
     (folder / "summary.json").write_text(json.dumps(summary), "utf-8")
     return write_report(folder)

@@ -23,9 +23,9 @@ typedef struct {
 
 /* Conditions besides ranges (models/requirements.py). A list ends with a requirement without `met`. */
 typedef struct {
-    int32_t (*met)(void *result, void **exception, const double *x, const double *u, const double *p, double *told);
-    const char *says;         /* with places such as {0:g} for the numbers told, and {word} */
-    const char *const *words; /* of which the first number told counts one */
+    int32_t (*met)(void *result, void **exception, const double *x, const double *u, const double *p, double *numbers);
+    const char *says;         /* with places such as {0:g} for the numbers, and {word} */
+    const char *const *words; /* of which the first number counts one */
 } Requirement;
 
 #include "sizes.h"

@@ -20,7 +20,7 @@ KERNEL(guards, double t, const double *x, const double *u, const double *p, doub
 KERNEL(transition, int64_t k, double t, double *x, const double *u, const double *p);
 
 /* One of the component's requirements (models/requirements.py); the result is whether it is met. */
-#define REQUIREMENT(name) KERNEL(name, const double *x, const double *u, const double *p, double *told)
+#define REQUIREMENT(name) KERNEL(name, const double *x, const double *u, const double *p, double *numbers)
 
 /* Their directional derivatives: after each argument the one of its change, after the result its change. */
 #define TANGENT(name)                                                                                          \

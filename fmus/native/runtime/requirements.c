@@ -5,7 +5,7 @@
 #include "instance.h"
 
 /* Adds what a requirement says, with numbers and word in their places, to a message that has `used` bytes. */
-static void tell(const Requirement *requirement, const double *told, char *message, size_t used, size_t size)
+static void tell(const Requirement *requirement, const double *numbers, char *message, size_t used, size_t size)
 {
     const char *text = requirement->says;
     while (*text && used + 1 < size) {
@@ -16,11 +16,11 @@ static void tell(const Requirement *requirement, const double *told, char *messa
             continue;
         }
         if (!strncmp(text, "{word}", 6)) {
-            snprintf(message + used, size - used, "%s", requirement->words[(int)told[0]]);
+            snprintf(message + used, size - used, "%s", requirement->words[(int)numbers[0]]);
         } else { /* such as {0:.9g} */
             char format[16];
             snprintf(format, sizeof format, "%%%.*s", (int)(end - text - 3), text + 3);
-            snprintf(message + used, size - used, format, told[text[1] - '0']);
+            snprintf(message + used, size - used, format, numbers[text[1] - '0']);
         }
         used += strlen(message + used);
         text = end + 1;
@@ -32,13 +32,13 @@ bool instance_unmet(const Instance *instance, const Requirement *list, char *mes
     const double *data = instance->now.data;
     bool any = false;
     for (; list->met; list++) {
-        double told[PLACES] = {0.0};
+        double numbers[PLACES] = {0.0};
         int64_t met = 0;
         size_t used = strlen(message);
-        list->met(&met, &(void *){NULL}, data + X_AT, data + INPUTS_AT, data, told);
+        list->met(&met, &(void *){NULL}, data + X_AT, data + INPUTS_AT, data, numbers);
         if (met) continue;
         if (used) used += (size_t)snprintf(message + used, size - used, "; ");
-        tell(list, told, message, used, size);
+        tell(list, numbers, message, used, size);
         any = true;
     }
     return any;

@@ -19,18 +19,18 @@ ROUNDING = 1e-9
 
 
 @kernel
-def crank_turns(p: Any, told: Vector) -> bool:
+def crank_turns(p: Any, numbers: Vector) -> bool:
     # The largest offset of the pin: the piston in a corner of its play.
     play = p.clearance + abs(p.pin_offset) + abs(p.pin_height)
-    told[0], told[1] = p.crank_radius, p.rod_length - play
+    numbers[0], numbers[1] = p.crank_radius, p.rod_length - play
     return p.crank_radius + play < p.rod_length
 
 
 @kernel
-def piston_stays_upright(p: Any, told: Vector) -> bool:
+def piston_stays_upright(p: Any, numbers: Vector) -> bool:
     """A roller may turn over."""
     least = math.sqrt(p.clearance * (2.0 * p.half_height + p.clearance))
-    told[0], told[1] = p.half_length, least
+    numbers[0], numbers[1] = p.half_length, least
     return p.half_length <= 0.0 or p.half_length > least
 
 
@@ -45,7 +45,7 @@ def encode_closed_corners(x: Any) -> int:
 
 
 @kernel
-def closes_its_own(x: Any, u: Any, p: Any, told: Vector) -> bool:
+def closes_its_own(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
     """A roller has no rear corners."""
     m = machine(p)
     absent = 0
@@ -62,22 +62,22 @@ def can_touch_together(x: Any) -> bool:
 
 
 @kernel
-def closes_together(x: Any, u: Any, p: Any, told: Vector) -> bool:
-    told[0] = encode_closed_corners(x)
-    return can_touch_together(x) or not closes_its_own(x, u, p, told)
+def closes_together(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
+    numbers[0] = encode_closed_corners(x)
+    return can_touch_together(x) or not closes_its_own(x, u, p, numbers)
 
 
 @kernel
-def starts_between_walls(x: Any, u: Any, p: Any, told: Vector) -> bool:
+def starts_between_walls(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
     """Reports the first open corner outside its wall, if the closed corners are possible."""
-    if not closes_its_own(x, u, p, told) or not can_touch_together(x):
+    if not closes_its_own(x, u, p, numbers) or not can_touch_together(x):
         return True
     m = machine(p)
-    told[1], told[2], told[4] = x.offset, x.tilt, m.clearance
+    numbers[1], numbers[2], numbers[4] = x.offset, x.tilt, m.clearance
     for i in range(CORNERS):
         beyond = -gap(i, x.offset, x.tilt, m)
         if x.closed[i] == 0.0 and beyond > ROUNDING * m.clearance:
-            told[0], told[3] = i, beyond
+            numbers[0], numbers[3] = i, beyond
             return False
     return True
 

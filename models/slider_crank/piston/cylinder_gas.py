@@ -233,36 +233,36 @@ def energy(t: float, x: CylinderGasState, u: CylinderGasInputs, p: Any, e: Vecto
 
 
 @kernel
-def burns_in_compression(p: CylinderGasParameters, told: Vector) -> bool:
-    told[0], told[1] = p.burn_start, 0.5 * TURN
+def burns_in_compression(p: CylinderGasParameters, numbers: Vector) -> bool:
+    numbers[0], numbers[1] = p.burn_start, 0.5 * TURN
     return p.burn_start <= 0.5 * TURN
 
 
 @kernel
-def blows_down_before_overlap(p: CylinderGasParameters, told: Vector) -> bool:
+def blows_down_before_overlap(p: CylinderGasParameters, numbers: Vector) -> bool:
     latest = TURN - 0.5 * p.overlap_duration - p.blowdown_duration
-    told[0], told[1] = p.exhaust_opening, latest
+    numbers[0], numbers[1] = p.exhaust_opening, latest
     return p.exhaust_opening <= latest
 
 
 @kernel
-def pressure_angles_ascend(p: GasTableParameters, told: Vector) -> bool:
+def pressure_angles_ascend(p: GasTableParameters, numbers: Vector) -> bool:
     """Within a cycle."""
     n = p.pressure_angle.size
     for i in range(n):
         following = p.pressure_angle[i + 1] if i + 1 < n else p.pressure_angle[0] + p.cycle_turns * TURN
         if not p.pressure_angle[i] < following:
-            told[0], told[1] = i + 1.0, math.degrees(p.pressure_angle[i])
-            told[2] = math.degrees(following)
+            numbers[0], numbers[1] = i + 1.0, math.degrees(p.pressure_angle[i])
+            numbers[2] = math.degrees(following)
             return False
     return True
 
 
 @kernel
-def pressures_are_absolute(p: GasTableParameters, told: Vector) -> bool:
+def pressures_are_absolute(p: GasTableParameters, numbers: Vector) -> bool:
     for i in range(p.point_pressure.size):
         if not p.point_pressure[i] > 0.0:
-            told[0], told[1] = i + 1.0, p.point_pressure[i]
+            numbers[0], numbers[1] = i + 1.0, p.point_pressure[i]
             return False
     return True
 

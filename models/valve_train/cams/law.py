@@ -110,24 +110,24 @@ def turned_by(rising: bool, p: Any) -> float:
 
 
 @kernel
-def event_fits(p: Any, told: Vector) -> bool:
+def event_fits(p: Any, numbers: Vector) -> bool:
     """Both sides within half a turn."""
-    told[0], told[1] = math.degrees(turned_by(True, p)), math.degrees(turned_by(False, p))
+    numbers[0], numbers[1] = math.degrees(turned_by(True, p)), math.degrees(turned_by(False, p))
     return max(turned_by(True, p), turned_by(False, p)) <= math.pi
 
 
 @kernel
-def powers_differ(p: Any, told: Vector) -> bool:
+def powers_differ(p: Any, numbers: Vector) -> bool:
     """Otherwise the polynomial has no five coefficients."""
-    told[0], told[1], told[2], told[3] = p.power_p, p.power_q, p.power_r, p.power_t
+    numbers[0], numbers[1], numbers[2], numbers[3] = p.power_p, p.power_q, p.power_r, p.power_t
     return p.power_p < p.power_q < p.power_r < p.power_t
 
 
 @kernel
-def shares_fit(p: Any, told: Vector) -> bool:
+def shares_fit(p: Any, numbers: Vector) -> bool:
     """Up to rounding."""
-    told[0] = p.onset_share + p.flank_share + p.reversal_share + p.nose_share
-    return told[0] <= 1.0 + 1e-12
+    numbers[0] = p.onset_share + p.flank_share + p.reversal_share + p.nose_share
+    return numbers[0] <= 1.0 + 1e-12
 
 
 EVENT_FITS = Requirement(

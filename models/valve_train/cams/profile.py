@@ -80,10 +80,10 @@ def require_convexity(profile: CamProfile) -> Requirement:
     smallest_radius = find_smallest_radius(profile)
 
     @kernel
-    def is_convex(p: Any, told: Vector) -> bool:
+    def is_convex(p: Any, numbers: Vector) -> bool:
         smallest = smallest_radius(p)
-        told[0] = 1e3 * smallest
-        told[1] = 1e-3 * math.ceil(1e6 * (p.base_radius - smallest))  # rho = R0 + s + s''
+        numbers[0] = 1e3 * smallest
+        numbers[1] = 1e-3 * math.ceil(1e6 * (p.base_radius - smallest))  # rho = R0 + s + s''
         return smallest > 0.0
 
     return Requirement(

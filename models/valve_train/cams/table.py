@@ -135,13 +135,17 @@ def find_table_breaks(angle: float, p: Any) -> Breaks:
 
 
 @kernel
-def angles_ascend(p: Any, told: Vector) -> bool:
+def angles_ascend(p: Any, numbers: Vector) -> bool:
     """Within one turn."""
     n = p.table_angle.size
     for i in range(n):
         following = p.table_angle[i + 1] if i + 1 < n else p.table_angle[0] + TURN
         if not p.table_angle[i] < following:
-            told[0], told[1], told[2] = i + 1.0, math.degrees(p.table_angle[i]), math.degrees(following)
+            numbers[0], numbers[1], numbers[2] = (
+                i + 1.0,
+                math.degrees(p.table_angle[i]),
+                math.degrees(following),
+            )
             return False
     return True
 
@@ -154,13 +158,13 @@ ANGLES_ASCEND = Requirement(
 
 
 @kernel
-def ramps_fit(p: Any, told: Vector) -> bool:
+def ramps_fit(p: Any, numbers: Vector) -> bool:
     """Each in its half of the turn from the middle of the event."""
     if p.ramp_height == 0.0:
         return True
     event = p.event_end - p.event_begin
     longest = max(ramp_turn(True, p), ramp_turn(False, p))
-    told[0], told[1] = math.degrees(event), math.degrees(longest)
+    numbers[0], numbers[1] = math.degrees(event), math.degrees(longest)
     return event >= 2.0 * p.ramp_blend_angle and 0.5 * event + longest <= math.pi
 
 

@@ -196,10 +196,10 @@ def require_contact(profile: CamProfile, touch_at: Any) -> Requirement:
     lift = profile.lift
 
     @kernel
-    def touches(p: Any, told: Vector) -> bool:
+    def touches(p: Any, numbers: Vector) -> bool:
         for i in range(2000):
             angle = 2.0 * math.pi * i / 2000.0
-            told[0] = math.degrees(angle)
+            numbers[0] = math.degrees(angle)
             if not touch_at(lift(angle, p), p).cam_rate > 0.0:
                 return False
         return True

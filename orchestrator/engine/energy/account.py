@@ -27,7 +27,7 @@ class BondAccount:
 class ComponentAccount:
     """Energies (J) of one component since the start.
 
-    stored + dissipated - sourced - received = besides = jumped + unaccounted, `stored` being its change.
+    stored (its change) + dissipated - sourced - received = outside_bonds = jumped + unaccounted.
     `jumped` came with inputs that jumped at communication points. `unaccounted` came within steps: from a
     position whose slope is not the velocity that was exchanged with it, from what the component's
     description of its energies leaves out, and from the error of the integration.
@@ -39,7 +39,7 @@ class ComponentAccount:
     received: float = 0.0
     jumped: float = 0.0
     unaccounted: float = 0.0
-    besides: float = 0.0
+    outside_bonds: float = 0.0
 
 
 @dataclass
@@ -47,12 +47,12 @@ class Account:
     """The whole ledger up to the time `until` (s), its last record.
 
     What all components stored and dissipated less what sources and bonds to the outside gave is
-    `created` + `besides`.
+    `created` + `outside_bonds`.
     """
 
     until: float = 0.0
     created: float = 0.0
-    besides: float = 0.0
+    outside_bonds: float = 0.0
     bonds: dict[str, BondAccount] = field(default_factory=dict)
     components: dict[str, ComponentAccount] = field(default_factory=dict)
     not_counted: list[str] = field(default_factory=list)
@@ -65,7 +65,7 @@ def lines(account: Account) -> Iterator[str]:
         yield (
             f"energy: over {name} the coupling created at most {worst.largest_created:.2g} J, "
             f"{worst.relative:.1e} of the {worst.exchanged:.4g} J exchanged there; over all bonds "
-            f"{account.created:.2g} J until the end, besides bonds {account.besides:.2g} J"
+            f"{account.created:.2g} J until the end, outside bonds {account.outside_bonds:.2g} J"
         )
     else:
         yield "energy: no bond is counted on both of its sides"

@@ -93,13 +93,13 @@ class Ledger:
         left = {gained: 1.0, dissipated: 1.0, sourced: -1.0, **dict.fromkeys(received, -1.0)}
         self._row(f"unaccounted {name}", left, "energy within steps from elsewhere")
         whole = {stored: 1.0, dissipated: 1.0, sourced: -1.0, **dict.fromkeys(received, -1.0)}
-        self._row(f"besides {name}", whole, "energy otherwise than over power bonds")
+        self._row(f"outside_bonds {name}", whole, "energy otherwise than over power bonds")
 
     def _total_rows(self) -> None:
         """Sums of all channels of a kind."""
         for kind, text in (
             ("created", "created by the coupling"),
-            ("besides", "otherwise than over power bonds"),
+            ("outside_bonds", "otherwise than over power bonds"),
         ):
             total: dict[str, float] = {}
             for row in [row for channel, row in self._rows.items() if channel.startswith(f"{kind} ")]:
@@ -177,4 +177,6 @@ class Ledger:
             name: ComponentAccount(*(self[f"{column} {name}"] for column in columns))
             for name in self.instances
         }
-        return Account(self._until, self["created"], self["besides"], bonds, components, self.not_counted)
+        return Account(
+            self._until, self["created"], self["outside_bonds"], bonds, components, self.not_counted
+        )
