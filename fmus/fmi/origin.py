@@ -4,6 +4,7 @@ What a file says of itself proves nothing: whoever writes it can write that too.
 """
 
 import contextlib
+import functools
 import hashlib
 from pathlib import Path
 
@@ -33,6 +34,17 @@ def is_built_here(path: Path) -> bool:
     with contextlib.suppress(OSError):
         return is_built(path.read_bytes())
     return False
+
+
+@functools.lru_cache(maxsize=256)
+def _is_built_here(path: Path, changed: int, size: int) -> bool:
+    return is_built_here(path)
+
+
+def is_made_here(path: Path) -> bool:
+    """The same, read once as long as the file does not change. OSError if there is none."""
+    status = path.stat()
+    return _is_built_here(path, status.st_mtime_ns, status.st_size)
 
 
 def _name_note(content: bytes) -> str:

@@ -103,8 +103,12 @@ def _at(values: Vector, row: int | np.intp) -> Found:
     return Found(float(values[row]), int(row))
 
 
+def _at_largest(values: Vector) -> Found:
+    return _at(values, np.argmax(values))
+
+
 def _largest(variable: str) -> Callable[[Part], Found]:
-    return lambda part: _at(part[variable], np.argmax(part[variable]))
+    return lambda part: _at_largest(part[variable])
 
 
 def _least(variable: str) -> Callable[[Part], Found]:
@@ -170,8 +174,7 @@ def _spring_margin(valve: Part) -> Found:
 def _surge(part: Part) -> Found:
     """Largest force of the coils' own motion: the spring's less that of its static rate."""
     static = part.parameter("preload") + part.parameter("spring_rate") * part["position"]
-    surge = np.abs(part["spring_force"] - static)
-    return _at(surge, np.argmax(surge))
+    return _at_largest(np.abs(part["spring_force"] - static))
 
 
 def _lift_area(valve: Part) -> Found:
@@ -187,13 +190,11 @@ def _least_gap(spring: Part) -> Found:
 
 def _twist(shaft: Part) -> Found:
     driven = shaft.parameter("drive_ratio") * shaft["drive_angle"] + shaft.parameter("phase")
-    twist = np.abs(shaft["cam_angle"] - driven)
-    return _at(twist, np.argmax(twist))
+    return _at_largest(np.abs(shaft["cam_angle"] - driven))
 
 
 def _slip(roller: Part) -> Found:
-    slip = np.abs(roller["slip"])
-    return _at(slip, np.argmax(slip))
+    return _at_largest(np.abs(roller["slip"]))
 
 
 def _least_load(contact: Part) -> Found:
@@ -397,8 +398,3 @@ def measure(motion: Motion) -> Iterator[tuple[str, str, Quantity, Found]]:
     for name, figure, (quantity, find) in list_figures(components):
         part = part if part.name == name else Part(motion, name)
         yield name, figure, quantity, find(part)
-
-
-def list_contacts(system: System) -> list[str]:
-    """The lubricated contacts."""
-    return [name for name, instance in system.instances.items() if instance.component.has_role(roles.Contact)]

@@ -150,3 +150,8 @@ def _reach(cam: str, near: dict[str, set[str]], ends: set[str]) -> Iterator[str]
         found = sorted(near[at] - seen - ends, key=order.index)
         seen.update(found)
         waiting += found
+
+
+def list_contacts(system: System) -> list[str]:
+    """The lubricated contacts."""
+    return [name for name, instance in system.instances.items() if instance.component.has_role(roles.Contact)]

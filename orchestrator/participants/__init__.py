@@ -6,7 +6,7 @@ from pathlib import Path
 from models.core.system import Instance
 
 from .capabilities import find_missing
-from .description import CO_SIMULATION, MODEL_EXCHANGE, is_made_here
+from .description import CO_SIMULATION, MODEL_EXCHANGE
 from .fmu import FmuParticipant
 from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
@@ -26,7 +26,6 @@ __all__ = [
     "collect_settings",
     "find_missing",
     "in_process",
-    "is_made_here",
     "open_fmu",
     "read_component",
     "transformed",

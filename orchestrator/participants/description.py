@@ -14,8 +14,6 @@ from xml.etree import ElementTree
 
 from fmpy import read_model_description
 
-from fmus.fmi.origin import is_built_here
-
 from ..errors import MistakeError
 from . import description1, description3
 from .description3 import STRUCTURAL, EventMode, resize
@@ -174,17 +172,6 @@ class Description:
     def list_variables(self, causality: str) -> Iterator[Variable]:
         """The numeric variables of this causality."""
         return (v for v in self.variables.values() if v.causality == causality and v.numeric)
-
-
-def is_made_here(path: Path) -> bool:
-    """Whether this user's tribocosim built the FMU at `path`."""
-    status = path.stat()
-    return _is_made_here(path, status.st_mtime_ns, status.st_size)
-
-
-@functools.lru_cache(maxsize=256)
-def _is_made_here(path: Path, changed: int, size: int) -> bool:
-    return is_built_here(path)
 
 
 class DescriptionError(MistakeError):

@@ -16,10 +16,11 @@ from pydantic import (
 )
 from pydantic.functional_validators import ModelWrapValidatorHandler
 
+from fmus.fmi.origin import is_made_here
 from models.core.component import Component
 
 from ..errors import one_of
-from ..participants import ThirdPartyComponent, is_made_here, read_component
+from ..participants import ThirdPartyComponent, read_component
 from ..participants.description import CO_SIMULATION, Description, read_description
 from .arrays import check_resized, check_sizes, spread_arrays, spread_lists
 from .drawing import ShaftDrawing

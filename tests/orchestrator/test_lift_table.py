@@ -1,7 +1,6 @@
 """Lift tables: what is read from a file, what is refused, and that a run takes it."""
 
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -360,16 +359,6 @@ def test_a_table_replaces_the_law_of_the_scenario_that_it_extends(tmp_path):
         load(file)
 
 
-def test_the_jerk_of_a_cam_is_that_of_its_closed_form(record):
-    """Cycloidal: 4 pi^2 S/B^3 at the foot. The acceleration of the harmonic law jumps there."""
-    analysis, omega = load_analysis("cam"), 100.0
-    given = {"lift": 8e-3, "rise_angle": 1.5, "fall_angle": 1.2, "dwell_half_width": 0.0, "speed": omega}
-    found = analysis.evaluate(analysis.complete(given))["largest_jerk"]
-    exact = 4.0 * math.pi**2 * 8e-3 / 1.2**3 * omega**3
-    record("Cam", "largest jerk of the cycloidal law", found, exact, "closed form", relative=1e-8)
-    assert analysis.evaluate(analysis.complete({**given, "law": "harmonic"}))["largest_jerk"] == math.inf
-
-
 def test_ramps_are_added_to_a_table(tmp_path):
     """The scenario's and the analysis' cam is the table's with the ramp's height on the nose."""
     write(tmp_path / "cam.csv")
@@ -395,54 +384,3 @@ def test_ramps_are_added_to_a_table(tmp_path):
 def test_a_scenario_names_a_table_that_it_cannot_take(tmp_path, part, message):
     with pytest.raises(MistakeError, match=message):
         load(write_scenario(tmp_path, "", "valve-train", part))
-
-
-def test_the_analysis_of_a_cam_agrees_with_the_closed_forms_of_the_default(record):
-    analysis = load_analysis("cam")
-    found = analysis.evaluate(analysis.complete({}))
-    # (B + 2d) / (2 (B + d)) for cycloidal flanks; the trapezoidal rule between 720 points.
-    record("Cam", "ample factor", found["ample_factor"], 0.507410661, "closed form", tolerance=1e-6)
-    slope = 1e3 * math.radians(found["slope_at_reversals"])
-    source = "independent evaluation"
-    record("Cam", "slope of the lubrication characteristic (mm/deg)", slope, 2.1893, source, tolerance=5e-5)
-    assert found["reversals"] == "144.00, 168.00, 192.00, 216.00"
-    assert found["shape"] == "convex"
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"follower": "roller", "offset": 0.1}, "offset"),
-        ({"follower": "finger_pad", "valve_arm": 5e-3}, "cannot lift the valve"),
-        ({"follower": "finger_pad", "cam_arm": 0.0}, "must not be zero"),
-        ({"lift_table": "absent.csv"}, "cannot be read"),
-        (
-            {"base_radius": 12e-3, "follower": "roller", "radius": 5e-3, "other": "flat"},
-            "cannot touch the cam",
-        ),
-    ],
-)
-def test_the_analysis_of_a_cam_names_what_it_cannot_take(values, message):
-    analysis = load_analysis("cam")
-    with pytest.raises(MistakeError, match=message):
-        analysis.evaluate(analysis.complete(values))
-
-
-def test_a_table_without_lift_is_named(tmp_path):
-    table = tmp_path / "flat.csv"
-    table.write_text("angle [deg], lift [mm]\n" + "".join(f"{a}, -1.0\n" for a in range(0, 360)))
-    analysis = load_analysis("cam")
-    with pytest.raises(MistakeError, match="largest lift is -1 mm: must be > 0"):
-        analysis.evaluate(analysis.complete({"lift_table": str(table)}))
-
-
-def test_a_flat_follower_needs_a_convex_cam():
-    """R0 + s + s'' > 0 everywhere, else the contour crosses itself: convex just above the radius it names."""
-    analysis = load_analysis("cam")
-
-    def describe(base_radius):
-        return analysis.evaluate(analysis.complete({"base_radius": base_radius}))["shape"]
-
-    needed = 1e-3 * float(re.search(r"base_radius > ([\d.]+) mm", describe(8e-3))[1])
-    assert describe(0.999 * needed).startswith("undercut")
-    assert describe(1.001 * needed) == "convex"

@@ -20,7 +20,6 @@ from orchestrator.run.record import OUTSIDE
 from orchestrator.run.recording import ResultRecorder
 from orchestrator.run.summary import Summary
 from orchestrator.scenario.files import load
-from orchestrator.scenario.warnings import list_warnings
 from orchestrator.stepping import FixedSteps
 from orchestrator.store.coordinates import Coordinate
 from orchestrator.store.csv_file import ROWS, write_csv, write_units
@@ -364,37 +363,6 @@ def test_rare_records_do_not_hide_an_error_from_the_comparison(tmp_path: Path) -
     assert whole > 1.0
 
 
-@pytest.mark.parametrize(
-    ("changes", "every", "why"),
-    [
-        (["output_step=20 us"], 4, None),
-        (
-            ["output_step=12.5 us"],
-            2,
-            "1.25e-05 s: is no multiple of macro_step = 5e-06 s; the interval is 1e-05 s, 2 macro steps",
-        ),
-        (
-            ["output_step=1 us"],
-            1,
-            "1e-06 s: is shorter than macro_step = 5e-06 s; the interval is 5e-06 s, 1 macro",
-        ),
-        (["output_step=2 ms"], 240, "0.002 s: is too long for the comparison with the reference"),
-        (["stop_time=1 ms"], 2, "2e-05 s: is too long for the comparison with the reference"),
-        (["output_step=2 ms", "reference.enabled=false"], 400, None),
-    ],
-)
-def test_records_at_other_times_than_asked_for_are_noticed(
-    changes: list[str], every: int, why: str | None
-) -> None:
-    scenario = load("valve-train", changes)
-    assert scenario.record_every == every
-    if scenario.reference.enabled:
-        assert scenario.stop_time >= 100 * every * scenario.macro_step * (1 - 1e-9)
-    said = list_warnings(scenario)
-    assert len(said) == (why is not None)
-    assert all(line.startswith(f"output_step = {why}") for line in said)
-
-
 def test_every_step_of_very_many_ends_after_it_began() -> None:
     """Of 3e7 steps the rounding of time / macro_step is above the slack of few: steps of no length came of
     it."""
@@ -403,12 +371,3 @@ def test_every_step_of_very_many_ends_after_it_began() -> None:
     for n in range(30_000_000, 30_000_100):
         end, _ = steps._find_end(n * 5e-6)
         assert end == (n + 1) * 5e-6
-
-
-def test_step_control_does_not_inherit_the_records_of_equal_steps(tmp_path: Path) -> None:
-    file = tmp_path / "mine.toml"
-    file.write_text('extends = "valve-train"\n[step_control]\n')
-    assert load("valve-train").output_step is not None
-    assert load(file).output_step is None
-    file.write_text('extends = "valve-train"\noutput_step = "1 ms"\n[step_control]\n')
-    assert load(file).output_step == 1e-3

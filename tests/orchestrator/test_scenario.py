@@ -248,3 +248,12 @@ def test_logarithmic_units_are_not_converted() -> None:
     assert convert_units("dB", {}, "1", {}) is None
     with pytest.raises(UnitError, match="dB"):
         to_unit("3 dB", "1")
+
+
+def test_step_control_does_not_inherit_the_records_of_equal_steps(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text('extends = "valve-train"\n[step_control]\n')
+    assert load("valve-train").output_step is not None
+    assert load(file).output_step is None
+    file.write_text('extends = "valve-train"\noutput_step = "1 ms"\n[step_control]\n')
+    assert load(file).output_step == 1e-3

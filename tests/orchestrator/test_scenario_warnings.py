@@ -55,3 +55,34 @@ def test_a_system_that_a_slip_of_the_unit_makes_impossible_names_the_slip(tmp_pa
     slip, consequence = done.stderr.splitlines()
     assert "did you mean 9 mm?" in slip
     assert "undercut" in consequence
+
+
+@pytest.mark.parametrize(
+    ("changes", "every", "why"),
+    [
+        (["output_step=20 us"], 4, None),
+        (
+            ["output_step=12.5 us"],
+            2,
+            "1.25e-05 s: is no multiple of macro_step = 5e-06 s; the interval is 1e-05 s, 2 macro steps",
+        ),
+        (
+            ["output_step=1 us"],
+            1,
+            "1e-06 s: is shorter than macro_step = 5e-06 s; the interval is 5e-06 s, 1 macro",
+        ),
+        (["output_step=2 ms"], 240, "0.002 s: is too long for the comparison with the reference"),
+        (["stop_time=1 ms"], 2, "2e-05 s: is too long for the comparison with the reference"),
+        (["output_step=2 ms", "reference.enabled=false"], 400, None),
+    ],
+)
+def test_records_at_other_times_than_asked_for_are_noticed(
+    changes: list[str], every: int, why: str | None
+) -> None:
+    scenario = load("valve-train", changes)
+    assert scenario.record_every == every
+    if scenario.reference.enabled:
+        assert scenario.stop_time >= 100 * every * scenario.macro_step * (1 - 1e-9)
+    said = list_warnings(scenario)
+    assert len(said) == (why is not None)
+    assert all(line.startswith(f"output_step = {why}") for line in said)

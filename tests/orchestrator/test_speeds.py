@@ -1,7 +1,6 @@
 """tribocosim speeds: cycles of a scenario over speed, continued where it stopped."""
 
 import csv
-import math
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +12,6 @@ from hypothesis import strategies as st
 
 import tribocosim
 from models.catalogue import CATALOGUE
-from models.core.system import Instance, System
-from models.monolithic.cycle import Cycle
-from orchestrator.assessment.figures_of_merit import Motion, measure
-from orchestrator.assessment.trains import Angle
 from orchestrator.errors import MistakeError
 from orchestrator.plots.speeds import draw_summary, find_orders
 from orchestrator.scenario.files import load, read_changed
@@ -321,103 +316,3 @@ def test_a_train_without_contacts_has_no_separation() -> None:
 def test_bisection_ends_within_a_tenth_of_a_revolution() -> None:
     found = bisect_separation(lambda speed: speed >= 123.4, 100.0, 200.0)
     assert 0.0 <= found - 123.4 <= CLOSE
-
-
-def measure_over(cycle: Cycle, angle: np.ndarray) -> dict[str, float]:
-    """The figures of a cycle whose parts are read over this angle (rad)."""
-
-    def column(name: str) -> np.ndarray:
-        return angle if name == "shaft.angle" else cycle[name]
-
-    motion = Motion(cycle.system, cycle.times, column, Angle("shaft_angle", "shaft.angle"))
-    return {f"{part}.{name}": found.value for part, name, _, found in measure(motion)}
-
-
-def valve_cycle(position: np.ndarray) -> Cycle:
-    """A made cycle of a valve with a seat, by its positions over a turn."""
-    component = CATALOGUE["valve_spring"]()
-    system = System({"valve": Instance(component, {"seat_stiffness": 1e7})}, ())
-    times = np.linspace(0.0, 1.0, position.size)
-    outputs = np.zeros((position.size, component.outputs.size))
-
-    def put(name: str, values: np.ndarray | float) -> None:
-        outputs[:, component.outputs.index(name)] = values
-
-    put("position", position)
-    put("velocity", np.gradient(position, times))
-    put("valve_lift", position)
-    put("seat_dip", -position)
-    put("spring_force", 330.0 + 35e3 * position)
-    inputs = np.full((position.size, component.inputs.size), 165.0)
-    return Cycle(system, times, inputs, outputs, system.x0, 0.0, 1)
-
-
-def test_numbers_of_a_made_cycle() -> None:
-    """A valve that lands with 20 mm/s, bounces by 0.1 mm, and is pressed with half of its spring's force."""
-    share = np.linspace(0.0, 1.0, 3601)
-    lift = np.interp(
-        share, [0.0, 0.2, 0.5, 0.9, 0.92, 0.94, 1.0], [-1e-6, -1e-6, 8e-3, -1e-6, 1e-4, -1e-6, -1e-6]
-    )
-    found = measure_over(valve_cycle(lift), 2.0 * math.pi * share)
-    assert found["valve.largest_lift"] == pytest.approx(8e-3)
-    assert found["valve.seating_velocity"] == pytest.approx(8e-3 / 0.4, rel=1e-3)
-    assert found["valve.bounce"] == pytest.approx(1e-4, rel=1e-3)
-    assert found["valve.spring_margin"] == pytest.approx(165.0 / (330.0 + 35e3 * 8e-3))
-    assert found["valve.surge_force"] == pytest.approx(0.0, abs=1e-9)
-
-
-def test_losses_on_the_flanks_and_over_the_nose_are_told_apart() -> None:
-    """A harmonic lift slows the valve in its upper half. A loss belongs to where it begins."""
-    kinds = {"cam": CATALOGUE["camshaft"](), "contact": CATALOGUE["ehl_contact"]()}
-    system = System({name: Instance(kind, {}) for name, kind in kinds.items()}, ())
-    share = np.linspace(0.0, 1.0, 3601)
-    angle = 2.0 * math.pi * share
-    made = {"cam.cam_lift": 4e-3 * (1.0 - np.cos(angle)), "cam.cam_angle": angle}
-
-    def lose(*spans: tuple[float, float]) -> tuple[float, float]:
-        lost = np.any([(share >= begin) & (share < end) for begin, end in spans], axis=0)
-        outputs = np.zeros((share.size, sum(kind.outputs.size for kind in kinds.values())))
-        cycle = Cycle(system, share, np.zeros((share.size, system.inputs.size)), outputs, system.x0, 0.0, 1)
-        for name, values in (made | {"contact.load": np.where(lost, 0.0, 500.0)}).items():
-            cycle[name][:] = values
-        found = measure_over(cycle, angle)
-        return found["contact.lost"], found["contact.lost_on_nose"]
-
-    # A loss ends between two samples.
-    close = 0.6 / 3600
-    on_flank, on_nose, across = (0.15, 0.20), (0.45, 0.55), (0.24, 0.30)
-    assert lose() == (0.0, 0.0)
-    assert lose(on_flank) == pytest.approx((0.05, 0.0), abs=close)
-    assert lose(across) == pytest.approx((0.06, 0.0), abs=close)
-    assert lose(on_nose) == pytest.approx((0.1, 0.1), abs=close)
-    assert lose(on_flank, on_nose) == pytest.approx((0.15, 0.1), abs=2 * close)
-
-
-def test_numbers_of_a_made_cycle_of_a_bearing() -> None:
-    """Extremes, and the mean of a loss that rises from 0 to 6 W and stays there as long."""
-    component = CATALOGUE["journal_bearing"]()
-    times = np.linspace(0.0, 1.0, 201)
-    outputs = np.zeros((times.size, component.outputs.size))
-    made = {
-        "load": 500.0 * times,
-        "minimum_film_thickness": 3e-6 - 1e-6 * times,
-        "film_ratio": 7.5 - 2.5 * times,
-        "eccentricity_ratio": 0.88 + 0.04 * times,
-        "maximum_pressure": 8e6 * times,
-        "power_loss": np.minimum(12.0 * times, 6.0),
-    }
-    for name, values in made.items():
-        outputs[:, component.outputs.index(name)] = values
-    system = System({"bearing": Instance(component, {})}, ())
-    inputs = np.zeros((times.size, component.inputs.size))
-    found = measure_over(Cycle(system, times, inputs, outputs, system.x0, 0.0, 1), 2.0 * math.pi * times)
-    assert found == pytest.approx(
-        {
-            "bearing.bearing_load": 500.0,
-            "bearing.least_film": 2e-6,
-            "bearing.least_film_ratio": 5.0,
-            "bearing.largest_eccentricity": 0.92,
-            "bearing.peak_pressure": 8e6,
-            "bearing.friction_power": 4.5,
-        }
-    )

@@ -14,9 +14,9 @@ from models.contact.films import FILMS
 from models.core.quantities import Vector
 from models.core.system import ModelError
 
-from ...assessment.figures_of_merit import CONTACT, Motion, Part, list_contacts
+from ...assessment.figures_of_merit import CONTACT, Motion, Part
 from ...assessment.lost_contact import find_lost, list_shares
-from ...assessment.trains import parameter_of
+from ...assessment.trains import list_contacts, parameter_of
 from ...errors import MistakeError, Option, one_of
 from ...scenario.files import put
 from ...scenario.system import build_system

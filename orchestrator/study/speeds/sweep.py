@@ -19,9 +19,8 @@ from models.core.system import System
 from models.monolithic.cycle import STEADY
 
 from ...assessment.contacts.lines import FED
-from ...assessment.figures_of_merit import list_contacts
 from ...assessment.lost_contact import find_lost
-from ...assessment.trains import parameter_of
+from ...assessment.trains import list_contacts, parameter_of
 from ...errors import MistakeError, Option
 from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
 from ...plots.style import save_figure
