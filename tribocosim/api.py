@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import shutil
-import tempfile
 import weakref
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from models.compile.temporary import TemporaryFolder
 from orchestrator.errors import MistakeError, RunError, one_of
 from orchestrator.run.pipeline import run as run_pipeline
 from orchestrator.run.pipeline import run_plan
@@ -161,14 +160,15 @@ def _keep_result(out: str | Path | None, make: Callable[[Path], Summary]) -> Res
     """The result of a run that is made in `out`, or in a folder that goes when the result does."""
     if out is not None:
         return _open_complete(make(Path(out)), Path(out))
-    kept = Path(tempfile.mkdtemp(prefix="tribocosim-"))
+    kept = TemporaryFolder()
+    folder = kept.path / "run"
     try:
-        found = _open_complete(make(kept / "run"), kept / "run")
+        found = _open_complete(make(folder), folder)
     except BaseException:
-        shutil.rmtree(kept, ignore_errors=True)
+        kept.delete()
         raise
-    result = replace(found, folder=None, _kept=kept / "run")
-    weakref.finalize(result, shutil.rmtree, kept, ignore_errors=True)
+    result = replace(found, folder=None, _kept=folder)
+    weakref.finalize(result, kept.delete)
     return result
 
 

@@ -5,11 +5,11 @@ What builds FMUs is imported when one is built: most runs find theirs in the cac
 
 import atexit
 import functools
-import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from models.compile.cache_folder import user_cache_directory
+from models.compile.temporary import TemporaryFolder
 from orchestrator.errors import MistakeError, Option, RunError, Words
 from orchestrator.scenario import Scenario
 
@@ -96,6 +96,6 @@ def make_folder(reason: str) -> Path:
         f"{user_cache_directory()}: cannot be used ({reason}), so FMUs are built for this command only; "
         "TRIBOCOSIM_CACHE names another folder"
     )
-    kept = tempfile.TemporaryDirectory(prefix="tribocosim-fmus-")
-    atexit.register(kept.cleanup)
-    return Path(kept.name)
+    kept = TemporaryFolder()
+    atexit.register(kept.delete)
+    return kept.path

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from models.compile.temporary import TemporaryFolder
 from models.core.system import Instance, suggestion
 from orchestrator.errors import MistakeError, Option
 
@@ -57,8 +57,7 @@ def build_scenario_fmus(
         parts.pop(name, None)
     names = list(dict.fromkeys(components)) or list(parts)
     check_place(Path(out), () if whole else names)
-    with tempfile.TemporaryDirectory(prefix="tribocosim-") as temporary:
-        folder = Path(temporary)
+    with TemporaryFolder() as folder:
         if whole:
             _check_whole(checked, assembly, outside)
             lines = [(str(c.source), str(c.target)) for c in system.connections]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import copy
 import math
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from models.compile.temporary import TemporaryFolder
 from orchestrator.analyses import load as load_analysis
 
 from .cached_fmus import build_fmu
@@ -183,5 +183,5 @@ def _open_folder(out: str | Path | None, name: str) -> Iterator[Path]:
     if out is not None:
         yield Path(out)
         return
-    with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
-        yield Path(folder) / name
+    with TemporaryFolder() as folder:
+        yield folder / name

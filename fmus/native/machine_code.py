@@ -7,7 +7,6 @@ platforms come with the package `ziglang`.
 import platform
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Any
 
 import fmpy
 
+from models.compile.temporary import TemporaryFolder
 from models.core.errors import MistakeError
 
 from .differentiate import llvm
@@ -96,8 +96,7 @@ def shared_library(
 ) -> bytes:
     """The library `name` for a platform: the runtime for a version of FMI, tables, and kernels (modules in
     LLVM's language)."""
-    with tempfile.TemporaryDirectory(prefix="tribocosim-native-") as folder:
-        here = Path(folder)
+    with TemporaryFolder() as here:
         (here / "kernels.o").write_bytes(object_code(place, kernels))
         for file, text in tables.items():
             (here / file).write_text(text, encoding="utf-8")

@@ -10,6 +10,8 @@ from typing import Any, ClassVar
 
 from fmpy import extract
 
+from models.compile.temporary import TemporaryFolder
+
 from ..errors import CannotSerializeError, ParticipantError, RefusedError
 from .binding import find_array
 from .bound_variables import OpenFmu
@@ -17,7 +19,6 @@ from .description import CO_SIMULATION, read_description
 from .failures import ErrorReporter
 from .fmi_instance import FmiInstance
 from .staying import stay_in_folder
-from .unpacked import UnpackedFolder
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class OpenedFmu:
         self.name, self._settings = name, settings
         self._errors = ErrorReporter(name)
         self._instantiated = False
-        self._unpacked = UnpackedFolder() if folder is None else None
+        self._unpacked = TemporaryFolder() if folder is None else None
         self._folder = str(self._unpacked.path if self._unpacked else folder)
         try:
             description = read_description(path, settings.interface, settings.sizes)

@@ -14,6 +14,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
+from models.compile.temporary import TemporaryFolder
+
 from .. import errors
 from ..errors import (
     Command,
@@ -26,7 +28,6 @@ from ..errors import (
 )
 from .messages import CALL, FAILED, receive, send
 from .opened_fmu import FmuSettings
-from .unpacked import UnpackedFolder
 
 # How long to wait for the process to end by itself (s).
 PATIENCE_S = 5.0
@@ -52,7 +53,7 @@ class OwnProcess:
     def __init__(self, name: str, path: Path, settings: FmuSettings, limits: Limits, **given: Any) -> None:
         self.name, self._limits = name, limits
         # Kept here, as a crashed process does not delete what it unpacked.
-        self._unpacked = UnpackedFolder()
+        self._unpacked = TemporaryFolder()
         self._process = _start_process(self.server, limits.memory_mb)
         self._lost = self._made = self._stepped = False
         self._path = path

@@ -3,7 +3,6 @@
 import logging
 import signal
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
@@ -15,6 +14,7 @@ from distributed import Client, LocalCluster, Security
 from distributed.comm.core import FatalCommClosedError
 
 from models.compile.cache_folder import private_folder
+from models.compile.temporary import TemporaryFolder
 
 from ..errors import MistakeError, Option
 
@@ -80,8 +80,8 @@ def _create_scratch() -> Iterator[str]:
     try:
         folder = private_folder("studies")
     except OSError:
-        with tempfile.TemporaryDirectory(prefix="tribocosim-study-") as temporary:
-            yield temporary
+        with TemporaryFolder() as temporary:
+            yield str(temporary)
     else:
         yield str(folder)
 

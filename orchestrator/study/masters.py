@@ -3,7 +3,6 @@
 import csv
 import io
 import math
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
@@ -11,6 +10,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 from rich.table import Table
+
+from models.compile.temporary import TemporaryFolder
 
 from ..analyses._evaluate import create_folder, find_results
 from ..errors import MistakeError, RunError, in_command_line
@@ -87,8 +88,8 @@ def _try(
 ) -> Tried:
     try:
         one = vary({"master.name": name, "macro_step": step})
-        with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
-            summary = run(one, Path(folder, "run"), build, silent, figures=False)
+        with TemporaryFolder() as folder:
+            summary = run(one, folder / "run", build, silent, figures=False)
     except (MistakeError, RunError) as error:
         return Tried(name, step, message=in_command_line(error))
     shares = {key: e.relative_rms / e.tolerance for key, e in summary.errors.items() if e.tolerance}

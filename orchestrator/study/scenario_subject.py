@@ -3,7 +3,6 @@
 import copy
 import functools
 import hashlib
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from models.compile.temporary import TemporaryFolder
 from models.core import roles
 from models.core.quantities import Quantity
 
@@ -175,10 +175,10 @@ class ScenarioSubject:
         # A lost point is computed again, without a checkpoint.
         scenario = self.build_scenario_at(values).model_copy(update={"checkpoint_every": 0.0})
         found: dict[str, float] = {}
-        with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
-            summary = run(scenario, Path(folder), self.build, quiet, figures=False)
-            if (Path(folder) / RESULT).exists():
-                found = _compute_statistics(Path(folder))
+        with TemporaryFolder() as folder:
+            summary = run(scenario, folder, self.build, quiet, figures=False)
+            if (folder / RESULT).exists():
+                found = _compute_statistics(folder)
         for name, table in scenario.components.items():
             if table.resolve().has_role(roles.Contact):
                 found |= _collect_contact(name, summary.contacts.get(name))

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from fmus.build import build
+from models.compile import temporary
+from models.compile.temporary import NEW, PREFIX, TemporaryFolder
 from orchestrator.errors import MistakeError, in_command_line
-from orchestrator.participants import unpacked
-from orchestrator.participants.unpacked import NEW, PREFIX, UnpackedFolder
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.run.resume import resume
@@ -374,15 +374,13 @@ def test_a_limit_of_memory_needs_a_process_of_its_own(tmp_path: Path) -> None:
         build_system(one)
 
 
-@pytest.mark.skipif(unpacked.fcntl is None, reason="needs locks of POSIX")
+@pytest.mark.skipif(temporary.fcntl is None, reason="needs locks of POSIX")
 def test_folders_of_killed_processes_are_deleted_by_a_later_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Not those of living ones, whatever their age, nor new ones, nor what has another name."""
     monkeypatch.setenv("TMPDIR", str(tmp_path))
-    code = (
-        "from orchestrator.participants.unpacked import *; print(UnpackedFolder().path, flush=True); input()"
-    )
+    code = "from models.compile.temporary import *; print(TemporaryFolder().path, flush=True); input()"
 
     def start() -> tuple[subprocess.Popen[str], Path]:
         made = subprocess.Popen(
@@ -397,10 +395,15 @@ def test_folders_of_killed_processes_are_deleted_by_a_later_one(
     new, other = tmp_path / f"{PREFIX}new", tmp_path / "other"
     new.mkdir()
     other.mkdir()
-    for folder in (kept, left, other):
+    for folder in (kept.parent, left.parent, other):
         os.utime(folder, (0.0, time.time() - 2.0 * NEW))
-    unpacked._delete_left.cache_clear()
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    UnpackedFolder().delete()
-    assert [folder.exists() for folder in (kept, left, new, other)] == [True, False, True, True]
+    first, second = TemporaryFolder(), TemporaryFolder()
+    assert [folder.exists() for folder in (kept, left.parent, new, other)] == [True, False, True, True]
     living.communicate("")
+    # A process has one folder, which goes with the last of those in it.
+    for one, number in ((first, 1), (second, 0)):
+        assert one.path.parent == second.path.parent
+        one.delete()
+        assert len(list(tmp_path.glob(f"{PREFIX}*/*"))) == number + 1  # that of the living one
+    assert not second.path.parent.exists()

@@ -2,7 +2,6 @@
 
 import hashlib
 import shutil
-import tempfile
 import zipfile
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from fmus.fmi.archive import (
     open_archive,
 )
 from models.compile.cache_folder import PrivateFolder, open_folder, user_cache_directory
+from models.compile.temporary import TemporaryFolder
 
 from ..scenario import ScenarioError
 from .names import UNPACKED
@@ -34,8 +34,8 @@ def unpack_into_cache(path: Path) -> Path:
             folder = cache.path / name
             if not _is_whole(cache, name):
                 shutil.rmtree(folder, ignore_errors=True)
-                with tempfile.TemporaryDirectory(dir=cache.path) as made:
-                    whole = Path(made, "whole")
+                with TemporaryFolder(cache.path) as made:
+                    whole = made / "whole"
                     unpack(path, whole)
                     cache.write(f"{name}{SUM}", _sum_up(whole))
                     if not folder.is_dir():  # another process may have been faster
