@@ -19,6 +19,16 @@ from .compilation import COMPILING, announce_compilation
 from .engine.step import Step
 
 SHOWN_EVERY_S = 0.1
+# Without a terminal a line says at least so often how far a long stage is.
+TOLD_EVERY_S = 20.0
+
+
+def estimate_left(share: float, seconds: float) -> str:
+    """How long a task still takes of which a share was done in so many seconds; "" if that is not known."""
+    if not 0.0 < share < 1.0:
+        return ""
+    left = seconds * (1.0 / share - 1.0)
+    return f", about {left:.0f} s left" if left < 100.0 else f", about {left / 60.0:.0f} min left"
 
 
 class Bar:
@@ -91,7 +101,7 @@ class Reporter:
 
     @contextmanager
     def stage(self, text: str, stop_time: float = 1.0) -> Iterator[Bar]:
-        """A stage of the command with its bar; without a terminal, a line at its start."""
+        """A stage of the command with its bar; without a terminal lines, at its start and while it lasts."""
         live = self.console.is_terminal
         columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
         progress = Progress(*columns, console=self.console, transient=True, disable=not live)
@@ -99,9 +109,15 @@ class Reporter:
             self.line(text)
         with progress, announce_compilation(COMPILING, self._compiling):
             task = progress.add_task(text, total=1.0)
+            begun = told = clock.monotonic()
 
             def show(share: float) -> None:
+                nonlocal told
                 progress.update(task, completed=share)
+                now = clock.monotonic()
+                if not live and now - told > TOLD_EVERY_S and share < 1.0:
+                    told = now
+                    self.line(f"{text}: {100.0 * share:.0f} % done{estimate_left(share, now - begun)}")
 
             yield Bar(show, stop_time)
 

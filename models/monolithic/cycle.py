@@ -17,6 +17,9 @@ from .reference import observe, stiffness
 TOLERANCE = 1e-8
 STEADY = 1e-5
 MOST_PERIODS = 60
+# A search whose least change is not halved in so many periods ends: at that rate it would need more than a
+# hundred to become steady. Subharmonic and chaotic motions have no cycle of this period.
+PATIENCE = 15
 # Periods that Anderson's method combines.
 MEMORY = 6
 
@@ -61,9 +64,9 @@ def find_cycle(
     """The cycle of that period (s), from the state `start` (default: the system's start).
 
     Each period begins at time 0 with the states `turning` at their starts. All others go on from where the
-    last period ended, extrapolated by Anderson's method. Where that does not settle in `most_periods`, as of
-    chaotic motion, the last period is returned. `tolerance` is the integrator's, over nominal + |value|.
-    ModelError if a method fails.
+    last period ended, extrapolated by Anderson's method. Where that does not settle in `most_periods`, or
+    makes no progress in PATIENCE, the last period is returned. `tolerance` is the integrator's, over
+    nominal + |value|. ModelError if a method fails.
     """
     problem = SystemProblem(system)
     times = np.linspace(0.0, period, samples + 1)
@@ -72,19 +75,26 @@ def find_cycle(
     scaling = _Scaling(system, held)
     x = np.array(system.x0 if start is None else start, dtype=np.float64)
     x[held] = system.x0[held]
-    begun, ended = list[Vector](), list[Vector]()
+    begun, ended, changes = list[Vector](), list[Vector](), list[float]()
     for periods in range(1, most_periods + 1):
         # Stops at samples take most of the time of a period: only the last one makes them.
         end = _move(problem, x, times, times[[0, -1]], tolerance)[-1, :n]
         change = np.abs(end - x)[~held] / (system.state.nominal + np.abs(x))[~held]
-        if (worst := float(np.max(change, initial=0.0))) <= STEADY or periods == most_periods:
+        changes.append(float(np.max(change, initial=0.0)))
+        if changes[-1] <= STEADY or periods == most_periods or makes_no_progress(changes):
             break
         begun.append(scaling.flat(x))
         ended.append(scaling.flat(end))
         x = scaling.state(_extrapolate(begun[-MEMORY:], ended[-MEMORY:]), x)
     states = _move(problem, x, times, times, tolerance)
     inputs, outputs, _ = observe(problem, times, states)
-    return Cycle(system, times, inputs, outputs, end.copy(), worst, periods)
+    return Cycle(system, times, inputs, outputs, end.copy(), changes[-1], periods)
+
+
+def makes_no_progress(changes: Sequence[float]) -> bool:
+    """Whether the least change of the last PATIENCE periods is more than half of the least one before."""
+    before, last = changes[:-PATIENCE], changes[-PATIENCE:]
+    return bool(before) and min(last) > 0.5 * min(before)
 
 
 def _move(problem: SystemProblem, x: Vector, times: Vector, stops: Vector, tolerance: float) -> Vector:

@@ -40,6 +40,6 @@ def draw_variants(tables: Mapping[str, xarray.Dataset]) -> Figure:
 
 def _find_first(tables: Mapping[str, xarray.Dataset], ending: str) -> str:
     """The result of the first part that has it, contacts before others; "" for none."""
-    table = next(iter(tables.values()))
-    names = [name for name in map(str, table.data_vars) if name.endswith(ending)]
-    return min(names, key=lambda name: f"{name.partition('.')[0]}.lost" not in table, default="")
+    every = list(dict.fromkeys(str(name) for table in tables.values() for name in table.data_vars))
+    names = [name for name in every if name.endswith(ending)]
+    return min(names, key=lambda name: f"{name.partition('.')[0]}.lost" not in every, default="")

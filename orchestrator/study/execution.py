@@ -1,6 +1,7 @@
 """Sends points to workers and receives their outcomes."""
 
 import pickle
+import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import suppress
@@ -18,6 +19,9 @@ from .task import Outcome, evaluate
 
 # Points submitted for each thread: enough that none waits while outcomes are written.
 AHEAD = 4
+
+# An empty batch comes after so long without an outcome, so that progress can be shown.
+WAIT_S, LOOK_EVERY_S = 1.0, 0.01
 
 DIED = "the worker's process died at this point, more than once (out of memory, or a crash in compiled code)"
 
@@ -75,13 +79,14 @@ class Execution:
                 yield [(index, outcome or Outcome({}, DIED)) for index, outcome in batch]
 
     def _complete(self, indices: Sequence[int], ahead: int) -> Iterator[list[tuple[int, Outcome | None]]]:
-        """Outcomes; None for points whose workers died."""
+        """Outcomes, None for points whose workers died; an empty batch whenever there is none for a while."""
         waiting = iter(indices)
         numbers: dict[Future, int] = {}
         completed = as_completed()
         try:
             self._submit(islice(waiting, self._count_slots(ahead)), numbers, completed)
-            for batch in completed.batches():
+            while numbers:
+                batch = _wait(completed)
                 yield [(numbers.pop(future), self._read_outcome(future)) for future in batch]
                 self._submit(
                     islice(waiting, max(0, self._count_slots(ahead) - len(numbers))), numbers, completed
@@ -111,3 +116,11 @@ class Execution:
         if isinstance(outcome, str):
             raise WorkerError(f"a worker {outcome}; install there what runs here")
         return outcome
+
+
+def _wait(completed: as_completed) -> list[Future]:
+    """The futures that have ended, or none after WAIT_S."""
+    last = clock.monotonic() + WAIT_S
+    while not (batch := completed.next_batch(block=False)) and clock.monotonic() < last:
+        clock.sleep(LOOK_EVERY_S)
+    return list(batch)

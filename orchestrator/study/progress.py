@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import time as clock
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
-from ..reporter import Reporter
-
-EVERY_S = 20.0
+from ..reporter import TOLD_EVERY_S, Reporter, estimate_left
 
 
 class StudyProgress:
@@ -23,6 +28,7 @@ class StudyProgress:
             BarColumn(),
             MofNCompleteColumn(),
             TextColumn("{task.fields[failed]} failed"),
+            TimeElapsedColumn(),
             TimeRemainingColumn(),
         )
         self._bar = Progress(*columns, console=reporter.console, transient=True, disable=not self._live)
@@ -43,16 +49,14 @@ class StudyProgress:
         self._bar.update(self._task, completed=finished, failed=failed)
         tenth, now = 10 * finished // self._total, clock.monotonic()
         self._begun = self._begun or (finished, now)
-        if not self._live and (tenth > self._tenth or now - self._told > EVERY_S):
+        if not self._live and (tenth > self._tenth or now - self._told > TOLD_EVERY_S):
             self._tenth, self._told = tenth, now
             left = self._total - finished
-            text = f"{self._name}: {done} done, {failed} failed, {left} left{self._estimate(finished, left)}"
+            text = f"{self._name}: {done} done, {failed} failed, {left} to do{self._estimate(finished, left)}"
             self._reporter.tell(text, finished / self._total)
 
     def _estimate(self, finished: int, left: int) -> str:
         """How long the points that are left take, if that is known."""
         before, begun = self._begun or (0, 0.0)
-        if not left or finished == before:
-            return ""
-        seconds = left * (clock.monotonic() - begun) / (finished - before)
-        return f", about {seconds:.0f} s" if seconds < 100.0 else f", about {seconds / 60.0:.0f} min"
+        share = (finished - before) / (finished - before + left) if left else 1.0
+        return estimate_left(share, clock.monotonic() - begun)

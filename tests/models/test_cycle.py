@@ -6,7 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from models.monolithic.cycle import STEADY, TOLERANCE, find_cycle
+from models.catalogue import CATALOGUE
+from models.core.system import Instance, System
+from models.monolithic.cycle import MOST_PERIODS, PATIENCE, STEADY, TOLERANCE, find_cycle, makes_no_progress
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
 from orchestrator.study.speeds.separation import bisect_separation
@@ -114,3 +116,21 @@ def test_a_motion_that_does_not_settle_is_returned_as_such():
     assert cycle.change > STEADY
     with pytest.raises(KeyError, match=r"contact\.weight"):
         cycle["contact.weight"]
+
+
+def test_a_search_that_makes_no_progress_ends_early():
+    """The angle of a shaft grows by the same in each turn: relative to the angle that is 1 / n after n turns,
+    which PATIENCE more turns halve only in the beginning."""
+    speed = {"initial_speed": 100.0, "final_speed": 100.0}
+    system = System({"flywheel": Instance(CATALOGUE["flywheel"](), speed, {"speed": 100.0})}, [])
+    cycle = find_cycle(system, turn(100.0 * 30.0 / math.pi), [], samples=2)
+    assert not cycle.steady
+    assert 2 * PATIENCE <= cycle.periods < MOST_PERIODS
+
+
+@pytest.mark.parametrize(("rate", "ended"), [(0.9, False), (0.97, True), (1.0, True)])
+def test_progress_is_a_change_that_is_halved_in_time(rate, ended):
+    """0.9^15 = 0.21 and 0.97^15 = 0.63; single periods that change more do not matter."""
+    changes = [rate**n * (1.0 if n % 3 else 50.0) for n in range(1, 40)]
+    assert makes_no_progress(changes) == ended
+    assert not makes_no_progress(changes[:PATIENCE])

@@ -30,7 +30,8 @@ from orchestrator.study.speeds.separation import (
     find_separation,
 )
 from orchestrator.study.speeds.subject import SpeedSubject, describe_numbers
-from orchestrator.study.speeds.sweep import describe_lift_loss, read_table
+from orchestrator.study.speeds.sweep import describe_lift_loss, describe_unsteady, read_table
+from tribocosim.reporting import SilentReporter
 
 from .commands import called, said
 
@@ -200,6 +201,15 @@ def test_the_worst_of_the_area_under_the_lift_is_the_least() -> None:
     assert (found.value, found.speed_rpm) == pytest.approx((1.0, 2.0 * 60.0 / (2.0 * np.pi)))
 
 
+def test_motions_without_a_cycle_are_said_with_their_distance() -> None:
+    speeds = np.array([100.0, 200.0, 300.0]) / RPM
+    numbers = {"change": ("speed", [1e-6, 2e-3, 4e-2]), "periods": ("speed", [4.0, 20.0, 25.0])}
+    (sentence,) = describe_unsteady(xarray.Dataset(numbers, {"speed": speeds}))
+    assert sentence.startswith("no steady cycle at 2 speeds from 200 to 300 r/min; the worst at 300 r/min")
+    assert "4 % after 25 periods" in sentence
+    assert not list(describe_unsteady(xarray.Dataset(numbers, {"speed": speeds}).isel(speed=[0])))
+
+
 def test_lift_is_compared_at_speeds_with_contact() -> None:
     """A valve that flies has more area than the cam gives it."""
     values = {"valve.lift_area": [2e-3, 1.9e-3, 5e-3], "contact.lost": [0.0, 0.0, 0.1]}
@@ -260,7 +270,7 @@ def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(
     monkeypatch.setattr(separation, "is_separated", is_lost)
     subject, first = SpeedSubject(tables, "flywheel"), Separation(3241.7, 3341.7, "")
     for film, limit in limits.items():
-        found = find_second(subject, speeds, first, film)
+        found = find_second(subject, speeds, first, film, SilentReporter())
         if limit > 3600.0:
             assert (found.speed, found.text) == (
                 None,
@@ -269,7 +279,7 @@ def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(
         else:
             assert limit <= found.speed <= limit + 0.11
             assert limit + 100.0 <= found.nose_speed <= limit + 100.11
-    text = find_second(subject, speeds, Separation(3241.7, None, ""), "dowson_toyoda").text
+    text = find_second(subject, speeds, Separation(3241.7, None, ""), "dowson_toyoda", SilentReporter()).text
     assert text == "with film_model = dowson_toyoda contact is lost from 3306.1 r/min (+2.0 %)"
 
 
@@ -310,7 +320,7 @@ def test_the_first_loss_is_at_the_end_of_the_nearest_range(lost: list[bool], dat
 
 def test_a_train_without_contacts_has_no_separation() -> None:
     table = xarray.Dataset({"shaft.twist": ("speed", [0.1, 0.2])}, {"speed": [100.0, 200.0]})
-    assert find_separation(SpeedSubject({}, "flywheel"), table) is None
+    assert find_separation(SpeedSubject({}, "flywheel"), table, SilentReporter()) is None
 
 
 def test_bisection_ends_within_a_tenth_of_a_revolution() -> None:

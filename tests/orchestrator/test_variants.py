@@ -1,15 +1,21 @@
 """Sweeps of several designs, side by side."""
 
+import signal
+from contextlib import suppress
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray
 
 from orchestrator.errors import MistakeError
+from orchestrator.plots.speeds import PANELS
 from orchestrator.plots.variants import draw_variants
 from orchestrator.scenario.display import format_number
 from orchestrator.study.speeds.compare import Choice, select_speeds
 from orchestrator.study.speeds.sweep import Swept, select_columns
-from orchestrator.study.speeds.variants import Variant, list_variants, tabulate
+from orchestrator.study.speeds.variants import TABLE, Variant, list_variants, sweep_variants, tabulate
+from tribocosim.reporting import SilentReporter
 
 
 def make_swept(load: float, lost_from: float) -> Swept:
@@ -44,6 +50,33 @@ def test_designs_are_judged_at_the_speeds_at_which_all_keep_contact() -> None:
 def test_designs_that_lose_contact_at_every_speed_say_so() -> None:
     speeds, _ = tabulate({"soft": make_swept(400.0, 0.0), "stiff": make_swept(500.0, 1e9)})
     assert speeds == "955 to 2865 r/min, at each of which one loses contact"
+
+
+def test_a_number_that_only_a_later_design_has_has_its_column() -> None:
+    one, other = make_swept(400.0, 1e9), make_swept(500.0, 1e9)
+    power = 0.1 * other.table["contact.least_load"].rename(None)
+    with_power = other._replace(table=other.table.assign({"valve.seating_velocity": power}))
+    _, rows = tabulate({"one": one, "other": with_power})
+    assert [row["seating"] for row in rows] == ["–", "40"]
+    assert draw_variants({"one": one.table, "other": with_power.table}).axes[1].get_title() == PANELS[3][0]
+
+
+def test_an_interrupted_sweep_leaves_out_the_designs_that_follow(tmp_path: Path) -> None:
+    """Also where a library made something else of Ctrl-C; designs that are complete have their table."""
+    begun = []
+
+    def sweep(tables: object, folder: Path) -> Swept:
+        begun.append(folder.name)
+        with suppress(KeyboardInterrupt):  # as a library may do
+            if len(begun) == 2:
+                signal.raise_signal(signal.SIGINT)
+        return make_swept(400.0, 1e9)
+
+    designs = {Variant(label, ()): {} for label in "abc"}
+    with pytest.raises(KeyboardInterrupt):
+        sweep_variants(designs, tmp_path, SilentReporter(), sweep)
+    assert begun == ["a", "b"]
+    assert len((tmp_path / TABLE).read_text("utf-8").splitlines()) == 1 + 2
 
 
 def test_lists_and_tables_are_values_and_equal_names_have_paths() -> None:

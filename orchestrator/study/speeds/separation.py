@@ -2,8 +2,10 @@
 
 import copy
 import functools
+import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -18,6 +20,7 @@ from ...assessment.figures_of_merit import CONTACT, Motion, Part
 from ...assessment.lost_contact import find_lost, list_shares
 from ...assessment.trains import list_contacts, parameter_of
 from ...errors import MistakeError, Option, one_of
+from ...reporter import Reporter
 from ...scenario.files import put
 from ...scenario.system import build_system
 from .subject import SpeedSubject
@@ -38,7 +41,7 @@ class Separation(NamedTuple):
     text: str
 
 
-def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> Separation | None:
+def find_separation(subject: SpeedSubject, table: xarray.Dataset, reporter: Reporter) -> Separation | None:
     """None for a train without contacts."""
     if not list_shares(table):
         return None
@@ -48,10 +51,13 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> Separation 
         return Separation(None, None, f"contact is kept up to {speeds[-1] * RPM:.0f} r/min")
     if lost[0]:
         return Separation(None, None, f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed")
-    is_lost = _find_losses(subject)
+    count = (1 + bool(on_nose.any())) * _count_halvings(speeds)
     try:
-        speed = _bisect(is_lost, speeds, int(np.argmax(lost)), "lost")
-        nose = _bisect(is_lost, speeds, int(np.argmax(on_nose)), "lost_on_nose") if on_nose.any() else None
+        with _find_losses(subject, "speed of separation", count, reporter) as is_lost:
+            speed = _bisect(is_lost, speeds, int(np.argmax(lost)), "lost")
+            nose = (
+                _bisect(is_lost, speeds, int(np.argmax(on_nose)), "lost_on_nose") if on_nose.any() else None
+            )
     except ModelError as error:
         return Separation(None, None, f"the speed of separation was not found: {error}")
     again = speeds[int(np.argmax(lost)) :][~lost[int(np.argmax(lost)) :]]
@@ -83,15 +89,29 @@ def is_separated(motion: Motion, number: str) -> bool:
     return any(share(Part(motion, name)).value > 0.0 for name in list_contacts(motion.system))
 
 
-def _find_losses(subject: SpeedSubject) -> Callable[[float, str], bool]:
-    """A function of speed (rad/s) and number; what it finds at a speed serves all numbers."""
+@contextmanager
+def _find_losses(
+    subject: SpeedSubject, stage: str, count: int, reporter: Reporter
+) -> Iterator[Callable[[float, str], bool]]:
+    """A function of speed (rad/s) and number; what it finds at a speed serves all numbers.
 
-    @functools.cache
-    def measure(speed: float) -> dict[str, bool]:
-        motion = subject.find_motion_at(speed)
-        return {number: is_separated(motion, number) for number in ("lost", "lost_on_nose")}
+    A stage shows the progress, of about `count` cycles.
+    """
+    with reporter.stage(stage) as bar:
+        done = itertools.count(1)
 
-    return lambda speed, number: measure(speed)[number]
+        @functools.cache
+        def measure(speed: float) -> dict[str, bool]:
+            motion = subject.find_motion_at(speed)
+            bar.show(min(0.99, next(done) / count))
+            return {number: is_separated(motion, number) for number in ("lost", "lost_on_nose")}
+
+        yield lambda speed, number: measure(speed)[number]
+
+
+def _count_halvings(speeds: Vector) -> int:
+    """Of a distance of these speeds (rad/s) until it is CLOSE."""
+    return max(1, math.ceil(math.log2(float(np.diff(speeds).max()) / CLOSE)))
 
 
 def _bisect(is_lost: Callable[[float, str], bool], speeds: Vector, first: int, number: str) -> float:
@@ -134,7 +154,9 @@ def _list_films(subject: SpeedSubject) -> dict[str, str]:
     }
 
 
-def find_second(subject: SpeedSubject, speeds: Vector, first: Separation, film: str) -> Separation:
+def find_second(
+    subject: SpeedSubject, speeds: Vector, first: Separation, film: str, reporter: Reporter
+) -> Separation:
     """With the formula `film` in all contacts that have one; between the same `speeds` (rad/s) of the sweep.
 
     They are tried from where contact was lost first: where it is then kept upwards, else downwards.
@@ -142,9 +164,10 @@ def find_second(subject: SpeedSubject, speeds: Vector, first: Separation, film: 
     tables = copy.deepcopy(dict(subject.tables))
     for name in _list_films(subject):
         put(tables, f"components.{name}.parameters.film_model", film)
-    is_lost = _find_losses(replace(subject, tables=tables, folder=None))
+    second = replace(subject, tables=tables, folder=None)
+    count = (1 + bool(first.nose_speed)) * (2 + _count_halvings(speeds))
 
-    def find(number: str, first_speed: float | None) -> float | None:
+    def find(is_lost: Callable[[float, str], bool], number: str, first_speed: float | None) -> float | None:
         near = speeds.size - 1 if first_speed is None else int(np.searchsorted(RPM * speeds, first_speed))
         i = find_first(lambda k: is_lost(float(speeds[k]), number), near, speeds.size)
         if not i:
@@ -152,8 +175,9 @@ def find_second(subject: SpeedSubject, speeds: Vector, first: Separation, film: 
         return round(_bisect(is_lost, speeds, i, number), 2)
 
     try:
-        speed = find("lost", first.speed)
-        nose = find("lost_on_nose", first.nose_speed) if first.nose_speed and speed else None
+        with _find_losses(second, f"speed of separation with {film}", count, reporter) as is_lost:
+            speed = find(is_lost, "lost", first.speed)
+            nose = find(is_lost, "lost_on_nose", first.nose_speed) if first.nose_speed and speed else None
     except ModelError as error:
         return Separation(None, None, f"with film_model = {film} no speed of separation was found: {error}")
     return Separation(speed, nose, f"with film_model = {film} {_describe_second(first, speed, nose)}")

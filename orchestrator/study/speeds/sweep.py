@@ -4,6 +4,7 @@ import copy
 import json
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from importlib import metadata
@@ -81,17 +82,20 @@ def sweep(
     """
     check_film(second_film)
     plan, subject = make_plan(tables, speeds, out)
-    status = run(plan, out / STORE, where, reporter, overwrite)
+    with _kept_on_interrupt(out, reporter):
+        status = run(plan, out / STORE, where, reporter, overwrite)
     table = read_table(out)
     if not table.sizes["speed"]:
         return Swept(status, table, {})
     report_cycles(reporter, table)
-    separation = find_separation(subject, table)
+    separation = find_separation(subject, table, reporter)
     if separation is not None:
         reporter.line(separation.text)
-    second = compare_films(subject, table, separation, second_film) if separation else None
+    second = compare_films(subject, table, separation, second_film, reporter) if separation else None
     texts = [second["text"]] if second else []
-    notices = [*texts, *describe_lift_loss(table), *describe_feeding(subject, table)]
+    notices = [
+        *texts, *describe_unsteady(table), *describe_lift_loss(table), *describe_feeding(subject, table)
+    ]  # fmt: skip
     for text in notices:
         reporter.line(text)
     summary = {
@@ -112,8 +116,23 @@ def sweep(
     return Swept(status, table, summary)
 
 
+@contextmanager
+def _kept_on_interrupt(out: Path, reporter: Reporter) -> Iterator[None]:
+    """Print the cycles that were found where the block is interrupted."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if (out / STORE).exists() and (table := read_table(out)).sizes["speed"]:
+            report_cycles(reporter, table)
+        raise
+
+
 def compare_films(
-    subject: SpeedSubject, table: xarray.Dataset, first: Separation, second_film: str | None
+    subject: SpeedSubject,
+    table: xarray.Dataset,
+    first: Separation,
+    second_film: str | None,
+    reporter: Reporter,
 ) -> dict[str, Any] | None:
     """The separation with a second film formula, and its name; None where the contacts have no other, or
     where the first was lost at all speeds or not found."""
@@ -121,7 +140,7 @@ def compare_films(
     speeds = table["speed"].values
     if film is None or (first.speed is None and find_lost(table).any()):
         return None
-    return {"film_model": film, **find_second(subject, speeds, first, film)._asdict()}
+    return {"film_model": film, **find_second(subject, speeds, first, film, reporter)._asdict()}
 
 
 def read_table(out: Path) -> xarray.Dataset:
@@ -167,21 +186,31 @@ def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan
 
 
 def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
-    """A line for each speed, and how many cycles are not steady."""
+    """A line for each speed."""
     columns, lost = select_columns(table), find_lost(table)
     heads = (head for head, _, _ in columns)
-    shown = Table("r/min", *heads, title="Steady cycles", title_justify="left", padding=0)
+    shown = Table("r/min", *heads, "motion", title="Steady cycles", title_justify="left", padding=0)
     for i, speed in enumerate(table["speed"].values):
         cells = (format_number(scale * float(table[name][i])) for _, name, scale in columns)
         marks = {"contact lost": lost[i], "not steady": table["change"][i] > STEADY}
-        shown.add_row(f"{speed * RPM:.0f}", *cells, ", ".join(text for text, holds in marks.items() if holds))
+        motion = ", ".join(text for text, holds in marks.items() if holds) or "steady"
+        shown.add_row(f"{speed * RPM:.0f}", *cells, motion)
     reporter.console.print(shown)
-    unsteady = int(np.sum(table["change"].values > STEADY))
-    if unsteady:
-        reporter.line(
-            f"{unsteady} of {table.sizes['speed']} cycles do not repeat themselves within 1e-5; their "
-            "numbers are of the last period"
-        )
+
+
+def describe_unsteady(table: xarray.Dataset) -> Iterator[str]:
+    """A sentence on the speeds at which no cycle was found: their worst, and what its numbers are."""
+    unsteady = table.isel(speed=np.flatnonzero(table["change"].values > STEADY))
+    if not unsteady.sizes["speed"]:
+        return
+    worst = unsteady.isel(speed=int(np.argmax(unsteady["change"].values)))
+    yield (
+        f"no steady cycle at {list_speeds(unsteady['speed'].values)}; the worst at "
+        f"{float(worst['speed']) * RPM:.0f} r/min, where a period still changes the motion by "
+        f"{100.0 * float(worst['change']):.2g} % after {int(worst['periods'])} periods "
+        f"(steady: {100.0 * STEADY:g} %). Such a motion is subharmonic or chaotic; its numbers are of its "
+        "last period"
+    )
 
 
 def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:

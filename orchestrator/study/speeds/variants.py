@@ -19,6 +19,7 @@ from ...errors import MistakeError, Option
 from ...plots.style import save_figure
 from ...plots.variants import draw_variants
 from ...reporter import Reporter
+from ...run.interruption import Noticed
 from ...scenario.display import format_number
 from .compare import find_worst
 from .sweep import Swept, select_columns
@@ -83,14 +84,18 @@ def sweep_variants(
     sweep: Callable[[Mapping[str, Any], Path], Swept],
 ) -> dict[str, Swept]:
     """Sweep each design by `sweep(tables, folder)` in a folder of `out`, then put all side by side; by the
-    variants' labels."""
+    variants' labels. If Ctrl-C ends it, those that are there are put side by side."""
     found: dict[str, Swept] = {}
-    for number, (variant, tables) in enumerate(designs.items(), 1):
-        reporter.line(f"{variant.label} ({number} of {len(designs)})")
-        found[variant.label] = sweep(tables, out / variant.folder)
-    swept = {label: one for label, one in found.items() if one.table.sizes["speed"]}
-    if swept:
-        _report(swept, out, reporter)
+    try:
+        with Noticed() as interruption:
+            for number, (variant, tables) in enumerate(designs.items(), 1):
+                reporter.line(f"{variant.label} ({number} of {len(designs)})")
+                found[variant.label] = sweep(tables, out / variant.folder)
+                if interruption.asked:  # and a library made something else of it
+                    raise KeyboardInterrupt
+    finally:
+        if swept := {label: one for label, one in found.items() if one.table.sizes["speed"]}:
+            _report(swept, out, reporter)
     return found
 
 
@@ -98,13 +103,18 @@ def tabulate(swept: Mapping[str, Swept]) -> tuple[str, list[dict[str, str]]]:
     """The speeds that are judged, in words, and a row for each design: its speed of separation, and the worst
     of each number. These are the speeds at which all designs keep contact, if there are any."""
     kept = keep_contact([one.table for one in swept.values()])
-    columns = [column for column in select_columns(kept[0]) if not column[1].endswith(("_angle", ".lost"))]
+    columns: dict[str, dict[str, float]] = {}  # by head: results and their factors
+    for table in kept:
+        for head, name, scale in select_columns(table):
+            if not name.endswith(("_angle", ".lost")):
+                columns.setdefault(head, {})[name] = scale
     rows = []
     for (label, one), table in zip(swept.items(), kept, strict=True):
         separation = (one.summary.get("separation") or {}).get("speed")
         row = {"design": label, "contact lost from r/min": "–" if separation is None else f"{separation:.0f}"}
-        for head, name, scale in columns:
-            worst = find_worst(table, name, scale) if name in table else None
+        for head, names in columns.items():
+            every = (find_worst(table, name, scale) for name, scale in names.items() if name in table)
+            worst = next(filter(None, every), None)
             row[head] = format_number(worst.value) if worst else "–"
         rows.append(row)
     speeds = RPM * kept[0]["speed"].values
