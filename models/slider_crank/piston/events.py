@@ -200,6 +200,8 @@ def solve_impact(
         after_j = rate_after(j, touching, found, ratios, s, m)
     i_ends = bounces_end(i, j if after_j <= still else -1, after_i - still, s, p, m)
     j_ends = bounces_end(j, i if after_i <= still else -1, after_j - still, s, p, m)
+    # If its own bounces end, the second one pushes as one at rest does: an impact of the first throws it up.
+    i_ends = i_ends or (j_ends and bounces_end(i, j, after_i - still, s, p, m))
     if i_ends or (j_ends and not second_closed):
         w = Pair(
             add_restitution(rates.first, 0.0 if i_ends else e),
