@@ -1,5 +1,6 @@
 """docs/measurements.md: published numbers beside ours, from the tests in this folder, which record them."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,6 +56,8 @@ class Published:
     @property
     def band(self) -> str:
         limits = f"{self.show(self.low)} to {self.show(self.high)}"
+        if math.isinf(self.high):
+            limits = f"above {self.show(self.low)}"
         return limits if self.value is None else f"{self.show(self.value)} ({limits})"
 
 

@@ -1,0 +1,147 @@
+"""Friction and films of cams and flat followers: measured losses over speed and temperature.
+
+Quasi-static: the load of the rigid train on its cam's lift, without load on the base circle, and the
+contact's steady film and friction at each angle.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from models.catalogue import CATALOGUE
+from models.contact.films import FILMS
+from models.contact.oil_grades import GRADES
+from models.contact.oils import ZERO_CELSIUS, evaluate_oil
+from models.core.quantities import Vector
+from tests.models.systems import outputs_of
+
+from .page import MEASURED, Published
+
+pytestmark = pytest.mark.plain
+
+CAM, CONTACT = CATALOGUE["camshaft"](), CATALOGUE["ehl_contact"]()
+BASE_RADIUS = CAM.parameters.named(CAM.parameters.vector())["base_radius"]
+# Ground surfaces of 0.2 um Ra each: 0.35 um rms together.
+ROUGHNESS = 0.35e-6
+TYPICAL = (
+    "typical values for what the source leaves out: 8 mm of lift, base circle of 42 mm, 0.2 um Ra each, "
+    "SAE 10W-30, boundary friction 0.1"
+)
+
+
+class Train(NamedTuple):
+    """What presses the follower on its cam: mass (kg), rate (N/m) and preload (N) at the cam."""
+
+    mass: float
+    rate: float
+    preload: float
+
+
+# As the shipped scenarios: valve on the cam; tappet, pushrod and rocker of ratio 1.25.
+DIRECT = Train(0.22, 35e3, 330.0)
+PUSHROD = Train(0.38, 1.25**2 * 35e3, 1.25 * 330.0)
+
+
+class Cycle(NamedTuple):
+    """Over the lift of the cam: angle (rad), friction torque (N m), film over roughness."""
+
+    angle: Vector
+    torque: Vector
+    film_ratio: Vector
+
+    @property
+    def work(self) -> float:
+        """Of a revolution (J)."""
+        return float(np.trapezoid(self.torque, self.angle))
+
+
+def turn_cam(train: Train, speed_rpm: float, celsius: float) -> Cycle:
+    oil, speed = evaluate_oil(GRADES["SAE 10W-30"], ZERO_CELSIUS + celsius), speed_rpm * math.pi / 30.0
+    parameters = {
+        "load_is_given": 1.0, "film_model": float(list(FILMS).index("dowson_higginson")),
+        "viscosity": oil.viscosity, "pressure_viscosity": oil.pressure_viscosity, "roughness": ROUGHNESS,
+    }  # fmt: skip
+    rows = []
+    for angle in np.linspace(0.0, 2.0 * math.pi, 721):
+        cam = outputs_of(CAM, inputs={"drive_angle": float(angle), "drive_speed": speed})
+        lift = cam["cam_lift"]
+        if lift < 1e-6:
+            continue
+        acceleration = (cam["radius_of_curvature"] - BASE_RADIUS - lift) * speed**2
+        inputs = {name: cam[name] for name in CONTACT.inputs.names if name in cam}
+        inputs["applied_load"] = train.preload + train.rate * lift + train.mass * acceleration
+        film = outputs_of(CONTACT, parameters, inputs=inputs)["steady_film_thickness"]
+        found = outputs_of(CONTACT, parameters, {"film_thickness": max(film, 1e-10)}, inputs)
+        rows.append((angle, found["friction_force"] * (BASE_RADIUS + lift), film / ROUGHNESS))
+    return Cycle(*np.array(rows).T)
+
+
+def test_a_flat_lifter_loses_what_a_simulator_measured(published) -> None:
+    for speed in (250.0, 1000.0):
+        case = Published(
+            "Friction and wear", f"loss of a flat lifter at {speed:g} cam r/min (J per revolution)",
+            f"shipped pushrod train (413 to 850 N), oil at 95 degC; {TYPICAL}", MEASURED, 1.75, 3.9,
+            "Tribological behavior of an automotive cam and flat lifter system, J. Tribology 108 (1986) 478",
+        )  # fmt: skip
+        why = (
+            "a range over speeds, oil temperatures and eight materials of the foot; its loads are not stated"
+        )
+        published(case, turn_cam(PUSHROD, speed, 95.0).work, why)
+
+
+def test_followers_of_engines_lose_what_their_correlation_says(published) -> None:
+    """fmep = C (1 + N0/N) n_v/(S n_c), kPa and mm: work C (1 + N0/N) pi B^2/4 a follower and cycle."""
+    area = math.pi * 86.0**2 / 4.0
+    slow, middle, fast = (turn_cam(DIRECT, speed, 90.0).work for speed in (500.0, 1000.0, 2000.0))
+    conditions = f"shipped direct train, oil at 90 degC, bore of 86 mm; {TYPICAL}"
+    source = "Patton, Nitschke and Heywood, SAE 890836; Sandoval and Heywood, SAE 2003-01-0725"
+    case = Published(
+        "Friction and wear", "loss of a direct-acting follower at 2000 engine r/min (J per cycle)",
+        f"{conditions}; band: C = 133 (two camshafts) and N0 = 500 to C = 200 (one) and N0 = 1000", MEASURED,
+        133e-6 * (1.0 + 500.0 / 2000.0) * area, 200e-6 * (1.0 + 1000.0 / 2000.0) * area, source,
+    )  # fmt: skip
+    published(case, middle, "a fit to motored engines of their time, whose springs are not stated")
+    case = Published(
+        "Friction and wear", "the same at 1000 over that at 4000 engine r/min", f"{conditions}; N0 as above",
+        MEASURED, (1.0 + 0.5) / (1.0 + 0.125), (1.0 + 1.0) / (1.0 + 0.25), source,
+    )  # fmt: skip
+    published(
+        case,
+        slow / fast,
+        "in hot oil the isothermal film drags nearly as much as the asperities whose load it takes over",
+        inside=False,
+    )
+
+
+def test_friction_falls_with_speed_and_grows_with_heat_as_measured(published) -> None:
+    source = "Mufti and Priest (2003), J. Tribology 125, 628, doi:10.1115/1.1540123"
+    conditions = f"motored engine with direct-acting tappets; shipped direct train; {TYPICAL}"
+    hot = [turn_cam(DIRECT, speed, 95.0).work for speed in (400.0, 1200.0)]
+    case = Published(
+        "Friction and wear", "friction at 800 over that at 2400 engine r/min, oil at 95 degC", conditions,
+        MEASURED, 1.0, math.inf, source,
+    )  # fmt: skip
+    published(case, hot[0] / hot[1], "measured: friction falls with speed")
+    cold = turn_cam(DIRECT, 1200.0, 40.0).work
+    case = Published(
+        "Friction and wear", "friction at 95 over that at 40 degC, 2400 engine r/min", conditions, MEASURED,
+        1.0, math.inf, source,
+    )  # fmt: skip
+    why = (
+        "measured: friction grows with the oil's temperature. The film here is isothermal, and its traction "
+        "stays at the limiting shear stress (0.056 of the load), which shear heating lowers: cold oil drags "
+        "too much"
+    )
+    published(case, hot[1] / cold, why, inside=False)
+
+
+def test_the_film_of_a_tappet_is_mostly_thinner_than_the_roughness(published) -> None:
+    ratio = turn_cam(DIRECT, 1000.0, 95.0).film_ratio
+    case = Published(
+        "Contact and film", "share of the lift in which the film is thinner than the roughness",
+        f"engine, capacitive; shipped direct train at 1000 cam r/min, oil at 95 degC; {TYPICAL}", MEASURED,
+        0.5, 1.0, "Choi, Min and Han (1995), J. Korean Soc. Tribologists Lubr. Eng. 11 (5)",
+    )  # fmt: skip
+    published(case, np.mean(ratio < 1.0), "measured: mostly smaller than the surface roughness")
