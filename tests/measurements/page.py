@@ -96,7 +96,7 @@ def page_text(blocks: Blocks) -> str:
 
 @dataclass(frozen=True)
 class Count:
-    """Cases (a test is one), those measured, those with every number inside its band; sources."""
+    """Cases (a number is one), those measured, those inside their band; sources."""
 
     cases: int
     measured: int
@@ -105,20 +105,20 @@ class Count:
 
 
 def count(blocks: Blocks) -> Count:
-    cases = [[row.strip("| ").split(" | ") for row in rows] for rows in blocks.values()]
+    cases = [row.strip("| ").split(" | ") for rows in blocks.values() for row in rows]
     return Count(
         len(cases),
-        sum(any(row[KIND] == MEASURED for row in rows) for rows in cases),
-        sum(all(row[VERDICT] == INSIDE for row in rows) for rows in cases),
-        len({row[SOURCE] for rows in cases for row in rows}),
+        sum(case[KIND] == MEASURED for case in cases),
+        sum(case[VERDICT] == INSIDE for case in cases),
+        len({case[SOURCE] for case in cases}),
     )
 
 
 def summarise(blocks: Blocks) -> str:
     n = count(blocks)
     return (
-        f"It has {n.cases} cases from {n.sources} sources, {n.measured} of them measured; in {n.inside} all "
-        "numbers are inside their band."
+        f"It has {n.cases} cases from {n.sources} sources, {n.measured} of them measured; {n.inside} are "
+        "inside their band."
     )
 
 

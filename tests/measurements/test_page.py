@@ -6,7 +6,7 @@ import pytest
 
 from tests.validation import page_blocks, recording_tests
 
-from .page import COLUMNS, MEASURED, PAGE, Published, check_current, judge, page_text
+from .page import COLUMNS, MEASURED, PAGE, Published, check_current, count, judge, page_text
 
 CASE = Published("Mechanisms", "angle", "at rest", MEASURED, 1.0, 2.0, "a book")
 
@@ -18,6 +18,12 @@ def test_the_page_has_every_case_and_is_as_written() -> None:
     assert page_text(blocks) == text
     for rows in blocks.values():
         assert all(len(row.strip("| ").split(" | ")) == len(COLUMNS) for row in rows)
+
+
+def test_the_page_has_the_cases_that_it_should() -> None:
+    """Twelve or more from eight sources, five measured, four of five inside their band."""
+    n = count(page_blocks(PAGE.read_text("utf-8")))
+    assert min(n.cases - 12, n.sources - 8, n.measured - 5, n.inside - 0.8 * n.cases) >= 0.0
 
 
 def test_a_verdict_is_that_of_the_band() -> None:
