@@ -1,10 +1,12 @@
 """An FMU that is unpacked and instantiated: what its participants of each kind share."""
 
+import atexit
 import contextlib
 import ctypes
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -50,11 +52,19 @@ class OpenedFmu:
         self.name, self._settings = name, settings
         self._errors = ErrorReporter(name)
         self._instantiated = False
-        self._unpacked = TemporaryFolder() if folder is None else None
-        self._folder = str(self._unpacked.path if self._unpacked else folder)
+        self._delete: Callable[[], None] = lambda: None  # what was unpacked for it
         try:
             description = read_description(path, settings.interface, settings.sizes)
-            extract(str(path), unzipdir=self._folder)
+            if folder is None and description.is_own:
+                self._folder = _unpack_own(path)
+            else:
+                if folder is None:
+                    made = TemporaryFolder()
+                    folder, self._delete = made.path, made.delete
+                else:
+                    self._delete = partial(shutil.rmtree, folder, ignore_errors=True)
+                self._folder = str(folder)
+                extract(path, self._folder)
         except Exception as error:
             self._delete()
             raise ParticipantError(f"{name}: {path} {error}") from None
@@ -153,9 +163,18 @@ class OpenedFmu:
         self._instantiated = False
         self._delete()
 
-    def _delete(self) -> None:
-        """Delete what was unpacked."""
-        if self._unpacked:
-            self._unpacked.delete()
-        else:
-            shutil.rmtree(self._folder, ignore_errors=True)
+
+_own: dict[tuple[Path, int, int], TemporaryFolder] = {}
+
+
+def _unpack_own(path: Path) -> str:
+    """The folder of one of our FMUs, for all instances in this process: a Python FMU's library cannot be
+    unloaded, and each copy would stay."""
+    found = path.stat()
+    key = path.absolute(), found.st_mtime_ns, found.st_size
+    if key not in _own or not (_own[key].path / "modelDescription.xml").exists():  # or it was tidied away
+        folder = TemporaryFolder()
+        atexit.register(folder.delete)
+        extract(path, folder.path)
+        _own[key] = folder
+    return str(_own[key].path)

@@ -147,3 +147,15 @@ def test_discrete_outputs_have_rate_zero(fmu_files: dict[str, Path]) -> None:
         unit.close()
         assert list(given) == [True, True]
         assert rates[1] == 0.0
+
+
+@pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="reads Linux's table of what is loaded")
+def test_a_library_stays_loaded_once(fmu_files: dict[str, Path]) -> None:
+    """Python FMUs' libraries cannot be unloaded: a loop of runs would load copy after copy."""
+
+    def open_and_list() -> set[str]:
+        open_fmu("one", fmu_files["flywheel"], Instance(CATALOGUE["flywheel"]())).close()
+        lines = Path("/proc/self/maps").read_text("utf-8").splitlines()
+        return {line.split()[4] for line in lines if "/flywheel.so" in line}
+
+    assert open_and_list() == open_and_list() != set()
