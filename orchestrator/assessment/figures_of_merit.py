@@ -163,11 +163,12 @@ def _spring_margin(valve: Part) -> Found:
     """Least load that opens the valve over the force of its springs, while it is off its seat."""
     names = [*valve.component.outputs.names, *valve.component.inputs.names]
     forces = [valve[name] for name in names if name.startswith("spring_force")]
-    opened = valve["position"] > OPENED * np.max(valve["position"])
-    if not forces or not opened.any():
+    pressed = np.sum(forces, axis=0) if forces else np.zeros_like(valve["load"])
+    opened = (valve["position"] > OPENED * np.max(valve["position"])) & (pressed > 0.0)
+    if not opened.any():
         return NONE
     share = np.full(opened.size, np.inf)
-    share[opened] = valve["load"][opened] / np.sum(forces, axis=0)[opened]
+    share[opened] = valve["load"][opened] / pressed[opened]
     return _at(share, np.argmin(share))
 
 

@@ -127,8 +127,8 @@ def measure_over(cycle: Cycle, angle: np.ndarray) -> dict[str, float]:
     return {f"{part}.{name}": found.value for part, name, _, found in measure(motion)}
 
 
-def valve_cycle(position: np.ndarray) -> Cycle:
-    """A made cycle of a valve with a seat, by its positions over a turn."""
+def valve_cycle(position: np.ndarray, pressed: float = 1.0) -> Cycle:
+    """A made cycle of a valve with a seat, by its positions over a turn; its spring presses with this share."""
     component = CATALOGUE["valve_spring"]()
     system = System({"valve": Instance(component, {"seat_stiffness": 1e7})}, ())
     times = np.linspace(0.0, 1.0, position.size)
@@ -141,7 +141,7 @@ def valve_cycle(position: np.ndarray) -> Cycle:
     put("velocity", np.gradient(position, times))
     put("valve_lift", position)
     put("seat_dip", -position)
-    put("spring_force", 330.0 + 35e3 * position)
+    put("spring_force", pressed * (330.0 + 35e3 * position))
     inputs = np.full((position.size, component.inputs.size), 165.0)
     return Cycle(system, times, inputs, outputs, system.x0, 0.0, 1)
 
@@ -158,6 +158,8 @@ def test_numbers_of_a_made_cycle() -> None:
     assert found["valve.bounce"] == pytest.approx(1e-4, rel=1e-3)
     assert found["valve.spring_margin"] == pytest.approx(165.0 / (330.0 + 35e3 * 8e-3))
     assert found["valve.surge_force"] == pytest.approx(0.0, abs=1e-9)
+    free = measure_over(valve_cycle(lift, pressed=0.0), 2.0 * math.pi * share)
+    assert math.isnan(free["valve.spring_margin"])
 
 
 def test_losses_on_the_flanks_and_over_the_nose_are_told_apart() -> None:
