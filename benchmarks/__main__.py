@@ -12,7 +12,7 @@ from pathlib import Path
 from models.core.system import suggestion
 
 NAMES = (
-    "macro_steps", "start_up", "memory", "slider_crank", "line_contact", "native", "public", "report",
+    "start_up", "memory", "slider_crank", "line_contact", "native", "public", "report",
     "whole_command",
 )  # fmt: skip
 PAGE = Path(__file__).parent.parent / "docs" / "reference" / "benchmarks.md"

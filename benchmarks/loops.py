@@ -1,10 +1,9 @@
-"""Loops over the FMUs of a system: a plain fmpy script, a bare ctypes loop, and our masters.
+"""Loops over the FMUs of a system: a plain fmpy script, and our masters.
 
 All call the same FMUs in the same order (Gauss-Seidel: set, step, get) and return processor seconds per macro
 step, which other programs disturb less than wall time.
 """
 
-import ctypes
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -12,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
@@ -51,11 +49,11 @@ def build_files(system: System) -> dict[str, Path]:
     return {name: build(c.name, structure=c.structure) for name, c in parts.items()}
 
 
-def open_units(system: System) -> dict[str, Unit]:
+def open_units(system: System, files: Mapping[str, Path]) -> dict[str, Unit]:
     """The system's FMUs, initialised, as a script of fmpy's user sets them up."""
     references: dict[str, dict[str, int]] = {}
     slaves, folders = {}, {}
-    for name, path in build_files(system).items():
+    for name, path in files.items():
         description = read_model_description(str(path))
         references[name] = {v.name: v.valueReference for v in description.modelVariables}
         folders[name] = extract(str(path))
@@ -101,9 +99,9 @@ def _set_values(slave: FMU2Slave, instance: Instance, known: Mapping[str, Any]) 
             slave.setInteger(reference, [int(value)])
 
 
-def run_script(system: System) -> float:
+def run_script(system: System, files: Mapping[str, Path]) -> float:
     """A loop as a user of fmpy writes it: setReal, doStep and getReal, inputs held."""
-    units = open_units(system)
+    units = open_units(system, files)
     values = {name: unit.slave.getReal(unit.outputs) for name, unit in units.items()}
     began = time.process_time()
     for n in range(STEPS):
@@ -112,51 +110,6 @@ def run_script(system: System) -> float:
                 unit.slave.setReal(unit.inputs, [values[other][i] for other, i in unit.sources])
             unit.slave.doStep(currentCommunicationPoint=n * STEP, communicationStepSize=STEP)
             values[name] = unit.slave.getReal(unit.outputs)
-    elapsed = time.process_time() - began
-    for unit in units.values():
-        unit.close()
-    return elapsed / STEPS
-
-
-def _prepare_calls(units: dict[str, Unit], now: ctypes.c_double) -> list[tuple[Any, ...]]:
-    """For each FMU its three functions with their arguments, its input memory, and its inputs' sources."""
-    length, yes = ctypes.c_double(STEP), ctypes.c_int(1)
-    outputs = {name: np.zeros(len(unit.outputs)) for name, unit in units.items()}
-    calls = []
-    for name, unit in units.items():
-        # Like our participants: no release of the interpreter at every call of a Python FMU's library.
-        library = ctypes.PyDLL(None, handle=unit.slave.dll._handle)
-        handle, inputs = ctypes.c_void_p(unit.slave.component), np.zeros(len(unit.inputs))
-        transfers = []
-        for references, memory in ((unit.inputs, inputs), (unit.outputs, outputs[name])):
-            wanted = (ctypes.c_uint * len(references))(*references)
-            pointer = ctypes.c_void_p(memory.ctypes.data)
-            transfers.append((handle, wanted, ctypes.c_size_t(len(references)), pointer))
-        sources = [(outputs[other], i) for other, i in unit.sources]
-        step = (handle, now, length, yes)
-        functions = (library[f] for f in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal"))
-        calls.append((*functions, transfers[0], step, transfers[1], inputs, sources))
-    return calls
-
-
-def run_bare(system: System) -> float:
-    """A loop of ctypes calls with prepared arguments."""
-    units, now = open_units(system), ctypes.c_double()
-    calls = _prepare_calls(units, now)
-    for set_real, _, get_real, given, _, taken, inputs, sources in calls * len(calls):
-        for k, (buffer, i) in enumerate(sources):
-            inputs[k] = buffer[i]
-        set_real(*given)
-        get_real(*taken)
-    began = time.process_time()
-    for n in range(STEPS):
-        now.value = n * STEP
-        for set_real, do_step, get_real, given, step, taken, inputs, sources in calls:
-            for k, (buffer, i) in enumerate(sources):
-                inputs[k] = buffer[i]
-            set_real(*given)
-            do_step(*step)
-            get_real(*taken)
     elapsed = time.process_time() - began
     for unit in units.values():
         unit.close()

@@ -1,4 +1,4 @@
-"""Native FMUs against those in Python: `valve-train` in ecos, and by processor time in our master."""
+"""Native FMUs against those in Python: `valve-train` in ecos, in a plain script and in our masters."""
 
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -11,7 +11,7 @@ from models.core.system import System
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Master, Newton
 from orchestrator.stepping import FixedSteps, Stepper
 
-from .loops import STEP, STEPS, build_files, run_master
+from .loops import STEP, STEPS, build_files, run_master, run_script
 from .measure import load_system, measure_medians
 
 PYTHON, NATIVE = "in Python", "native"
@@ -71,6 +71,7 @@ def measure() -> Iterator[tuple[str, str]]:
         "newton, quadratic": Newton("quadratic"),
     }
     ways: dict[str, Callable[[Mapping[str, Path]], float]] = {
+        "plain fmpy script, inputs held": lambda paths: 1.0 / run_script(system, paths),
         **{name: partial(measure_rate, system, master=master) for name, master in masters.items()},
         "step control of valve-train-controlled": partial(
             measure_rate,

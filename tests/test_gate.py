@@ -117,7 +117,7 @@ def test_benchmarks_have_help_and_know_their_names() -> None:
         command = [sys.executable, "-m", "benchmarks", *arguments]
         return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
 
-    assert "macro_steps" in run("--help").stdout
+    assert "whole_command" in run("--help").stdout
     wrong = run("no_such")
     assert wrong.returncode == 2
     assert "'no_such'" in wrong.stderr
