@@ -128,7 +128,7 @@ def measure_over(cycle: Cycle, angle: np.ndarray) -> dict[str, float]:
 
 
 def valve_cycle(position: np.ndarray, pressed: float = 1.0) -> Cycle:
-    """A made cycle of a valve with a seat, by its positions over a turn; its spring presses with this share."""
+    """A made cycle of a valve with a seat, by positions over a turn; its spring presses with a share."""
     component = CATALOGUE["valve_spring"]()
     system = System({"valve": Instance(component, {"seat_stiffness": 1e7})}, ())
     times = np.linspace(0.0, 1.0, position.size)
