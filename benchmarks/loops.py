@@ -18,7 +18,7 @@ from fmus.build import build
 from models.core.system import Instance, System
 from orchestrator.engine.observer import Observer
 from orchestrator.masters import Master
-from orchestrator.participants import open_fmu
+from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.run.simulation import simulate
 from orchestrator.stepping import FixedSteps, Stepper
 

@@ -28,7 +28,7 @@ from pathlib import Path
 from fmus.build import build
 from orchestrator.engine.coupling import Coupling
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import open_fmu
+from orchestrator.participants.open_fmu import open_fmu
 from benchmarks.measure import load_system
 STEPS, STEP = int(sys.argv[1]), 1e-6
 _, system = load_system("quarter-car")

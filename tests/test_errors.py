@@ -18,7 +18,7 @@ from tribocosim.command_line.error_report import FAILED, MISTAKE, describe_error
 INTERNAL = {
     "fmus.slave.FmuError",  # of an FMU's own process, which answers with a status
     "models.compile.cache_folder.UntrustedFolderError",  # an OSError: what is compiled isn't kept
-    "orchestrator.participants.compiled.NotCompiledError",  # a sweep's calls are made one by one instead
+    "orchestrator.participants.compiled_calls.NotCompiledError",  # calls are made one by one instead
 }
 
 

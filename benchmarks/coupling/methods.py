@@ -9,7 +9,8 @@ from models.core.quantities import Vector
 from orchestrator.engine.step import Step
 from orchestrator.errors import RunError
 from orchestrator.masters import MASTERS
-from orchestrator.participants import Participant, open_fmu
+from orchestrator.participants.open_fmu import open_fmu
+from orchestrator.participants.protocol import Participant
 from orchestrator.run.participants import FmuFile
 from orchestrator.run.simulation import Statistics, simulate
 from orchestrator.stepping import StepControl, Stepper, control_steps

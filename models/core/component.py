@@ -16,8 +16,8 @@ import numpy as np
 from ..compile.kernel import kernel, record_of
 from .hybrid import GUARD_WORK_SIZE, HybridMotion, make_hybrid_advance
 from .implicit import ImplicitSteps
-from .integrator import INPUT_COEFFICIENTS, TOLERANCE, make_advance, taylor, work_size
-from .quantities import Layout, Vector
+from .integrator import TOLERANCE, make_advance, taylor, work_size
+from .quantities import INPUT_COEFFICIENTS, Layout, Vector
 from .rates import input_rates, make_rates, rates_work_size
 from .requirements import Requirement
 from .roles import Role, SomeRole

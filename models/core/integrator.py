@@ -41,9 +41,6 @@ TOLERANCE = 1e-10
 # 1e-12 m, 1e-10 of such a position, and the errors of many micro-steps add up.
 FINE_TOLERANCE = 1e-13
 
-# Taylor coefficients that an input may have: value and three derivatives (cubic).
-INPUT_COEFFICIENTS = 4
-
 # Vectors that `advance` needs room for: seven stages, trial state, new state, state at the start.
 _VECTORS = 10
 

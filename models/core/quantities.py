@@ -19,6 +19,12 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 
+# Taylor coefficients that an input may have: value and three derivatives (cubic).
+INPUT_COEFFICIENTS = 4
+
+# Taylor coefficients that an input may have: value and three derivatives (cubic).
+INPUT_COEFFICIENTS = 4
+
 
 @dataclass(frozen=True)
 class Plausible:

@@ -7,14 +7,14 @@ algebraic loops is solved by Newton's method.
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from .component import Component
 from .errors import ModelError as ModelError
+from .errors import suggestion as suggestion
 from .quantities import Layout, Vector
 
 
@@ -52,22 +52,6 @@ class Connection:
 
     def __str__(self) -> str:
         return f"{self.source} -> {self.target}"
-
-
-def fold_elements(names: Iterable[str]) -> list[str]:
-    """Names in which an array's elements stand as one: gap[1..9]."""
-    found: dict[str, list[str]] = {}
-    for name in names:
-        stem, _, index = name.partition("[")
-        found.setdefault(stem if index.rstrip("]").isdigit() else name, []).append(name)
-    return [every[0] if len(every) == 1 else f"{stem}[1..{len(every)}]" for stem, every in found.items()]
-
-
-def suggestion(name: str, known: Iterable[str]) -> str:
-    """The end of a message: the nearest known name, or all of them."""
-    names = list(known)
-    close = difflib.get_close_matches(name[:100], names, n=1)
-    return f"did you mean {close[0]}?" if close else f"known: {', '.join(fold_elements(names))}"
 
 
 def parse_port(text: str, instances: Mapping[str, Instance], kind: str) -> Port:

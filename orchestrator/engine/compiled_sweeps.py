@@ -13,10 +13,13 @@ import numpy as np
 from models.compile.array_pointers import ArrayPointers, integers, marks, numbers, table
 from models.compile.compiled import compiled
 
-from ..participants.compiled import CALLS, FINE, NOT_FINITE, STEP, CompiledCalls, advance, give, take
-from ..participants.held_inputs import at_end, mean
+from ..participants import held_inputs
+from ..participants.compiled import advance, give, take
+from ..participants.compiled_calls import CALLS, FINE, NOT_FINITE, STEP, CompiledCalls
 from .exchange import Exchange
 from .signals import gather, interpolate_part
+
+mean, at_end = compiled(held_inputs.mean), compiled(held_inputs.at_end)
 
 # An FMU in a sweep: its number, its sources, where its inputs and outputs begin, and its calls.
 # The calls come last: numba takes a record that begins with all of another's fields for a subtype of it,

@@ -7,8 +7,8 @@ import numpy as np
 
 from models.core.system import System
 
-from ..participants import Participant
-from ..participants.compiled import IN_PROCESS
+from ..participants.compiled_calls import IN_PROCESS
+from ..participants.protocol import Participant
 from .consistency import make_consistent
 from .exchange import Exchange
 from .instants import NO_SIDE_LINES, Instants, SideLines

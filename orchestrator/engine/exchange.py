@@ -11,9 +11,8 @@ from models.core.quantities import Vector
 from models.core.system import System
 
 from ..errors import NotFiniteError
-from ..participants import Participant
-from ..participants.compiled import CompiledCalls, NotCompiledError
-from ..participants.protocol import BoundVariables
+from ..participants.compiled_calls import CompiledCalls, NotCompiledError
+from ..participants.protocol import BoundVariables, Participant
 from .coupling_state import CouplingState
 from .saved_points import SavedPoints
 from .signals import finite

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from ..participants import Participant
+from ..participants.protocol import Participant
 from .coupling_state import CouplingState
 
 

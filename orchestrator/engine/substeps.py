@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import DiscardedStepError, RecoverableError
 from ..participants.capabilities import HIGHEST
-from ..participants.compiled import STEP, CompiledCalls, NotCompiledError
+from ..participants.compiled_calls import STEP, CompiledCalls, NotCompiledError
 from ..participants.protocol import BoundVariables, Participant
 from ..participants.wrapping import StatelessWrapper
 from .signals import move_origin

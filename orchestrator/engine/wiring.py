@@ -10,8 +10,8 @@ import numpy as np
 from models.core.quantities import Vector
 from models.core.system import Connection, Port, System
 
-from ..participants import Participant
 from ..participants.capabilities import HIGHEST
+from ..participants.protocol import Participant
 from ..participants.signal_degrees import find_highest_degrees
 from .signals import STEPWISE
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from models.core.errors import suggestion
 from models.core.quantities import Vector
-from models.core.system import suggestion
 
 from ..errors import ParticipantError
 from .binding import VariableBinding
@@ -15,7 +15,7 @@ from .capabilities import name_derivative, signal_degrees
 from .description import REALS, Description, Variable
 from .failures import ErrorReporter
 from .fmi_instance import FmiInstance
-from .held_inputs import average, move_to_end
+from .held_inputs import at_end, mean
 
 
 @dataclass
@@ -72,7 +72,6 @@ class BoundInputs:
         self.picked = np.array(rows, dtype=np.int64), np.array(columns, dtype=np.int64)
         degrees = np.array(signal_degrees(fmu.description, names), dtype=np.int64)
         self.held = degrees[self.picked[1]] == 0 if len(memory) > 1 else np.zeros(len(found), dtype=np.bool_)
-        self._values = np.zeros(len(found))
         self.binding = fmu.bind(found, fixed)
         # Where every derivative is taken, the bound memory is handed over as it is.
         whole = len(found) == memory.size and self.binding.plain
@@ -98,13 +97,17 @@ class BoundInputs:
 
     def write_means(self, step: float) -> None:
         """Give held inputs the mean of their signal over the step that begins now."""
-        average(self._memory, *self.picked, self.held, step, self._values)
-        self.binding.set_values(self._values)
+        values = self._memory[self.picked]
+        values[self.held] = mean(self._memory, self.picked[1][self.held], step)
+        self.binding.set_values(values)
 
     def write_ends(self, step: float) -> None:
         """Give all inputs what their signals are at the end of the step just made."""
-        move_to_end(self._memory, *self.picked, step, self._values)
-        self.binding.set_values(self._values)
+        values = self._memory[self.picked]
+        for row in range(len(self._memory)):
+            of_row = self.picked[0] == row
+            values[of_row] = at_end(self._memory, row, self.picked[1][of_row], step)
+        self.binding.set_values(values)
 
     def _call_derivatives(self, inputs: Sequence[int]) -> None:
         """Have derivatives of the inputs of these references set by the standard's call.

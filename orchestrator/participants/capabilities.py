@@ -4,8 +4,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from models.core.integrator import INPUT_COEFFICIENTS
-from models.core.quantities import Field, Quantity
+from models.core.quantities import INPUT_COEFFICIENTS, Field, Quantity
 
 from .description import Description, DescriptionError, read_description
 

@@ -10,7 +10,7 @@ from models.core.quantities import Vector
 
 from .bound_variables import BoundInputs, BoundOutputs
 from .capabilities import signal_degrees
-from .compiled import GET, RELEASE, SAVE, SET, STEP, CompiledCalls, NotCompiledError
+from .compiled_calls import GET, RELEASE, SAVE, SET, STEP, CompiledCalls, NotCompiledError
 from .description import Description
 from .fmi1 import Fmi1
 from .fmi2 import Fmi2

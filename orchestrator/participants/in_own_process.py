@@ -12,7 +12,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from .capabilities import signal_degrees
-from .compiled import NotCompiledError
+from .compiled_calls import NotCompiledError
 from .description import read_description
 from .messages import ADVANCE, READ, TIMES
 from .opened_fmu import FmuSettings

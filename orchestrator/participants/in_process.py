@@ -5,13 +5,13 @@ from typing import NoReturn
 
 import numpy as np
 
-from models.core.integrator import FAILURES, INPUT_COEFFICIENTS, OK
-from models.core.quantities import Vector
+from models.core.integrator import FAILURES, OK
+from models.core.quantities import INPUT_COEFFICIENTS, Vector
 from models.core.system import Instance
 
 from ..errors import DiscardedStepError, ParticipantError, instead_of_discarded
 from ..store.json_codec import from_text, to_text
-from .compiled import IN_PROCESS, NotCompiledError
+from .compiled_calls import IN_PROCESS, NotCompiledError
 from .protocol import Abilities, BoundVariables
 
 # Time, states, inputs in effect, their slopes, outputs, whether these are yet to be computed.

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Protocol
 
 from models.core.quantities import Vector
 
-from .compiled import CompiledCalls
+from .compiled_calls import CompiledCalls
 
 
 class BoundVariables(NamedTuple):

@@ -9,7 +9,7 @@ import numpy as np
 from models.core.quantities import Layout, Vector
 
 from ..errors import EndedError, ParticipantError, RecoverableError
-from .compiled import CompiledCalls
+from .compiled_calls import CompiledCalls
 from .protocol import BoundVariables, Participant
 from .reopened import Reopened
 

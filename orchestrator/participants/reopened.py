@@ -5,7 +5,7 @@ from typing import Any, NoReturn
 
 from models.core.quantities import Vector
 
-from .compiled import NotCompiledError
+from .compiled_calls import NotCompiledError
 from .in_own_process import InOwnProcess
 from .protocol import Abilities, BoundVariables, Participant
 

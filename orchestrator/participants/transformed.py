@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .compiled import CompiledCalls
+from .compiled_calls import CompiledCalls
 from .protocol import BoundVariables, Participant
 from .wrapping import StatelessWrapper
 

@@ -22,7 +22,7 @@ from typing import Any, Protocol, runtime_checkable
 from models.core.quantities import Vector
 
 from ..errors import CannotSerializeError, CheckpointError, Command, MistakeError, Option, start_over
-from ..participants import Participant
+from ..participants.protocol import Participant
 from ..store.atomic_write import replace
 from ..store.json_codec import Plain, from_text, to_text
 

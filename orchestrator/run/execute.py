@@ -12,7 +12,7 @@ from ..engine.energy import Ledger, Trimmed
 from ..engine.observer import Observer
 from ..engine.step import Step
 from ..errors import ParticipantError, RefusedError, RunError, StalledError
-from ..participants import Participant
+from ..participants.protocol import Participant
 from ..reporter import Reporter
 from ..store.journal import FLUSH_SECONDS
 from ..store.json_codec import Plain

@@ -11,9 +11,13 @@ from models.core.system import Instance, System
 from ..engine.energy.correction import Compensated, bond_inputs
 from ..engine.energy.estimate import EstimatedComponent, Estimating, without_estimates
 from ..engine.substeps import Substepped
-from ..participants import Limits, Participant, in_process, open_fmu, transformed
+from ..participants.in_process import InProcessParticipant as in_process
+from ..participants.open_fmu import open_fmu
+from ..participants.own_process import Limits
+from ..participants.protocol import Participant
 from ..participants.proven import Proof, Proven
 from ..participants.transformed import Linear
+from ..participants.transformed import Transformed as transformed
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ from ..engine.energy import add_counting, add_estimates
 from ..engine.energy.counting import counting_structure
 from ..engine.instants import SideLines
 from ..masters import Master
-from ..participants import ThirdPartyComponent, find_missing
+from ..participants.capabilities import find_missing
+from ..participants.third_party import ThirdPartyComponent
 from ..reporter import Reporter
 from ..scenario import BUILT_KINDS, Scenario
 from ..scenario.capabilities import is_refined, is_solved_by_parts, plan_proof

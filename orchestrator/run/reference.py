@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from models.core.difference import Difference
 from models.core.quantities import Vector
 
-from ..participants import collect_settings
 from ..participants.description import MODEL_EXCHANGE
 from ..participants.model_exchange import FmuEquations, open_equations
+from ..participants.open_fmu import collect_settings
 from ..reporter import Reporter
 from .plan import BY_PARTS, MONOLITHIC, REFINEMENT, Plan, ReferencePlan
 from .refinement import describe_doubts, refine

@@ -11,7 +11,7 @@ from ..engine.coupling import Coupling
 from ..engine.instants import NO_SIDE_LINES, SideLines
 from ..engine.step import Step
 from ..masters import Master
-from ..participants import Participant
+from ..participants.protocol import Participant
 from ..stepping import Stepper, list_event_outputs
 from ..store.json_codec import Plain
 from .checkpoint import fitting, restore_participants, serialise_participants

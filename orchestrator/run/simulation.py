@@ -12,7 +12,7 @@ from ..engine.observer import Observer, Watching
 from ..engine.step import STOP, Step
 from ..errors import EndedError, RunError
 from ..masters import Master
-from ..participants import Participant
+from ..participants.protocol import Participant
 from ..stepping import FixedSteps, Stepper
 from ..store.json_codec import Plain
 from .checkpoint import Continuing, Keeper, fitting

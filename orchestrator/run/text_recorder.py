@@ -10,8 +10,8 @@ from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
 from ..engine.step import Step
-from ..participants import ThirdPartyComponent
 from ..participants.protocol import SideChannel
+from ..participants.third_party import ThirdPartyComponent
 from ..store.json_codec import Plain
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 
-from ..participants import ThirdPartyComponent
+from ..participants.third_party import ThirdPartyComponent
 from . import Line, ScenarioError
 from .component_table import ComponentTable
 from .values import Value

@@ -8,8 +8,8 @@ from typing import Any
 from models.core.quantities import Layout
 from models.core.system import suggestion
 
-from ..participants import ThirdPartyComponent
 from ..participants.description import DescriptionError, read_description
+from ..participants.third_party import ThirdPartyComponent
 from .values import Faults, Value
 
 

@@ -8,7 +8,7 @@ from models.core.evaluation import check_start
 from models.core.system import System, suggestion
 
 from ..engine.energy.bonds import find_exchanged_bonds
-from ..participants import find_missing
+from ..participants.capabilities import find_missing
 from .capabilities import check_capabilities, check_third_party, is_refined, is_solved_by_parts
 from .scenario import Scenario, ScenarioError
 

@@ -20,8 +20,8 @@ from fmus.fmi.origin import is_made_here
 from models.core.component import Component
 
 from ..errors import one_of
-from ..participants import ThirdPartyComponent, read_component
 from ..participants.description import CO_SIMULATION, Description, read_description
+from ..participants.third_party import ThirdPartyComponent, read_component
 from .arrays import check_resized, check_sizes, spread_arrays, spread_lists
 from .drawing import ShaftDrawing
 from .fields import Given, Table, Written

@@ -7,8 +7,8 @@ from dataclasses import replace
 from models.core.quantities import Layout, Quantity
 from models.core.system import Instance, parse_port
 
-from ..participants import ThirdPartyComponent
 from ..participants.description import Unit
+from ..participants.third_party import ThirdPartyComponent
 from ..participants.transformed import Linear
 from . import Line, ScenarioError
 from .side_lines import check_equal_types

@@ -10,7 +10,7 @@ from models.core.quantities import Vector
 
 from ..errors import MistakeError
 from ..masters import MASTERS
-from ..participants import Limits
+from ..participants.own_process import Limits
 from ..stepping import ControlledSteps, FixedSteps, ForwardSteps, RefinedSteps, check_estimator, control_steps
 from .component_table import ComponentTable
 from .connection import parse_named_line

@@ -7,9 +7,9 @@ from models.core.component import Component
 from models.core.system import Connection, Port, suggestion
 
 from ..engine.instants import SideLines
-from ..participants import ThirdPartyComponent
 from ..participants.description import BINARY, BOOLEANS, CLOCK, INTEGERS, STRING, Description, Variable
 from ..participants.description3 import TRIGGERED
+from ..participants.third_party import ThirdPartyComponent
 from . import ScenarioError
 from .connection import Line
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from string import hexdigits
 
 from ..errors import one_of
-from ..participants import ThirdPartyComponent
 from ..participants.description import BINARY
+from ..participants.third_party import ThirdPartyComponent
 from .units import to_base_units
 from .values import Faults, Value, WithUnit
 

@@ -2,7 +2,7 @@
 
 from models.core import roles
 
-from ..participants import ThirdPartyComponent
+from ..participants.third_party import ThirdPartyComponent
 from . import Scenario, parse_line
 from .capabilities import list_renamed_libraries, list_unsynchronised
 from .fmu_limits import list_limit_warnings

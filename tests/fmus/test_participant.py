@@ -12,8 +12,9 @@ from models.catalogue import CATALOGUE
 from models.core.component import Component
 from models.core.quantities import Vector
 from models.core.system import Instance
-from orchestrator.participants import Participant, in_process, open_fmu
-from orchestrator.participants.protocol import BoundVariables
+from orchestrator.participants.in_process import InProcessParticipant as in_process
+from orchestrator.participants.open_fmu import open_fmu
+from orchestrator.participants.protocol import BoundVariables, Participant
 
 from ..archives import replace_text
 from .names import ALWAYS

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from orchestrator.participants import Participant
-from orchestrator.participants.protocol import BoundVariables
+from orchestrator.participants.protocol import BoundVariables, Participant
 
 
 class Alone:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from orchestrator.engine.coupling import Coupling
-from orchestrator.participants import in_process
+from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.run.simulation import simulate
 
 from .recorder import Recorder

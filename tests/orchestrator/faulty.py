@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from orchestrator.errors import DiscardedStepError, LostParticipantError, RecoverableError
-from orchestrator.participants.compiled import NotCompiledError
+from orchestrator.participants.compiled_calls import NotCompiledError
 from orchestrator.participants.protocol import BoundVariables
 
 # Says of the n-th call of `advance`, with its time and step, whether the fault comes.

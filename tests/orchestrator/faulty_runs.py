@@ -6,7 +6,7 @@ import numpy as np
 
 from orchestrator.errors import RunError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import in_process
+from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
 

@@ -16,7 +16,8 @@ from orchestrator.engine.energy.estimate import Estimating, without_estimates
 from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import CannotSerializeError, CheckpointError, MistakeError, start_over
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
-from orchestrator.participants import Participant, in_process
+from orchestrator.participants.in_process import InProcessParticipant as in_process
+from orchestrator.participants.protocol import Participant
 from orchestrator.run.checkpoint import Checkpoints, Identity, read, write
 from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, FixedSteps, ForwardSteps, StepControl

@@ -17,9 +17,10 @@ from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import RunError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.masters.restart import DOUBLINGS
-from orchestrator.participants import in_process, open_fmu
-from orchestrator.participants.compiled import NotCompiledError
+from orchestrator.participants.compiled_calls import NotCompiledError
 from orchestrator.participants.fmi2 import Fmi2
+from orchestrator.participants.in_process import InProcessParticipant as in_process
+from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.participants.transformed import Linear, Transformed
 from orchestrator.run.simulation import simulate
 
@@ -224,7 +225,7 @@ def test_without_compilation_passes_are_in_python(tmp_path):
 def test_records_of_calls_and_of_sweeps_are_told_apart() -> None:
     """A record that begins with all of another's fields would run code compiled for the other."""
     from orchestrator.engine.compiled_sweeps import TURN
-    from orchestrator.participants.compiled import CALLS
+    from orchestrator.participants.compiled_calls import CALLS
 
     calls, turn = CALLS.names or (), TURN.names or ()
     assert set(calls) < set(turn)

@@ -15,7 +15,8 @@ from orchestrator.analyses.stability.linearisation import open_linearisations
 from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel, Iterated
-from orchestrator.participants import in_process, open_fmu
+from orchestrator.participants.in_process import InProcessParticipant as in_process
+from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.run.participants import ParticipantPlan
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError

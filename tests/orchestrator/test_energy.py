@@ -14,7 +14,7 @@ from orchestrator.engine.energy import Ledger, Trimmed, add_counting, add_estima
 from orchestrator.engine.energy.correction import Compensated, bond_inputs
 from orchestrator.engine.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import in_process
+from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario import ScenarioError

@@ -16,7 +16,7 @@ from models.oscillators.two_masses import CoupledMassParameters
 from orchestrator.engine.step import DISCARD, EVENT, SHORTEST
 from orchestrator.errors import DiscardedStepError, LostParticipantError, NotFiniteError, RecoverableError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import in_process
+from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.stepping import ControlledSteps, StepControl
 
 from .coupled import run_coupled

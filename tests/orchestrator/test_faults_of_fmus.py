@@ -12,8 +12,8 @@ from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from orchestrator.errors import DiscardedStepError, LostParticipantError, NotFiniteError, ParticipantError
 from orchestrator.masters import GaussSeidel, Jacobi
-from orchestrator.participants import open_fmu
 from orchestrator.participants.failures import ErrorReporter
+from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.run.participants import FmuFile, ParticipantPlan, open_participants
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load

@@ -10,7 +10,7 @@ from models.oscillators.two_masses import CoupledMassParameters, SprungMassParam
 from orchestrator.engine.observer import Observer
 from orchestrator.engine.step import Step
 from orchestrator.masters import MASTERS
-from orchestrator.participants import in_process
+from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.participants.protocol import Abilities
 from orchestrator.run.simulation import Statistics, simulate
 from orchestrator.scenario.files import load

@@ -13,7 +13,7 @@ from orchestrator.engine.coupling_state import CouplingState
 from orchestrator.engine.signals import DEGREES
 from orchestrator.engine.step import REASONS
 from orchestrator.masters.interface import BEND, bind_interface
-from orchestrator.participants import in_process
+from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.stepping import ControlledSteps, StepControl
 from orchestrator.stepping.locator import find_dip
 

@@ -22,7 +22,10 @@ from orchestrator.analyses.stability.trajectory import (
     list_continuous_outputs,
 )
 from orchestrator.masters import GaussSeidel, Jacobi
-from orchestrator.participants import Limits, in_process, open_fmu, read_component
+from orchestrator.participants.in_process import InProcessParticipant as in_process
+from orchestrator.participants.open_fmu import open_fmu
+from orchestrator.participants.own_process import Limits
+from orchestrator.participants.third_party import read_component
 from tribocosim.command_line import app
 
 from ..third_party.c_fmus import fmu as c_fmu

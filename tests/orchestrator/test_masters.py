@@ -12,7 +12,7 @@ from orchestrator.errors import NonConvergenceError, ParticipantError, RunError,
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.masters.acceleration import ACCELERATIONS
 from orchestrator.masters.newton import Correction
-from orchestrator.participants import in_process
+from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.stepping.controller import PI
 
 from .coupled import Wrapper, build_participants, run_coupled

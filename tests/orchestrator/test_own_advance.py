@@ -28,7 +28,9 @@ from orchestrator.engine.step import DISCARD
 from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
-from orchestrator.participants import Participant, in_process, open_fmu
+from orchestrator.participants.in_process import InProcessParticipant as in_process
+from orchestrator.participants.open_fmu import open_fmu
+from orchestrator.participants.protocol import Participant
 from orchestrator.reporter import Reporter
 from orchestrator.run.participants import ParticipantPlan
 from orchestrator.run.pipeline import run

@@ -30,7 +30,7 @@ from orchestrator.analyses.stability.macro_step import predict_errors, sample_tr
 from orchestrator.analyses.stability.partition import Partition
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import in_process
+from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.participants.protocol import BoundVariables
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start

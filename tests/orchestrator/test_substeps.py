@@ -11,7 +11,8 @@ from orchestrator.engine.signals import move_origin
 from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import DiscardedStepError, RecoverableError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import in_process, open_fmu
+from orchestrator.participants.in_process import InProcessParticipant as in_process
+from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.participants.protocol import Abilities
 
 from .coupled import run_coupled

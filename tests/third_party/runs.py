@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.participants import Participant
+from orchestrator.participants.protocol import Participant
 from orchestrator.reporter import Reporter
 from orchestrator.run.participants import open_participants
 from orchestrator.run.pipeline import run

@@ -11,7 +11,7 @@ from orchestrator.analyses.stability.analyse import survey_scenario
 from orchestrator.analyses.stability.responses import Responses
 from orchestrator.analyses.stability.survey import Survey
 from orchestrator.masters import find_name
-from orchestrator.participants import collect_settings, open_fmu
+from orchestrator.participants.open_fmu import collect_settings, open_fmu
 from orchestrator.participants.protocol import BoundVariables
 from orchestrator.participants.reopened import Reopened
 from orchestrator.reporter import Reporter

@@ -20,9 +20,10 @@ from models.monolithic.cvode import Cvode
 from models.monolithic.march import march
 from models.monolithic.runge_kutta import RungeKutta
 from models.oscillators.exact import quarter_car
-from orchestrator.participants import Participant, open_fmu, read_component
 from orchestrator.participants.model_exchange.integrated import DrivenEquations
-from orchestrator.participants.protocol import BoundVariables
+from orchestrator.participants.open_fmu import open_fmu
+from orchestrator.participants.protocol import BoundVariables, Participant
+from orchestrator.participants.third_party import read_component
 from orchestrator.run.equations import PartwiseProblem
 from orchestrator.scenario.files import list_shipped, read_contents
 

@@ -13,9 +13,9 @@ from orchestrator.assessment.diagnosis.suggestions import coupling
 from orchestrator.engine.coupling import Coupling
 from orchestrator.engine.signals import DEGREES
 from orchestrator.masters import MASTERS
-from orchestrator.participants import read_component
 from orchestrator.participants.fmu import FmuParticipant, FmuSettings
 from orchestrator.participants.protocol import BoundVariables
+from orchestrator.participants.third_party import read_component
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario.fmu_limits import FmuLimits

@@ -8,10 +8,10 @@ import pytest
 from fmpy import simulate_fmu
 
 from orchestrator.engine.compiled_sweeps import CompiledSweep
-from orchestrator.participants import read_component
 from orchestrator.participants.fmu import FmuParticipant, FmuSettings
 from orchestrator.participants.in_own_process import InOwnProcess
 from orchestrator.participants.protocol import BoundVariables
+from orchestrator.participants.third_party import read_component
 from orchestrator.store.result_file import open_result
 
 from .c_fmus import fmu

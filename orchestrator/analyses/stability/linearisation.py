@@ -16,8 +16,9 @@ from models.core.system import Instance, ModelError, Port, System
 from models.monolithic.trajectory import Trajectory
 
 from ...errors import Option, ParticipantError, Set, Words
-from ...participants import Participant, transformed
+from ...participants.protocol import Participant
 from ...participants.reopened import Reopened
+from ...participants.transformed import Transformed as transformed
 from ...run.participants import ParticipantPlan
 from ...scenario import Scenario, ScenarioError
 from ...scenario.capabilities import list_foreign

@@ -19,7 +19,7 @@ from models.core.system import ModelError, System
 from models.monolithic.trajectory import Trajectory
 
 from ...errors import EndedError, RecoverableError
-from ...participants import Participant
+from ...participants.protocol import Participant
 from .linear import ROWS, Linear
 from .trajectory import NotLinearError, ParticipantLinearisation
 

@@ -11,8 +11,8 @@ from models.monolithic.trajectory import Trajectory, compute_trajectory
 
 from ...engine.step import Step
 from ...masters import MASTERS, Master
-from ...participants import Participant, in_process
-from ...participants.protocol import BoundVariables
+from ...participants.in_process import InProcessParticipant as in_process
+from ...participants.protocol import BoundVariables, Participant
 from ...run.simulation import simulate
 from ...stepping import FixedSteps
 from .linear import ROWS, Linear

@@ -8,7 +8,8 @@ import numpy as np
 from models.compile.array_pointers import integers, numbers, table
 from models.compile.compiled import compiled
 
-from ...participants.compiled import FINE, take
+from ...participants.compiled import take
+from ...participants.compiled_calls import FINE
 
 # What is read of a contact at each step: outputs, then inputs.
 OUTPUTS = (

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from models.compile.kernel import COMPILED
 from models.core.quantities import Vector
 from models.core.system import System
 
 from ...engine.coupling import Coupling
 from ...engine.step import Step
-from ...participants import Participant
-from ...participants.compiled import CALLS, FINE, CompiledCalls
+from ...participants.compiled_calls import CALLS, FINE, CompiledCalls
+from ...participants.protocol import Participant
 from ...store.json_codec import Plain
 from ..trains import find_angle
 from .accumulation import INPUTS, OUTPUTS, observe
@@ -45,7 +46,7 @@ class ContactObserver:
         for i, name in enumerate(self._names):
             unit, row = units[name], self._accumulator.seen[i]
             calls = coupling.offers.calls.get(coupling.wiring.names.index(name))
-            reading = calls and calls.bind_reading(OUTPUTS, row[: len(OUTPUTS)])
+            reading = calls and COMPILED and calls.bind_reading(OUTPUTS, row[: len(OUTPUTS)])
             if calls and reading:
                 self._calls.append(calls)
                 records.append(reading[0])

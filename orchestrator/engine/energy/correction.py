@@ -16,9 +16,8 @@ import numpy as np
 
 from models.core.component import Component
 
-from ...participants import Participant
-from ...participants.compiled import NotCompiledError
-from ...participants.protocol import BoundVariables
+from ...participants.compiled_calls import NotCompiledError
+from ...participants.protocol import BoundVariables, Participant
 from ...participants.wrapping import StatefulWrapper
 
 

@@ -18,10 +18,9 @@ from models.core.component import Component, PowerBond
 from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 
-from ...participants import Participant
-from ...participants.compiled import NotCompiledError
+from ...participants.compiled_calls import NotCompiledError
 from ...participants.held_inputs import mean
-from ...participants.protocol import BoundVariables
+from ...participants.protocol import BoundVariables, Participant
 from ...participants.wrapping import StatefulWrapper
 from .bonds import find_exchanged_bonds
 

@@ -14,8 +14,8 @@ from typing import Any, NoReturn
 import numpy as np
 
 from fmus.fmi.model_exchange import MOST_ITERATIONS
-from models.core.integrator import INPUT_COEFFICIENTS, taylor
-from models.core.quantities import Vector
+from models.core.integrator import taylor
+from models.core.quantities import INPUT_COEFFICIENTS, Vector
 from models.core.system import ModelError
 from models.monolithic.march import march
 from models.monolithic.problem import Event
@@ -23,7 +23,7 @@ from models.monolithic.runge_kutta import RungeKutta
 
 from ...errors import ParticipantError
 from ..capabilities import signal_degrees
-from ..compiled import NotCompiledError
+from ..compiled_calls import NotCompiledError
 from ..opened_fmu import FmuSettings
 from ..protocol import Abilities, BoundVariables
 from .crossing import cross

@@ -15,7 +15,6 @@ from models.core.component import Component
 from models.core.quantities import Quantity
 from models.core.system import suggestion
 
-from ...participants import ThirdPartyComponent, read_component
 from ...participants.description import (
     CO_SIMULATION,
     INTEGERS,
@@ -24,6 +23,7 @@ from ...participants.description import (
     DescriptionError,
     read_description,
 )
+from ...participants.third_party import ThirdPartyComponent, read_component
 from ...texts import parse_json
 from .. import Line, ScenarioError
 from ..component_table import KINDS

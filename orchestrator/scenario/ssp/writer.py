@@ -19,8 +19,8 @@ from models.core.quantities import Quantity
 from models.core.system import Instance, System
 
 from ...engine.instants import SideLines
-from ...participants import collect_settings
 from ...participants.description import BOOLEANS, CLOCK, REALS, Description, Variable, read_description
+from ...participants.open_fmu import collect_settings
 from ...store.atomic_write import replace
 from .. import ComponentTable, Scenario, ScenarioError, parse_line
 from ..system import Builder, assemble, resolve_start

@@ -11,7 +11,9 @@ from fmus.build import build
 from models.core.quantities import Vector
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Jacobi, Master
-from orchestrator.participants import Participant, in_process, open_fmu
+from orchestrator.participants.in_process import InProcessParticipant as in_process
+from orchestrator.participants.open_fmu import open_fmu
+from orchestrator.participants.protocol import Participant
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
