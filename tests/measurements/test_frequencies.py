@@ -44,7 +44,6 @@ def test_a_pushrod_train_vibrates_as_in_the_handbook(published) -> None:
         published(case, ours, "train and spring; the second is the pushrod's own")
 
 
-@pytest.mark.plain
 def test_a_rotor_with_two_discs_vibrates_as_friswells(published) -> None:
     """At rest: 1.5 m of shaft in bearings of 1 MN/m, discs of 0.28 and 0.35 m, 0.07 m thick."""
     density, bore = 7810.0, 0.05
