@@ -10,10 +10,11 @@ from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.segment import Segment
 from rich.text import Text
 
 from models.core.quantities import Vector
-from models.core.remedies import Words, in_command_line
+from models.core.remedies import Words, in_command_line, make_printable
 
 from .compilation import COMPILING, announce_compilation
 from .engine.step import Step
@@ -60,8 +61,9 @@ class Bar:
 unwritten: list[OSError] = []
 
 
-class _Console(Console):
+class SafeConsole(Console):
     """Prints no more where the reader has left or the disk is full: results do not depend on what is shown.
+    Names from files of others cannot command the terminal.
 
     The error is kept for the command, which tells of it at its end.
     """
@@ -70,6 +72,8 @@ class _Console(Console):
         raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE), "standard output")
 
     def _check_buffer(self) -> None:
+        own = self._buffer
+        own[:] = [one if one.control else Segment(make_printable(one.text), one.style) for one in own]
         try:
             super()._check_buffer()
         except OSError as error:
@@ -85,7 +89,7 @@ class Reporter:
         self.verbose = verbose
         # Lines for a file or a log need no folding to 80 columns.
         wide = None if sys.stdout.isatty() else 110
-        self.console = console or _Console(highlight=False, width=wide)
+        self.console = console or SafeConsole(highlight=False, width=wide)
         self._compiled = False
 
     def line(self, text: Words) -> None:

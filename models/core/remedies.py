@@ -91,10 +91,15 @@ def in_python(words: Words) -> str:
     return _render(words, _call_action)
 
 
+def make_printable(text: str) -> str:
+    """The text with a ? for each character by which it could command a terminal."""
+    return "".join(c if c.isprintable() or c in "\n\u00a0\u202f" else "?" for c in text)
+
+
 def _render(words: Words, render: Callable[[Action], str]) -> str:
     """The words as a terminal can show them: without control characters, lines and their number limited."""
     text = "".join(part if isinstance(part, str) else render(part) for part in _flatten(words))
-    lines = ["".join(c if c.isprintable() else "?" for c in line) for line in text.split("\n")]
+    lines = make_printable(text).split("\n")
     if len(lines) > LINES:
         lines = [*lines[:LINES], f"and {len(lines) - LINES} lines more"]
     return "\n".join(line if len(line) <= LINE else f"{line[:HEAD]} ... {line[-TAIL:]}" for line in lines)

@@ -4,6 +4,8 @@ import contextlib
 from collections import deque
 from typing import Any, NoReturn
 
+from models.core.remedies import make_printable
+
 from ..errors import (
     DiscardedStepError,
     EndedError,
@@ -47,8 +49,7 @@ class ErrorReporter:
     def log(self, status: int, message: bytes) -> None:
         # The last line of a Python traceback names the error.
         text = message.decode(errors="replace") if message else ""
-        # What a terminal would take for a command is none here.
-        if lines := ["".join(c if c.isprintable() else "?" for c in s) for s in text.strip().splitlines()]:
+        if lines := [make_printable(line) for line in text.strip().splitlines()]:
             self._messages.append((status, lines[-1]))
             if status == WARNING:
                 self.warnings += 1

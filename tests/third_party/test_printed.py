@@ -10,7 +10,8 @@ import pytest
 from orchestrator.scenario.files import to_short_toml
 from tribocosim.command_line.printed import redirect_descriptors
 
-from ..orchestrator.commands import tribocosim
+from ..archives import replace_text
+from ..orchestrator.commands import called, tribocosim
 from .c_fmus import fmu
 from .runs import scenario
 
@@ -116,3 +117,25 @@ def test_descriptors_and_streams_are_as_before_whatever_happens(tmp_path: Path) 
     assert told == [(b"one\ntwo\n", True)]
     assert not (tmp_path / "none").exists()
     assert find_descriptors() == before
+
+
+def test_what_a_file_of_others_says_cannot_command_a_terminal(tmp_path: Path) -> None:
+    """XML has control characters too: of C1, of the direction of writing."""
+    bad = replace_text(
+        fmu("dahlquist", 2, tmp_path),
+        tmp_path / "bad.fmu",
+        'name="x"',
+        'name="x\u202e" description="\x9b31m"',
+    )
+    table = {"decay": {"participant": bad}}
+    one = scenario(table, reference={"enabled": True}, tolerance={"decay.x\u202e": 1.0})
+    (file := tmp_path / "one.toml").write_text(to_short_toml(one, tmp_path), "utf-8")
+    for command in (
+        ("fmu", "info", str(bad)),
+        ("fmu", "validate", str(bad)),
+        ("run", str(file), "--out", str(tmp_path / "out"), "--no-figures", "--verbose"),
+    ):
+        done = called(*command)
+        assert done.returncode == 0, done.stderr
+        shown = (done.stdout + done.stderr).replace("\n", "")
+        assert shown.isprintable(), ascii(shown)

@@ -65,7 +65,7 @@ def _print_version(asked: bool) -> None:
     if asked:
         from importlib import metadata
 
-        print(f"tribocosim {metadata.version('tribocosim')}")
+        typer.echo(f"tribocosim {metadata.version('tribocosim')}")
         raise typer.Exit
 
 

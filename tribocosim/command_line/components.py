@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from ..messages import show
 from .completion import complete_component
 from .error_report import report_errors
 from .json_output import Json, print_json
@@ -23,4 +24,4 @@ def print_components(
     if as_json:
         print_json(describe_components(names or ()))
         return
-    print(write_page(names or ()), end="")
+    show(write_page(names or ()), end="")

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..messages import say
+from ..messages import say, show
 from .completion import complete_component
 from .error_report import report_errors
 from .json_output import Json, print_json
@@ -78,7 +78,7 @@ def fmu_build(  # noqa: PLR0913  # options of a command
     check_place(out, found)
     for name in found:
         with _report_replacement(name, out), _show_progress(name, native) as progress:
-            print(build_file(name, out, options, progress))
+            show(build_file(name, out, options, progress))
 
 
 def _build_of_scenario(  # noqa: PLR0913  # options of a command
@@ -107,7 +107,7 @@ def _build_of_scenario(  # noqa: PLR0913  # options of a command
             outside=outside or (), native=native, platforms=platform or (), fmi=fmi, progress=progress,
         )  # fmt: skip
     for file in files:
-        print(file)
+        show(file)
 
 
 def _check_with_scenario(libpython: str | None) -> None:
@@ -195,7 +195,7 @@ def fmu_validate(
     if as_json:
         print_json(found)
     for file, findings in () if as_json else found.items():
-        print(f"{file}: {findings}")
+        show(f"{file}: {findings}")
     return 1 if any(found.values()) else 0
 
 
@@ -237,7 +237,7 @@ def fmu_compare(
             continue
         results[path] = {**asdict(found), "agrees": found.agrees}
         if not as_json:
-            print(path, found, sep="\n", flush=True)
+            show(f"{path}\n{found}")
         if not found.agrees:
             status = status or 1
     if as_json:
@@ -254,7 +254,7 @@ def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")], as_js
     if as_json:
         print_json(found)
     else:
-        print(found)
+        show(found)
 
 
 def _check_file(file: Path) -> Path:

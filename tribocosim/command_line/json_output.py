@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..messages import show
+
 if TYPE_CHECKING:
     from orchestrator.reporter import Reporter
 
@@ -19,16 +21,16 @@ Json = Annotated[
 
 def build_reporter(as_json: bool, verbose: bool = False) -> Reporter:
     """A reporter whose lines leave standard output to the JSON."""
-    from rich.console import Console
+    from orchestrator.reporter import SafeConsole
 
     from .printed import CommandReporter
 
-    return CommandReporter(Console(stderr=True) if as_json else None, verbose)
+    return CommandReporter(SafeConsole(stderr=True) if as_json else None, verbose)
 
 
 def print_json(content: Any) -> None:
     """Plain values, also of numpy, and dataclasses as JSON; numbers that it has not become null."""
-    print(json.dumps(_to_plain(content), indent=2, allow_nan=False))
+    show(json.dumps(_to_plain(content), indent=2, allow_nan=False))
 
 
 def _to_plain(value: Any) -> Any:

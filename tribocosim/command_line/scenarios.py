@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from ..messages import show
 from .error_report import report_errors
 from .json_output import Json, print_json
 
@@ -19,7 +20,7 @@ def list_scenarios(
     if schema:
         from orchestrator.scenario.schema import write_schema
 
-        print(write_schema(), end="")
+        show(write_schema(), end="")
         return
     from ..scenario import scenarios
 
@@ -28,4 +29,4 @@ def list_scenarios(
         print_json(found)
         return
     for name, description in found.items():
-        print(f"{name:24} {description}")
+        show(f"{name:24} {description}")

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from ..messages import show
 from .completion import ScenarioName
 from .error_report import report_errors
 
@@ -36,7 +37,7 @@ def ssp_export(
         raise MistakeError(f"{target}: is already there", another(), REPLACE)
     with writing(target):
         export(loaded, target, build_fmu)
-    print(target)
+    show(target)
 
 
 @report_errors
@@ -66,7 +67,7 @@ def ssp_import(
     except OSError as error:
         _clear_folder(folder, empty)  # half a package is useless
         raise refuse_unwritable(folder, error) from None
-    print(target)
+    show(target)
 
 
 def _clear_folder(folder: Path, kept: bool) -> None:
