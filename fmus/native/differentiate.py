@@ -101,7 +101,7 @@ def _write_tangent(function: Any, made: Mapping[str, str]) -> str:
         f"define {'' if kernel else 'internal '}{kind} @{_quote(made[function.name])}"
         f"({', '.join(_arguments(function, exempt))}) minsize optsize {{"
     )
-    tangents = _Tangents(code, exempt, made)
+    tangents = _Tangents(code, exempt | _find_constant_pointers(function), made)
     for block in function.blocks:
         code.lines.append(f"{_quote(block.name)}:")
         instructions = [i for i in block.instructions if not any(name in str(i) for name in _IGNORED)]
@@ -125,6 +125,18 @@ def _arguments(function: Any, exempt: Set[str]) -> Iterator[str]:
         yield f"{kind} {name}"
         if argument.name not in exempt and kind in ("double", "ptr"):
             yield f"{kind} {_shadow(argument.name)}"
+
+
+def _find_constant_pointers(function: Any) -> Set[str]:
+    """Names of pointers into the module's constants: all are, of which nothing shows that they are not."""
+    moved = [i for block in function.blocks for i in block.instructions if str(i.type) == "ptr"]
+    of = {i.name: list(i.operands)[:1] if i.opcode == "getelementptr" else list(i.operands) for i in moved}
+    found = {i.name for i in moved if i.opcode in ("getelementptr", "phi")}
+    while True:
+        fewer = {name for name in found if all(p.is_constant or p.name in found for p in of[name])}
+        if fewer == found:
+            return found
+        found = fewer
 
 
 class _Tangents:
@@ -162,7 +174,8 @@ class _Tangents:
         kind = str(phi.type)
         if kind in ("double", "ptr"):
             pairs = list(zip(phi.operands, phi.incoming_blocks, strict=True))
-            if kind == "ptr" and any(self._is_lost(value) for value, _ in pairs):
+            known = phi.name in self.nothing
+            if kind == "ptr" and not known and any(self._is_lost(value) for value, _ in pairs):
                 self.lost.add(phi.name)
             arms = (f"[ {self._pass_argument(value)}, {_local(block.name)} ]" for value, block in pairs)
             self.code.lines.append(f"  {_shadow(phi.name)} = phi {kind} {', '.join(arms)}")
@@ -242,6 +255,8 @@ class _Tangents:
 
     def _differentiate_getelementptr(self, i: Any, base: Any, *indices: Any) -> str:
         shadow = self._tangent(base)
+        if base.name in self.lost:
+            self.lost.add(i.name)
         if shadow == _NO_POINTER:
             return shadow
         head, comma, tail = _text(i).partition(f"ptr {_value(base)},")

@@ -19,7 +19,7 @@ from typing import Annotated, NamedTuple
 from ..compile.kernel import kernel
 from ..contact.asperities import APART, Asperities, mean_gap
 from ..contact.asperity_arc import Arc, AsperityForce, press_arc
-from ..contact.finite_bearing import find_finite_squeeze
+from ..contact.finite_bearing import find_finite_squeeze, find_highest_pressure
 from ..contact.short_bearing import Squeeze, find_squeeze, highest_pressure
 from ..core import roles
 from ..core.bonds import counts_energies
@@ -197,6 +197,14 @@ def squeeze_film(force: Squeeze, film: Film, p: JournalBearingParameters) -> Squ
 
 
 @kernel
+def press_film(force: Squeeze, film: Film, p: JournalBearingParameters) -> float:
+    """The highest pressure times c^3/(3/2 mu L^2) and mu R L^3/c^3."""
+    if p.film_model == SHORT:
+        return highest_pressure(find_squeeze(force, film.eps), film.eps)
+    return find_highest_pressure(force, film.eps, p.width / p.diameter)
+
+
+@kernel
 def move_film(
     film: Film, x: JournalBearingState, u: JournalBearingInputs, p: JournalBearingParameters
 ) -> Motion:
@@ -254,9 +262,8 @@ def output(
     y.eccentricity_ratio = film.eccentricity / p.radial_clearance
     y.minimum_film_thickness = film.thinnest
     y.film_ratio = film.thinnest / p.roughness
-    # Also of a finite film the pressure of the short one that carries as much.
     scale = 1.5 * p.viscosity * p.width**2 / (p.radial_clearance**3 * film_impedance(p))
-    y.maximum_pressure = scale * highest_pressure(find_squeeze(motion.force, film.eps), film.eps)
+    y.maximum_pressure = scale * press_film(motion.force, film, p)
     y.asperity_load = film.asperities.load
     y.power_loss = lost_power(film, motion, u, p)
 

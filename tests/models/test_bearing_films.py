@@ -1,4 +1,4 @@
-"""Films of journal bearings: Ocvirk's against quadrature, wider ones against Reynolds' equation."""
+"""Short films of journal bearings against quadrature, and their asperities."""
 
 import math
 
@@ -7,14 +7,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
-from scipy.optimize import brentq
 
 from models.contact.asperities import Asperities, asperity_pressure
 from models.contact.asperity_arc import Arc, press_arc
-from models.contact.finite_bearing import find_finite_squeeze
 from models.contact.short_bearing import Squeeze, find_force, find_impedance, find_squeeze, highest_pressure
-
-from .reynolds_bearing import solve_film
 
 pytestmark = pytest.mark.plain
 
@@ -86,93 +82,6 @@ def test_the_highest_pressure_is_that_of_all_directions(ratio, angle, direction)
     around = (u.x * np.cos(t) + u.y * np.sin(t)) / (1.0 - eps.x * np.cos(t) - eps.y * np.sin(t)) ** 3
     highest = float(around.max())
     assert highest * (1.0 - 1e-12) <= highest_pressure(u, eps) <= highest * (1.0 + 1e-4)
-
-
-# Finite width
-
-
-def finite_attitude(eps, ratio):
-    """Sommerfeld number mu N L D/W (R/c)^2 and attitude angle (rad) of the film under a steady load."""
-
-    def across(angle):
-        """Of the squeeze under a load along x, less that of the rotation, which is at right angles to eps."""
-        u = find_finite_squeeze(Squeeze(1.0, 0.0), polar(eps, angle), ratio)
-        return u.x * math.cos(angle) + u.y * math.sin(angle)
-
-    angle = brentq(across, 1e-9, 0.5 * math.pi)
-    u = find_finite_squeeze(Squeeze(1.0, 0.0), polar(eps, angle), ratio)
-    # u = (omega/2) eps c and W = mu R L^3/c^2 per unit.
-    return math.hypot(u.x, u.y) / (2.0 * math.pi * eps * ratio**2), angle
-
-
-def test_a_narrow_bearing_is_short():
-    for angle in (0.0, 1.0, 2.0, 3.0):
-        eps = polar(0.7, angle)
-        short, finite = (
-            find_squeeze(Squeeze(0.6, 0.8), eps),
-            find_finite_squeeze(Squeeze(0.6, 0.8), eps, 1e-5),
-        )
-        assert finite == pytest.approx(short, rel=1e-8, abs=1e-9)
-
-
-# Raimondi and Boyd 1958, bearing of 360 degrees: Sommerfeld number and attitude (deg).
-RAIMONDI_BOYD = {
-    (0.25, 0.4): (2.83, 60.86),
-    (0.25, 0.8): (0.261, 31.04),
-    (0.5, 0.2): (2.03, 74.94),
-    (0.5, 0.6): (0.319, 48.14),
-    (0.5, 0.8): (0.0923, 33.31),
-    (1.0, 0.6): (0.121, 50.58),
-    (1.0, 0.8): (0.0446, 36.24),
-}
-
-
-@pytest.mark.parametrize(("ratio", "eps"), RAIMONDI_BOYD)
-def test_steady_loads_of_finite_bearings(ratio, eps, record):
-    """A published fit against a published solution: 15 % of the Sommerfeld number is 0.02 of eps at 0.8."""
-    expected, attitude = RAIMONDI_BOYD[ratio, eps]
-    found, angle = finite_attitude(eps, ratio)
-    quantity = f"journal bearing of L/D = {ratio:g} at eps = {eps:g}"
-    source = "Raimondi and Boyd 1958"
-    record("Film", f"{quantity}: Sommerfeld number", found, expected, source, relative=0.15)
-    record("Film", f"{quantity}: attitude angle (deg)", math.degrees(angle), attitude, source, tolerance=2.0)
-
-
-@pytest.mark.parametrize(("ratio", "eps"), [(0.5, 0.2), (1.0, 0.6)])
-def test_the_solution_of_reynolds_equation_is_raimondis(ratio, eps):
-    """What judges the squeeze below: a steady load is a squeeze at right angles to eps. Their film begins at
-    its widest place, this one where its pressure does."""
-    film = solve_film(eps, ratio, -0.5 * math.pi)
-    number = 1.0 / (2.0 * math.pi * eps * ratio**2 * math.hypot(film.x, film.y))
-    expected, attitude = RAIMONDI_BOYD[ratio, eps]
-    assert number == pytest.approx(expected, rel=0.01)
-    assert math.degrees(math.atan2(-film.y, film.x)) == pytest.approx(attitude, abs=1.5)
-
-
-@pytest.mark.parametrize(
-    ("ratio", "eps", "tolerance"), [(0.25, 0.8, 0.08), (0.5, 0.4, 0.04), (0.5, 0.8, 0.15), (1.0, 0.6, 0.15)]
-)
-def test_squeeze_of_finite_bearings(ratio, eps, tolerance, record):
-    """In nine directions, against Reynolds' equation."""
-    worst = 0.0
-    for direction in np.linspace(0.0, math.pi, 9):
-        film = solve_film(eps, ratio, float(direction))
-        u = find_finite_squeeze(Squeeze(film.x, film.y), Squeeze(eps, 0.0), ratio)
-        worst = max(worst, math.hypot(u.x - math.cos(direction), u.y - math.sin(direction)))
-    quantity = (
-        f"journal bearing of L/D = {ratio:g} at eps = {eps:g}: squeeze velocity, largest difference (rel.)"
-    )
-    record("Film", quantity, worst, 0.0, "finite differences", tolerance=tolerance)
-
-
-@pytest.mark.parametrize(("eps", "over"), [(0.4, 0.1), (0.8, 0.35)])
-def test_the_highest_pressure_is_on_the_safe_side(eps, over):
-    """That of the short film under the same load, at L/D = 1/2: never too low by more than 3 %."""
-    for direction in np.linspace(0.0, math.pi, 9):
-        film = solve_film(eps, 0.5, float(direction))
-        at = Squeeze(eps, 0.0)
-        found = highest_pressure(find_squeeze(Squeeze(film.x, film.y), at), at)
-        assert 0.97 < found / film.highest < 1.0 + over
 
 
 # The asperities

@@ -352,3 +352,29 @@ def test_code_without_known_derivative_is_refused() -> None:
     """
     with pytest.raises(DifferentiationError, match="@j0"):
         differentiate(code, ["output"])
+
+
+def test_constants_that_a_loop_walks_through_have_no_tangent() -> None:
+    """Nothing is read in the place of their tangents, which is none."""
+    code = """
+    @numbers = internal constant [4 x double] [double 1.0, double 2.0, double 4.0, double 8.0]
+    define i32 @kernel_output(ptr %retptr, ptr %excinfo, double %arg.t, ptr %arg.y) {
+    entry:
+      br label %loop
+    loop:
+      %at = phi ptr [ @numbers, %entry ], [ %next, %loop ]
+      %i = phi i64 [ 0, %entry ], [ %more, %loop ]
+      %sum = phi double [ 0.0, %entry ], [ %added, %loop ]
+      %number = load volatile double, ptr %at
+      %scaled = fmul double %number, %arg.t
+      %added = fadd double %sum, %scaled
+      %next = getelementptr i8, ptr %at, i64 8
+      %more = add i64 %i, 1
+      %last = icmp eq i64 %more, 4
+      br i1 %last, label %end, label %loop
+    end:
+      store double %added, ptr %arg.y
+      ret i32 0
+    }
+    """
+    assert differentiate(code, ["output"]).count("load") == 1

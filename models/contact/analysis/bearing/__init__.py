@@ -1,0 +1,1 @@
+"""Plain bearings by Reynolds' equation: fields of pressure, steady loads, small motions, and their table."""
