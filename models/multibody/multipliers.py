@@ -20,6 +20,7 @@ class Inertia(NamedTuple):
 
     mass: Vector  # (n,)
     inertia: Vector  # (n, 3), in the body's axes
+    moment: Vector  # (n, 3), applied, in the axes of the ground
     gravity: Vector  # (3,)
 
 

@@ -277,7 +277,7 @@ def make_train(
         rest = room[count_room(bodies, held) - 2 * size - held :]
         q, v = shaped(rest[:size], (size,)), shaped(rest[size : 2 * size], (size,))
         gamma = shaped(rest[2 * size : 2 * size + held], (held,))
-        inertia = Inertia(np.empty(bodies), np.empty((bodies, 3)), np.zeros(3))
+        inertia = Inertia(np.empty(bodies), np.empty((bodies, 3)), np.zeros((bodies, 3)), np.zeros(3))
         fill_inertia(inertia, lumping, fixed, p)
         place_train(x, drive, fixed, p, q, v)
         place_bodies(q, v, e)
