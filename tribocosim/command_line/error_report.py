@@ -8,7 +8,6 @@ from typing import Any
 
 import typer
 
-from orchestrator.reporter import unwritten
 from orchestrator.run.interruption import Noticed
 
 from ..messages import say
@@ -36,6 +35,8 @@ def _carry_out(
 ) -> int:
     """Its exit status; an error is told."""
     noticed = Noticed()
+    from orchestrator.reporter import unwritten  # with numba, which `--help` does not need
+
     unwritten.clear()
     try:
         with noticed:
