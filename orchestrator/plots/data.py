@@ -14,6 +14,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import System
 
 from ..assessment.diagnosis.steps import NONE, Steps, read_written_steps
+from ..assessment.films import FILMS, has_film, slides
 from ..assessment.trains import Angle, Train, find_angle, find_angles, find_trains
 from ..scenario.display import SYMBOLS, show
 from ..scenario.units import choose_time_unit
@@ -21,9 +22,6 @@ from ..store.result_file import ResultFile
 
 # More points than these cannot be distinguished in a figure.
 POINTS = 20_000
-
-# Films of a contact, valid only under load.
-FILMS = ("film_thickness", "minimum_film_thickness", "film_ratio")
 
 # Figures use an angle as abscissa if it deviates from a uniform rise by less than this share.
 UNEVEN = 0.02
@@ -112,18 +110,23 @@ class FigureData:
         return np.asarray(values[f"{contact}.load"] <= 0.0)
 
     def in_contact(self, contact: str) -> FigureData:
-        """The data with NaN for the contact's films where it carries no load, and for films below an atom."""
+        """The data with NaN for the contact's films and friction where they have no meaning, and for films
+        below an atom."""
+        friction, sliding = f"{contact}.friction_force", self.drivers.get(f"{contact}.sliding_velocity", "")
 
-        def under_load(values: Mapping[str, Vector], reference: bool) -> dict[str, Vector]:
-            films = [name for film in FILMS if (name := f"{contact}.{film}") in values]
-            lost = self.lost(contact, reference) if films else False
-            least = {name: 0.0 if name.endswith("_ratio") else ATOM for name in films}
-            none = {name: lost | (values[name] < least[name]) for name in films}
-            return {**values, **{name: np.where(none[name], np.nan, values[name]) for name in films}}
+        def under_load(values: Mapping[str, Vector]) -> dict[str, Vector]:
+            films = {film: values[name] for film in FILMS if (name := f"{contact}.{film}") in values}
+            found = {}
+            for film, column in films.items():
+                least = 0.0 if film == "film_ratio" else ATOM
+                valid = has_film(film, values[f"{contact}.load"]) & (column >= least)
+                found[f"{contact}.{film}"] = np.where(valid, column, np.nan)
+            if friction in values and sliding in values:
+                unloaded = values[f"{contact}.load"] <= 0.0
+                found[friction] = np.where(unloaded | slides(values[sliding]), values[friction], np.nan)
+            return {**values, **found}
 
-        return replace(
-            self, coupled=under_load(self.coupled, False), reference=under_load(self.reference, True)
-        )
+        return replace(self, coupled=under_load(self.coupled), reference=under_load(self.reference))
 
     def error(self, name: str) -> Vector:
         """coupled - reference at the reference's times; NaN where the thinned coupled run has no record."""

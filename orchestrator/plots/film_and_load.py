@@ -1,7 +1,8 @@
 """Load and film thickness of loaded contacts against the reference, with their errors below.
 
 A column for each contact, over the angle of the shaft that drives it; of many, those with the largest errors
-of the load. Shaded, and without film, where the contact carries no load.
+of the load. Shaded, and without film, where the contact carries no load. Films are scaled by the last turn
+of several: the film of the start, which the scenario gives, may be many times thicker.
 """
 
 import numpy as np
@@ -20,6 +21,8 @@ from .style import (
 
 # Contacts side by side at most.
 COLUMNS = 4
+# Of a shaft (deg), less what rounding leaves of two.
+TURN = 359.0
 VARIABLES = {"load": "Load", "film_thickness": "Film thickness"}
 
 
@@ -59,7 +62,8 @@ def draw(data: FigureData) -> Figure:
         for row, (variable, words) in enumerate(VARIABLES.items()):
             above = column[2 * row]
             plot_both(above, own, f"{name}.{variable}", words)
-            above.set_ylim(bottom=min(0.0, above.get_ylim()[0]))
+            top = _find_top(own, f"{name}.{variable}") if variable == "film_thickness" else None
+            above.set_ylim(-0.05 * top if top else min(0.0, above.get_ylim()[0]), top)
             _draw_error(column[2 * row + 1], own, f"{name}.{variable}")
         for ax in column:
             shade(ax, own, name)
@@ -67,6 +71,16 @@ def draw(data: FigureData) -> Figure:
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
+
+
+def _find_top(data: FigureData, name: str) -> float | None:
+    """For the last turn of several; None where the whole run has to be seen."""
+    x = data.x()
+    if not data.abscissa()[0] or x[-1] - x[0] < 2.0 * TURN:
+        return None
+    values = data.shown(name)[0] * data.coupled[name][x > x[-1] - TURN]
+    largest = float(np.max(values, initial=0.0, where=np.isfinite(values)))
+    return 1.1 * largest if largest > 0.0 else None
 
 
 def _draw_error(ax: Axes, data: FigureData, name: str) -> None:

@@ -17,6 +17,7 @@ from models.core import roles
 from models.core.quantities import Quantity, Vector
 
 from ..assessment.figures_of_merit import OPENED, VALVE, Found, Part
+from ..assessment.films import LIGHT
 from ..assessment.kinematics import find_kinematics
 from ..assessment.merits import read_motion
 from ..assessment.trains import Angle, Train
@@ -75,6 +76,12 @@ def draw(data: FigureData) -> Figure:
         if which != WHOLE:
             last.set_xlim(0.0, math.degrees(find_period(own, train)))
         last.tick_params(labelbottom=True)
+    for column, panels in zip(axes[:, 1:].T, columns[1:], strict=True):
+        for ax, (words, name) in zip(column, panels.items(), strict=False):
+            if words == "Film ratio":
+                _write(ax, f"under more than {100.0 * LIGHT:g} % of the largest load")
+            elif words == "Friction" and np.isnan(own.coupled[name]).any():
+                _write(ax, "not at rest, where it has no sign")
     by_words = dict(zip(columns[0], axes[:, 0], strict=False))
     _add_kinematics(by_words, own, train)
     _add_margin(by_words["Spring force"], own, train)

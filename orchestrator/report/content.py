@@ -9,6 +9,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..assessment.diagnosis.text import WORDS, percent
+from ..assessment.films import FILMS, has_film
 from ..engine.step import REASONS
 from ..scenario import Scenario, parse_ends
 from ..scenario.display import show_unit
@@ -28,8 +29,6 @@ KINDS = 7
 STEP = ("macro_step", "reason", "source")
 # What results say of a variable.
 ATTRIBUTES = ("units", "display_units", "long_name", "flag_meanings")
-# Of a contact, valid under load only.
-FILMS = ("film_thickness", "minimum_film_thickness", "steady_film_thickness", "film_ratio")
 # Relative distance of times from an even spacing, below which that is given instead.
 EVEN = 1e-9
 
@@ -223,11 +222,11 @@ def _name_connections(output: str, scenario: Scenario | None) -> str:
 
 
 def _read(group: Group, name: str) -> Vector:
-    """The values of a variable; a contact without load has no film."""
+    """The values of a variable; of a film where it has a meaning."""
     part, _, ending = name.rpartition(".")
     if ending not in FILMS or f"{part}.load" not in group.stored:
         return group.read(name)
-    return np.where(group.read(f"{part}.load") > 0.0, group.read(name), np.nan)
+    return np.where(has_film(ending, group.read(f"{part}.load")), group.read(name), np.nan)
 
 
 class _Base:

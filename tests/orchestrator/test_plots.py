@@ -11,6 +11,7 @@ import pytest
 from models.core.quantities import Quantity, Vector
 from models.core.system import System
 from orchestrator.assessment.diagnosis import Steps
+from orchestrator.assessment.films import LIGHT
 from orchestrator.errors import RunError
 from orchestrator.plots import (
     difference,
@@ -220,6 +221,33 @@ def test_a_bouncing_valve_shows_its_gap_and_no_film(bouncing: FigureData) -> Non
         np.testing.assert_array_equal(np.isnan(film), apart)
     assert all(ax.collections for ax in figure.axes if ax.get_visible())  # shaded
     assert {ax.get_xlabel() for ax in figure.axes if ax.get_xlabel()} == {"Cam angle (°)"}
+
+
+def test_a_film_ratio_under_next_to_no_load_is_not_drawn(bouncing: FigureData) -> None:
+    """There asperities alone hold the surfaces apart, and the ratio grows as the load goes to zero."""
+    load = bouncing.coupled["contact.load"].copy()
+    load[:3] = [0.0, 0.5 * LIGHT * 400.0, 2.0 * LIGHT * 400.0]
+    own = replace(bouncing, coupled={**bouncing.coupled, "contact.load": load}).in_contact("contact")
+    assert np.isnan(own.coupled["contact.film_ratio"][:3]).tolist() == [True, True, False]
+    assert np.isnan(own.coupled["contact.film_thickness"][:3]).tolist() == [True, False, False]
+
+
+def test_friction_at_rest_is_not_drawn(bouncing: FigureData) -> None:
+    """There its sign is that of vibrations; without load it is zero."""
+    sliding = bouncing.coupled["camshaft.sliding_velocity"].copy()
+    nose = int(np.flatnonzero(bouncing.lost("contact"))[0])
+    sliding[[0, 1, nose]] = 1e-6, -1e-6, 1e-6
+    own = replace(bouncing, coupled={**bouncing.coupled, "camshaft.sliding_velocity": sliding})
+    friction = own.in_contact("contact").coupled["contact.friction_force"]
+    assert np.isnan(friction[:3]).tolist() == [True, True, False]
+    assert friction[nose] == 0.0
+
+
+def test_films_are_scaled_by_the_last_turn(long: FigureData) -> None:
+    """Not by the film of the start, which the scenario gives: here a hundred times as thick."""
+    film = long.coupled["contact.film_thickness"] * np.where(long.time < 0.001, 100.0, 1.0)
+    figure = film_and_load.draw(replace(long, coupled={**long.coupled, "contact.film_thickness": film}))
+    assert figure.axes[2].get_ylim()[1] == pytest.approx(1.1 * 3e-6)
 
 
 def test_the_kinematic_motion_is_the_cams_lift_and_its_derivatives(bouncing: FigureData) -> None:
