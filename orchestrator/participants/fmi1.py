@@ -9,17 +9,12 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from fmpy.fmi1 import (
-    FMU1Slave,
-    defaultCallbacks,
-    fmi1CallbackFunctions,
-    fmi1CallbackLoggerTYPE,
-)
+from fmpy.fmi1 import FMU1Slave, defaultCallbacks, fmi1CallbackFunctions, fmi1CallbackLoggerTYPE
 
 from models.core.quantities import Vector
 
 from .description import BOOLEANS, Description, Variable
-from .fmi2 import ScalarCalls, add_formatting, forget_listener, listen, pass_message
+from .fmi2 import ScalarCalls, pass_message
 from .fmi_instance import DISCARD, WARNING
 from .library import open_library
 
@@ -41,19 +36,8 @@ class Fmi1(ScalarCalls):
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
         callbacks = fmi1CallbackFunctions()
         callbacks.logger = _LOGGER
-        self._heard = (self.slave.instanceName.encode(),)
-        listen(self._heard, log)
-        add_formatting(callbacks)
-        callbacks.allocateMemory = defaultCallbacks.allocateMemory
-        callbacks.freeMemory = defaultCallbacks.freeMemory
         callbacks.stepFinished = None
-        try:
-            self.slave.instantiate(functions=callbacks, loggingOn=True)
-            if not self.slave.component:
-                raise RuntimeError("fmiInstantiateSlave gave no instance")
-        except BaseException:
-            forget_listener(self._heard)
-            raise
+        self._instantiate(callbacks, defaultCallbacks, log, functions=callbacks)
         self._bind()
 
     def _function(self, name: str) -> Any:
@@ -71,10 +55,6 @@ class Fmi1(ScalarCalls):
 
     def terminate(self) -> None:
         self._check("fmi1TerminateSlave")
-
-    def free(self) -> None:
-        self.slave.freeInstance()
-        forget_listener(self._heard)
 
     def get_addresses(self) -> dict[str, int]:
         return {}

@@ -61,6 +61,29 @@ class ScalarCalls(BoundCalls):
 
     real_types = ("Real",)
     version: str
+    formats = True  # whether messages have arguments that C puts in their places
+    _heard: tuple[object, ...] = ()
+
+    def _instantiate(
+        self, table: Any, memory: Any, log: Callable[[int, bytes], None], *keys: object, **given: Any
+    ) -> None:
+        """With a table of callbacks, and those of `memory`; `log` gets what is said under name or keys."""
+        self._heard = *keys, self.slave.instanceName.encode()
+        listen(self._heard, log)
+        if self.formats:
+            add_formatting(table)
+        table.allocateMemory, table.freeMemory = memory.allocateMemory, memory.freeMemory
+        try:
+            self.slave.instantiate(loggingOn=True, **given)
+            if not self.slave.component:
+                raise RuntimeError("instantiating gave no instance")
+        except BaseException:
+            forget_listener(self._heard)
+            raise
+
+    def free(self) -> None:
+        self.slave.freeInstance()
+        forget_listener(self._heard)
 
     def configure(self, sizes: Mapping[Variable, int]) -> None:
         raise NotImplementedError("structural parameters begin with FMI 3.0")
@@ -115,8 +138,7 @@ class Fmi2(ScalarCalls):
     def __init__(self, name: str, description: Description, folder: str) -> None:
         self.slave = open_library(self.interface, name, description, folder)
         # Messages of Python FMUs and ours are complete; their percent signs are no formats.
-        self._formats = not (description.is_own or Path(folder, "resources", "slavemodule.txt").is_file())
-        self._heard: tuple[object, ...] = ()
+        self.formats = not (description.is_own or Path(folder, "resources", "slavemodule.txt").is_file())
         self.ended_in: list[float] = []
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
@@ -124,17 +146,7 @@ class Fmi2(ScalarCalls):
         callbacks.logger = _LOGGER
         environment = next(_environments)
         callbacks.componentEnvironment = environment
-        self._heard = environment, self.slave.instanceName.encode()
-        listen(self._heard, log)
-        if self._formats:
-            add_formatting(callbacks)
-        callbacks.allocateMemory = defaultCallbacks.allocateMemory
-        callbacks.freeMemory = defaultCallbacks.freeMemory
-        try:
-            self.slave.instantiate(callbacks=callbacks, loggingOn=True)
-        except BaseException:
-            forget_listener(self._heard)
-            raise
+        self._instantiate(callbacks, defaultCallbacks, log, environment, callbacks=callbacks)
         self._bind("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate")
 
     def set_up(self, start_time: float, stop_time: float) -> None:
@@ -155,10 +167,6 @@ class Fmi2(ScalarCalls):
 
     def terminate(self) -> None:
         self.slave.terminate()
-
-    def free(self) -> None:
-        self.slave.freeInstance()
-        forget_listener(self._heard)
 
     def get_addresses(self) -> dict[str, int]:
         return self._addresses("fmi2SetReal", "fmi2DoStep", "fmi2GetReal") | {"fmi3": 0, "outcome": 0}
