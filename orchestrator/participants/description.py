@@ -145,6 +145,15 @@ class Description:
         return self.variable_step and not self.fixed_step
 
     @property
+    def unserialisable(self) -> str:
+        """Why its state cannot be given to another process; empty if it can."""
+        if not self.restorable:
+            return "the FMU cannot save its state (canGetAndSetFMUstate = false)"
+        return (
+            "" if self.serialisable else "the FMU cannot serialise its state (canSerializeFMUstate = false)"
+        )
+
+    @property
     def is_own(self) -> bool:
         """Whether the file names this program as its generator."""
         return self.tool.startswith(OWN_TOOL)

@@ -50,7 +50,14 @@ class FmuParticipant(OpenedFmu):
         self._records: list[Any] = []
         side = FmuSideChannel(self._fmu) if has_side_channel(description) else None
         steps = description.variable_step, description.divisible
-        self.abilities = Abilities(description.restorable, *steps, side, self, self.warnings)
+        self.abilities = Abilities(
+            description.restorable,
+            *steps,
+            side,
+            self,
+            self.warnings,
+            unserialisable=description.unserialisable,
+        )
         self._step = self._fmi.bind_step(self._errors.fail_step)
         holds = 0 in signal_degrees(description, [v.name for v in description.list_variables("input")])
         # What runs in every step are such functions themselves, not methods around them.

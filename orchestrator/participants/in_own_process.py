@@ -33,7 +33,9 @@ class InOwnProcess(OwnProcess):
         self._about = about = read_description(path, settings.interface, settings.sizes)
         side = RemoteSideChannel(about, self._call_between) if has_side_channel(about) else None
         steps = about.variable_step, about.divisible
-        self.abilities = Abilities(about.restorable, *steps, side, self, self.warnings)
+        self.abilities = Abilities(
+            about.restorable, *steps, side, self, self.warnings, unserialisable=about.unserialisable
+        )
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return signal_degrees(self._about, input_names)

@@ -135,10 +135,8 @@ class OpenedFmu:
         self._errors.check(self._fmi.restore(saved), "restoring the state")
 
     def to_bytes(self, saved: Any) -> bytes:
-        if not self._fmu.description.serialisable:
-            raise CannotSerializeError(
-                f"{self.name}: the FMU cannot serialise its state (canSerializeFMUstate = false)"
-            )
+        if reason := self._fmu.description.unserialisable:
+            raise CannotSerializeError(f"{self.name}: {reason}")
         with self._errors.name_errors("serialising the state"):
             return self._fmi.serialise(saved)
 

@@ -79,7 +79,8 @@ class Abilities:
     `divisible`: several short steps bring it to the same state as a long one. `side` has its events, clocks
     and texts, `derivatives` its directional derivatives. `warnings()` is the number of warnings of the FMU,
     and the first message. `prove(time)`, called after initialisation, tries whether the state is restored,
-    and returns why it is not, or an empty text.
+    and returns why it is not, or an empty text. `unserialisable`: why what it saves is of no
+    use to another process, or an empty text.
     """
 
     restorable: bool = True
@@ -89,6 +90,7 @@ class Abilities:
     derivatives: Derivatives | None = None
     warnings: Callable[[], tuple[int, str]] = no_warnings
     prove: Callable[[float], str] | None = None
+    unserialisable: str = ""
 
 
 class Participant(Protocol):
@@ -153,7 +155,7 @@ class Participant(Protocol):
         ...
 
     def to_bytes(self, saved: Any) -> bytes:
-        """What `save` returned, for another process; CannotSerializeError if that is not possible."""
+        """What `save` returned, for another process; CannotSerializeError if it has not the ability."""
         ...
 
     def from_bytes(self, data: bytes) -> Any:

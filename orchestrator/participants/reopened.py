@@ -5,6 +5,7 @@ from typing import Any, NoReturn
 
 from models.core.quantities import Vector
 
+from ..errors import CannotSerializeError
 from .compiled_calls import NotCompiledError
 from .in_own_process import InOwnProcess
 from .protocol import Abilities, BoundVariables, Participant
@@ -23,7 +24,7 @@ class Reopened:
     def __init__(self, open_unit: Callable[[], Participant]) -> None:
         self._open, self.unit = open_unit, open_unit()
         self.name = self.unit.name
-        self.abilities = Abilities()
+        self.abilities = Abilities(unserialisable="it is brought back by calls, which end with their process")
         self._calls: list[Call] = []
         self._changed = False
 
@@ -88,10 +89,10 @@ class Reopened:
         pass
 
     def to_bytes(self, saved: int) -> NoReturn:
-        raise NotImplementedError("its calls end with their process")
+        raise CannotSerializeError(f"{self.name}: {self.abilities.unserialisable}")
 
     def from_bytes(self, data: bytes) -> NoReturn:
-        raise NotImplementedError("its calls end with their process")
+        raise CannotSerializeError(f"{self.name}: {self.abilities.unserialisable}")
 
     def close(self) -> None:
         self.unit.close()

@@ -13,7 +13,7 @@ import hashlib
 import math
 import os
 import time as clock
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib import metadata
 from pathlib import Path
@@ -21,6 +21,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from models.core.quantities import Vector
 
+from ..engine.coupling import Coupling
 from ..errors import CannotSerializeError, CheckpointError, Command, MistakeError, Option, start_over
 from ..participants.protocol import Participant
 from ..store.atomic_write import replace
@@ -131,14 +132,22 @@ def fitting() -> Iterator[None]:
         raise CheckpointError(f"the checkpoint does not fit this run ({error!r})", remedy) from None
 
 
+def find_refusal(participants: Iterable[Participant]) -> str:
+    """Why the evolving data of these cannot be kept, so far as their abilities say it; empty if it can."""
+    for each in participants:
+        can = each.abilities
+        if can.unserialisable or not can.restorable:
+            reason = can.unserialisable or "the FMU does not come back to the state that it saved"
+            return f"{each.name}: {reason}"
+    return ""
+
+
 def serialise_participants(participants: Mapping[str, Participant]) -> dict[str, bytes]:
     """The evolving data of each; CannotSerializeError where one cannot give it."""
+    if refusal := find_refusal(participants.values()):
+        raise CannotSerializeError(refusal)
     found = {}
     for name, participant in participants.items():
-        if not participant.abilities.restorable:
-            raise CannotSerializeError(
-                f"{name}: the FMU cannot save its state, or does not come back to it (canGetAndSetFMUstate)"
-            )
         saved = participant.save()
         try:
             found[name] = participant.to_bytes(saved)
@@ -184,7 +193,7 @@ class Checkpoints:
     """A Keeper that writes a checkpoint to `path` at the start, every `every` seconds of wall time, when the
     run is `asked` to stop, and at `stop_time`.
 
-    Where a participant cannot be serialised there are none, and `say` is told why.
+    Where a participant cannot be serialised there are none, and `say` is told why, before the first step.
     """
 
     def __init__(
@@ -201,6 +210,10 @@ class Checkpoints:
         self._asked, self._say = asked, say
         self._due = 0.0
 
+    def watch(self, coupling: Coupling) -> None:
+        if refusal := find_refusal(coupling.participants):
+            self._stop_writing(refusal)
+
     def attach(self, state: Callable[[], dict[str, Plain]]) -> None:
         self._state = state
 
@@ -216,12 +229,15 @@ class Checkpoints:
         try:
             write(self._path, self._identity, self._state())
         except CannotSerializeError as error:
-            self._say(f"no checkpoints: {error}")
-            self._due = self._stop = math.inf
-            self._asked = lambda: False
+            self._stop_writing(str(error))
             return
         now = clock.monotonic()
         self._due = now + max(self._every, (now - began) / SHARE)
+
+    def _stop_writing(self, reason: str) -> None:
+        self._say(f"no checkpoints: {reason}")
+        self._due = self._stop = math.inf
+        self._asked = lambda: False
 
     def end(self, complete: bool, message: str) -> None:
         pass

@@ -10,6 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
+from orchestrator.analyses.stability.linear import Linear
+from orchestrator.analyses.stability.linear_participants import LinearParticipant
 from orchestrator.engine.energy import add_counting, add_estimates
 from orchestrator.engine.energy.correction import Compensated
 from orchestrator.engine.energy.estimate import Estimating, without_estimates
@@ -17,8 +19,9 @@ from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import CannotSerializeError, CheckpointError, MistakeError, start_over
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
 from orchestrator.participants.in_process import InProcessParticipant as in_process
-from orchestrator.participants.protocol import Participant
-from orchestrator.run.checkpoint import Checkpoints, Identity, read, write
+from orchestrator.participants.protocol import Abilities, Participant
+from orchestrator.participants.reopened import Reopened
+from orchestrator.run.checkpoint import Checkpoints, Identity, find_refusal, read, write
 from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, FixedSteps, ForwardSteps, StepControl
 from orchestrator.store.json_codec import from_text, to_text
@@ -223,17 +226,33 @@ def test_a_state_that_does_not_fit_is_refused() -> None:
 
 
 class Dumb(Wrapper):
-    """A participant that cannot be serialised."""
+    """A participant that cannot be serialised, and says so."""
 
-    def to_bytes(self, saved):
-        raise CannotSerializeError("first: the FMU cannot serialise its state")
+    abilities = Abilities(unserialisable="it has no bytes")
 
 
-def test_without_serialisable_participants_the_run_says_so_and_goes_on(tmp_path: Path) -> None:
+def test_without_serialisable_participants_the_run_says_so_before_it_steps(tmp_path: Path) -> None:
     system, (master, steps) = two_masses(), WAYS["gauss_seidel"]
     said: list[str] = []
     keeper = Checkpoints(tmp_path / "checkpoint", IDENTITY, 0.0, STOP, lambda: False, said.append)
     participants = {name: Dumb(participant) for name, participant in build_participants(system).items()}
-    simulate(system, participants, master, steps(), STOP, [keeper])
-    assert said == ["no checkpoints: first: the FMU cannot serialise its state"]
+
+    class Hearing(Recorder):
+        def begin(self, names):
+            assert said == ["no checkpoints: first: it has no bytes"]
+            super().begin(names)
+
+    simulate(system, participants, master, steps(), STOP, [keeper, Hearing()])
+    assert len(said) == 1
     assert not list(tmp_path.iterdir())
+
+
+def test_what_a_participant_cannot_is_declared() -> None:
+    """The bytes of one that says so are refused by an error of the family."""
+    one = two_masses().instances["first"]
+    linear = LinearParticipant("one", one, Linear(*(np.zeros((2, 2)) for _ in range(4)), np.ones(2)))
+    for unit in (Reopened(lambda: in_process("one", one)), linear):
+        assert find_refusal([unit]).startswith("one: ")
+        for call, given_ in (("to_bytes", 0), ("from_bytes", b"")):
+            with pytest.raises(CannotSerializeError, match=r"^one: "):
+                getattr(unit, call)(given_)

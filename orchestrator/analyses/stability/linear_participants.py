@@ -17,6 +17,7 @@ from models.core.system import Connection, Instance, Port, System
 
 from ...engine.coupling import Coupling
 from ...engine.signals import NEEDED, POINTS
+from ...errors import CannotSerializeError
 from ...masters import Master
 from ...participants.capabilities import HIGHEST
 from ...participants.compiled_calls import IN_PROCESS, NotCompiledError
@@ -71,7 +72,7 @@ class LinearParticipant:
     trajectory is at rest unless `LinearCoupling.add_extrapolation_error` changes it for the next step.
     """
 
-    abilities = Abilities()
+    abilities = Abilities(unserialisable="a linear participant ends with its analysis")
 
     def __init__(self, name: str, instance: Instance, linear: Linear, count: int = 1) -> None:
         self.name, self.count = name, count
@@ -160,11 +161,11 @@ class LinearParticipant:
     def release(self, saved: tuple[Vector, ...]) -> None:
         pass
 
-    def to_bytes(self, saved: tuple[Vector, ...]) -> bytes:
-        raise NotImplementedError("linear participants end with their process")
+    def to_bytes(self, saved: tuple[Vector, ...]) -> NoReturn:
+        raise CannotSerializeError(f"{self.name}: {self.abilities.unserialisable}")
 
-    def from_bytes(self, data: bytes) -> tuple[Vector, ...]:
-        raise NotImplementedError("linear participants end with their process")
+    def from_bytes(self, data: bytes) -> NoReturn:
+        raise CannotSerializeError(f"{self.name}: {self.abilities.unserialisable}")
 
     def close(self) -> None:
         pass

@@ -124,7 +124,10 @@ class IntegratedFmu:
     def __init__(self, name: str, path: Path, settings: FmuSettings, folder: Path | None = None) -> None:
         self.name, self._settings = name, settings
         self._fmu = ExchangeFmu(name, path, settings, (), folder)
-        self.abilities = Abilities(self._fmu.description.restorable, warnings=self._fmu.warnings)
+        about = self._fmu.description
+        self.abilities = Abilities(
+            about.restorable, warnings=self._fmu.warnings, unserialisable=about.unserialisable
+        )
         self._problem = DrivenEquations(self._fmu)
         self._time, self._z = 0.0, np.zeros(self._problem.nominal.size)
         self._stiff = self._jumped = False
