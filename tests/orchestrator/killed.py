@@ -117,7 +117,7 @@ def _die_at_call(number: int) -> None:
 def _time(out: Path) -> float:
     """How far the checkpoint is."""
     path = find_run_state(out) / CHECKPOINT
-    return float(checkpoint.read(path)[1]["time"]) if path.exists() else -1.0
+    return float(checkpoint.read(path)[1]["session"]["time"]) if path.exists() else -1.0
 
 
 if __name__ == "__main__":
