@@ -111,7 +111,9 @@ class Adjuster(Role):
 
 
 class Bearing(Role):
-    """A bearing with a film, and an oil."""
+    """A bearing with a film, and an oil. Films are known up to the eccentricity `near` (of the clearance)."""
+
+    near: ClassVar[float] = 0.95
 
     outputs = (
         "load", "minimum_film_thickness", "film_ratio", "eccentricity_ratio", "maximum_pressure",

@@ -69,7 +69,7 @@ class JournalBearingParameters:
         "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
     ).default(0.01)
     film_model: float = Quantity(
-        "1", "Ocvirk's film, or one that also flows round the journal", choices=("short", "finite")
+        "1", "Ocvirk's film, too thick in wide bearings, or Reynolds' equation", choices=("short", "finite")
     ).default(FINITE)
     support_stiffness: float = Quantity(
         "N/m", "radial stiffness of bush and housing", nominal=1e8, positive=True, plausible=SEAT_STIFFNESS
@@ -124,7 +124,10 @@ class JournalBearingOutputs:
     eccentricity_y: Eccentricity = 0.0
     eccentricity_ratio: float = Quantity("1", "eccentricity over the radial clearance").default()
     minimum_film_thickness: float = Quantity(
-        "m", "least thickness of the film", nominal=1e-6, display_unit="um"
+        "m",
+        "least thickness of the film; finite: to 0.1 % of Reynolds' equation up to an eccentricity of 0.95",
+        nominal=1e-6,
+        display_unit="um",
     ).default()
     film_ratio: float = Quantity("1", "least film over roughness").default()
     maximum_pressure: float = Quantity(

@@ -106,6 +106,22 @@ def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
     return [*(text for _, text in least), f"{len(told) - SHOWN} more trains with larger margins"]
 
 
+def describe_bearings(system: System, merits: Sequence[Merit]) -> list[str]:
+    """A line for each bearing, of many those with the thinnest films."""
+    names = [name for name, one in system.instances.items() if one.component.has_role(roles.Bearing)]
+    found = {(merit.part, merit.figure): merit for merit in merits}
+    films = {name: found[name, "least_film"] for name in names if (name, "least_film") in found}
+    told = []
+    for name in sorted(films, key=lambda name: films[name].value)[:SHOWN]:
+        far, pressure = found[name, "largest_eccentricity"], found[name, "peak_pressure"]
+        text = f"{name}: least film {films[name].text}, largest eccentricity {far.text} of the clearance"
+        doubt = (
+            f", above {roles.Bearing.near:g}: roughness, bending and heat change its film by more than 1 %"
+        )
+        told.append(f"{text}{doubt * (far.value > roles.Bearing.near)}; highest pressure {pressure.text}")
+    return told
+
+
 Merits = Mapping[tuple[str, str], Merit]
 
 

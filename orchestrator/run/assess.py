@@ -12,7 +12,7 @@ from models.core.system import System
 
 from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, suggestions
-from ..assessment.merits import Merit, describe_trains, list_merits
+from ..assessment.merits import Merit, describe_bearings, describe_trains, list_merits
 from ..errors import RunError, Set, Words, join
 from ..reporter import Reporter
 from ..store.result_file import ResultFile
@@ -69,7 +69,8 @@ def _summarise_contacts(system: System, record: Record, result: ResultFile) -> A
             contacts, source = found, ROWS
         contacts = with_angles(system, contacts, read)
         figures = list_merits(system, contacts, lambda name: read([name])[name])
-    return Assessment(record.ending, contacts, source, describe_trains(system, figures), figures)
+    told = [*describe_trains(system, figures), *describe_bearings(system, figures)]
+    return Assessment(record.ending, contacts, source, told, figures)
 
 
 def _diagnose(plan: Plan, record: Record, result: ResultFile, assessment: Assessment) -> Assessment:

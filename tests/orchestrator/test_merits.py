@@ -16,7 +16,7 @@ from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
 from orchestrator.assessment.contacts import ContactSummary, lines
 from orchestrator.assessment.figures_of_merit import VALVE, Motion, measure
-from orchestrator.assessment.merits import describe_trains, list_merits, read_motion
+from orchestrator.assessment.merits import describe_bearings, describe_trains, list_merits, read_motion
 from orchestrator.assessment.summary_table import write_merits
 from orchestrator.assessment.trains import Angle
 from orchestrator.scenario.display import show
@@ -107,6 +107,23 @@ def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_p
     first = {"spring_margin", "seating_velocity", "bounce", "least_gap", "peak_pressure", "friction_power"}
     assert first - set(said) == {"spring_margin"}  # in per cent
     assert f"{100.0 * table['valve', VALVE['spring_margin'][0].description]:.3g} %" in line
+
+
+def test_films_of_bearings_are_told_and_doubted_near_the_bush() -> None:
+    far = {"bearing_1.eccentricity_ratio": 0.5, "bearing_2.eccentricity_ratio": 0.97}
+    films = {f"{name.split('.')[0]}.minimum_film_thickness": 25e-6 * (1.0 - e) for name, e in far.items()}
+    system, rows = build_system(load("shaft-in-bearings")), np.array([0.0, 1.0, 2.0])
+
+    def read(name: str) -> Vector:
+        return 1.0 * rows if name == "time" else (far | films).get(name, 0.0) + 0.0 * rows
+
+    near, safe = describe_bearings(system, list_merits(system, {}, read))
+    assert near.startswith(
+        "bearing_2: least film 0.75 µm, largest eccentricity 0.97 of the clearance, above 0.95: rough"
+    )
+    assert safe.startswith(
+        "bearing_1: least film 12.5 µm, largest eccentricity 0.5 of the clearance; highest"
+    )
 
 
 @pytest.mark.parametrize(
