@@ -123,8 +123,10 @@ def _draw_curves(axes: Axes, scale: float, names: list[str], table: xarray.Datas
             continue
         label = name.replace("_", " ").replace(".", ": ") if line == "solid" else None
         axes.plot(rpm, scale * table[name].values, color=COLOURS[i % len(COLOURS)], ls=line, label=label)
-    legend = axes.legend(loc="lower left", fontsize=6.5, ncols=2, columnspacing=1.0, handlelength=1.4)
-    legend.set_bbox_to_anchor((-0.02, 0.98), transform=axes.transAxes)
+    legend = axes.legend(
+        loc="lower left", fontsize=6.5, ncols=2, columnspacing=1.0, handlelength=1.4, borderaxespad=0.0
+    )
+    legend.set_bbox_to_anchor((-0.02, 1.0), transform=axes.transAxes)
 
 
 def _shade_lost(axes: Axes, table: xarray.Dataset, separation: float | None) -> None:
@@ -162,6 +164,7 @@ def draw_map(cycles: xarray.Dataset, name: str, lost: NDArray[np.bool_]) -> Figu
     figure.colorbar(drawn, ax=axes, extend="max" if load.max() > largest else "neither")
     axes.set_xlabel("Cam angle (°)")
     axes.set_ylabel("Speed (r/min)")
+    axes.set_ylim(rpm.min(), rpm.max())
     axes.grid(visible=False)
     return figure
 
@@ -171,15 +174,18 @@ def draw_orders(cycles: xarray.Dataset, name: str) -> Figure:
     figure, axes = create_subplots(figsize=(7.6, 5.0))
     add_title(figure, f"Orders of {name}: amplitude (N)")
     orders, amplitude = find_orders(cycles[name])
-    rpm, turning = RPM * cycles["speed"].values, RPM * find_cam_speeds(cycles)
+    rpm = RPM * cycles["speed"].values
+    every = np.linspace(rpm[0], rpm[-1], 200)  # the curve is a hyperbola, between few speeds a polygon
     drawn = axes.pcolormesh(
         rpm, orders, amplitude.T, shading="nearest", cmap="viridis", norm=_scale(amplitude)
     )
     figure.colorbar(drawn, ax=axes, extend="min")
     for kind, frequency in list_frequencies(cycles):
         if kind == "surge":
-            axes.plot(rpm, 60.0 * frequency / turning, color=REFERENCE, label=kind)
+            turning = cycles.attrs["cam_ratio"] * every
+            axes.plot(every, 60.0 * frequency / turning, color=REFERENCE, label=kind)
     _add_legend(axes)
+    axes.set_xlim(rpm[0], rpm[-1])
     axes.set_ylim(0.5, MOST_ORDERS + 0.5)
     axes.set_xlabel("Speed (r/min)")
     axes.set_ylabel("Order of the cam")
@@ -238,7 +244,9 @@ def _scale(amplitude: NDArray[np.float64]) -> LogNorm:
 
 
 def _add_legend(axes: Axes) -> None:
-    """Each label once."""
+    """Each label once, above the axes."""
     handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
     if handles:
-        axes.legend(handles.values(), handles.keys(), loc="upper left")
+        axes.legend(
+            handles.values(), handles.keys(), loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(handles)
+        )
