@@ -5,9 +5,10 @@ each; `validate` lists both. `info` says what an FMU is.
 """
 
 import hashlib
+import re
 import zipfile
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 from xml.etree import ElementTree
@@ -29,6 +30,9 @@ CAPABILITIES = (
     "hasEventMode", "canBeInstantiatedOnlyOncePerProcess",
 )  # fmt: skip
 ORDER = "maxOutputDerivativeOrder"
+# An array with more elements is shown as a table: one line, after all else.
+FEW = 8
+ELEMENT = re.compile(r"\[\d+\]")
 
 
 @dataclass(frozen=True)
@@ -81,14 +85,29 @@ class FmuInfo:
             "GUID": self.guid,
             "SHA-256": self.digest,
         }
-        rows = [("variable", "type", "causality", "variability", "unit", "start", "range", "description")]
-        rows += [
-            (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.range, v.description)
-            for v in self.variables
+        rows: list[tuple[str, ...]] = [
+            ("variable", "type", "causality", "variability", "unit", "start", "range", "description")
         ]
+        rows += _list_rows(self.variables)
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         table = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
         return "\n".join([*(f"{key:10} {value}" for key, value in head.items() if value), "", *table])
+
+
+def _list_rows(variables: Sequence[VariableInfo]) -> list[tuple[str, ...]]:
+    """A row for each, and at the end one for each table: an array of more than FEW elements."""
+    arrays: dict[str, list[VariableInfo]] = {}
+    for v in variables:
+        arrays.setdefault(ELEMENT.sub("[]", v.name), []).append(v)
+    tables = {name: every for name, every in arrays.items() if len(every) > FEW}
+    shown = [v for v in variables if ELEMENT.sub("[]", v.name) not in tables]
+    for name, every in tables.items():
+        starts = list(dict.fromkeys((every[0].start, every[-1].start)))
+        name = name.replace("[]", f"[1..{len(every)}]")
+        shown.append(replace(every[0], name=name, start=" ... ".join(starts)))
+    return [
+        (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.range, v.description) for v in shown
+    ]
 
 
 @dataclass(frozen=True)

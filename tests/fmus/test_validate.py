@@ -2,6 +2,7 @@
 
 import hashlib
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import fmpy
@@ -158,6 +159,16 @@ def test_a_library_of_another_platform_keeps_nobody_here_from_running(
     assert (len(found.faults), len(found.remarks)) == (int(fmpy.platform == "win64"), 1 - len(found.faults))
     assert not tribocosim.validate_fmu(fmu_files["flywheel"])
     assert str(tribocosim.validate_fmu(fmu_files["flywheel"])) == "no problems found"
+
+
+def test_tables_of_an_fmu_are_a_line_each_after_the_scalars(fmu_files: dict[str, Path]) -> None:
+    info = tribocosim.fmu_info(fmu_files["flywheel"])
+    scalar = info.variables[0]
+    points = [replace(scalar, name=f"angles[{i}]", start=str(i)) for i in range(1, 362)]
+    pair = [replace(scalar, name=f"coil[{i}]") for i in (1, 2)]
+    lines = str(replace(info, variables=(*points, *pair, scalar))).splitlines()[-4:]
+    assert [line.split()[0] for line in lines] == ["coil[1]", "coil[2]", scalar.name, "angles[1..361]"]
+    assert "1 ... 361" in lines[-1]
 
 
 def test_it_agrees_with_its_reference_from_python(referenced: dict[str, Path]) -> None:

@@ -1,6 +1,9 @@
 // A plot of one variable: coupled run, reference, or its error.
 "use strict";
 
+// Digits of a value that are read: those of every row are stored to 1/16384 of their range.
+const KNOWN = 4;
+
 class Panel {
   constructor(report, name) {
     this.report = report; this.view = report.view; this.records = report.records;
@@ -102,7 +105,7 @@ class Panel {
   // The numbers at a row, in words.
   read(i) {
     const v = this.variable, unit = v.unit ? " " + v.unit : "", value = this.values.at(i);
-    let text = v.choices.length && Number.isInteger(value) ? v.choices[value] || String(value) : readable(value * v.factor) + unit;
+    let text = v.choices.length && Number.isInteger(value) ? v.choices[value] || String(value) : readable(+(value * v.factor).toPrecision(KNOWN)) + unit;
     if (Number.isNaN(value)) text = "no contact";
     else if (this.error) text += ", error " + readable(this.error.at(i) * v.factor) + unit;
     if (text === this.reading.textContent) return;
