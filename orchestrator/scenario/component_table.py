@@ -200,7 +200,9 @@ class ComponentTable(Table):
             if info.field_name != "start":
                 chosen |= select_strings(component, values, kinds[info.field_name].rpartition(" ")[2])
         others = spread_arrays({key: value for key, value in values.items() if key not in chosen}, layout)
-        return parse_values(layout, others, kinds[info.field_name], layouts) | chosen
+        tables = {name: other.variables for name, other in layouts.items()}
+        tables["the component's own table, one level up"] = tuple(cls.model_fields)
+        return parse_values(layout, others, kinds[info.field_name], tables) | chosen
 
     @model_validator(mode="after")
     def _check_resized(self) -> ComponentTable:

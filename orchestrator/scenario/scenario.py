@@ -20,7 +20,7 @@ from .messages import REMEDIES, Location, list_messages
 from .oil import OilSheet, Temperature, share_oil
 from .revolutions import convert_to_seconds
 from .step_control_table import CONVERGED, EVENT_TOLERANCE, StepControlTable
-from .values import Faults
+from .values import Faults, build_component, find_place
 
 # The comparison has at least this many intervals. An RMS error from n normally distributed values has a
 # standard error of 1 / sqrt(2 n), here 7 %.
@@ -290,12 +290,14 @@ def build_scenario(content: dict[str, Any]) -> Scenario:
     try:
         return Scenario.model_validate(share_oil(convert_to_seconds(content)))
     except ValidationError as error:
-        raise ScenarioError("\n".join(map(_add_place, list_messages(error, _list_keys)))) from None
+        raise ScenarioError(
+            "\n".join(_add_place(line, content) for line in list_messages(error, _list_keys))
+        ) from None
     except Faults as error:
         raise ScenarioError("\n".join(key + text for key, text in error.faults)) from None
 
 
-def _add_place(line: str) -> str:
+def _add_place(line: str, content: dict[str, Any]) -> str:
     """A message about an unknown key names the table where it is known, if there is one."""
     path, _, text = line.partition(": ")
     table, _, key = path.rpartition(".")
@@ -304,7 +306,20 @@ def _add_place(line: str) -> str:
         return f"{path}: {fault}; did you mean {' or '.join(meant)}?"
     if unknown and table and key in Scenario.model_fields:
         return f"{path}: {fault}; put {key} above the file's first [table]"
+    if unknown and table.startswith("components."):
+        name = table.removeprefix("components.")
+        return f"{path}: {fault}; {find_place(key, _list_tables(content, name), text.partition('; ')[2])}"
     return line
+
+
+def _list_tables(content: dict[str, Any], name: str) -> dict[str, tuple[str, ...]]:
+    """The names that the tables of a component know; none where it cannot be built."""
+    try:
+        component = build_component(str(content["components"][name]["component"]))
+    except (KeyError, TypeError, ValueError):
+        return {}
+    layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
+    return {f"[components.{name}.{table}]": layout.variables for table, layout in layouts.items()}
 
 
 TABLES: dict[str, type[Table]] = {

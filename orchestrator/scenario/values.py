@@ -1,8 +1,9 @@
 """Values of parameters, start values and inputs, in scenarios and in models."""
 
+import difflib
 import functools
 import inspect
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from models.catalogue import CATALOGUE, find_factory, is_own
@@ -28,6 +29,8 @@ class WithUnit(float):
 
 # A choice's name, a boolean, or a number in the quantity's unit.
 Value = bool | float | str
+# Similarity of a name to one that another table knows, from which it is taken for it.
+ALIKE = 0.8
 
 
 @functools.cache
@@ -100,21 +103,29 @@ def to_value(quantity: Quantity, stored: float) -> Value:
     return bool(stored) if quantity.boolean else float(stored)
 
 
+def find_place(name: str, tables: Mapping[str, Sequence[str]], near: str) -> str:
+    """The remedy for a name that is not known where it stands, by the names that other tables know; `near` is
+    what can be said of its own."""
+    if places := [table for table, names in tables.items() if name in names]:
+        return f"it belongs in {' or '.join(places)}"
+    if near.startswith("did you mean"):
+        return near
+    close = {table: difflib.get_close_matches(name[:100], names, 1, ALIKE) for table, names in tables.items()}
+    return next((f"did you mean {found[0]}, in {table}?" for table, found in close.items() if found), near)
+
+
 def parse_values(
-    layout: Layout, values: Mapping[str, Any], kind: str, others: Mapping[str, Layout] | None = None
+    layout: Layout, values: Mapping[str, Any], kind: str, others: Mapping[str, Sequence[str]] | None = None
 ) -> dict[str, Value]:
     """Parse all values, and add those that follow another one (`Quantity.same_as`); raises Faults.
 
-    `others` are the layouts of other tables, for remedies."""
+    `others` are the names that other tables know, for remedies."""
     found: dict[str, Value] = {}
     faults: list[tuple[str, str]] = []
     for name, value in values.items():
         if name not in layout:
-            tables = [table for table, other in (others or {}).items() if name in other.variables]
-            if tables:
-                remedy = f"it belongs in {' or '.join(tables)}"
-            else:
-                remedy = suggestion(name, layout.variables) if layout.variables else "leave it out"
+            near = suggestion(name, layout.variables) if layout.variables else "leave it out"
+            remedy = find_place(name, others or {}, near)
             faults.append((name, f": no such {kind}; {remedy}"))
             continue
         quantity = layout.field(name).quantity

@@ -60,6 +60,14 @@ BAD = {
         "did you mean kushwaha?",
     ),
     "components.contact.parameters.film_model=3": ("film_model", "3", "one of"),
+    "components.valve_spring.spring_rate=3e4": (
+        "components.valve_spring.spring_rate: unknown key; it belongs in [components.valve_spring.par",
+    ),
+    "components.valve_spring.spring_rat=3e4": ("did you mean spring_rate, in [components.valve_spring.par",),
+    "components.camshaft.parameters.lift_tabel=a.csv": (
+        "no such parameter; did you mean lift_table, in the component's own table, one level up?",
+    ),
+    "components.camshaft.parameters.retries=3": ("it belongs in the component's own table, one level up",),
     "components.valve_spring.structure.coils=3": ("coils", "did you mean coil_masses?"),
     "components.valve_spring.structure.coil_masses=0": ("coil_masses", "0", "from 1 to 500"),
     "components.valve_spring.structure.coil_masses=2.5": ("coil_masses", "2.5", "integer"),
