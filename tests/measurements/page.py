@@ -11,7 +11,7 @@ import pytest
 from tests.validation import Blocks, named_test, page_blocks
 
 PAGE = Path(__file__).parents[2] / "docs" / "measurements.md"
-SUBJECTS = ("Mechanisms", "Springs and valve trains", "Contact and film", "Friction and wear")
+SUBJECTS = ("Mechanisms", "Springs and valve trains", "Contact and film", "Bearings", "Friction and wear")
 MEASURED, COMPUTED = "measured", "computed"
 INSIDE, OUTSIDE = "inside", "outside"
 COLUMNS = ("quantity", "conditions", "kind", "published", "ours", "verdict", "why", "source", "test")

@@ -1,0 +1,53 @@
+"""Journal bearings of finite width under a steady load: published tables, statics and dynamics."""
+
+import math
+
+import pytest
+
+from models.contact.analysis.bearing.steady import SIDES, solve_steady
+
+from .page import COMPUTED, Published
+
+pytestmark = pytest.mark.plain
+
+
+@pytest.mark.parametrize(
+    ("ratio", "eps", "load", "attitude"),
+    [(0.5, 0.6, 0.319, 48.14), (0.5, 0.9, 0.0313, 23.66), (1.0, 0.8, 0.0446, 36.24)],
+)
+def test_a_plain_bearing_carries_what_raimondi_and_boyd_found(ratio, eps, load, attitude, published) -> None:
+    found = solve_steady(eps, ratio)
+    rows = (
+        ("Sommerfeld number", found.sommerfeld, load, 0.015 * load),
+        ("attitude angle (deg)", math.degrees(found.attitude), attitude, 0.6),
+    )
+    for quantity, ours, value, band in rows:
+        case = Published(
+            "Bearings", f"plain bearing, L/D {ratio:g}, eps {eps:g}: {quantity}",
+            "360 degrees, film from its widest place, p >= 0; band: 1.5 %, 0.6 deg (their grid)", COMPUTED,
+            value - band, value + band, "Raimondi and Boyd (1958), ASLE Trans. 1, 159", value, digits=4,
+        )  # fmt: skip
+        published(case, ours, "least film (1 - eps) c at a given load")
+
+
+@pytest.mark.parametrize(
+    ("ratio", "eps", "load", "attitude", "stiffness", "damping"),
+    [(0.5, 0.477, 0.580, 51.01, 3.70, 6.96), (1.0, 0.460, 0.235, 49.27, 3.57, 7.36)],
+)
+def test_a_bearing_with_two_grooves_yields_as_lunds_and_thomsens(
+    ratio, eps, load, attitude, stiffness, damping, published
+) -> None:
+    found = solve_steady(eps, ratio, SIDES)
+    rows = (
+        ("Sommerfeld number", found.sommerfeld, load, 0.005 * load),
+        ("attitude angle (deg)", math.degrees(found.attitude), attitude, 0.5),
+        ("Kxy over W/c", found.stiffness[0, 1], stiffness, 0.03 * stiffness),
+        ("Bxx over W/(c omega)", found.damping[0, 0], damping, 0.03 * damping),
+    )
+    for quantity, ours, value, band in rows:
+        case = Published(
+            "Bearings", f"two axial grooves, L/D {ratio:g}, eps {eps:g}: {quantity}",
+            "grooves of 20 deg at 90 deg to the load; band: 0.5 %, 0.5 deg, coefficients 3 %", COMPUTED,
+            value - band, value + band, "Lund and Thomsen (1978), ASME", value, digits=4,
+        )  # fmt: skip
+        published(case, ours, "motions of the shaft meet these coefficients, which decide its stability")
