@@ -8,6 +8,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from models.contact.records import ATOM
+
 from ..assessment.contacts import ContactSummaries
 from ..assessment.contacts import lines as contact_lines
 from ..assessment.diagnosis import Diagnosis, brief
@@ -92,6 +94,8 @@ class Summary:
         """As plain JSON values."""
         message, verdict = map(in_command_line, (self.message, self.verdict))
         content = asdict(replace(self, message=message, verdict=verdict))
+        for contact in content["contacts"].values():
+            contact["film"] = contact["film"] if contact["film"] >= ATOM else 0.0
         content["notices"] = list(map(in_command_line, [*self.notices, *self.tell()]))
         for name, error in self.errors.items():
             own = content["errors"][name].pop("uncertainty")

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
+from models.contact.records import ATOM
 from models.core.quantities import Vector
 from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
@@ -19,6 +20,7 @@ from orchestrator.assessment.figures_of_merit import VALVE, Motion, measure
 from orchestrator.assessment.merits import describe_bearings, describe_trains, list_merits, read_motion
 from orchestrator.assessment.summary_table import write_merits
 from orchestrator.assessment.trains import Angle
+from orchestrator.run.summary import Summary
 from orchestrator.scenario.display import show
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
@@ -132,6 +134,8 @@ def test_films_of_bearings_are_told_and_doubted_near_the_bush() -> None:
 def test_a_film_below_an_atom_is_none(film: float, said: str) -> None:
     summary = ContactSummary(1.0, 2.0, 1.0, 0.0, 1e8, 2.0, 1e9, 0.0, film, 3.0, 0.01, 1e-5)
     assert said in lines({"contact": summary}, "rows", True)[0]
+    whole = Summary("", "", "", {}, 1e-5, True, {}, contacts={"contact": summary})
+    assert whole.content()["contacts"]["contact"]["film"] == (film if film > ATOM else 0.0)
 
 
 def measure_over(cycle: Cycle, angle: np.ndarray) -> dict[str, float]:

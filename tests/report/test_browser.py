@@ -251,6 +251,16 @@ def test_numbers_are_written_without_zeros_that_say_nothing(browser: Any, tmp_pa
         assert said == ["1e-4", "1.5e-4", "1.234e+6", "-1e-10", "2e+5", "0", "12.5", "100"]
 
 
+@pytest.mark.parametrize(("film", "said"), [(2e-10, "no film"), (4e-10, "film 4e-4 µm")])
+def test_a_film_below_an_atom_is_said_to_be_none(
+    browser: Any, tmp_path: Path, film: float, said: str
+) -> None:
+    values = f"{{ load: 10, film_thickness: {film}, maximum_pressure: 1e8, half_width: 1e-5 }}"
+    own = f"{{ value: (name) => ({values})[name], open: () => NaN, describeSource: () => '' }}"
+    with opened(browser, write_evil(tmp_path)) as page:
+        assert page.evaluate(f"Contact.prototype.describe.call({own}, 0)").startswith(f"load 10 N, {said}, ")
+
+
 def test_no_text_of_a_result_runs(browser: Any, tmp_path: Path) -> None:
     """Of names, units, descriptions and messages that are scripts; the losses are marked all the same."""
     with opened(browser, write_evil(tmp_path)) as page:
