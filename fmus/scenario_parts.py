@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from models.catalogue import find_factory, is_own
-from models.core.errors import ModelError
+from models.catalogue import find_factory, identify
 from models.core.system import Instance
 
 from .declared import explain_no_native, find_extra
 from .fmi.description import Experiment
+from .sources import COMPANION, name_companion
 
 # Names that the file made here, or the script of an FMU in Python, needs for something else.
 _TAKEN = {
@@ -89,21 +89,25 @@ _IMPORTS = ["from models.core.system import Instance"]
 
 
 def _import(parts: Iterable[Part]) -> list[str]:
-    """A line for each component; ModelError for one of a user's own file, which may import others."""
+    """A line for each component."""
     names = sorted({part.catalogue_name for part in parts})
-    for name in names:
-        if is_own(name):
-            raise ModelError(
-                f"{name}: only components of the catalogue can be built with a scenario's values"
-            )
-    return [f"from {find_factory(name).__module__} import {name} as make_{name}" for name in names]
+    return [
+        f"from {name_companion(name)} import {find_factory(name).__name__} as {_name_factory(name)}"
+        for name in names
+    ]
+
+
+def _name_factory(name: str) -> str:
+    """The name of a component's factory in the file; own ones may have names of others."""
+    module = name_companion(name)
+    return f"make_{identify(name)}" + (f"_of_{module}" if module.startswith(COMPANION) else "")
 
 
 def _show(part: Part) -> str:
     instance = part.instance
     sizes = ", ".join(f"{key}={value}" for key, value in sorted(instance.component.structure.items()))
     values = (instance.parameters, instance.start, instance.inputs)
-    return f"Instance(make_{part.catalogue_name}({sizes}), {', '.join(map(_show_values, values))})"
+    return f"Instance({_name_factory(part.catalogue_name)}({sizes}), {', '.join(map(_show_values, values))})"
 
 
 def _show_values(values: Mapping[str, float]) -> str:

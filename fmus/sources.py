@@ -13,9 +13,13 @@ import pythonfmu
 
 import models
 from fmus.fmi.archive import compute_digest
+from models.catalogue import find_factory
 
 # Packages that the code in an FMU may import besides the standard library.
 RUN_TIME = {"numpy", "numba", "llvmlite"}
+
+# Modules of users' own components are called so where a file has several components, with a digest of each.
+COMPANION = "own_part_"
 
 # The folder of `models`, inside an FMU, with the module of a user's own component.
 OWN = "own"
@@ -34,8 +38,15 @@ def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]
         begin = [root.parent / Path(*factory.__module__.split(".")).with_suffix(".py")]
     else:
         module = Path(inspect.getfile(inspect.unwrap(factory)))
-        text, begin = _relocate(module, root)
-        files |= {f"models/{OWN}/{module.name}": text.encode(), f"models/{OWN}/__init__.py": b""}
+        begin = []
+        waiting = {module.name: module}
+        while waiting:
+            name, file = waiting.popitem()
+            text, needed, companions = _relocate(file, root)
+            files[f"models/{OWN}/{name}"] = text.encode()
+            begin += needed
+            waiting |= {f"{one}.py": Path(inspect.getfile(sys.modules[one])) for one in companions}
+        files[f"models/{OWN}/__init__.py"] = b""
     imported = {path for one in begin for path in find_imports(one, root)}
     files |= {f"models/{path.relative_to(root).as_posix()}": path.read_bytes() for path in imported}
     files |= {name: (Path(__file__).parent / name).read_bytes() for name in _SLAVE}
@@ -60,18 +71,33 @@ def name_module(factory: Callable[..., Any]) -> str:
     return f"models.{OWN}.{Path(inspect.getfile(inspect.unwrap(factory))).stem}"
 
 
+def name_companion(name: str) -> str:
+    """The module from which a file with several components imports this one; a user's own is known by it here
+    and in the FMU."""
+    factory = find_factory(name)
+    if _is_ours(factory):
+        return factory.__module__
+    module = sys.modules[factory.__module__]
+    file = Path(inspect.getfile(module))
+    companion = f"{COMPANION}{compute_digest({file.name: file.read_bytes()})[:16]}"
+    sys.modules.setdefault(companion, module)
+    return companion
+
+
 def _is_ours(factory: Callable[..., Any]) -> bool:
     """Whether it is in `models`, not in a user's own file."""
     return factory.__module__.startswith("models.")
 
 
-def _relocate(module: Path, root: Path) -> tuple[str, list[Path]]:
-    """The text of a user's module as one of the folder OWN of `models`, and the files of ours it imports.
+def _relocate(module: Path, root: Path) -> tuple[str, list[Path], list[str]]:
+    """The text of a user's module as one of the folder OWN of `models`, the files of ours and the companions
+    that it imports.
 
     ImportError for imports that an FMU cannot have.
     """
     lines = module.read_text("utf-8").splitlines(keepends=True)
     found: list[Path] = []
+    companions: list[str] = []
     for node in ast.walk(ast.parse("".join(lines), str(module))):
         if isinstance(node, ast.ImportFrom) and not node.level and f"{node.module}.".startswith("models."):
             base = root.parent.joinpath(*str(node.module).split("."))
@@ -79,13 +105,16 @@ def _relocate(module: Path, root: Path) -> tuple[str, list[Path]]:
                 found += _files(place)
             line = lines[node.lineno - 1]
             lines[node.lineno - 1] = re.sub(r"from\s+models(\.|\s+)", r"from ..", line, count=1)
+        elif isinstance(node, ast.ImportFrom) and str(node.module).startswith(COMPANION):
+            companions.append(str(node.module))
+            lines[node.lineno - 1] = lines[node.lineno - 1].replace("from ", "from .", 1)
         elif isinstance(node, ast.ImportFrom) and node.level:
             raise ImportError(f"{module.name}: imports from {'.' * node.level}: put all of it into one file")
         elif isinstance(node, (ast.Import, ast.ImportFrom)):
             names = [node.module] if isinstance(node, ast.ImportFrom) else [name.name for name in node.names]
             for name in names:
                 _refuse_foreign(str(name).partition(".")[0], module.name)
-    return "".join(lines), found
+    return "".join(lines), found, companions
 
 
 def find_imports(module: Path, root: Path, packages: bool = True) -> list[Path]:
