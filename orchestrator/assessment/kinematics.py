@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from models.core import roles
 from models.core.quantities import Vector
@@ -36,5 +36,5 @@ def find_kinematics(train: Train, time: Vector, values: Mapping[str, Vector]) ->
     # Rows of step control may lie within a rounding of each other.
     apart = (time[-1] - time[0]) / KNOTS
     _, kept = np.unique(np.floor((time - time[0]) / apart), return_index=True)
-    spline = CubicSpline(time[kept], lift[kept])
+    spline = scipy.interpolate.CubicSpline(time[kept], lift[kept])
     return Kinematics(lift, spline(time, 1), spline(time, 2))
