@@ -1,6 +1,6 @@
 """A co-simulation FMU in its own process.
 
-A step is one message and one answer, with inputs and outputs as raw doubles; other calls are JSON.
+A step is one message and one answer, with inputs and all outputs as raw doubles; other calls are JSON.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,6 +30,7 @@ class InOwnProcess(OwnProcess):
 
     def __init__(self, name: str, path: Path, settings: FmuSettings, limits: Limits = NO_LIMITS) -> None:
         super().__init__(name, path, settings, limits)
+        self._every = len(settings.outputs)
         self._about = about = read_description(path, settings.interface, settings.sizes)
         side = RemoteSideChannel(about, self._call_between) if has_side_channel(about) else None
         steps = about.variable_step, about.divisible
@@ -79,13 +80,20 @@ class InOwnProcess(OwnProcess):
         self._store_outputs(self._ask(ADVANCE, TIMES.pack(time, step), self._take_inputs()))
 
     def read(self) -> None:
-        if not self._fresh:
-            self._doing = "reading of outputs"
-            self._store_outputs(self._ask(READ, self._take_inputs()))
+        self._refresh()
         count = self._outputs.size
         self._outputs[:] = self._taken[:count]
         if self._rates.size:
-            self._rates[self._rated] = self._taken[count:][self._rated]
+            self._rates[self._rated] = self._taken[count : count + self._rates.size][self._rated]
+
+    def read_all(self, values: Vector) -> None:
+        self._refresh()
+        values[:] = self._taken[self._taken.size - self._every :]
+
+    def _refresh(self) -> None:
+        if not self._fresh:
+            self._doing = "reading of outputs"
+            self._store_outputs(self._ask(READ, self._take_inputs()))
 
     def _call_between(self, method: str, **arguments: Any) -> Any:
         """A call of the side channel, which may change outputs."""
@@ -105,14 +113,10 @@ class InOwnProcess(OwnProcess):
         return self._inputs.tobytes() if written else b""
 
     def _store_outputs(self, content: bytes) -> None:
-        if len(content) != self._outputs.nbytes + self._rates.nbytes:
+        if len(content) != self._outputs.nbytes + self._rates.nbytes + 8 * self._every:
             self._raise_garbled()
         self._taken = np.frombuffer(content)
         self._fresh = True
-
-    def read_all(self, values: Vector) -> None:
-        self._deliver()
-        values[:] = self._call("read_all", size=len(values))
 
     def get_followed(self) -> Any:
         return np.array(self._call("get_followed"), dtype=bool)

@@ -39,6 +39,7 @@ class Server:
     inputs: Vector
     outputs: Vector
     rates: Vector
+    every: Vector
 
     def __init__(self) -> None:
         self._states: dict[int, Any] = {}
@@ -64,12 +65,14 @@ class Server:
 
     def _get_outputs(self) -> bytes:
         self.unit.read()
-        return self.outputs.tobytes() + self.rates.tobytes()
+        self.unit.read_all(self.every)
+        return self.outputs.tobytes() + self.rates.tobytes() + self.every.tobytes()
 
     def instantiate(self, name: str, path: str, given: dict[str, Any], folder: str) -> None:
         if hasattr(self, "unit"):
             self.unit.close()
         self.unit = open_here(name, Path(path), FmuSettings(**given), Path(folder))
+        self.every = np.zeros(len(given["outputs"]))
         self._owners = [self, self.unit, self.unit.abilities.side, self.unit.abilities]
 
     def connect(self, inputs: list[str], rows: int, outputs: list[str], rated: bool) -> list[bool]:
@@ -78,11 +81,6 @@ class Server:
         self.rates = np.zeros(len(outputs) if rated else 0)
         bound = BoundVariables(inputs, self.inputs, outputs, self.outputs, self.rates)
         return [bool(one) for one in self.unit.connect(bound)]
-
-    def read_all(self, size: int) -> Vector:
-        values = np.zeros(size)
-        self.unit.read_all(values)
-        return values
 
     def find_states(self, names: list[str]) -> Any:
         derivatives = self.unit.abilities.derivatives

@@ -23,7 +23,6 @@ call("initialise", start_time=0.0, stop_time=1.0)
 call("finish_initialisation")
 server.carry_out(ADVANCE, TIMES.pack(0.0, 0.01) + bytes(32))
 server.carry_out(READ, b"")
-call("read_all", size=1)
 call("close")
 print(*(name.partition(".")[0] for name in sys.modules))
 """
