@@ -34,7 +34,7 @@ class FigureData:
     `drivers` gives the output that drives an input, `parameters` what the scenario states, `tolerance` the
     allowed relative RMS error of a variable. `angle` is what to draw against; None: that of the instance
     drawn, or the system's first, if `system` is known and has one. Figures over it begin at `origin` (rad).
-    `energies` are the ledger's channels at `energy_time`, if one was kept.
+    `energies` are the ledger's channels at `energy_time`, if one was kept. `names` are both runs' in legends.
     """
 
     title: str
@@ -52,6 +52,7 @@ class FigureData:
     energy_time: Vector = field(default_factory=lambda: np.zeros(0))
     tolerance: Mapping[str, float] = field(default_factory=dict)
     energies: Mapping[str, Vector] = field(default_factory=dict)
+    names: tuple[str, str] = ("coupled", "monolithic reference")
 
     @classmethod
     def read(

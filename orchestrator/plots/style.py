@@ -113,9 +113,9 @@ def plot_both(axes: Axes, data: FigureData, name: str, words: str) -> None:
     if name in data.reference:
         axes.plot(
             data.x(True), factor * data.reference[name], color=REFERENCE, alpha=0.55, lw=3.2,
-            solid_capstyle="round", label="monolithic reference",
+            solid_capstyle="round", label=data.names[1],
         )  # fmt: skip
-    axes.plot(data.x(), factor * data.coupled[name], color=COUPLED, lw=1.1, label="coupled")
+    axes.plot(data.x(), factor * data.coupled[name], color=COUPLED, lw=1.1, label=data.names[0])
     axes.set_ylabel(data.label(name, words))
 
 

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import tribocosim
 from models.core.quantities import Quantity, Vector
 from models.core.system import System
 from orchestrator.assessment.diagnosis import Steps
 from orchestrator.assessment.films import LIGHT
-from orchestrator.errors import RunError
+from orchestrator.errors import MistakeError, RunError
 from orchestrator.plots import (
     difference,
     draw_all,
@@ -30,6 +31,8 @@ from orchestrator.plots.data import FigureData
 from orchestrator.scenario import parse_ends
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, list_parameters
+from orchestrator.study import run_overlay
+from tribocosim.reporting import SilentReporter
 
 METRE, RADIAN, FORCE, NUMBER = (Quantity(unit, unit) for unit in ("m", "rad", "N", "1"))
 
@@ -248,6 +251,22 @@ def test_films_are_scaled_by_the_last_turn(long: FigureData) -> None:
     film = long.coupled["contact.film_thickness"] * np.where(long.time < 0.001, 100.0, 1.0)
     figure = film_and_load.draw(replace(long, coupled={**long.coupled, "contact.film_thickness": film}))
     assert figure.axes[2].get_ylim()[1] == pytest.approx(1.1 * 3e-6)
+
+
+def test_two_runs_lie_over_each_other_with_their_names(tmp_path: Path) -> None:
+    short = {"stop_time": "60 ms", "macro_step": "20 us", "reference.enabled": False}
+    for name, preload in (("soft", 250.0), ("stiff", 400.0)):
+        own = {**short, "components.valve_spring.parameters.preload": preload}
+        tribocosim.run(tribocosim.load("valve-train").with_(own), tmp_path / name)
+    one, other = (run_overlay.read_run(tmp_path / name) for name in ("soft", "stiff"))
+    path = run_overlay.overlay(tmp_path / "soft", tmp_path / "stiff", tmp_path / "both.png", SilentReporter())
+    assert path.stat().st_size > 10_000
+    both = replace(one, names=("soft", "stiff"), reference=other.coupled, reference_time=other.time)
+    load = next(ax for ax in valve_train.draw(both).axes if ax.get_ylabel() == "Load (N)")
+    lines = {line.get_label(): line.get_ydata() for line in load.lines}
+    assert np.mean(lines["stiff"] - lines["soft"]) == pytest.approx(150.0, abs=1.0)
+    with pytest.raises(MistakeError, match="holds no finished run"):
+        run_overlay.read_run(tmp_path)
 
 
 def test_the_kinematic_motion_is_the_cams_lift_and_its_derivatives(bouncing: FigureData) -> None:

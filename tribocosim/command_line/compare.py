@@ -12,8 +12,10 @@ from .json_output import Json, build_reporter, print_json
 
 @report_errors
 def compare_sweeps(  # options of a command
-    first: Annotated[Path, typer.Argument(help="Output folder of `tribocosim speeds` for one design.")],
-    second: Annotated[Path, typer.Argument(help="Output folder of the other design.")],
+    first: Annotated[
+        Path, typer.Argument(help="Output folder of `tribocosim speeds` for one design, or of a run.")
+    ],
+    second: Annotated[Path, typer.Argument(help="Output folder of the other design or run.")],
     out: Annotated[Path, typer.Option(help="File of the figure.")] = Path("results/compare.png"),
     low: Annotated[
         str | None,
@@ -31,11 +33,22 @@ def compare_sweeps(  # options of a command
 ) -> None:
     """Compare two designs over speed: worst value of each number, separation speed, and a figure.
 
-    The worst is taken over the speeds at which both keep contact.
+    The worst is taken over the speeds at which both keep contact. Of two runs: their valve trains over the
+    angle in one figure.
     """
     check_study_packages()
+    from orchestrator.errors import MistakeError, Option
+    from orchestrator.study.run_overlay import is_run, overlay
     from orchestrator.study.speeds.compare import compare, parse_choice
 
+    if is_run(first) or is_run(second):
+        for name, given in (("from", low), ("to", high), ("at", at), ("lost", lost or None)):
+            if given is not None:
+                raise MistakeError((Option(name, given), ": only for two sweeps over speed"))
+        path = overlay(first, second, out, build_reporter(as_json))
+        if as_json:
+            print_json({"figure": path})
+        return
     choice = parse_choice(low, high, at, lost)
     found = compare(first, second, out, build_reporter(as_json), choice)
     if as_json:
