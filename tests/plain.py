@@ -6,11 +6,14 @@ is the law of `models/test_plain_python.py`.
 
 import ctypes
 import sys
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
+from numba.core.registry import CPUDispatcher
 
+from models.compile import array_pointers, kernel
 from models.compile.kernel import COMPILED, KernelDispatcher
 
 # numba's intrinsics, which Python cannot call: bound anew in the modules that use them.
@@ -20,6 +23,9 @@ INTRINSICS = {
     "scratch": lambda dtype: np.zeros(dtype.itemsize // 8),
     "_pointer": lambda address: ctypes.c_void_p(int(address)),
 }
+COMPILED_INTRINSICS = {
+    name: getattr(array_pointers if name == "_pointer" else kernel, name) for name in INTRINSICS
+}
 
 
 def _call(self: Any, *arguments: Any) -> Any:
@@ -28,12 +34,23 @@ def _call(self: Any, *arguments: Any) -> Any:
 
 
 @pytest.fixture(autouse=True)
-def plain_kernels(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+def plain_kernels(request: pytest.FixtureRequest) -> Iterator[None]:
     """What the markers say."""
     marked = {mark.name for mark in request.node.iter_markers()}
     if "plain" in marked and "long" not in marked and COMPILED and KernelDispatcher:
-        monkeypatch.setattr(KernelDispatcher, "__call__", _call)
-        for name, module in list(sys.modules.items()):
-            for intrinsic in INTRINSICS if name.startswith("models.") else ():
-                if hasattr(module, intrinsic):
-                    monkeypatch.setattr(module, intrinsic, INTRINSICS[intrinsic])
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(CPUDispatcher, "__call__", _call)  # also of what is compiled but no kernel
+            bind(INTRINSICS)
+            yield
+        # Also in modules that the test was the first to import.
+        bind(COMPILED_INTRINSICS)
+    else:
+        yield
+
+
+def bind(intrinsics: dict[str, Any]) -> None:
+    """Give all modules of `models` that use intrinsics these ones."""
+    for name, module in list(sys.modules.items()):
+        for intrinsic, function in intrinsics.items() if name.startswith("models.") else ():
+            if hasattr(module, intrinsic):
+                setattr(module, intrinsic, function)

@@ -173,11 +173,13 @@ class Impulses:
     before it. Here w is that at the macro step's start: `bound` (J) is what its change can make of it.
     """
 
-    def __init__(self, inertia, step=1e-5, stop=0.03):
+    def __init__(self, inertia, stop, start):
+        step = 1e-5
         given = [
             "flywheel.parameters.motion='free'",
             f"flywheel.parameters.inertia={inertia}",
             "slider_crank.parameters.joint_friction=0",
+            *start,
         ]
         base = build_system(load("slider-crank", [f"components.{setting}" for setting in given]))
         connections = [(str(c.source), str(c.target)) for c in base.connections]
@@ -191,41 +193,44 @@ class Impulses:
         self.bound = float(np.abs(impulse).sum() * step * np.abs(self.records["flywheel.acceleration"]).max())
 
 
-@pytest.mark.long
-def test_impulses_take_their_work_from_the_shaft(record):
-    found = Impulses(inertia=0.1)
+# How long, and from where: shortly before an impact, and with three of them.
+ONE = (4e-4, ("flywheel.start.angle=0.7077", "slider_crank.start={psi = 0.01405, psi_rate = 5.89}"))
+THREE = (0.03, ())
+COURSES = pytest.mark.parametrize(
+    ("stop", "start"),
+    [pytest.param(*ONE, marks=pytest.mark.plain), pytest.param(*THREE, marks=pytest.mark.long)],
+    ids=["one", "three"],
+)
+
+
+@COURSES
+def test_impulses_take_their_work_from_the_shaft(stop, start, record):
+    found = Impulses(0.1, stop, start)
     assert found.destroyed > found.bound > 0.0
     quantity, exact = "work of impact impulses on a free flywheel (J)", found.destroyed - found.given
     outside = found.ledger["outside_bonds flywheel"]
     record("Coupling", quantity, outside, exact, "speeds and impulses", tolerance=found.bound)
 
 
-@pytest.fixture(scope="module")
-def impulses():
-    """Of a shaft so heavy that its speed, and with it the mechanism's own, jumps by less than 1e-6."""
-    return Impulses(inertia=1e4)
+@COURSES
+def test_what_impulses_take_from_the_shaft_the_mechanism_stores_or_loses(stop, start, record):
+    """The shaft is so heavy that its speed, and with it the mechanism's own, jumps by less than 1e-6.
 
-
-@pytest.mark.long
-def test_what_impulses_take_from_the_shaft_they_give_to_the_mechanism(impulses):
-    assert impulses.given > 1.0
-    assert impulses.ledger["outside_bonds slider_crank"] == pytest.approx(impulses.given, rel=1e-6)
-    assert impulses.ledger["outside_bonds flywheel"] == pytest.approx(-impulses.given, rel=1e-6)
-
-
-@pytest.mark.long
-def test_what_impacts_lose_is_dissipated_and_not_stored(impulses, record):
-    """Without friction at the joint: (1 - e) P v / 2 of every impact, with its impulse P and velocity v."""
-    records = impulses.records
-    counts = np.diff(records["slider_crank.impact_count"])
-    assert counts.sum() == 3.0
+    Without friction at the joint an impact with impulse P and velocity v dissipates (1 - e) P v / 2.
+    """
+    found = Impulses(1e4, stop, start)
+    assert abs(found.given) > 0.1
+    assert found.ledger["outside_bonds slider_crank"] == pytest.approx(found.given, rel=1e-6)
+    assert found.ledger["outside_bonds flywheel"] == pytest.approx(-found.given, rel=1e-6)
+    counts = np.diff(found.records["slider_crank.impact_count"])
+    assert counts.sum() == (1.0 if start else 3.0)
     assert counts.max() == 1.0
-    assert not np.any(records["slider_crank.sliding"])
-    sides = (np.diff(records[f"slider_crank.{side}_impact_impulse"]) for side in ("upper", "lower"))
-    velocity = records["slider_crank.last_impact_velocity"][1:]
+    assert not np.any(found.records["slider_crank.sliding"])
+    sides = (np.diff(found.records[f"slider_crank.{side}_impact_impulse"]) for side in ("upper", "lower"))
+    velocity = found.records["slider_crank.last_impact_velocity"][1:]
     losses = 0.5 * (1.0 - 0.9) * float((sum(sides) * velocity).sum())
     # Rounding of some hundred sums.
-    dissipated = impulses.ledger["dissipated slider_crank"]
+    dissipated = found.ledger["dissipated slider_crank"]
     record("Coupling", "energy lost in impacts (J)", dissipated, losses, "(1 - e) P v / 2", relative=1e-12)
 
 

@@ -51,7 +51,7 @@ def read(path: Path, **parameters: float) -> Callable[[float], float]:
     return pressure
 
 
-@pytest.mark.long
+@pytest.mark.plain
 def test_a_table_of_the_formula_tends_to_it(tmp_path: Path, record) -> None:
     """Monotone cubics are of third order but at extremes, where they are of second."""
     at = np.linspace(-6.0, 6.0, 601)

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
-from distributed import Security
+from distributed import Client, Security
 from distributed.comm import connect
 
 from orchestrator.study.execution import DIED
@@ -212,7 +212,6 @@ def test_a_study_leaves_its_store_a_table_and_a_figure(undisturbed: Path) -> Non
         assert "numba" in json.loads(found.attrs["versions"])
 
 
-@pytest.mark.long
 def test_a_finished_study_evaluates_nothing_again(undisturbed: Path) -> None:
     before, times = read_files(undisturbed / "store.zarr"), count_evaluations(undisturbed)
     arguments = ["study", str(undisturbed / "test.toml"), "--out", str(undisturbed / "store.zarr")]
@@ -258,11 +257,20 @@ def test_killed_and_continued_ends_with_the_same_store(
     assert read_files(store) == read_files(undisturbed / "store.zarr")
 
 
-@pytest.mark.long
-def test_a_running_scheduler_gives_the_same_store(cluster: str, undisturbed: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("where", ["here", pytest.param("cluster", marks=pytest.mark.long)])
+def test_a_running_scheduler_gives_the_same_store(
+    where: str, request: pytest.FixtureRequest, undisturbed: Path, tmp_path: Path
+) -> None:
+    """One in this process, or one whose workers have processes of their own."""
     store = tmp_path / "store.zarr"
-    done = tribocosim("study", str(undisturbed / "test.toml"), "--out", str(store), "--scheduler", cluster)
-    assert done.returncode == 1, done.stderr
+    with contextlib.ExitStack() as stack:
+        if where == "here":
+            client = Client(processes=False, n_workers=2, threads_per_worker=1, dashboard_address=":0")
+            address = str(stack.enter_context(client).scheduler_info()["address"])
+        else:
+            address = request.getfixturevalue("cluster")
+        done = called("study", str(undisturbed / "test.toml"), "--out", str(store), "--scheduler", address)
+    assert done.returncode == 1, said(done)
     assert read_files(store) == read_files(undisturbed / "store.zarr")
 
 
