@@ -5,12 +5,13 @@ import keyword
 import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from models.catalogue import find_factory, identify
 from models.core.system import Instance
+from models.core.transformed import Transformation
 
 from .declared import explain_no_native, find_extra
 from .fmi.description import Experiment
@@ -20,7 +21,7 @@ from .sources import COMPANION, name_companion
 _TAKEN = {
     *keyword.kwlist,
     *dir(builtins),
-    *("compose", "with_values", "Instance"),
+    *("compose", "with_values", "Instance", "transform", "Transformation"),
     *("sys", "ctypes", "numpy", "show_to_all", "slave_class", "FAILURES"),
 }
 
@@ -36,10 +37,12 @@ def {name}():
 
 @dataclass(frozen=True)
 class Part:
-    """An instance of a scenario, and the name of its component in the catalogue."""
+    """An instance of a scenario, the name of its component in the catalogue, and what its inputs are of their
+    sources."""
 
     catalogue_name: str
     instance: Instance
+    transformed: Mapping[str, Transformation] = field(default_factory=dict)
 
 
 def write_part(folder: Path, name: str, about: str, part: Part, experiment: Experiment) -> str:
@@ -65,6 +68,8 @@ def write_train(
 ) -> str:
     """A file whose component is all parts, connected (see `composite.compose`)."""
     imports = ["from models.core.composite import compose", *_IMPORTS, *_import(parts.values())]
+    if any(part.transformed for part in parts.values()):
+        imports.append("from models.core.transformed import Transformation, transform")
     shown = "".join(f"            {key!r}: {_show(part)},\n" for key, part in parts.items())
     lines = "".join(f"            {pair!r},\n" for pair in connections)
     expression = (
@@ -107,7 +112,11 @@ def _show(part: Part) -> str:
     instance = part.instance
     sizes = ", ".join(f"{key}={value}" for key, value in sorted(instance.component.structure.items()))
     values = (instance.parameters, instance.start, instance.inputs)
-    return f"Instance({_name_factory(part.catalogue_name)}({sizes}), {', '.join(map(_show_values, values))})"
+    shown = f"Instance({_name_factory(part.catalogue_name)}({sizes}), {', '.join(map(_show_values, values))})"
+    if not part.transformed:
+        return shown
+    inputs = ", ".join(f"{name!r}: {one!r}" for name, one in part.transformed.items())
+    return f"transform({shown}, {{{inputs}}})"
 
 
 def _show_values(values: Mapping[str, float]) -> str:

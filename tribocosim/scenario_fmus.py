@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -59,7 +60,8 @@ def build_scenario_fmus(
     check_place(Path(out), () if whole else names)
     with TemporaryFolder() as folder:
         if whole:
-            _check_whole(checked, assembly, outside)
+            parts = _transform(parts, assembly)
+            _check_whole(checked, outside)
             lines = [(str(c.source), str(c.target)) for c in system.connections]
             train = to_identifier(checked.name)
             about = f"{checked.description or checked.name}: {', '.join(parts)}"
@@ -96,7 +98,21 @@ def _list_parts(scenario: CheckedScenario, instances: Mapping[str, Instance]) ->
     }
 
 
-def _check_whole(scenario: CheckedScenario, assembly: Assembly, outside: Sequence[str]) -> None:
+def _transform(parts: Mapping[str, Part], assembly: Assembly) -> dict[str, Part]:
+    """The parts with what their connections make of the values."""
+    from models.core.transformed import Transformation
+
+    def changes(name: str, part: Part) -> dict[str, Transformation]:
+        inputs = assembly.system.instances[name].component.inputs
+        return {
+            key: Transformation(linear.factor, linear.offset, inputs.field(key).quantity.unit)
+            for key, linear in assembly.linear.get(name, {}).items()
+        }
+
+    return {name: replace(part, transformed=changes(name, part)) for name, part in parts.items()}
+
+
+def _check_whole(scenario: CheckedScenario, outside: Sequence[str]) -> None:
     if set(outside) >= set(scenario.components):
         raise MistakeError((Option("outside"), ": leaves no component for the FMU"))
     for name, table in scenario.components.items():
@@ -105,7 +121,3 @@ def _check_whole(scenario: CheckedScenario, assembly: Assembly, outside: Sequenc
                 f"components.{name}: is an FMU of another tool, whose equations are unknown",
                 ("leave it out: ", Option("outside", name)),
             )
-    for name, inputs in assembly.linear.items():
-        if name not in outside:
-            line = f"{name}.{next(iter(inputs))}"
-            raise MistakeError(f"{line}: its connection has a factor or an offset, which one FMU cannot have")

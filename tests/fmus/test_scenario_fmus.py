@@ -216,7 +216,7 @@ def braked() -> Component:
 """
 
 
-def test_own_components_are_inside_of_the_whole_train(tmp_path: Path, isolated: Isolated) -> None:
+def test_own_components_and_factors_are_inside_of_the_whole_train(tmp_path: Path, isolated: Isolated) -> None:
     """Two files with one factory's name, in a process without them and without this repository: at 0.1 s as
     the monolithic reference, to 1e-6 as any train."""
     files = [tmp_path / f"parts{n}.py" for n in range(2)]
@@ -228,6 +228,12 @@ def test_own_components_are_inside_of_the_whole_train(tmp_path: Path, isolated: 
         name: dict(table) | {"component": f"{file}:braked", "participant": "in-process"}
         for (name, table), file in zip(parts, files, strict=True)
     }
+    tables["connections"] = [
+        "first.force * 0.5 + 1.0 -> second.force",
+        "second.position -> first.other_position",
+        "second.velocity * 2.0 -> first.other_velocity",
+    ]
+    tables["components"]["first"]["parameters"] |= {"coupling_damping": 3.0}
     scenario = tribocosim.load(tables)
     reference = tribocosim.run(scenario).reference
     (whole,) = tribocosim.build_scenario_fmus(scenario, tmp_path / "whole", whole=True)

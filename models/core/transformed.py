@@ -1,0 +1,91 @@
+"""A component whose inputs are linear functions of what they are connected to: other units, gains."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..compile.kernel import kernel, scratch
+from .component import Component
+from .quantities import Vector
+from .system import Instance
+
+
+class Transformation(NamedTuple):
+    """input = factor * source + offset, with the unit of the source."""
+
+    factor: float
+    offset: float
+    unit: str
+
+
+def transform(instance: Instance, inputs: Mapping[str, Transformation]) -> Instance:
+    """The instance with these inputs in the units of their sources; what flows there is not its power."""
+    own, layout = instance.component, copy.copy(instance.component.inputs)
+    layout.fields = tuple(
+        replace(f, quantity=replace(f.quantity, unit=inputs[f.name].unit)) if f.name in inputs else f
+        for f in layout.fields
+    )
+    factors, offsets = np.ones(layout.size), np.zeros(layout.size)
+    for name, one in inputs.items():
+        factors[layout.index(name)], offsets[layout.index(name)] = one.factor, one.offset
+    values: dict[str, Any] = {field.name: getattr(own, field.name) for field in fields(Component)}
+    values |= {"inputs": layout, "bonds": [b for b in own.bonds if not {b.effort, b.flow} & inputs.keys()]}
+    return replace(instance, component=Transformed(**values, own=own, factors=factors, offsets=offsets))
+
+
+@dataclass(frozen=True, eq=False)
+class Transformed(Component):
+    """The component of `transform`, by the flat kernels of its `own`."""
+
+    own: Component = None  # type: ignore[assignment]
+    factors: Vector = None  # type: ignore[assignment]
+    offsets: Vector = None  # type: ignore[assignment]
+
+    @cached_property
+    def flat_derivative(self) -> Any:
+        return self._wrap(self.own.flat_derivative)
+
+    @cached_property
+    def flat_output(self) -> Any:
+        return self._wrap(self.own.flat_output)
+
+    @cached_property
+    def flat_energy(self) -> Any:
+        return self._wrap(self.own.flat_energy)
+
+    @cached_property
+    def flat_guards(self) -> Any:
+        return self.events and self._wrap(self.own.flat_guards)
+
+    @cached_property
+    def flat_transition(self) -> Any:
+        factors, offsets, change = self.factors, self.offsets, self.own.flat_transition
+        room = np.dtype((np.record, [("u", "f8", (self.inputs.size,))]))
+
+        @kernel
+        def flat_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
+            given = scratch(room)
+            for i in range(u.shape[0]):
+                given[i] = factors[i] * u[i] + offsets[i]
+            change(k, t, x, given, p)
+
+        return self.events and flat_transition
+
+    def _wrap(self, function: Any) -> Any:
+        factors, offsets = self.factors, self.offsets
+        room = np.dtype((np.record, [("u", "f8", (self.inputs.size,))]))
+
+        @kernel
+        def flat(t: float, x: Any, u: Any, p: Any, out: Any) -> None:
+            given = scratch(room)
+            for i in range(u.shape[0]):
+                given[i] = factors[i] * u[i] + offsets[i]
+            function(t, x, given, p, out)
+
+        return flat
