@@ -71,7 +71,7 @@ def find_ratio(share: float, gap: float) -> float:
     return math.sqrt(2.0) * gap * math.tan(share * math.atan(1.0 / (math.sqrt(2.0) * gap)))
 
 
-def _make_look_up(table: NDArray[np.float64]) -> Callable[[Squeeze, Squeeze, float], Factor]:
+def _make_look_up(t: NDArray[np.float64]) -> Callable[[Squeeze, Squeeze, float], Factor]:
     """A kernel for one table, which its code contains."""
 
     @kernel
@@ -88,20 +88,26 @@ def _make_look_up(table: NDArray[np.float64]) -> Callable[[Squeeze, Squeeze, flo
         stretched = (near * (1.0 + cos) - 1.0 + cos) / denominator
         share = find_share(ratio, gap)
         x, y = 2.0 * share - 1.0, (2.0 * gap - 1.0 - CLOSEST) / (1.0 - CLOSEST)
+        # sigma^2 T_i, written out as that is several times faster than a loop.
+        s0 = share * share
+        s1 = s0 * x
+        s2 = 2.0 * x * s1 - s0
+        s3 = 2.0 * x * s2 - s1
+        s4 = 2.0 * x * s3 - s2
+        s5 = 2.0 * x * s4 - s3
+        s6 = 2.0 * x * s5 - s4
+        s7 = 2.0 * x * s6 - s5
         mean, value, slope = 0.0, 0.0, 0.0
         # T_k, and U_(k-1) with dT_k/dx = k U_(k-1).
         cosine, former, sine, less = 1.0, stretched, 0.0, -1.0
         for k in range(TERMS[2]):
             total = 0.0
-            by_share, before = share * share, share * share * x
-            for i in range(TERMS[0]):
-                part = 0.0
-                by_gap, last = 1.0, y
-                for j in range(TERMS[1]):
-                    part += table[k, i, j] * by_gap
-                    by_gap, last = 2.0 * y * by_gap - last, by_gap
-                total += by_share * part
-                by_share, before = 2.0 * x * by_share - before, by_share
+            by_gap, last = 1.0, y
+            for j in range(TERMS[1]):
+                low = (t[k, j, 0] * s0 + t[k, j, 1] * s1) + (t[k, j, 2] * s2 + t[k, j, 3] * s3)
+                high = (t[k, j, 4] * s4 + t[k, j, 5] * s5) + (t[k, j, 6] * s6 + t[k, j, 7] * s7)
+                total += by_gap * (low + high)
+                by_gap, last = 2.0 * y * by_gap - last, by_gap
             if k == 0:
                 mean = total
             else:

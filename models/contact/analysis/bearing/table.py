@@ -96,7 +96,7 @@ def fit(found: Array) -> Array:
     parts = np.einsum("pi,ijk->pjk", by_share, found)
     mean = np.einsum("qj,pj->pq", np.linalg.pinv(by_gap), parts[:, :, 0])
     rest = np.einsum("qj,pjk->pqk", np.linalg.pinv(by_gap * eps[:, None]), parts[:, :, 1:])
-    return np.moveaxis(np.concatenate([mean[:, :, None], rest], 2), 2, 0)
+    return np.concatenate([mean[:, :, None], rest], 2).T
 
 
 def write(tables: dict[str, Array], path: Path) -> None:
