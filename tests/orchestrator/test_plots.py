@@ -32,7 +32,8 @@ from orchestrator.scenario import parse_ends
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, list_parameters
 from orchestrator.study import run_overlay
-from tribocosim.reporting import SilentReporter
+
+from .commands import called
 
 METRE, RADIAN, FORCE, NUMBER = (Quantity(unit, unit) for unit in ("m", "rad", "N", "1"))
 
@@ -259,8 +260,12 @@ def test_two_runs_lie_over_each_other_with_their_names(tmp_path: Path) -> None:
         own = {**short, "components.valve_spring.parameters.preload": preload}
         tribocosim.run(tribocosim.load("valve-train").with_(own), tmp_path / name)
     one, other = (run_overlay.read_run(tmp_path / name) for name in ("soft", "stiff"))
-    path = run_overlay.overlay(tmp_path / "soft", tmp_path / "stiff", tmp_path / "both.png", SilentReporter())
-    assert path.stat().st_size > 10_000
+    folders = [str(tmp_path / name) for name in ("soft", "stiff")]
+    assert called("compare", *folders, "--out", str(tmp_path / "both")).returncode == 0
+    assert (tmp_path / "both.png").stat().st_size > 10_000
+    refused = called("compare", *folders, "--out", str(tmp_path / "both.txt"))
+    assert refused.returncode == 2
+    assert "must be a PNG file" in refused.stderr
     both = replace(one, names=("soft", "stiff"), reference=other.coupled, reference_time=other.time)
     load = next(ax for ax in valve_train.draw(both).axes if ax.get_ylabel() == "Load (N)")
     lines = {line.get_label(): line.get_ydata() for line in load.lines}

@@ -41,6 +41,9 @@ def compare_sweeps(  # options of a command
     from orchestrator.study.run_overlay import is_run, overlay
     from orchestrator.study.speeds.compare import compare, parse_choice
 
+    if out.suffix.lower() not in ("", ".png"):
+        raise MistakeError((Option("out", out), f": must be a PNG file, such as {out.with_suffix('.png')}"))
+    out = out.with_suffix(".png")
     if is_run(first) or is_run(second):
         for name, given in (("from", low), ("to", high), ("at", at), ("lost", lost or None)):
             if given is not None:
