@@ -19,6 +19,8 @@ from .loops import run_master
 from .measure import load_system, measure_medians
 from .native import NATIVE, PYTHON, list_files
 
+# As for a user, whose Python keeps bytecode.
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 COMMAND = "import sys; from tribocosim.command_line import main; sys.exit(main())"
 ROUNDS = 3
 
@@ -28,7 +30,8 @@ def run_command(*options: str) -> float:
     before = os.times()
     with tempfile.TemporaryDirectory() as folder:
         arguments = ["run", "valve-train", "--out", os.path.join(folder, "run"), *options]
-        subprocess.run([sys.executable, "-c", COMMAND, *arguments], check=True, capture_output=True)
+        command = [sys.executable, "-c", COMMAND, *arguments]
+        subprocess.run(command, check=True, capture_output=True, env=ENVIRONMENT)
     after = os.times()
     return after.children_user + after.children_system - before.children_user - before.children_system
 
