@@ -41,10 +41,17 @@ class TemporaryFolder:
         if self._process != os.getpid():  # a copy of the process that has it
             return
         shutil.rmtree(self.path, ignore_errors=True)
-        with _guard, contextlib.suppress(OSError):  # others are in it
-            self._top.rmdir()
-            if (lock := _locked.pop((self._process, str(self._top)), None)) is not None:
-                os.close(lock)
+        if not _guard.acquire(
+            blocking=False
+        ):  # a folder is being made: perhaps here, by what collects this one
+            return
+        try:
+            with contextlib.suppress(OSError):  # others are in it
+                self._top.rmdir()
+                if (lock := _locked.pop((self._process, str(self._top)), None)) is not None:
+                    os.close(lock)
+        finally:
+            _guard.release()
 
 
 def _find_locked(place: str) -> Path:

@@ -17,9 +17,9 @@ from .reference import observe, stiffness
 TOLERANCE = 1e-8
 STEADY = 1e-5
 MOST_PERIODS = 60
-# A search whose least change is not halved in so many periods ends: at that rate it would need more than a
-# hundred to become steady. Subharmonic and chaotic motions have no cycle of this period.
-PATIENCE = 15
+# The progress of a search is that of its least change in so many periods, after those in which it settles.
+# Subharmonic and chaotic motions have no cycle of this period.
+PATIENCE, SETTLING = 15, 5
 # Periods that Anderson's method combines.
 MEMORY = 6
 
@@ -65,7 +65,7 @@ def find_cycle(
 
     Each period begins at time 0 with the states `turning` at their starts. All others go on from where the
     last period ended, extrapolated by Anderson's method. Where that does not settle in `most_periods`, or
-    makes no progress in PATIENCE, the last period is returned. `tolerance` is the integrator's, over
+    would not at its rate, the last period is returned. `tolerance` is the integrator's, over
     nominal + |value|. ModelError if a method fails.
     """
     problem = SystemProblem(system)
@@ -81,7 +81,7 @@ def find_cycle(
         end = _move(problem, x, times, times[[0, -1]], tolerance)[-1, :n]
         change = np.abs(end - x)[~held] / (system.state.nominal + np.abs(x))[~held]
         changes.append(float(np.max(change, initial=0.0)))
-        if changes[-1] <= STEADY or periods == most_periods or makes_no_progress(changes):
+        if changes[-1] <= STEADY or periods == most_periods or is_hopeless(changes, most_periods):
             break
         begun.append(scaling.flat(x))
         ended.append(scaling.flat(end))
@@ -91,10 +91,14 @@ def find_cycle(
     return Cycle(system, times, inputs, outputs, end.copy(), changes[-1], periods)
 
 
-def makes_no_progress(changes: Sequence[float]) -> bool:
-    """Whether the least change of the last PATIENCE periods is more than half of the least one before."""
-    before, last = changes[:-PATIENCE], changes[-PATIENCE:]
-    return bool(before) and min(last) > 0.5 * min(before)
+def is_hopeless(changes: Sequence[float], most_periods: int = MOST_PERIODS) -> bool:
+    """Whether PATIENCE periods did not halve the least change and at that rate `most_periods` are too few."""
+    before, last = changes[SETTLING:-PATIENCE], changes[-PATIENCE:]
+    if not before:
+        return False
+    ratio, wanted = min(last) / min(before), STEADY / min(last)
+    left = (most_periods - len(changes)) / PATIENCE
+    return ratio > 0.5 and ratio**left > wanted
 
 
 def _move(problem: SystemProblem, x: Vector, times: Vector, stops: Vector, tolerance: float) -> Vector:

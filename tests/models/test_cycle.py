@@ -8,10 +8,18 @@ import pytest
 
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
-from models.monolithic.cycle import MOST_PERIODS, PATIENCE, STEADY, TOLERANCE, find_cycle, makes_no_progress
+from models.monolithic.cycle import (
+    MOST_PERIODS,
+    PATIENCE,
+    SETTLING,
+    STEADY,
+    TOLERANCE,
+    find_cycle,
+    is_hopeless,
+)
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
-from orchestrator.study.speeds.separation import bisect_separation
+from orchestrator.study.speeds.separation import CLOSE, _count_halvings, bisect_separation
 
 from .systems import DRY, column, run, turn, valve_train
 
@@ -125,12 +133,29 @@ def test_a_search_that_makes_no_progress_ends_early():
     system = System({"flywheel": Instance(CATALOGUE["flywheel"](), speed, {"speed": 100.0})}, [])
     cycle = find_cycle(system, turn(100.0 * 30.0 / math.pi), [], samples=2)
     assert not cycle.steady
-    assert 2 * PATIENCE <= cycle.periods < MOST_PERIODS
+    assert PATIENCE + SETTLING < cycle.periods < MOST_PERIODS
 
 
-@pytest.mark.parametrize(("rate", "ended"), [(0.9, False), (0.97, True), (1.0, True)])
-def test_progress_is_a_change_that_is_halved_in_time(rate, ended):
-    """0.9^15 = 0.21 and 0.97^15 = 0.63; single periods that change more do not matter."""
-    changes = [rate**n * (1.0 if n % 3 else 50.0) for n in range(1, 40)]
-    assert makes_no_progress(changes) == ended
-    assert not makes_no_progress(changes[:PATIENCE])
+@pytest.mark.parametrize(
+    ("first", "rate", "hopeless"),
+    [
+        (1.0, 1.0, True),
+        (1.0, 0.97, True),
+        (1.0, 0.9, False),  # 0.9^15 = 0.21
+        (2e-5, 0.97, False),  # steady after 23 periods
+        (4e-5, 0.97, False),  # and after 46
+        (4e-5, 0.99, True),
+    ],
+)
+def test_a_search_ends_that_would_not_be_steady_at_its_rate(first, rate, hopeless):
+    """Single periods that change more, and less at first, do not matter."""
+    changes = [first * rate**n * (50.0 if n % 3 else 1.0) for n in range(PATIENCE + SETTLING + 3)]
+    changes[0] *= 1e-3
+    assert is_hopeless(changes) == hopeless
+    assert not is_hopeless(changes[: PATIENCE + SETTLING])
+
+
+def test_halvings_between_speeds():
+    """Until the largest distance is CLOSE; of one speed there is none."""
+    assert _count_halvings(np.array([100.0])) == 1
+    assert _count_halvings(np.array([0.0, 8.0 * CLOSE, 9.0 * CLOSE])) == 3

@@ -50,7 +50,9 @@ def files(folder: Path) -> dict[str, bytes]:
 def test_a_run_that_does_not_begin_leaves_it(out: Path, tmp_path: Path) -> None:
     """Of a library that crashes before the first values, and of a scenario that is refused."""
     before = files(out)
-    with pytest.raises(MistakeError, match="its process ended by SIGSEGV in the reading of outputs") as refused:
+    with pytest.raises(
+        MistakeError, match="its process ended by SIGSEGV in the reading of outputs"
+    ) as refused:
         again(of(fmu("blind", 2, tmp_path)), out)
     assert str(refused.value).endswith(f"; the run did not begin, and what was in {out} before is kept")
     rigid = {"participant": fmu("rigid", 2, tmp_path)}

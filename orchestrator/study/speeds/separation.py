@@ -111,6 +111,8 @@ def _find_losses(
 
 def _count_halvings(speeds: Vector) -> int:
     """Of a distance of these speeds (rad/s) until it is CLOSE."""
+    if speeds.size < 2:
+        return 1
     return max(1, math.ceil(math.log2(float(np.diff(speeds).max()) / CLOSE)))
 
 
