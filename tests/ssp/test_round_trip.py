@@ -20,8 +20,8 @@ from tribocosim.cached_fmus import build_fmu
 
 from .schemas import assert_valid
 
-# With vectors, a table beside the file, and conversions; the others build many FMUs.
-NAMES = mark_long(list_shipped(), ["my-cam", "quarter-car"])
+# With vectors, a table beside the file, conversions and a common oil; the others build many FMUs.
+NAMES = mark_long(list_shipped(), ["coil-clash", "my-cam", "quarter-car"])
 
 
 def round_trip(scenario: Scenario, folder: Path) -> Scenario:
@@ -33,7 +33,8 @@ def round_trip(scenario: Scenario, folder: Path) -> Scenario:
 def test_every_shipped_scenario_comes_back(name: str, tmp_path: Path) -> None:
     scenario = load(name)
     back = round_trip(scenario, tmp_path)
-    assert back == scenario
+    # An oil comes back as the parameters that it has become.
+    assert back.model_dump() == scenario.model_dump()
     # Which says nothing of the order, by which some masters go.
     assert list(back.components) == list(scenario.components)
     assert_valid(tmp_path / "made.ssp")
