@@ -22,9 +22,6 @@ Vector = NDArray[np.float64]
 # Taylor coefficients that an input may have: value and three derivatives (cubic).
 INPUT_COEFFICIENTS = 4
 
-# Taylor coefficients that an input may have: value and three derivatives (cubic).
-INPUT_COEFFICIENTS = 4
-
 
 @dataclass(frozen=True)
 class Plausible:
@@ -210,9 +207,14 @@ class Layout:
 
     def with_start(self, values: Mapping[str, float]) -> Layout:
         """The same layout with other start values in the places of these."""
-        fields = [replace(field, start=float(values.get(field.name, field.start))) for field in self.fields]
+        return self.with_fields(
+            replace(field, start=float(values.get(field.name, field.start))) for field in self.fields
+        )
+
+    def with_fields(self, scalars: Iterable[Field]) -> Layout:
+        """The same layout with these scalars in the places of its own."""
         made = copy.copy(self)
-        made._take(fields, self.dtype)
+        made._take(tuple(scalars), self.dtype)
         return made
 
     def index(self, name: str) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import copy
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -12,7 +12,7 @@ import numpy as np
 
 from ..compile.kernel import kernel, scratch
 from .component import Component
-from .quantities import Vector
+from .quantities import Field, Quantity, Vector
 from .system import Instance
 
 
@@ -23,13 +23,42 @@ class Transformation(NamedTuple):
     offset: float
     unit: str
 
+    def find_source(self, own: Field) -> Field:
+        """The input as its source sees it: unit, start, size and range. A factor of zero leaves it free."""
+        return replace(own, start=self._invert(own.start, 0.0), quantity=self._find_quantity(own.quantity))
+
+    def _find_quantity(self, own: Quantity) -> Quantity:
+        low, high = own.limits()
+        positive = own.positive and self.factor > 0.0 and not self.offset
+        if own.positive and not positive:
+            low = max(low, 0.0)
+        ends = self._invert(low, -math.inf), self._invert(high, math.inf)
+        kept = self[:2] == (1.0, 0.0) or (own.boolean and self[:2] == (-1.0, 1.0))
+        return replace(
+            own,
+            unit=self.unit,
+            nominal=own.nominal / abs(self.factor) if self.factor else 1.0,
+            minimum=min(ends),
+            maximum=max(ends),
+            positive=positive,
+            display_unit=own.display_unit if own.unit == self.unit else "",
+            boolean=own.boolean and kept,
+            count=own.count and kept,
+            choices=own.choices if kept else (),
+            stepwise=own.jumps,
+            plausible=None,
+        )
+
+    def _invert(self, value: float, free: float) -> float:
+        """The source's value for the input's; `free` where every one gives the same."""
+        return (value - self.offset) / self.factor + 0.0 if self.factor else free  # no negative zero
+
 
 def transform(instance: Instance, inputs: Mapping[str, Transformation]) -> Instance:
     """The instance with these inputs in the units of their sources; what flows there is not its power."""
-    own, layout = instance.component, copy.copy(instance.component.inputs)
-    layout.fields = tuple(
-        replace(f, quantity=replace(f.quantity, unit=inputs[f.name].unit)) if f.name in inputs else f
-        for f in layout.fields
+    own = instance.component
+    layout = own.inputs.with_fields(
+        inputs[f.name].find_source(f) if f.name in inputs else f for f in own.inputs.fields
     )
     factors, offsets = np.ones(layout.size), np.zeros(layout.size)
     for name, one in inputs.items():

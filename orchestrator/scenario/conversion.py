@@ -1,6 +1,5 @@
 """Linear transformations of connected values: unit conversions, factors and offsets."""
 
-import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -88,9 +87,7 @@ def replace_units(
 
 def _replace_quantities(layout: Layout, quantities: Mapping[str, Quantity]) -> Layout:
     """A copy of the layout with these quantities."""
-    made = copy.copy(layout)
-    made.fields = tuple(replace(f, quantity=quantities.get(f.name, f.quantity)) for f in layout.fields)
-    return made
+    return layout.with_fields(replace(f, quantity=quantities.get(f.name, f.quantity)) for f in layout.fields)
 
 
 def _get_units(instance: Instance) -> Mapping[str, Unit] | None:

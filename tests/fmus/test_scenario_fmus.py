@@ -249,6 +249,18 @@ def test_own_components_and_factors_are_inside_of_the_whole_train(tmp_path: Path
         assert value == pytest.approx(float(reference[name][-1]), rel=1e-6)
 
 
+def test_an_open_input_behind_a_factor_is_described_as_its_source(tmp_path: Path) -> None:
+    """A speed that makes an angle of the cam has the speed's unit, and no degrees to be shown in."""
+    tables = dict(tribocosim.load("valve-train").content) | {"start": "given", "name": "geared"}
+    lines = [line for line in tables["connections"] if "camshaft.drive_angle" not in line]
+    tables["connections"] = [*lines, "flywheel.speed * 0.01 -> camshaft.drive_angle"]
+    tables |= {"reference": {"enabled": False}}
+    (path,) = tribocosim.build_scenario_fmus(tables, tmp_path, whole=True, outside=["flywheel"])
+    assert not tribocosim.validate_fmu(path)
+    variables = {v.name: v for v in fmpy.read_model_description(str(path)).modelVariables}
+    assert variables["flywheel.speed"].unit == "rad/s"
+
+
 def test_many_fmus_are_not_written_in_one_file(tmp_path: Path) -> None:
     with pytest.raises(tribocosim.MistakeError, match="is one file, but 4 FMUs"):
         tribocosim.build_scenario_fmus("valve-train", tmp_path / "all.fmu")
