@@ -31,9 +31,9 @@ own.
   12 mm of contact length, 0.2 um Ra each, SAE 10W-30, boundary friction 0.1.
 - *Why* says what the comparison shows, and of a number outside its band what causes the difference.
 
-Each test is a script of a few lines: `python -m pytest tests/measurements` runs all,
-`python -m tests --validation measurements` runs them and writes this page. Numbers are in SI units unless a
-unit is named.
+Each case is a test of a few lines, run from a clone with `pip install -e '.[dev]'`:
+`python -m pytest tests/measurements` runs all, `python -m tests --validation measurements` runs them and writes
+this page. Numbers are in SI units unless a unit is named.
 """
 
 

@@ -60,6 +60,7 @@ def test_loads_of_the_train_are_a_parabola_of_the_speed(runs: Runs) -> None:
 
 @pytest.mark.long
 def test_a_valve_lands_with_the_velocity_of_its_ramp(runs: Runs) -> None:
-    """0.3 mm: 20 degrees with this velocity, and five before and five after with half of it on average."""
+    """0.3 mm: 20 degrees with this velocity, and five before and five after with half of it on average. As it
+    lands the valve still vibrates by 0.4 % of that."""
     velocity = 0.3e-3 / math.radians(25.0) * LOW * math.pi / 30.0
-    assert compute_stresses(runs)["landing"] == pytest.approx(velocity, rel=2e-3)
+    assert compute_stresses(runs)["landing"] == pytest.approx(velocity, rel=5e-3)
