@@ -32,8 +32,8 @@ own.
 - *Why* says what the comparison shows, and of a number outside its band what causes the difference.
 
 Each case is a test of a few lines, run from a clone with `pip install -e '.[dev]'`:
-`python -m pytest tests/measurements` runs all, `python -m tests --validation measurements` runs them and writes
-this page. Numbers are in SI units unless a unit is named.
+`python -m pytest tests/measurements` runs all, `python -m tests --validation measurements` also writes this
+page. Numbers are in SI units unless a unit is named.
 """
 
 
