@@ -30,7 +30,7 @@ class InOwnProcess(OwnProcess):
 
     def __init__(self, name: str, path: Path, settings: FmuSettings, limits: Limits = NO_LIMITS) -> None:
         super().__init__(name, path, settings, limits)
-        self._every = len(settings.outputs)
+        self._names = list(settings.outputs)
         self._about = about = read_description(path, settings.interface, settings.sizes)
         side = RemoteSideChannel(about, self._call_between) if has_side_channel(about) else None
         steps = about.variable_step, about.divisible
@@ -47,6 +47,7 @@ class InOwnProcess(OwnProcess):
     def connect(self, bound: BoundVariables) -> Sequence[bool]:
         self._inputs, self._outputs, self._rates = bound.inputs, bound.outputs, bound.rates
         self._fresh = self._written = False
+        self._picked = bound.rates.size + np.array([*map(self._names.index, bound.output_names)], dtype=int)
         rated: list[bool] = self._call(
             "connect",
             inputs=list(bound.input_names),
@@ -81,14 +82,13 @@ class InOwnProcess(OwnProcess):
 
     def read(self) -> None:
         self._refresh()
-        count = self._outputs.size
-        self._outputs[:] = self._taken[:count]
+        self._outputs[:] = self._taken[self._picked]
         if self._rates.size:
-            self._rates[self._rated] = self._taken[count : count + self._rates.size][self._rated]
+            self._rates[self._rated] = self._taken[: self._rates.size][self._rated]
 
     def read_all(self, values: Vector) -> None:
         self._refresh()
-        values[:] = self._taken[self._taken.size - self._every :]
+        values[:] = self._taken[self._rates.size :]
 
     def _refresh(self) -> None:
         if not self._fresh:
@@ -113,7 +113,7 @@ class InOwnProcess(OwnProcess):
         return self._inputs.tobytes() if written else b""
 
     def _store_outputs(self, content: bytes) -> None:
-        if len(content) != self._outputs.nbytes + self._rates.nbytes + 8 * self._every:
+        if len(content) != self._rates.nbytes + 8 * len(self._names):
             self._raise_garbled()
         self._taken = np.frombuffer(content)
         self._fresh = True

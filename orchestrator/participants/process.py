@@ -37,7 +37,6 @@ class Server:
 
     unit: FmuParticipant | IntegratedFmu
     inputs: Vector
-    outputs: Vector
     rates: Vector
     every: Vector
 
@@ -64,9 +63,11 @@ class Server:
             self.unit.write()
 
     def _get_outputs(self) -> bytes:
-        self.unit.read()
+        """Rates of the outputs that are bound, and all outputs: the bound ones are among these."""
+        if self.rates.size:
+            self.unit.read()
         self.unit.read_all(self.every)
-        return self.outputs.tobytes() + self.rates.tobytes() + self.every.tobytes()
+        return self.rates.tobytes() + self.every.tobytes()
 
     def instantiate(self, name: str, path: str, given: dict[str, Any], folder: str) -> None:
         if hasattr(self, "unit"):
@@ -77,9 +78,8 @@ class Server:
 
     def connect(self, inputs: list[str], rows: int, outputs: list[str], rated: bool) -> list[bool]:
         self.inputs = np.zeros((rows, len(inputs)))
-        self.outputs = np.zeros(len(outputs))
         self.rates = np.zeros(len(outputs) if rated else 0)
-        bound = BoundVariables(inputs, self.inputs, outputs, self.outputs, self.rates)
+        bound = BoundVariables(inputs, self.inputs, outputs, np.zeros(len(outputs)), self.rates)
         return [bool(one) for one in self.unit.connect(bound)]
 
     def find_states(self, names: list[str]) -> Any:
