@@ -94,27 +94,39 @@ class Transformed(Component):
 
     @cached_property
     def flat_transition(self) -> Any:
-        factors, offsets, change = self.factors, self.offsets, self.own.flat_transition
-        room = np.dtype((np.record, [("u", "f8", (self.inputs.size,))]))
+        give, room, change = self._give, self._room, self.own.flat_transition
 
         @kernel
         def flat_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
             given = scratch(room)
-            for i in range(u.shape[0]):
-                given[i] = factors[i] * u[i] + offsets[i]
+            give(u, given)
             change(k, t, x, given, p)
 
         return self.events and flat_transition
 
     def _wrap(self, function: Any) -> Any:
-        factors, offsets = self.factors, self.offsets
-        room = np.dtype((np.record, [("u", "f8", (self.inputs.size,))]))
+        give, room = self._give, self._room
 
         @kernel
         def flat(t: float, x: Any, u: Any, p: Any, out: Any) -> None:
             given = scratch(room)
-            for i in range(u.shape[0]):
-                given[i] = factors[i] * u[i] + offsets[i]
+            give(u, given)
             function(t, x, given, p, out)
 
         return flat
+
+    @property
+    def _room(self) -> Any:
+        return np.dtype((np.record, [("u", "f8", (self.inputs.size,))]))
+
+    @cached_property
+    def _give(self) -> Any:
+        """A kernel that writes the inputs of `own` for these of the sources."""
+        factors, offsets = self.factors, self.offsets
+
+        @kernel
+        def give(u: Any, given: Any) -> None:
+            for i in range(u.shape[0]):
+                given[i] = factors[i] * u[i] + offsets[i]
+
+        return give
