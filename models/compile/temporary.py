@@ -41,9 +41,8 @@ class TemporaryFolder:
         if self._process != os.getpid():  # a copy of the process that has it
             return
         shutil.rmtree(self.path, ignore_errors=True)
-        if not _guard.acquire(
-            blocking=False
-        ):  # a folder is being made: perhaps here, by what collects this one
+        # Where a folder is being made, perhaps by the code in which this one is collected, the place stays.
+        if not _guard.acquire(blocking=False):
             return
         try:
             with contextlib.suppress(OSError):  # others are in it

@@ -12,8 +12,8 @@ from models.core.quantities import Vector
 
 # Addresses of the functions, of the component, and of the references and numbers that are given to it and
 # taken from it; how many these are. The interpreter is released for the calls unless the FMU is in Python.
-# An FMU of FMI 3 writes what its step came to into `outcome`: event, end, early
-# return (a byte each), at 8 the time. `warned` counts the calls that return a warning.
+# An FMU of FMI 3 writes what its step came to into `outcome`: event, end, early return (a byte each), at 8
+# the time. `warned` counts the calls that return a warning.
 # If `saved` is not 0, the state is saved there before a step and released after it; a step that fails leaves
 # it for its participant.
 CALLS = np.dtype(

@@ -79,8 +79,8 @@ class Abilities:
     `divisible`: several short steps bring it to the same state as a long one. `side` has its events, clocks
     and texts, `derivatives` its directional derivatives. `warnings()` is the number of warnings of the FMU,
     and the first message. `prove(time)`, called after initialisation, tries whether the state is restored,
-    and returns why it is not, or an empty text. `unserialisable`: why what it saves is of no
-    use to another process, or an empty text.
+    and returns why it is not, or an empty text. `unserialisable`: why another process
+    cannot use what it saves, or an empty text.
     """
 
     restorable: bool = True

@@ -24,7 +24,7 @@ class Reopened:
     def __init__(self, open_unit: Callable[[], Participant]) -> None:
         self._open, self.unit = open_unit, open_unit()
         self.name = self.unit.name
-        self.abilities = Abilities(unserialisable="it is brought back by calls, which end with their process")
+        self.abilities = Abilities(unserialisable="its state is the calls made to it, in this process")
         self._calls: list[Call] = []
         self._changed = False
 

@@ -11,6 +11,16 @@ from .page import COMPUTED, Published
 pytestmark = pytest.mark.plain
 
 
+def compare(published, bearing, rows, conditions, source, why) -> None:
+    """Rows of quantity, our value, the source's, and half of its band."""
+    for quantity, ours, value, band in rows:
+        case = Published(
+            "Bearings", f"{bearing}: {quantity}", conditions, COMPUTED,
+            value - band, value + band, source, value, digits=4,
+        )  # fmt: skip
+        published(case, ours, why)
+
+
 @pytest.mark.parametrize(
     ("ratio", "eps", "load", "attitude"),
     [(0.5, 0.6, 0.319, 48.14), (0.5, 0.9, 0.0313, 23.66), (1.0, 0.8, 0.0446, 36.24)],
@@ -21,13 +31,11 @@ def test_a_plain_bearing_carries_what_raimondi_and_boyd_found(ratio, eps, load, 
         ("Sommerfeld number", found.sommerfeld, load, 0.015 * load),
         ("attitude angle (deg)", math.degrees(found.attitude), attitude, 0.6),
     )
-    for quantity, ours, value, band in rows:
-        case = Published(
-            "Bearings", f"plain bearing, L/D {ratio:g}, eps {eps:g}: {quantity}",
-            "360 degrees, film from its widest place, p >= 0; band: 1.5 %, 0.6 deg (their grid)", COMPUTED,
-            value - band, value + band, "Raimondi and Boyd (1958), ASLE Trans. 1, 159", value, digits=4,
-        )  # fmt: skip
-        published(case, ours, "least film (1 - eps) c at a given load")
+    compare(
+        published, f"plain bearing, L/D {ratio:g}, eps {eps:g}", rows,
+        "360 degrees, film from its widest place, p >= 0; band: 1.5 %, 0.6 deg (their grid)",
+        "Raimondi and Boyd (1958), ASLE Trans. 1, 159", "least film (1 - eps) c at a given load",
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -44,10 +52,9 @@ def test_a_bearing_with_two_grooves_yields_as_lunds_and_thomsens(
         ("Kxy over W/c", found.stiffness[0, 1], stiffness, 0.03 * stiffness),
         ("Bxx over W/(c omega)", found.damping[0, 0], damping, 0.03 * damping),
     )
-    for quantity, ours, value, band in rows:
-        case = Published(
-            "Bearings", f"two axial grooves, L/D {ratio:g}, eps {eps:g}: {quantity}",
-            "grooves of 20 deg at 90 deg to the load; band: 0.5 %, 0.5 deg, coefficients 3 %", COMPUTED,
-            value - band, value + band, "Lund and Thomsen (1978), ASME", value, digits=4,
-        )  # fmt: skip
-        published(case, ours, "motions of the shaft meet these coefficients, which decide its stability")
+    compare(
+        published, f"two axial grooves, L/D {ratio:g}, eps {eps:g}", rows,
+        "grooves of 20 deg at 90 deg to the load; band: 0.5 %, 0.5 deg, coefficients 3 %",
+        "Lund and Thomsen (1978), ASME",
+        "motions of the shaft meet these coefficients, which decide its stability",
+    )  # fmt: skip
