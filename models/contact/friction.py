@@ -26,6 +26,7 @@ from .asperities import (
 )
 from .fluid import Lubricant, viscosity_at
 from .load_sharing import Sharing
+from .rheology import fluid_stress, limited_stress
 
 # Gauss-Legendre points for the angle in x = b sin(angle), where a Hertzian contact's integrand is smooth.
 _POINTS = 12
@@ -35,12 +36,16 @@ _WEIGHTS = 0.25 * math.pi * _WEIGHTS * _COSINES
 
 
 class Traction(NamedTuple):
-    """Limiting stress tau_L0 + gamma p (Pa) and boundary friction mu_b W_a + tau_b A_c (tau_b in Pa)."""
+    """Limiting stress tau_L0 + gamma p (Pa) and boundary friction mu_b W_a + tau_b A_c (tau_b in Pa).
+
+    `limiting_law` is a position in LIMITING_LAWS.
+    """
 
     limiting_stress: float = 2e6
     limiting_coefficient: float = 0.07
     boundary_coefficient: float = 0.1
     boundary_stress: float = 0.0
+    limiting_law: float = 0.0
 
 
 class Friction(NamedTuple):
@@ -58,10 +63,8 @@ def shear_stress(
     if film <= 0.0 or velocity == 0.0:
         return 0.0
     limit = traction.limiting_stress + traction.limiting_coefficient * pressure
-    stress = viscosity_at(pressure, fluid) * abs(velocity) / film
-    if fluid.eyring_stress > 0.0:
-        stress = fluid.eyring_stress * math.asinh(stress / fluid.eyring_stress)
-    return math.copysign(min(stress, limit), velocity)
+    stress = fluid_stress(viscosity_at(pressure, fluid) * abs(velocity) / film, fluid.eyring_stress)
+    return math.copysign(limited_stress(stress, limit, traction.limiting_law), velocity)
 
 
 @kernel

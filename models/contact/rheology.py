@@ -1,0 +1,78 @@
+"""Shear stress of an oil at a shear rate, and its viscosity at a pressure and a rise of temperature.
+
+Newton: tau = eta rate. Eyring (Johnson and Tevaarwerk 1977): tau = tau_0 asinh(eta rate/tau_0). A limiting
+stress tau_L cuts it off, or the stress tau_f without limit approaches it as in Bair's and Winer's law (1979;
+they take Newton's for tau_f): tau = tau_L [1 - exp(-tau_f/tau_L)].
+
+Temperature (Roelands 1966, in the form of Houpert 1985), theta = (T - 138 K)/(T_0 - 138 K):
+
+    ln(eta/eta(p, T_0)) = c (1 + p/p_r)^z (theta^-S - 1),  c = ln(eta0) + 9.67,  S = beta (T_0 - 138 K)/c
+
+with beta = -d ln(eta0)/dT at T_0. Barus' and the constant law have no factor of the pressure in it.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..compile.kernel import kernel
+from .fluid import ROELANDS, Lubricant, log_viscosity
+
+# How a stress meets its limit. The order is the number of the law in FMUs: append only.
+LIMITING_LAWS = ("cut", "gradual")
+GRADUAL = 1.0
+
+# Roelands' constants: -ln of the viscosity (Pa s) of all oils at -p_r, and the temperature (K) of the pole.
+_ROELANDS_LOG, _POLE = 9.67, 138.0
+# ln(eta0) + 9.67 of the thinnest fluid that the law is asked for; an oil of 1 mPa s has 2.8.
+_LEAST_LOG = 0.1
+
+
+class Thermal(NamedTuple):
+    """The oil's temperature T_0 (K), where it has its viscosity eta0, and beta = -d ln(eta0)/dT (1/K)."""
+
+    temperature: float
+    temperature_viscosity: float
+
+
+class LogViscosity(NamedTuple):
+    """ln(eta/eta0), and its derivatives by pressure (1/Pa) and temperature (1/K)."""
+
+    value: float
+    by_pressure: float
+    by_temperature: float
+
+
+@kernel
+def hot_log_viscosity(pressure: float, rise: float, fluid: Lubricant, thermal: Thermal) -> LogViscosity:
+    """At the pressure p >= 0 (Pa) and T = T_0 + rise (K), above 138 K; without rise as `log_viscosity`."""
+    cold, by_pressure = log_viscosity(pressure, fluid)
+    c = max(math.log(fluid.viscosity) + _ROELANDS_LOG, _LEAST_LOG)
+    exponent = thermal.temperature_viscosity * (thermal.temperature - _POLE) / c
+    theta = 1.0 + rise / (thermal.temperature - _POLE)
+    left = theta**-exponent
+    pressed, pressed_slope = 1.0, 0.0
+    if fluid.viscosity_law == ROELANDS:
+        more = 1.0 + pressure / fluid.roelands_pressure
+        pressed = more**fluid.roelands_exponent
+        pressed_slope = fluid.roelands_exponent * pressed / (more * fluid.roelands_pressure)
+    return LogViscosity(
+        cold + c * pressed * (left - 1.0),
+        by_pressure + c * pressed_slope * (left - 1.0),
+        -thermal.temperature_viscosity * pressed * left / theta,
+    )
+
+
+@kernel
+def fluid_stress(newtonian: float, eyring_stress: float) -> float:
+    """Stress (Pa) of the fluid without limit, from eta rate >= 0 (Pa); Newton's without Eyring stress."""
+    if eyring_stress > 0.0:
+        return eyring_stress * math.asinh(newtonian / eyring_stress)
+    return newtonian
+
+
+@kernel
+def limited_stress(stress: float, limit: float, limiting_law: float) -> float:
+    """What a limit tau_L >= 0 (Pa) leaves of the stress >= 0 of the fluid."""
+    if limiting_law == GRADUAL and limit > 0.0:
+        return -limit * math.expm1(-stress / limit)
+    return min(stress, limit)
