@@ -127,7 +127,13 @@ class Pivot(Role):
     outputs = ("power_loss",)
 
 
-class Roller(Role):
+class Surface(Role):
+    """Its friction takes the place of that of the contact whose `load` it takes."""
+
+    outputs: ClassVar[Sequence[str]] = ("power_loss",)
+
+
+class Roller(Surface):
     """A follower's roller, which may slip."""
 
     outputs = ("slip", "power_loss")

@@ -96,7 +96,7 @@ def pad_friction() -> Component:
         tolerance=FINE_TOLERANCE,
         name="pad_friction",
         description="Friction of a pad that slides to and fro: sticking, sliding and viscous",
-        roles=(roles.Pivot(),),
+        roles=(roles.Surface(),),
         parameters=Layout(PadFrictionParameters),
         state=Layout(PadFrictionState),
         inputs=Layout(PadFrictionInputs),

@@ -350,10 +350,9 @@ ADJUSTER: Mapping[str, Figure] = {
         _largest("extension"),
     ),
 }
-PIVOT: Mapping[str, Figure] = {"friction_power": (Quantity("W", "mean friction power"), _mean("power_loss"))}
+LOSS: Mapping[str, Figure] = {"friction_power": (Quantity("W", "mean friction power"), _mean("power_loss"))}
 ROLLER: Mapping[str, Figure] = {
     "largest_slip": (Quantity("m/s", "largest velocity by which the roller slides"), _slip),
-    **PIVOT,
 }
 BEARING: Mapping[str, Figure] = {
     "bearing_load": (Quantity("N", "largest load of the bearing"), _largest("load")),
@@ -366,7 +365,7 @@ BEARING: Mapping[str, Figure] = {
         Quantity("Pa", "highest pressure of the film", display_unit="MPa"),
         _largest("maximum_pressure"),
     ),
-    **PIVOT,
+    **LOSS,
 }
 # By the role of the part.
 TABLES: Mapping[type[roles.Role], Mapping[str, Figure]] = {
@@ -377,8 +376,9 @@ TABLES: Mapping[type[roles.Role], Mapping[str, Figure]] = {
     roles.CoilSpring: COIL_SPRING,
     roles.Adjuster: ADJUSTER,
     roles.Bearing: BEARING,
-    roles.Pivot: PIVOT,
+    roles.Pivot: LOSS,
     roles.Roller: ROLLER,
+    roles.Surface: LOSS,
     roles.Contact: CONTACT,
 }
 

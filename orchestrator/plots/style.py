@@ -1,6 +1,6 @@
 """The look of all figures."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -71,12 +71,23 @@ class _Layout(ConstrainedLayoutEngine):
         for ax in fig.axes:
             if (place := ax.get_subplotspec()) and ax.get_visible() and ax.get_ylabel():
                 columns.setdefault((place.get_gridspec(), place.colspan.start), []).append(ax)
+        places: dict[Axes, float] = {}
         for column in columns.values():
             for ax in column:
                 ax.yaxis.get_tightbbox()  # moves the label beside its ticks
             left = min(ax.yaxis.label.get_position()[0] - ax.bbox.x0 for ax in column)
-            for ax in column:
-                ax.yaxis.set_label_coords(left / ax.bbox.width, 0.5)
+            places |= dict.fromkeys(column, left)
+        _place_labels(places)
+        if any(ax.yaxis.label.get_window_extent().x0 < 0.0 for ax in places):
+            # One of several lines is wider than the room that it got beside its own ticks.
+            super().execute(fig)
+            _place_labels(places)
+
+
+def _place_labels(places: Mapping[Axes, float]) -> None:
+    """At these distances from the left side of their panels, in pixels."""
+    for ax, left in places.items():
+        ax.yaxis.set_label_coords(left / ax.bbox.width, 0.5)
 
 
 def add_title(figure: Figure, title: str) -> None:

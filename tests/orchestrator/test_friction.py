@@ -9,15 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from models.core.remedies import find_actions
 from orchestrator.assessment.friction.cycle import OF_CAM, OF_CONTACT, Cycle, last_revolution, summary, wear
-from orchestrator.assessment.friction.judge import find_cams
+from orchestrator.assessment.friction.judge import find_cams, judge_friction, judge_losses
 from orchestrator.assessment.friction.report import WORN, Judged, remarks, tables
+from orchestrator.assessment.friction.shares import BEARING, CONTACT, PIN, PIVOT, SLIP, TIP, list_losses
 from orchestrator.errors import MistakeError, Option
+from orchestrator.plots.friction import draw_friction
+from orchestrator.plots.style import RC
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 from tribocosim.command_line.friction import name_file
 
 from .commands import called, said
@@ -253,6 +259,44 @@ def test_each_of_several_contacts_has_a_file_of_its_own():
 def test_contacts_under_cams_are_found(scenario: str, cams: dict[str, str]) -> None:
     """Not those of levers on valves."""
     assert find_cams(load(scenario)) == cams
+
+
+@pytest.mark.parametrize(
+    ("scenario", "shares"),
+    [
+        ("valve-train", {"contact": CONTACT}),
+        ("roller-slip", {"roller": SLIP, "pin": PIN, "valve_contact": TIP}),
+        ("rocker-friction", {"cam_contact": CONTACT, "pivot": PIVOT, "pad": TIP}),
+        ("shaft-in-bearings", {"contact": CONTACT, "bearing_1": BEARING, "bearing_2": BEARING}),
+        ("finger-follower", {"cam_contact": CONTACT, "valve_contact": TIP}),
+    ],
+)
+def test_losses_are_named_by_what_their_part_does(scenario: str, shares: dict[str, str]) -> None:
+    """A roller's traction takes the place of the contact's friction, a pad's friction that of its own."""
+    found = list_losses(build_system(load(scenario)))
+    assert {loss.part: loss.share for loss in found} == shares
+
+
+def test_the_shares_are_the_work_of_their_parts(folder: Path) -> None:
+    """On the drive, powers over its speed: of the one contact as the table of contacts has it."""
+    losses, _ = judge_losses(folder, load(folder / "scenario.toml"))
+    _, (contact,) = judge_friction(folder, None, 1e-17, 1.0)
+    assert losses.shares == {CONTACT: losses.total}
+    # The turn begins at a record; the contact's cycle at the angle, up to one record of 600 earlier.
+    assert losses.total == pytest.approx(contact.summary.mean_power, rel=1e-2)
+    assert f"{losses.total / losses.speed:.4g}" in said_by(folder)
+    assert "does not feel it" in said_by(folder)
+
+
+def test_long_labels_stay_inside_the_figure() -> None:
+    """Those of wear have three lines, in line with labels beside longer numbers."""
+    cycle = eccentric()
+    force = 4e-4 * cycle["friction_force"]
+    cycle = replace(cycle, values={**cycle.values, "friction_force": force})
+    with rc_context(RC):
+        figure = draw_friction(cycle, wear(cycle, "load", 1e-17, LENGTH), 1e8, "train")
+        FigureCanvasAgg(figure).draw()
+        assert all(ax.yaxis.label.get_window_extent().x0 >= 0.0 for ax in figure.axes)
 
 
 @pytest.mark.long

@@ -32,8 +32,9 @@ def print_friction(
     as_json: Json = False,
 ) -> None:
     """Report friction and wear of a valve train's contacts over the last cam revolution of a run."""
-    from orchestrator.assessment.friction.judge import judge_friction
+    from orchestrator.assessment.friction.judge import judge_friction, judge_losses
     from orchestrator.assessment.friction.report import remarks, tables
+    from orchestrator.assessment.friction.shares import remark_losses, tabulate_losses
     from orchestrator.assessment.friction.table import of, write
     from orchestrator.errors import MistakeError, Option
     from orchestrator.plots.friction import draw_friction
@@ -45,13 +46,18 @@ def print_friction(
             raise MistakeError((Option(option, path), f": must end in {', '.join(endings)}"))
     reporter = build_reporter(as_json)
     scenario, found = judge_friction(folder, contact, wear_coefficient, cycles)
+    losses, motion = judge_losses(folder, scenario)
     if as_json:
-        print_json({one.cycle.contact: of(one.cycle, one.worn, one.coefficient).to_dict() for one in found})
+        contacts = {one.cycle.contact: of(one.cycle, one.worn, one.coefficient).to_dict() for one in found}
+        print_json({**contacts, "shares": losses.shares})
     for page in tables(found):
         reporter.console.print(page)
     for one in found:
         for line in remarks(one):
             reporter.line(line)
+    reporter.console.print(tabulate_losses(losses))
+    for line in remark_losses(losses, motion):
+        reporter.line(line)
     several = len(found) > 1
     for one in found:
         if table:

@@ -11,11 +11,15 @@ from models.core.roles import Cam
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, ScenarioError, parse_ends
 from ...scenario.files import load
-from ...scenario.system import list_parameters
+from ...scenario.system import build_system, list_parameters
 from ...store.output_folder import RESULT, SCENARIO, suggest_folder
 from ...store.result_file import open_result
-from .cycle import OF_CAM, OF_CONTACT, last_revolution, wear
+from ..figures_of_merit import Motion
+from ..merits import read_motion
+from ..trains import find_drive_angle, find_trains
+from .cycle import OF_CAM, OF_CONTACT, TURN, last_revolution, wear
 from .report import Judged
+from .shares import Losses, cut_last_turn, measure_losses
 
 
 def judge_friction(
@@ -46,6 +50,18 @@ def judge_friction(
         worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
         found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
     return scenario, found
+
+
+def judge_losses(folder: Path, scenario: Scenario) -> tuple[Losses, Motion]:
+    """The friction of all parts over the last turn of the first cam, of the drive where there is none."""
+    system = build_system(scenario)
+    angle = next((train.angle for train in find_trains(system)), find_drive_angle(system))
+    with open_result(folder) as result:
+        group = result["coupled"].ds.load()
+    motion = read_motion(system, lambda name: np.asarray(group[name].values, float))
+    turned = abs(float(np.ptp(angle.factor * motion.column(angle.source)))) if angle else TURN
+    cut = cut_last_turn(motion, turned)
+    return measure_losses(cut), cut
 
 
 def _load_scenario(folder: Path) -> Scenario:
