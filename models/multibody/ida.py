@@ -1,10 +1,8 @@
 """First method: the stabilised form of index 2, by SUNDIALS IDA (backward differences of order 1 to 5)."""
 
-import warnings
 from typing import Any
 
 import numpy as np
-from scipy import sparse
 from sksundae.ida import IDA
 
 from ..core.quantities import Vector
@@ -20,8 +18,6 @@ COORDINATE, VELOCITY = 1e-2, 1.0
 # rounding of the velocities over the step, and `complete` finds them from the motion.
 MULTIPLIER = 1e12
 STEP_LIMIT = 1_000_000
-# From this number of unknowns on the sparse solver is faster.
-SPARSE_FROM = 400
 
 
 def solve_ida(
@@ -52,10 +48,7 @@ def solve_ida(
     def fill_matrix(t: float, y: Vector, dy: Vector, r: Vector, c: float, out: Any) -> None:
         own[:], own_rate[:] = y, dy
         matrix(t, c, own, own_rate, tables, e, pattern, scratch, entries)
-        if out.ndim == 1:
-            out[:] = entries
-        else:
-            out[pattern.rows, columns] = entries
+        out[pattern.rows, columns] = entries
 
     y0, dy0 = np.zeros(width), np.zeros(width)
     y0[:first], y0[first : first + m] = np.concatenate([start.q, start.v, start.film]), start.multipliers
@@ -63,22 +56,14 @@ def solve_ida(
     dy0[:first] = -scratch[0, :first]
     dy0[size : 2 * size] = start.a
     sizes = np.repeat([COORDINATE, VELOCITY, FILM, MULTIPLIER], [size, size, films, 2 * m])
-    options: dict[str, Any] = {}
-    if width >= SPARSE_FROM:
-        shape = sparse.csc_matrix((entries, pattern.rows, pattern.starts), (width, width))
-        options = {"linsolver": "sparse", "sparsity": shape}
-    with warnings.catch_warnings():
-        # The pattern of the sparse solver is also a setting of a matrix by differences, which is not used.
-        warnings.filterwarnings("ignore", "Custom sparse Jacobian", UserWarning)
-        solver = IDA(
-            fill_residual,
-            jacfn=fill_matrix,
-            rtol=tolerance,
-            atol=tolerance * sizes,
-            algebraic_idx=list(range(first, width)),
-            max_num_steps=STEP_LIMIT,
-            **options,
-        )
+    solver = IDA(
+        fill_residual,
+        jacfn=fill_matrix,
+        rtol=tolerance,
+        atol=tolerance * sizes,
+        algebraic_idx=list(range(first, width)),
+        max_num_steps=STEP_LIMIT,
+    )
     # Of an interval without an instant inside the solver returns all its steps.
     inside = times if times.size > 2 else np.linspace(times[0], times[-1], 3)
     result = solver.solve(inside, y0, dy0)

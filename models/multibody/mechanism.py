@@ -18,7 +18,6 @@ from .equations import make_evaluate, turn_coordinates
 from .fill import Force, fill_tables
 from .forces import ContactSpring, LubricatedCam
 from .joints import Joint
-from .saddle import solve_saddle
 from .tables import DRIVEN, Evaluation, Tables, find_drive_angle, make_evaluation
 
 # Newton's steps to put a mechanism together, and the violation (m, 1) to which they go.
@@ -224,6 +223,10 @@ class Mechanism:
         return 6 * len(self.bodies) - len(self.constraint_names)
 
     def accelerate(self, t: float, q: Vector, v: Vector, film: Vector) -> tuple[Vector, Vector]:
-        """Accelerations and multipliers: M a + J^T lambda = f, J a = gamma."""
+        """Accelerations and multipliers: M a + J^T lambda = f, J a = gamma; LinAlgError if not unique."""
         e = self.evaluate(t, q, v, film)
-        return solve_saddle(e, e.force, e.held.gamma)
+        size, m, jacobian = e.force.size, e.held.gamma.size, e.held.jacobian
+        matrix = np.zeros((size + m, size + m))
+        matrix[:size, :size], matrix[:size, size:], matrix[size:, :size] = e.mass, jacobian.T, jacobian
+        solution = np.linalg.solve(matrix, np.concatenate([e.force, e.held.gamma]))
+        return solution[:size], solution[size:]

@@ -14,7 +14,6 @@ from typing import Any
 from ..core.errors import ModelError
 from ..valve_train.cams.law import LAW
 from ..valve_train.cams.profile import CamProfile
-from ..valve_train.valve_spring import lumping
 from .bodies import GROUND, Body, Point
 from .coils import Coils, hang_coils
 from .fill import Force
@@ -65,8 +64,7 @@ class PushrodTrain:
     """The train from the parameters of `tappet` (with its cam), `rod`, `rocker` and `valve_spring`.
 
     The pushrod has so many segments; with 0 it is rigid. `oils` are parameters of `ehl_contact` for the
-    contacts CAM and TIP; without them the surfaces stay together. `place` is how far along the shaft the
-    train stands (m); `mark` ends the names of its parts.
+    contacts CAM and TIP; without them the surfaces stay together.
     """
 
     tappet: Any
@@ -76,8 +74,6 @@ class PushrodTrain:
     segments: int = 4
     coil_masses: int = 2
     oils: Mapping[str, Any] = field(default_factory=dict)
-    place: float = 0.0
-    mark: str = ""
     start: PushrodStart = PushrodStart()
 
     def __post_init__(self) -> None:
@@ -107,30 +103,19 @@ class PushrodTrain:
     def rods(self) -> list[str]:
         """Names of the pushrod's segments, from the tappet on."""
         if not self.segments:
-            return [f"pushrod{self.mark}"]
-        return [f"pushrod segment {i + 1}{self.mark}" for i in range(self.segments)]
+            return ["pushrod"]
+        return [f"pushrod segment {i + 1}" for i in range(self.segments)]
 
     @cached_property
     def coils(self) -> Coils:
-        names = [f"spring mass {i + 1}{self.mark}" for i in range(self.coil_masses)]
-        place = (self.columns[1], self.heights[2], self.place)
+        names = [f"spring mass {i + 1}" for i in range(self.coil_masses)]
+        place = (self.columns[1], self.heights[2], 0.0)
         moved = self.start.coil_positions or [0.0] * self.coil_masses
-        return hang_coils(self.valve, f"valve{self.mark}", names, place, DOWN, moved)
-
-    def follow_cam(self, angle: float = 0.0, profile: CamProfile = LAW) -> PushrodStart:
-        """Near the places at a cam angle of parts without elasticity; exact at constant lever ratio."""
-        r, n = self.rocker, self.coil_masses
-        lift = float(profile.lift(angle + float(self.tappet.phase), self.tappet).s)
-        turned = lift / float(r.rod_arm * math.cos(r.rod_angle))
-        opening = turned * float(r.valve_arm * math.cos(r.valve_angle))
-        # The segments of the spring carry alike.
-        share = lumping(max(1, n))
-        coils = [opening * (1.0 - 1.0 / share.end_rate - i / share.inner_rate) for i in range(n)]
-        return PushrodStart(angle, lift, [lift] * len(self.rods), turned, opening, coils)
+        return hang_coils(self.valve, "valve", names, place, DOWN, moved)
 
     def list_bodies(self) -> list[Body]:
         """Tappet, pushrod, rocker, valve and masses of the spring."""
-        begin, z = self.start, self.place
+        begin = self.start
         tappet, pivot, valve = self.heights
         length = float(self.rod.length) / len(self.rods)
         mass = float(self.rod.density * self.rod.area) * length
@@ -143,37 +128,33 @@ class PushrodTrain:
         turning = float(self.rocker.inertia)
         return [
             Body(
-                f"tappet{self.mark}", float(self.tappet.mass), SLIDING_INERTIA,
-                (0.0, tappet + begin.position, z),
+                "tappet", float(self.tappet.mass), SLIDING_INERTIA, (0.0, tappet + begin.position, 0.0)
             ),
             *(
-                Body(name, mass, inertia, (0.0, tappet + (i + 0.5) * length + moved[i], z))
+                Body(name, mass, inertia, (0.0, tappet + (i + 0.5) * length + moved[i], 0.0))
                 for i, name in enumerate(self.rods)
             ),
             Body(
-                f"rocker{self.mark}", ROCKER_MASS, (turning, turning, turning),
-                (self.columns[0], pivot, z), (0.0, 0.0, -begin.rotation),
+                "rocker", ROCKER_MASS, (turning, turning, turning),
+                (self.columns[0], pivot, 0.0), (0.0, 0.0, -begin.rotation),
             ),
             Body(
-                f"valve{self.mark}", float(self.valve.valve_mass), SLIDING_INERTIA,
-                (self.columns[1], valve - begin.opening, z),
+                "valve", float(self.valve.valve_mass), SLIDING_INERTIA,
+                (self.columns[1], valve - begin.opening, 0.0),
             ),
             *self.coils.bodies,
         ]  # fmt: skip
 
     def list_joints(self, cam: str) -> list[Joint]:
         """Guides, pivot, and the contacts that are held, on that body with the cam."""
-        tappet, pivot, valve = (f"{part}{self.mark}" for part in ("tappet", "rocker", "valve"))
-        on_axis, at_valve = (0.0, 0.0, self.place), (self.columns[1], 0.0, self.place)
         held = [self._touch(CAM, cam)] if CAM not in self.oils else []
         held += [self._touch(TIP, cam)] if TIP not in self.oils else []
         held += [] if self.segments else [self._touch(SEAT, cam), self._touch(ROD_END, cam)]
         return [
             *held,
-            translational(f"guide of {tappet}", GROUND, tappet, at_i=on_axis),
-            *(translational(f"guide of {name}", GROUND, name, at_i=on_axis) for name in self.rods),
-            revolute(f"{PIVOT}{self.mark}", GROUND, pivot, at_i=(*self._pivot, self.place)),
-            translational(f"guide of {valve}", GROUND, valve, at_i=at_valve),
+            *(translational(f"guide of {name}", GROUND, name) for name in ("tappet", *self.rods)),
+            revolute(PIVOT, GROUND, "rocker", at_i=(self.columns[0], self.heights[1], 0.0)),
+            translational("guide of valve", GROUND, "valve", at_i=(self.columns[1], 0.0, 0.0)),
             *self.coils.guides,
         ]
 
@@ -208,41 +189,33 @@ class PushrodTrain:
     def _length(self) -> float:
         return float(self.rod.length) / len(self.rods)
 
-    @property
-    def _pivot(self) -> tuple[float, float]:
-        return self.columns[0], self.heights[1]
-
     def _touch(self, name: str, cam: str) -> Joint:
         """The contact of that name."""
-        tappet, rocker, valve = (f"{part}{self.mark}" for part in ("tappet", "rocker", "valve"))
-        marked, half, r = f"{name}{self.mark}", 0.5 * self._length, self.rocker
+        half, r = 0.5 * self._length, self.rocker
         if name == CAM:
             foot = (-math.sin(self.tappet.phase), math.cos(self.tappet.phase), 0.0)
-            return flat_cam(marked, cam, tappet, self.tappet, foot=foot)
+            return flat_cam(name, cam, "tappet", self.tappet, foot=foot)
         if name == SEAT:
-            return plane_contact(marked, tappet, self.rods[0], at_j=(0.0, -half, 0.0))
+            return plane_contact(name, "tappet", self.rods[0], at_j=(0.0, -half, 0.0))
         if name == VALVE_SEAT:
-            lashed = (self.columns[1], self.heights[2] - float(self.valve.lash), self.place)
-            return plane_contact(marked, GROUND, valve, normal=DOWN, at_i=lashed)
+            lashed = (self.columns[1], self.heights[2] - float(self.valve.lash), 0.0)
+            return plane_contact(name, GROUND, "valve", normal=DOWN, at_i=lashed)
         radius, constant = float(r.tip_radius), bool(r.small_motion)
         if name == ROD_END:
             # The arm rises, and the lever turns against the axis Z, as the pushrod lifts it.
             end = LeverEnd(float(r.rod_arm), -float(r.rod_angle), radius, constant)
-            return lever_end(marked, rocker, self.rods[-1], end, at_slider=(0.0, half, 0.0), normal=DOWN)
+            return lever_end(name, "rocker", self.rods[-1], end, at_slider=(0.0, half, 0.0), normal=DOWN)
         end = LeverEnd(float(r.valve_arm), float(r.valve_angle), radius, constant)
-        return lever_end(marked, rocker, valve, end, axis=BACK, normal=DOWN)
+        return lever_end(name, "rocker", "valve", end, axis=BACK, normal=DOWN)
 
 
 def pushrod_train(train: PushrodTrain, speed: float, profile: CamProfile = LAW) -> Mechanism:
     """The train on a cam of its own at a constant speed (rad/s)."""
-    cam = f"cam{train.mark}"
-    bearing = (0.0, 0.0, train.place)
-    turning = Body(
-        cam, CAM_MASS, CAM_INERTIA, bearing, (0.0, 0.0, train.start.angle), angular_velocity=(0.0, 0.0, speed)
-    )
+    turned, turning = (0.0, 0.0, train.start.angle), (0.0, 0.0, speed)
+    cam = Body("cam", CAM_MASS, CAM_INERTIA, angles=turned, angular_velocity=turning)
     joints = [
-        revolute(f"{BEARING}{train.mark}", GROUND, cam, at_i=bearing),
-        prescribed_rotation(f"{DRIVE}{train.mark}", GROUND, cam, speed, train.start.angle),
-        *train.list_joints(cam),
+        revolute(BEARING, GROUND, cam.name),
+        prescribed_rotation(DRIVE, GROUND, cam.name, speed, train.start.angle),
+        *train.list_joints(cam.name),
     ]
-    return Mechanism([turning, *train.list_bodies()], joints, train.list_forces(cam), profile=profile)
+    return Mechanism([cam, *train.list_bodies()], joints, train.list_forces(cam.name), profile=profile)

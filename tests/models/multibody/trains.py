@@ -8,17 +8,11 @@ from models.valve_train.tappet import TappetParameters
 from models.valve_train.valve_spring import ValveSpringParameters
 
 
-def pushrod_parts(preload: float = 330.0, phase: float = 0.0, **options: object) -> PushrodTrain:
+def pushrod_parts(preload: float = 330.0, **options: object) -> PushrodTrain:
     """The train P1: bonded pushrod, constant lever ratio, set `kushwaha2000` with a valve of 0.1 kg."""
     tappet, rod, rocker, valve = (
         Layout(kind).defaults()
         for kind in (TappetParameters, RodParameters, RockerParameters, ValveSpringParameters)
     )
-    tappet.phase, rod.bonded, rocker.small_motion, valve.valve_mass, valve.preload = (
-        phase,
-        1.0,
-        1.0,
-        0.1,
-        preload,
-    )
+    rod.bonded, rocker.small_motion, valve.valve_mass, valve.preload = 1.0, 1.0, 0.1, preload
     return PushrodTrain(tappet, rod, rocker, valve, **options)
