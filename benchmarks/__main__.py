@@ -11,10 +11,7 @@ from pathlib import Path
 
 from models.core.system import suggestion
 
-NAMES = (
-    "start_up", "memory", "slider_crank", "line_contact", "native", "public", "report",
-    "whole_command",
-)  # fmt: skip
+NAMES = ("start_up", "native", "public", "whole_command")
 PAGE = Path(__file__).parent.parent / "docs" / "reference" / "benchmarks.md"
 
 
