@@ -6,7 +6,6 @@ is the law of `models/test_plain_python.py`.
 
 import ctypes
 import sys
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -34,7 +33,7 @@ def _call(self: Any, *arguments: Any) -> Any:
 
 
 @pytest.fixture(autouse=True)
-def plain_kernels(request: pytest.FixtureRequest) -> Iterator[None]:
+def plain_kernels(request):
     """What the markers say."""
     marked = {mark.name for mark in request.node.iter_markers()}
     if "plain" in marked and "long" not in marked and COMPILED and KernelDispatcher:

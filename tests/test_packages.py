@@ -32,7 +32,7 @@ def occupied(folder: Path, name: str, as_folder: bool) -> Path:
 
 
 @pytest.mark.parametrize(("name", "as_folder"), [*((name, False) for name in NAMES), (NAMES[0], True)])
-def test_what_hides_a_package_is_named(name: str, as_folder: bool, tmp_path: Path) -> None:
+def test_what_hides_a_package_is_named(name, as_folder, tmp_path):
     place = occupied(tmp_path, name, as_folder)
     done = python(tmp_path, "-m", "tribocosim", "scenarios")
     assert done.returncode == 2
@@ -42,13 +42,13 @@ def test_what_hides_a_package_is_named(name: str, as_folder: bool, tmp_path: Pat
 
 
 @pytest.mark.parametrize("name", ["models", "fmus"])
-def test_what_hides_a_package_from_a_notebook_is_named(name: str, tmp_path: Path) -> None:
+def test_what_hides_a_package_from_a_notebook_is_named(name, tmp_path):
     place = occupied(tmp_path, name, False)
     done = python(tmp_path, "-c", "import tribocosim; tribocosim.load")
     assert done.stderr.splitlines()[-1].startswith(f"ImportError: {place} hides ")
 
 
-def test_a_folder_of_data_with_that_name_does_no_harm(tmp_path: Path) -> None:
+def test_a_folder_of_data_with_that_name_does_no_harm(tmp_path):
     for name in NAMES:
         (tmp_path / name).mkdir()
     done = python(tmp_path, "-m", "tribocosim", "scenarios")
@@ -56,7 +56,7 @@ def test_a_folder_of_data_with_that_name_does_no_harm(tmp_path: Path) -> None:
     assert "valve-train" in done.stdout
 
 
-def test_processes_that_a_run_starts_do_not_look_into_the_current_folder(tmp_path: Path) -> None:
+def test_processes_that_a_run_starts_do_not_look_into_the_current_folder(tmp_path):
     """Where the command itself does not look either, as after an installation."""
     for name in NAMES:
         occupied(tmp_path, name, False)
@@ -71,15 +71,13 @@ def test_processes_that_a_run_starts_do_not_look_into_the_current_folder(tmp_pat
     assert (tmp_path / "out" / "coupled.csv").exists()
 
 
-def test_neither_does_the_translation_to_machine_code(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_neither_does_the_translation_to_machine_code(tmp_path, monkeypatch):
     occupied(tmp_path, "models", False)
     monkeypatch.chdir(tmp_path)
     assert "kernel_step" in translate("coupled_mass", {})
 
 
-def test_the_wheel_holds_the_packages_whole_and_runs_from_anywhere(tmp_path: Path) -> None:
+def test_the_wheel_holds_the_packages_whole_and_runs_from_anywhere(tmp_path):
     """It is built from the files that git knows; the command then runs from an unpacked copy of it."""
     listed = subprocess.run(
         ["git", "ls-files", *NAMES, "tribocosim"], cwd=ROOT, capture_output=True, text=True

@@ -56,9 +56,7 @@ def expected_of(reference: Reference, plan: list) -> list[list[float]]:
 
 
 @pytest.mark.parametrize("name", mark_long(NAMES, ("valve_spring", "flywheel")))
-def test_fmu_equals_component(
-    name: str, fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path, record
-) -> None:
+def test_fmu_equals_component(name, fmu_files, isolated, tmp_path, record):
     """Also between steps, where outputs follow inputs at once, and with steps of changing size."""
     reference = Reference(name)
     plan = schedule(reference.component, STEPS, STEP)
@@ -66,7 +64,7 @@ def test_fmu_equals_component(
     record("FMUs", "outputs of FMUs in Python", found, expected, "component in process", tolerance=0)
 
 
-def test_structure_is_fixed_at_build(isolated: Isolated, tmp_path: Path) -> None:
+def test_structure_is_fixed_at_build(isolated, tmp_path):
     fmu = build("valve_spring", tmp_path / "five.fmu", {"coil_masses": 5})
     code = f"""
     slave = Instance({str(fmu)!r}).initialize(load=1e3)
@@ -79,7 +77,7 @@ def test_structure_is_fixed_at_build(isolated: Isolated, tmp_path: Path) -> None
     assert 0.0 < last_coil < follower
 
 
-def test_start_time(isolated: Isolated, fmu_files: dict[str, Path], tmp_path: Path) -> None:
+def test_start_time(isolated, fmu_files, tmp_path):
     """A flywheel on its ramp shows what time the FMU takes it to be."""
     code = f"""
     slave = Instance({str(fmu_files["flywheel"])!r})
@@ -92,7 +90,7 @@ def test_start_time(isolated: Isolated, fmu_files: dict[str, Path], tmp_path: Pa
 
 
 @pytest.mark.parametrize("name", mark_long(NAMES))
-def test_outputs_depend_on_declared_inputs_only(name: str) -> None:
+def test_outputs_depend_on_declared_inputs_only(name):
     """What the FMU declares comes from `feedthrough`; an undeclared input changes no bit of the output."""
     reference = Reference(name)
     component = reference.component
@@ -109,7 +107,7 @@ def test_outputs_depend_on_declared_inputs_only(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", mark_long(NAMES))
-def test_rates_depend_on_declared_inputs_only(name: str, fmu_files: dict[str, Path]) -> None:
+def test_rates_depend_on_declared_inputs_only(name, fmu_files):
     """As the outputs: an undeclared input or slope changes no bit of the rate."""
     reference = Reference(name)
     described = read_model_description(str(fmu_files[name]))
@@ -128,5 +126,5 @@ def test_rates_depend_on_declared_inputs_only(name: str, fmu_files: dict[str, Pa
         assert moved <= {r for r in rates if changed in declared[r]}, f"{changed} changes {moved}"
 
 
-def test_derivatives_of_indexed_inputs_have_structured_names() -> None:
+def test_derivatives_of_indexed_inputs_have_structured_names():
     assert split("load_torque_der2[1]") == ("load_torque[1]", 2)

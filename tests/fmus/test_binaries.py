@@ -19,7 +19,7 @@ from ..archives import repack
 
 
 @pytest.fixture(scope="module")
-def carried(fmu_files: dict[str, Path]) -> dict[str, bytes]:
+def carried(fmu_files):
     """The libraries of an FMU that runs in Python, of Linux and Windows, by their folders."""
     with zipfile.ZipFile(fmu_files["flywheel"]) as archive:
         names = [name for name in archive.namelist() if name.endswith((".so", ".dll"))]
@@ -27,7 +27,7 @@ def carried(fmu_files: dict[str, Path]) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize("folder", ["linux64", "win64"])
-def test_of_a_library_that_is_cut_off_every_length_is_found(folder: str, carried: dict[str, bytes]) -> None:
+def test_of_a_library_that_is_cut_off_every_length_is_found(folder, carried):
     """What its tables tell of is less than the file by no more than what linkers add at its end."""
     whole = carried[folder]
     assert library_fault(whole, folder, functions(2, exchange=False)) == ""
@@ -44,10 +44,9 @@ def test_of_a_library_that_is_cut_off_every_length_is_found(folder: str, carried
     ],
 )
 def test_one_in_the_folder_of_another_platform_is_named(
-    folder: str, put_in: str, is_for: str, must: str, carried: dict[str, bytes], fmu_files: dict[str, Path],
-    tmp_path: Path,
-) -> None:  # fmt: skip
-    def change(name: str, content: bytes) -> dict[str, bytes]:
+    folder, put_in, is_for, must, carried, fmu_files,
+    tmp_path):  # fmt: skip
+    def change(name, content):
         if name == "modelDescription.xml":
             return {name: content, f"binaries/{put_in}/flywheel.so": carried[folder]}
         return {} if name.startswith(f"binaries/{put_in}/") else {name: content}
@@ -58,7 +57,7 @@ def test_one_in_the_folder_of_another_platform_is_named(
     assert re.fullmatch(said, fault)
 
 
-def test_functions_that_are_missing_are_named(carried: dict[str, bytes]) -> None:
+def test_functions_that_are_missing_are_named(carried):
     """Of another version of FMI none is there; of model exchange what it has besides."""
     every, missing = carried["linux64"], functions(2) - functions(2, exchange=False)
     assert len(missing) == 10
@@ -67,7 +66,7 @@ def test_functions_that_are_missing_are_named(carried: dict[str, bytes]) -> None
     assert "and 72 more" in library_fault(every, "linux64", functions(3))
 
 
-def test_what_is_no_library_is_said(carried: dict[str, bytes]) -> None:
+def test_what_is_no_library_is_said(carried):
     whole = carried["linux64"]
     for content, said in (
         (b"", "no shared library of Linux, Windows or macOS"),
@@ -81,7 +80,7 @@ def test_what_is_no_library_is_said(carried: dict[str, bytes]) -> None:
             libraries(content)
 
 
-def test_a_universal_library_is_for_each_of_its_processors() -> None:
+def test_a_universal_library_is_for_each_of_its_processors():
     """As Apple's tools put them together: a table of what follows, its numbers by the highest byte first."""
     kinds = {0x01000007: "x86_64", 0x0100000C: "aarch64"}
     parts = [b"\xcf\xfa\xed\xfe" + struct.pack("<IIII", kind, 0, 6, 0) + bytes(12) for kind in kinds]
@@ -96,7 +95,7 @@ def test_a_universal_library_is_for_each_of_its_processors() -> None:
 
 
 @pytest.mark.parametrize("folder", ["linux64", "win64"])
-def test_damaged_ones_raise_nothing_else(folder: str, carried: dict[str, bytes]) -> None:
+def test_damaged_ones_raise_nothing_else(folder, carried):
     """Bytes of the header changed at random."""
     random_ones = random.Random(6)
     for _ in range(300):
@@ -107,7 +106,7 @@ def test_damaged_ones_raise_nothing_else(folder: str, carried: dict[str, bytes])
             libraries(bytes(damaged))
 
 
-def test_exports_are_those_of_another_reader(tmp_path: Path, carried: dict[str, bytes]) -> None:
+def test_exports_are_those_of_another_reader(tmp_path, carried):
     if not (nm := shutil.which("nm")):
         pytest.skip("needs nm, of the binutils")
     file = tmp_path / "flywheel.so"

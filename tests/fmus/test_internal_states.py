@@ -1,7 +1,5 @@
 """States that are evolving data but no variables: not in the FMU's description, and yet saved with it."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -19,18 +17,18 @@ STEP = 1e-6
 
 
 @pytest.fixture(scope="module")
-def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def layer_file(tmp_path_factory):
     return pack_component(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
 
 
 @pytest.fixture
-def slave(layer_file: Path):
+def slave(layer_file):
     made = Instance(layer_file)
     yield made
     made.free()
 
 
-def test_internal_states_are_no_variables(layer_file: Path) -> None:
+def test_internal_states_are_no_variables(layer_file):
     """The other states keep their start values, also behind internal ones."""
     assert validate(layer_file) == []
     names = [variable.name for variable in info(layer_file).variables]
@@ -39,13 +37,13 @@ def test_internal_states_are_no_variables(layer_file: Path) -> None:
     assert "sheet_velocity" not in variables_table(LAYER)
 
 
-def test_references_number_the_variables_without_a_gap() -> None:
+def test_references_number_the_variables_without_a_gap():
     """A dependency in the description is a place in its list, which is the value reference more one."""
     variables = Memory(LAYER).variables()
     assert [variable.reference for variable in variables] == list(range(len(variables)))
 
 
-def test_a_start_value_behind_internal_states_is_that_of_its_state(slave: Instance) -> None:
+def test_a_start_value_behind_internal_states_is_that_of_its_state(slave):
     slave.initialize(impulse_start=0.25, velocity=1.0)
     assert slave.get(["impulse"]) == [0.25]
     slave.step(0.0, STEP)
@@ -53,7 +51,7 @@ def test_a_start_value_behind_internal_states_is_that_of_its_state(slave: Instan
     assert slave.get(["impulse"])[0] != 0.25
 
 
-def test_the_fmu_moves_as_the_component_to_the_last_bit(slave: Instance) -> None:
+def test_the_fmu_moves_as_the_component_to_the_last_bit(slave):
     slave.initialize(velocity=0.3)
     x, U, p = LAYER.state.vector(), LAYER.input_polynomial(), LAYER.parameters.vector()
     U[0] = 0.3
@@ -64,10 +62,10 @@ def test_the_fmu_moves_as_the_component_to_the_last_bit(slave: Instance) -> None
         assert slave.get(list(LAYER.outputs.names)) == y.tolist()
 
 
-def test_internal_states_are_saved_and_restored_to_the_last_bit(slave: Instance) -> None:
+def test_internal_states_are_saved_and_restored_to_the_last_bit(slave):
     """The same steps after a rollback, in memory and through bytes, give the same bits."""
 
-    def onwards() -> list[list[float]]:
+    def onwards():
         found = []
         for k in range(10, 20):
             slave.step(k * STEP, STEP)
@@ -86,7 +84,7 @@ def test_internal_states_are_saved_and_restored_to_the_last_bit(slave: Instance)
     slave.fmu.freeFMUstate(state)
 
 
-def test_start_values_of_other_states_are_still_checked(slave: Instance) -> None:
+def test_start_values_of_other_states_are_still_checked(slave):
     with pytest.raises(Exception, match="fatal"):
         slave.initialize(impulse_start=float("nan"))
     assert any("impulse_start = nan" in text for _, _, text in slave.messages)

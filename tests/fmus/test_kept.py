@@ -1,7 +1,5 @@
 """The cache of built FMUs: what is used stays, what was not for weeks goes."""
 
-from pathlib import Path
-
 import pytest
 
 from fmus.build import build
@@ -13,12 +11,12 @@ NOTES = {".note", ".built"}  # of what was asked for, and of what was built here
 
 
 @pytest.fixture
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def cache(tmp_path, monkeypatch):
     monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path))
     return tmp_path / "fmus"
 
 
-def test_what_was_not_asked_for_goes_when_another_fmu_is_added(cache: Path) -> None:
+def test_what_was_not_asked_for_goes_when_another_fmu_is_added(cache):
     used, unused = build("coupled_mass"), build("spring_stop")
     for file in (used, unused):
         aged(file, KEPT_DAYS + 1)
@@ -31,7 +29,7 @@ def test_what_was_not_asked_for_goes_when_another_fmu_is_added(cache: Path) -> N
     assert not rest.exists()
 
 
-def test_a_deleted_fmu_is_built_again(cache: Path) -> None:
+def test_a_deleted_fmu_is_built_again(cache):
     file = build("coupled_mass")
     content = file.read_bytes()
     file.unlink()
@@ -40,7 +38,7 @@ def test_a_deleted_fmu_is_built_again(cache: Path) -> None:
 
 @pytest.mark.parametrize("damage", [b"\0", b"", "half"])
 @pytest.mark.parametrize("kind", ["fmu", "note", "built"])
-def test_a_damaged_file_is_built_again(damage: bytes | str, kind: str, cache: Path) -> None:
+def test_a_damaged_file_is_built_again(damage, kind, cache):
     """As a power cut leaves it: zeroed, empty or cut."""
     file = build("coupled_mass")
     content = file.read_bytes()
@@ -50,7 +48,7 @@ def test_a_damaged_file_is_built_again(damage: bytes | str, kind: str, cache: Pa
     assert build("coupled_mass").read_bytes() == content
 
 
-def test_a_note_leads_to_no_file_elsewhere(cache: Path) -> None:
+def test_a_note_leads_to_no_file_elsewhere(cache):
     file = build("coupled_mass")
     (cache.parent / "other.fmu").write_bytes(file.read_bytes())
     for note in cache.glob("*.note"):
@@ -58,13 +56,11 @@ def test_a_note_leads_to_no_file_elsewhere(cache: Path) -> None:
     assert build("coupled_mass") == file
 
 
-def test_a_known_fmu_is_found_by_its_note_until_a_source_changes(
-    cache: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_known_fmu_is_found_by_its_note_until_a_source_changes(cache, monkeypatch):
     file = build("coupled_mass")
     packed: list[str] = []
 
-    def collect_files(name: str, *rest: object) -> dict[str, bytes]:
+    def collect_files(name, *rest):
         packed.append(name)
         return {"modelDescription.xml": b"other"}
 

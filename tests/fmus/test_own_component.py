@@ -15,7 +15,6 @@ from orchestrator.scenario import build_scenario
 from orchestrator.scenario.system import build_system, list_moved_starts, resolve_start
 
 from ..orchestrator.commands import tribocosim as run_command
-from .conftest import Isolated
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "write-a-component.md"
 CODE, SCENARIO = (
@@ -33,7 +32,7 @@ report([slave.get(["angle"])[0], ours])
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """The page's file in an empty folder, which is the current one; forgotten afterwards."""
     (tmp_path / "my_parts.py").write_text(CODE, "utf-8")
     monkeypatch.chdir(tmp_path)
@@ -53,23 +52,21 @@ def solve_pendulum(time: float) -> float:
 
 
 @pytest.mark.parametrize("native", [False, pytest.param(True, marks=pytest.mark.long)])
-def test_its_fmu_moves_by_its_equations_where_nothing_else_is(
-    native: bool, folder: Path, isolated: Isolated
-) -> None:
+def test_its_fmu_moves_by_its_equations_where_nothing_else_is(native, folder, isolated):
     path = tribocosim.build_fmu("my_parts:pendulum", folder, native=native)
     angle, ours = isolated(STEPPED.format(fmu=str(path)))
     assert ours == []
     assert angle == pytest.approx(solve_pendulum(1.0), abs=1e-8)
 
 
-def test_the_page_s_scenario_is_within_its_tolerance_of_the_reference(folder: Path) -> None:
+def test_the_page_s_scenario_is_within_its_tolerance_of_the_reference(folder):
     (folder / "pendulums.toml").write_text(SCENARIO, "utf-8")
     result = tribocosim.run("pendulums.toml")
     assert result.within
     assert float(result.coupled["arm.angle"].min()) < -0.4
 
 
-def test_a_start_that_the_equilibrium_replaces_is_told(folder: Path) -> None:
+def test_a_start_that_the_equilibrium_replaces_is_told(folder):
     said = {}
     for start in ("given", "equilibrium"):
         tables = tomllib.loads(SCENARIO) | {"name": "pendulums", "start": start}
@@ -82,7 +79,7 @@ def test_a_start_that_the_equilibrium_replaces_is_told(folder: Path) -> None:
     ]
 
 
-def test_a_change_of_the_file_makes_another_fmu(folder: Path) -> None:
+def test_a_change_of_the_file_makes_another_fmu(folder):
     """Also without a name for it: the cached one is of the old code."""
     first = tribocosim.build_fmu("my_parts:pendulum", folder / "one").read_bytes()
     again = tribocosim.build_fmu("my_parts:pendulum", folder / "two").read_bytes()
@@ -101,13 +98,13 @@ def test_a_change_of_the_file_makes_another_fmu(folder: Path) -> None:
         ("", "my_parts:State", "must be a models.core.component.Component"),
     ],
 )
-def test_what_cannot_be_an_fmu_is_named(added: str, name: str, said: str, folder: Path) -> None:
+def test_what_cannot_be_an_fmu_is_named(added, name, said, folder):
     text = CODE.replace("import math\n", f"import math\n{added}\n")
     (folder / "my_parts.py").write_text(text, "utf-8")
     with pytest.raises(tribocosim.MistakeError, match=said):
         tribocosim.build_fmu(name, folder)
 
 
-def test_the_command_builds_it(folder: Path) -> None:
+def test_the_command_builds_it(folder):
     done = run_command("fmu", "build", "my_parts:pendulum", "--out", str(folder), cwd=folder)
     assert (done.returncode, done.stdout.strip()) == (0, str(folder / "pendulum.fmu"))

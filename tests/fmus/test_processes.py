@@ -11,7 +11,7 @@ import pytest
 import models
 from fmus.build import build, collect_files, pack_files
 
-from .conftest import Isolated, clean_environment
+from .conftest import clean_environment
 from .reference import Reference
 
 RUN = """
@@ -32,9 +32,7 @@ def reference_outputs() -> list[float]:
     return reference.outputs()
 
 
-def test_two_versions_in_one_process(
-    fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_two_versions_in_one_process(fmu_files, isolated, tmp_path, monkeypatch):
     """The second version has a lift twice as large; each instance runs its own code."""
     source = Path(models.__file__).parent
     changed = shutil.copytree(source, tmp_path / "changed" / "models")
@@ -56,7 +54,7 @@ def test_two_versions_in_one_process(
     assert isolated(code, "numba") == [[[1e-3, 1e-3], [2e-3, 1e-3]], True]
 
 
-def test_twenty_instances(fmu_files: dict[str, Path], isolated: Isolated) -> None:
+def test_twenty_instances(fmu_files, isolated):
     """Stepped in turns they give what each gives alone, and the interpreter's path does not grow."""
     code = f"""
     import sys
@@ -83,13 +81,13 @@ def test_twenty_instances(fmu_files: dict[str, Path], isolated: Isolated) -> Non
     assert isolated(code) == [True, 20, 0]
 
 
-def test_without_numba(fmu_files: dict[str, Path], isolated: Isolated) -> None:
+def test_without_numba(fmu_files, isolated):
     """The same physics from the plain functions; rounding differs where the compiler contracts operations."""
     code = RUN.format(fmu=str(fmu_files["sprung_mass"])) + "report(result)"
     assert isolated(code, "numba", "llvmlite") == pytest.approx(reference_outputs(), rel=1e-9, abs=1e-12)
 
 
-def test_without_numpy_it_says_so(fmu_files: dict[str, Path], isolated: Isolated) -> None:
+def test_without_numpy_it_says_so(fmu_files, isolated):
     code = f"""
     import contextlib, io, sys
     from fmpy.fmi2 import FMU2Slave
@@ -111,14 +109,12 @@ def test_without_numpy_it_says_so(fmu_files: dict[str, Path], isolated: Isolated
     assert "has no numpy; install it there" in isolated(code)
 
 
-def test_second_start_compiles_nothing(
-    fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path
-) -> None:
+def test_second_start_compiles_nothing(fmu_files, isolated, tmp_path):
     """In another process, unpacked elsewhere: the compiled code on disk is used and none is added."""
     cache = tmp_path / "cache"
     code = RUN.format(fmu=str(fmu_files["sprung_mass"])) + "report(slave.folder)"
 
-    def compiled() -> dict[str, int]:
+    def compiled():
         return {str(file): file.stat().st_mtime_ns for file in cache.rglob("*.nb?")}
 
     first = isolated(code, TRIBOCOSIM_CACHE=str(cache))
@@ -132,9 +128,7 @@ def test_second_start_compiles_nothing(
 @pytest.mark.parametrize(
     "obstacle", ["no folder can be made", pytest.param("no file can be written", marks=pytest.mark.long)]
 )
-def test_cache_that_cannot_be_written(
-    obstacle: str, fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path
-) -> None:
+def test_cache_that_cannot_be_written(obstacle, fmu_files, isolated, tmp_path):
     """Everything works, only slower to start."""
     place = tmp_path / "cache"
     if obstacle == "no folder can be made":
@@ -149,18 +143,18 @@ def test_cache_that_cannot_be_written(
 BUILD = "from fmus.build import build; print(build('flywheel'))"
 
 
-def test_same_sources_same_bytes() -> None:
+def test_same_sources_same_bytes():
     environment = clean_environment({"PYTHONHASHSEED": "1"})
     code = "import sys, fmus.build as b; sys.stdout.buffer.write(b.pack_files(b.collect_files('flywheel')))"
     other = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True)
     assert other.stdout == pack_files(collect_files("flywheel"))
 
 
-def test_builds_at_the_same_time(tmp_path: Path) -> None:
+def test_builds_at_the_same_time(tmp_path):
     """Two processes build into one cache; both get the whole file, and a third finds it there."""
     environment = clean_environment({"TRIBOCOSIM_CACHE": str(tmp_path)})
 
-    def start() -> subprocess.Popen[str]:
+    def start():
         return subprocess.Popen(
             [sys.executable, "-c", BUILD], env=environment, stdout=subprocess.PIPE, text=True
         )
@@ -176,7 +170,7 @@ def test_builds_at_the_same_time(tmp_path: Path) -> None:
     assert [file.name for file in path.parent.glob("*.fmu")] == [path.name]
 
 
-def test_build_leaves_no_trace_in_the_process(tmp_path: Path) -> None:
+def test_build_leaves_no_trace_in_the_process(tmp_path):
     before, path = set(sys.modules), list(sys.path)
     build("camshaft", tmp_path)
     assert sys.path == path
@@ -184,7 +178,7 @@ def test_build_leaves_no_trace_in_the_process(tmp_path: Path) -> None:
     assert not {name for name in added if "tribocosim" in name or "camshaft" in name}
 
 
-def test_unknown_names_and_sizes(tmp_path: Path) -> None:
+def test_unknown_names_and_sizes(tmp_path):
     with pytest.raises(KeyError, match="must be one of camshaft"):
         build("camshat", tmp_path)
     with pytest.raises(ValueError, match="structure of valve_spring"):

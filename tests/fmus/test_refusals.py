@@ -1,8 +1,6 @@
 """What an FMU refuses, and that the host hears of it although it did not ask for logging."""
 
 import math
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from fmpy.fmi1 import FMICallException
@@ -13,14 +11,14 @@ ERROR, CATEGORY = 3, "logStatusError"
 
 
 @pytest.fixture(scope="module")
-def shared(unpacked: dict[str, Path]) -> Iterator[Instance]:
+def shared(unpacked):
     slave = Instance(unpacked["valve_spring"])
     yield slave
     slave.free()
 
 
 @pytest.fixture
-def spring(shared: Instance) -> Instance:
+def spring(shared):
     """A fresh valve_spring."""
     shared.fmu.reset()
     shared.messages.clear()
@@ -31,7 +29,7 @@ def errors(slave: Instance) -> list[str]:
     return [text for status, category, text in slave.messages if (status, category) == (ERROR, CATEGORY)]
 
 
-def test_parameter_out_of_range(spring: Instance) -> None:
+def test_parameter_out_of_range(spring):
     with pytest.raises(FMICallException, match=r"fmi2ExitInitializationMode.*fatal"):
         spring.initialize(spring_rate=-3.5e4, preload=-1.0)
     (message,) = errors(spring)
@@ -39,7 +37,7 @@ def test_parameter_out_of_range(spring: Instance) -> None:
     assert "preload = -1 N" in message
 
 
-def test_instance_works_again_after_a_refusal(spring: Instance) -> None:
+def test_instance_works_again_after_a_refusal(spring):
     for _ in range(5):
         with pytest.raises(FMICallException):
             spring.initialize(valve_mass=0.0)
@@ -50,7 +48,7 @@ def test_instance_works_again_after_a_refusal(spring: Instance) -> None:
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_input_that_is_no_number_discards_the_step(spring: Instance, value: float) -> None:
+def test_input_that_is_no_number_discards_the_step(spring, value):
     spring.initialize(load=400.0)
     spring.step(0.0, 1e-5)
     before = spring.outputs()
@@ -63,7 +61,7 @@ def test_input_that_is_no_number_discards_the_step(spring: Instance, value: floa
     spring.step(1e-5, 1e-5)
 
 
-def test_step_that_fails_leaves_the_state(spring: Instance) -> None:
+def test_step_that_fails_leaves_the_state(spring):
     """A load that lets the state overflow within the step."""
     spring.initialize()
     data = spring.saved_bytes()
@@ -73,7 +71,7 @@ def test_step_that_fails_leaves_the_state(spring: Instance) -> None:
     (message,) = errors(spring)
     assert message.startswith("step from t = 0 s by 1 s: ")
 
-    def next_step() -> list[float]:
+    def next_step():
         spring.set({"load": 500.0})
         spring.step(0.0, 1e-4)
         return spring.outputs()
@@ -91,14 +89,14 @@ def test_step_that_fails_leaves_the_state(spring: Instance) -> None:
         (0.0, math.nan, "must not be negative"),
     ],
 )
-def test_step_in_the_wrong_place_is_discarded(spring: Instance, t: float, h: float, message: str) -> None:
+def test_step_in_the_wrong_place_is_discarded(spring, t, h, message):
     spring.initialize()
     with pytest.raises(FMICallException, match="discard"):
         spring.step(t, h)
     assert message in errors(spring)[0]
 
 
-def test_tunable_parameter_is_checked_at_the_next_step(spring: Instance) -> None:
+def test_tunable_parameter_is_checked_at_the_next_step(spring):
     spring.initialize(load=500.0)
     spring.set({"damping_ratio": -1.0})
     with pytest.raises(FMICallException, match="discard"):
@@ -109,7 +107,7 @@ def test_tunable_parameter_is_checked_at_the_next_step(spring: Instance) -> None
 
 
 @pytest.mark.parametrize(("name", "message"), [("position", "is an output"), ("position_start", "is fixed")])
-def test_outputs_and_fixed_parameters_cannot_be_set(spring: Instance, name: str, message: str) -> None:
+def test_outputs_and_fixed_parameters_cannot_be_set(spring, name, message):
     """One of them for an instance: after fmi2Fatal the standard allows no other call."""
     spring.initialize()
     with pytest.raises(FMICallException, match="fatal"):
@@ -117,7 +115,7 @@ def test_outputs_and_fixed_parameters_cannot_be_set(spring: Instance, name: str,
     assert message in errors(spring)[-1]
 
 
-def test_unknown_value_reference(spring: Instance) -> None:
+def test_unknown_value_reference(spring):
     with pytest.raises(FMICallException, match="fatal"):
         spring.fmu.getReal([123456])
     assert "value reference 123456" in errors(spring)[0]

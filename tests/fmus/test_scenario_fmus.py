@@ -1,7 +1,5 @@
 """FMUs of a scenario: its values as defaults, and the whole train as one, beside the coupled run."""
 
-from pathlib import Path
-
 import fmpy
 import numpy as np
 import pytest
@@ -12,8 +10,6 @@ from models.core.errors import ModelError
 from models.core.evaluation import Interpreted
 from models.core.system import Instance
 from orchestrator.scenario.system import assemble, resolve_start
-
-from .conftest import Isolated
 
 TRAIN = "finger-follower-hla"
 OUTPUTS = ["valve_spring.position", "cam_contact.load", "cam_contact.film_thickness"]
@@ -38,7 +34,7 @@ def compose_shipped(name: str, outside: tuple[str, ...] = ()):
 
 @pytest.mark.plain
 @pytest.mark.parametrize("name", ["valve-train", TRAIN, "two-masses", "bouncing-mass"])
-def test_a_composite_is_its_system(name: str) -> None:
+def test_a_composite_is_its_system(name):
     """Outputs, derivatives and energies are those of its parts, at the start and away from it.
 
     An algebraic loop (the flywheel's) is closed by the secant here, by Newton's method there: 1e-12 of the
@@ -71,7 +67,7 @@ def test_a_composite_is_its_system(name: str) -> None:
 
 
 @pytest.mark.plain
-def test_what_is_left_outside_becomes_inputs() -> None:
+def test_what_is_left_outside_becomes_inputs():
     """The cam's angle and speed; each once, however many parts they drive. No loop is left."""
     system, train = compose_shipped("valve-train", ("flywheel",))
     driven = {c.source for c in system.connections if c.source.instance == "flywheel"}
@@ -83,7 +79,7 @@ def test_what_is_left_outside_becomes_inputs() -> None:
 
 
 @pytest.mark.plain
-def test_the_instance_s_values_are_defaults() -> None:
+def test_the_instance_s_values_are_defaults():
     from models.oscillators.bouncing_mass import falling_mass
 
     made = with_values(Instance(falling_mass(), {"mass": 3.0}, {"position": 0.25}))
@@ -93,7 +89,7 @@ def test_the_instance_s_values_are_defaults() -> None:
 
 
 @pytest.mark.parametrize("native", [False, pytest.param(True, marks=pytest.mark.long)])
-def test_a_whole_train_moves_as_the_reference(native: bool, tmp_path: Path, isolated: Isolated) -> None:
+def test_a_whole_train_moves_as_the_reference(native, tmp_path, isolated):
     """In a process without this repository: at 4 ms as the monolithic reference, to 1e-6.
 
     Its integrator has a relative tolerance of 1e-9 per step, over some hundred steps."""
@@ -109,7 +105,7 @@ def test_a_whole_train_moves_as_the_reference(native: bool, tmp_path: Path, isol
         assert value == pytest.approx(float(reference[name][-1]), rel=1e-6, abs=1e-12)
 
 
-def test_a_system_without_inputs_moves(tmp_path: Path, isolated: Isolated) -> None:
+def test_a_system_without_inputs_moves(tmp_path, isolated):
     """In free fall s = g t^2 / 2, which the integrator has exactly but for rounding."""
     (path,) = tribocosim.build_scenario_fmus("bouncing-mass", tmp_path, whole=True)
     (position,), _ = isolated(STEPPED.format(fmu=str(path), steps=5, size=0.01, outputs=["mass.position"]))
@@ -119,7 +115,7 @@ def test_a_system_without_inputs_moves(tmp_path: Path, isolated: Isolated) -> No
 @pytest.mark.parametrize(
     "names", [("compose", "make_stop"), ("sys", "print"), ("é", "ü"), ("int", "__init__")]
 )
-def test_components_have_any_name(names: tuple[str, str], tmp_path: Path, isolated: Isolated) -> None:
+def test_components_have_any_name(names, tmp_path, isolated):
     """Those of the code of an FMU, of Python, and with letters that the naming convention does not have."""
     mass, stop = names
     tables = {
@@ -139,7 +135,7 @@ def test_components_have_any_name(names: tuple[str, str], tmp_path: Path, isolat
         isolated(STEPPED.format(fmu=str(path), steps=2, size=1e-3, outputs=[]))
 
 
-def test_a_component_has_the_scenario_s_values_as_defaults(tmp_path: Path) -> None:
+def test_a_component_has_the_scenario_s_values_as_defaults(tmp_path):
     scenario = tribocosim.load("valve-train").with_(
         {"components.valve_spring.parameters.valve_mass": "0.2 kg"}
     )
@@ -166,14 +162,14 @@ def test_a_component_has_the_scenario_s_values_as_defaults(tmp_path: Path) -> No
         ({"platforms": ["x86_64-linux"]}, "platform"),
     ],
 )
-def test_what_cannot_be_built_is_named(options: dict, said: str, tmp_path: Path) -> None:
+def test_what_cannot_be_built_is_named(options, said, tmp_path):
     with pytest.raises(tribocosim.MistakeError, match=said):
         tribocosim.build_scenario_fmus("valve-train", tmp_path, **options)
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("of_another_tool", [True, False])
-def test_what_is_left_outside_needs_no_equations(of_another_tool: bool, tmp_path: Path) -> None:
+def test_what_is_left_outside_needs_no_equations(of_another_tool, tmp_path):
     """An FMU of another tool, and a component in one's own file: their outputs become inputs."""
     own = tmp_path / "parts.py"
     own.write_text("from models.oscillators.two_masses import sprung_mass as own\n")
@@ -216,7 +212,7 @@ def braked() -> Component:
 """
 
 
-def test_own_components_and_factors_are_inside_of_the_whole_train(tmp_path: Path, isolated: Isolated) -> None:
+def test_own_components_and_factors_are_inside_of_the_whole_train(tmp_path, isolated):
     """Two files with one factory's name, in a process without them and without this repository: at 0.1 s as
     the monolithic reference, to 1e-6 as any train."""
     files = [tmp_path / f"parts{n}.py" for n in range(2)]
@@ -249,7 +245,7 @@ def test_own_components_and_factors_are_inside_of_the_whole_train(tmp_path: Path
         assert value == pytest.approx(float(reference[name][-1]), rel=1e-6)
 
 
-def test_an_open_input_behind_a_factor_is_described_as_its_source(tmp_path: Path) -> None:
+def test_an_open_input_behind_a_factor_is_described_as_its_source(tmp_path):
     """A speed that makes an angle of the cam has the speed's unit, and no degrees to be shown in."""
     tables = dict(tribocosim.load("valve-train").content) | {"start": "given", "name": "geared"}
     lines = [line for line in tables["connections"] if "camshaft.drive_angle" not in line]
@@ -261,12 +257,12 @@ def test_an_open_input_behind_a_factor_is_described_as_its_source(tmp_path: Path
     assert variables["flywheel.speed"].unit == "rad/s"
 
 
-def test_many_fmus_are_not_written_in_one_file(tmp_path: Path) -> None:
+def test_many_fmus_are_not_written_in_one_file(tmp_path):
     with pytest.raises(tribocosim.MistakeError, match="is one file, but 4 FMUs"):
         tribocosim.build_scenario_fmus("valve-train", tmp_path / "all.fmu")
     assert not list(tmp_path.iterdir())
 
 
-def test_equations_that_are_no_odes_are_named_with_the_scenario(tmp_path: Path) -> None:
+def test_equations_that_are_no_odes_are_named_with_the_scenario(tmp_path):
     with pytest.raises(tribocosim.MistakeError, match=r"^valve_train_ehl: contact: ehl_line_contact is no"):
         tribocosim.build_scenario_fmus("valve-train-ehl", tmp_path, whole=True)

@@ -1,8 +1,5 @@
 """A saved state restores an FMU to the last bit: at once, later, elsewhere, and after a reset."""
 
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 from fmpy.fmi1 import FMICallException
 from hypothesis import HealthCheck, given, settings
@@ -34,9 +31,7 @@ COMPONENTS = {name: Reference(name).component for name in NAMES}
 
 
 @pytest.fixture(scope="module", params=mark_long(NAMES))
-def pair(
-    request: pytest.FixtureRequest, unpacked: dict[str, Path]
-) -> Iterator[tuple[str, Instance, Instance]]:
+def pair(request, unpacked):
     """Two instances of every FMU."""
     name = request.param
     both = Instance(unpacked[name], "one"), Instance(unpacked[name], "two")
@@ -46,7 +41,7 @@ def pair(
 
 
 @pytest.fixture
-def fresh(pair: tuple[str, Instance, Instance]) -> tuple[str, Instance, Instance]:
+def fresh(pair):
     """The two instances, initialised."""
     name, one, two = pair
     for slave in (one, two):
@@ -55,7 +50,7 @@ def fresh(pair: tuple[str, Instance, Instance]) -> tuple[str, Instance, Instance
     return name, one, two
 
 
-def test_restore_in_another_instance(fresh: tuple[str, Instance, Instance]) -> None:
+def test_restore_in_another_instance(fresh):
     name, one, two = fresh
     drive(one, name, 0.0, 40)
     drive(two, name, 0.0, 7, curved=False)
@@ -65,7 +60,7 @@ def test_restore_in_another_instance(fresh: tuple[str, Instance, Instance]) -> N
     assert drive(two, name, 40 * STEP, 30) == drive(one, name, 40 * STEP, 30)
 
 
-def test_reset_is_exact(fresh: tuple[str, Instance, Instance]) -> None:
+def test_reset_is_exact(fresh):
     name, one, two = fresh
     begin = one.saved_bytes()
     drive(one, name, 0.0, 25)
@@ -84,15 +79,7 @@ def test_reset_is_exact(fresh: tuple[str, Instance, Instance]) -> None:
     through_bytes=st.booleans(),
     pending_input=st.booleans(),
 )
-def test_rollback_at_any_moment(
-    fresh: tuple[str, Instance, Instance],
-    before: int,
-    between: int,
-    curved: bool,
-    size: float,
-    through_bytes: bool,
-    pending_input: bool,
-) -> None:
+def test_rollback_at_any_moment(fresh, before, between, curved, size, through_bytes, pending_input):
     """Also when inputs were set but not yet used, and with other steps after the rollback than before."""
     name, slave, _ = fresh
     slave.fmu.reset()
@@ -121,9 +108,7 @@ def test_rollback_at_any_moment(
         (lambda data: data.replace(data[19:35], b"0123456789abcdef"), "belongs to another FMU or version"),
     ],
 )
-def test_foreign_state_is_refused_and_changes_nothing(
-    fresh: tuple[str, Instance, Instance], damage, message: str
-) -> None:
+def test_foreign_state_is_refused_and_changes_nothing(fresh, damage, message):
     name, slave, other = fresh
     drive(slave, name, 0.0, 5)
     drive(other, name, 0.0, 5)

@@ -29,7 +29,7 @@ def archive_of(path: Path, files: dict[str, str]) -> Path:
 
 
 @pytest.mark.parametrize("name", mark_long(NAMES))
-def test_our_own_are_valid(name: str, fmu_files: dict[str, Path]) -> None:
+def test_our_own_are_valid(name, fmu_files):
     path = fmu_files[name]
     assert validate(path) == []
     found = info(path)
@@ -53,7 +53,7 @@ def test_our_own_are_valid(name: str, fmu_files: dict[str, Path]) -> None:
         ({XML: '<fmiModelDescription fmiVersion="2.0"/>'}, "'modelName' is required"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(files: dict[str, str], message: str, tmp_path: Path) -> None:
+def test_what_is_wrong_is_said_in_one_line(files, message, tmp_path):
     faults = validate(archive_of(tmp_path / "foreign.fmu", files))
     assert faults
     assert message in faults[0]
@@ -71,9 +71,7 @@ _OLD, _TWO, _THREE = (
     ("said", "content", "written"),
     [("3.0", _TWO, "2.0"), ("1.0", _TWO, "2.0"), ("2.0", _THREE, "3.0"), ("2.0", _OLD, "1.0")],
 )
-def test_a_version_that_the_description_is_not_written_in_is_named(
-    said: str, content: str, written: str, tmp_path: Path
-) -> None:
+def test_a_version_that_the_description_is_not_written_in_is_named(said, content, written, tmp_path):
     xml = f'<fmiModelDescription fmiVersion="{said}" modelName="m" {content}</fmiModelDescription>'
     path = archive_of(tmp_path / "foreign.fmu", {XML: xml})
     words = f"says fmiVersion = '{said}', but is written as FMI {written} has it"
@@ -85,7 +83,7 @@ def test_a_version_that_the_description_is_not_written_in_is_named(
     assert str(path) in str(refused.value)
 
 
-def test_an_fmu_of_fmi_1_is_not_compared(tmp_path: Path) -> None:
+def test_an_fmu_of_fmi_1_is_not_compared(tmp_path):
     xml = (
         '<fmiModelDescription fmiVersion="1.0" modelName="m" modelIdentifier="m" guid="g" '
         'numberOfContinuousStates="0" numberOfEventIndicators="0"><ModelVariables/></fmiModelDescription>'
@@ -95,7 +93,7 @@ def test_an_fmu_of_fmi_1_is_not_compared(tmp_path: Path) -> None:
         compare(path)
 
 
-def test_not_an_archive(tmp_path: Path) -> None:
+def test_not_an_archive(tmp_path):
     text = tmp_path / "text.fmu"
     text.write_text("hello")
     assert "not a zip archive" in validate(text)[0]
@@ -117,7 +115,7 @@ def test_not_an_archive(tmp_path: Path) -> None:
     ],
 )
 @pytest.mark.parametrize("name", ["binaries/entry", "binaries/entry/"])
-def test_entries_that_are_no_plain_files_are_refused(mode: int, said: str, name: str, tmp_path: Path) -> None:
+def test_entries_that_are_no_plain_files_are_refused(mode, said, name, tmp_path):
     entry = zipfile.ZipInfo(name)
     entry.external_attr = mode << 16
     path = tmp_path / "link.fmu"
@@ -126,7 +124,7 @@ def test_entries_that_are_no_plain_files_are_refused(mode: int, said: str, name:
     assert said in validate(path)[0]
 
 
-def test_damage_anywhere_is_found(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+def test_damage_anywhere_is_found(fmu_files, tmp_path):
     """One changed byte in the middle of any file of the archive, and a file that ends early."""
     good = fmu_files["flywheel"].read_bytes()
     damaged = tmp_path / "damaged.fmu"
@@ -140,7 +138,7 @@ def test_damage_anywhere_is_found(fmu_files: dict[str, Path], tmp_path: Path) ->
     assert "is cut off: it begins as a zip archive" in validate(damaged)[0]
 
 
-def test_a_library_of_another_name_is_named(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+def test_a_library_of_another_name_is_named(fmu_files, tmp_path):
     """On one platform of several: nobody there can load it."""
     renamed = tmp_path / "renamed.fmu"
     rename_files(fmu_files["flywheel"], renamed, "linux64/flywheel.", "linux64/wheel.")
@@ -150,9 +148,7 @@ def test_a_library_of_another_name_is_named(fmu_files: dict[str, Path], tmp_path
     assert inspect(renamed) == (Findings(lines, []) if here else Findings([], lines))
 
 
-def test_a_library_of_another_platform_keeps_nobody_here_from_running(
-    fmu_files: dict[str, Path], tmp_path: Path
-) -> None:
+def test_a_library_of_another_platform_keeps_nobody_here_from_running(fmu_files, tmp_path):
     renamed = tmp_path / "renamed.fmu"
     rename_files(fmu_files["flywheel"], renamed, "win64/flywheel.", "win64/wheel.")
     found = tribocosim.validate_fmu(renamed)
@@ -161,7 +157,7 @@ def test_a_library_of_another_platform_keeps_nobody_here_from_running(
     assert str(tribocosim.validate_fmu(fmu_files["flywheel"])) == "no problems found"
 
 
-def test_tables_of_an_fmu_are_a_line_each_after_the_scalars(fmu_files: dict[str, Path]) -> None:
+def test_tables_of_an_fmu_are_a_line_each_after_the_scalars(fmu_files):
     info = tribocosim.fmu_info(fmu_files["flywheel"])
     scalar = info.variables[0]
     points = [replace(scalar, name=f"angles[{i}]", start=str(i)) for i in range(1, 362)]
@@ -171,14 +167,14 @@ def test_tables_of_an_fmu_are_a_line_each_after_the_scalars(fmu_files: dict[str,
     assert "1 ... 361" in lines[-1]
 
 
-def test_it_agrees_with_its_reference_from_python(referenced: dict[str, Path]) -> None:
+def test_it_agrees_with_its_reference_from_python(referenced):
     assert tribocosim.fmu_info(referenced["flywheel"]).name == "flywheel"
     assert tribocosim.compare_fmu(referenced["flywheel"]).agrees
     with pytest.raises(tribocosim.MistakeError, match="not a zip archive"):
         tribocosim.compare_fmu(__file__)
 
 
-def test_only_what_was_built_here_is_known(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+def test_only_what_was_built_here_is_known(fmu_files, tmp_path):
     """Neither a changed file, nor the same files packed again, nor one that says that tribocosim made it."""
     path, other = fmu_files["flywheel"], tmp_path / "other.fmu"
     assert is_built_here(path)
@@ -191,7 +187,7 @@ def test_only_what_was_built_here_is_known(fmu_files: dict[str, Path], tmp_path:
     assert not is_built_here(other)
 
 
-def test_binary_and_ranges(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+def test_binary_and_ranges(fmu_files, tmp_path):
     """A start value outside its range, and no binary of the declared name."""
     with zipfile.ZipFile(fmu_files["flywheel"]) as archive:
         xml = archive.read(XML).decode()

@@ -1,10 +1,9 @@
 """docs/measurements.md: published numbers beside ours, from the tests in this folder, which record them."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -124,10 +123,10 @@ def summarise(blocks: Blocks) -> str:
 
 
 @pytest.fixture
-def published(request: pytest.FixtureRequest) -> Callable[..., None]:
+def published(request):
     """Compares our number with a published one, see `judge`, and records both for docs/measurements.md."""
 
-    def record(case: Published, ours: Any, why: str = "", *, inside: bool = True) -> None:
+    def record(case, ours, why="", *, inside=True):
         row = judge(case, float(ours), why, inside)
         if not request.config.pluginmanager.has_plugin("tests.manuals"):
             test = named_test(request.node.nodeid)

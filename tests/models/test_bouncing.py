@@ -43,9 +43,7 @@ def next_impact(flow, walls, position) -> None:
     ("omega", "r", "sigma", "sign"),
     [(2.8, 0.8, 0.0, -1.0), (2.8, 0.8, 0.05, -1.0), (3.3, 0.5, 0.02, -1.0), (1.7, 0.7, 0.0, 1.0)],
 )
-def test_impact_oscillator_returns_to_its_orbit(
-    omega: float, r: float, sigma: float, sign: float, record
-) -> None:
+def test_impact_oscillator_returns_to_its_orbit(omega, r, sigma, sign, record):
     orbit = impact_oscillator_orbit(omega, r, sigma, sign)
     assert orbit.velocity > 0.0
     flow, walls = impact_oscillator(omega, r, sigma)
@@ -59,7 +57,7 @@ def test_impact_oscillator_returns_to_its_orbit(
         record("Slider-crank", quantity, value, exact, "closed form", tolerance=1e-11)
 
 
-def test_multipliers_of_the_impact_oscillator(record) -> None:
+def test_multipliers_of_the_impact_oscillator(record):
     """Trace and determinant r^2 of the tangent map over one orbit, impact included."""
     omega, r = 2.8, 0.8
     orbit = impact_oscillator_orbit(omega, r, 0.0, -1.0)
@@ -83,7 +81,7 @@ def test_multipliers_of_the_impact_oscillator(record) -> None:
 
 
 @pytest.mark.parametrize("e", [0.3, 0.9, 0.99])
-def test_bouncing_ball_comes_to_rest_after_its_geometric_series(e: float, record) -> None:
+def test_bouncing_ball_comes_to_rest_after_its_geometric_series(e, record):
     """Bounce n lasts 2 v e^n / g; the sum to infinity is 2 v e / (g (1 - e))."""
     g, v = 0.7, 0.5 * (1.0 - e)
     flow, walls = flow_of(lambda x: np.full_like(x, g)), Walls(0.0, 10.0, e, 0.0)
@@ -124,7 +122,7 @@ def release_from_rest(machine: Machine, side: float, theta: float) -> tuple[floa
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize(("damping", "gap"), [(0.1, 0.01), (0.267, 0.02), (0.0, 0.02)])
-def test_slider_rests_where_the_constraint_force_presses(form: str, damping: float, gap: float) -> None:
+def test_slider_rests_where_the_constraint_force_presses(form, damping, gap):
     """In all four kinds of region (upper only, lower only, both, neither) it slides where the force of F
     2.6 says, and is released at that force's next zero."""
     machine = Machine(damping, gap, form=form)
@@ -148,7 +146,7 @@ def test_slider_rests_where_the_constraint_force_presses(form: str, damping: flo
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_cutting_a_flight_changes_no_impact(form: str, record) -> None:
+def test_cutting_a_flight_changes_no_impact(form, record):
     """Events over two chaotic revolutions, run in one piece and in 500: 1e-12 grows by e^(0.4 * 12)."""
     machine = Machine(0.05, 0.01, form=form)
     whole = Motion(machine).events(2)
@@ -173,7 +171,7 @@ def test_cutting_a_flight_changes_no_impact(form: str, record) -> None:
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("start", [0.0, 0.01])
-def test_tangent_vectors_are_the_derivative_of_the_motion(form: str, start: float) -> None:
+def test_tangent_vectors_are_the_derivative_of_the_motion(form, start):
     """Central differences of the state after a revolution with impacts, to their own error."""
     machine = Machine(0.05, 0.012, form=form)
     growth, v, position = np.zeros(7), np.eye(2), np.zeros(5)
@@ -213,6 +211,6 @@ def test_tangent_vectors_are_the_derivative_of_the_motion(form: str, start: floa
         ({"damping": math.nan}, "finite"),
     ],
 )
-def test_machine_out_of_range_is_refused(values: dict, text: str) -> None:
+def test_machine_out_of_range_is_refused(values, text):
     with pytest.raises(ValueError, match=text):
         Machine(**values)

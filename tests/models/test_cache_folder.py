@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="folders have no mode
 
 
 @pytest.fixture
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def cache(tmp_path, monkeypatch):
     """The cache folder, which isn't there yet."""
     monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv(SAID, "")
@@ -35,16 +35,14 @@ def mode(folder: Path) -> int:
 
 
 @pytest.fixture
-def open_mask() -> object:
+def open_mask():
     """The umask that would let everyone write."""
     before = os.umask(0)
     yield
     os.umask(before)
 
 
-def test_folders_are_made_for_their_user_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, open_mask: object
-) -> None:
+def test_folders_are_made_for_their_user_alone(tmp_path, monkeypatch, open_mask):
     """With those above them, whatever the umask."""
     monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path / "above" / "cache"))
     folder = private_folder("kernels")
@@ -53,9 +51,7 @@ def test_folders_are_made_for_their_user_alone(
 
 
 @pytest.mark.parametrize(("place", "writable"), [("cache", 0o770), ("cache/kernels", 0o1707)])
-def test_a_folder_that_others_may_write_is_refused(
-    place: str, writable: int, cache: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_folder_that_others_may_write_is_refused(place, writable, cache, capsys):
     """With one message, which says which folder it is and what to do."""
     folder = private_folder("kernels")
     (cache.parent / place).chmod(writable)
@@ -70,9 +66,7 @@ def test_a_folder_that_others_may_write_is_refused(
 
 
 @pytest.mark.parametrize("writable", [0o777, 0o770, 0o720, 0o702])
-def test_a_folder_in_one_that_others_may_write_is_refused(
-    writable: int, cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_folder_in_one_that_others_may_write_is_refused(writable, cache, tmp_path, monkeypatch):
     """They could put another in its place, but for the sticky bit; however far above it is."""
     for place in (cache, cache / "deep" / "er"):
         monkeypatch.setenv("TRIBOCOSIM_CACHE", str(place))
@@ -85,14 +79,14 @@ def test_a_folder_in_one_that_others_may_write_is_refused(
 
 @pytest.mark.skipif(os.name == "posix" and os.getuid() != 0, reason="only root gives folders away")
 @pytest.mark.parametrize("sticky", [0, stat.S_ISVTX])
-def test_a_folder_in_one_of_another_user_is_refused(sticky: int, cache: Path, tmp_path: Path) -> None:
+def test_a_folder_in_one_of_another_user_is_refused(sticky, cache, tmp_path):
     os.chown(tmp_path, 12345, 0)
     tmp_path.chmod(0o755 | sticky)
     with pytest.raises(UntrustedFolderError, match="another user"):
         private_folder("kernels")
 
 
-def test_what_was_checked_is_what_is_read(cache: Path) -> None:
+def test_what_was_checked_is_what_is_read(cache):
     """Although another folder takes its place between the check and the reading."""
     with open_folder("kernels") as folder:
         folder.write("file", b"own")
@@ -106,7 +100,7 @@ def test_what_was_checked_is_what_is_read(cache: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["writable", "link", "pipe", "folder"])
-def test_a_file_that_others_may_have_written_is_not_read(kind: str, cache: Path) -> None:
+def test_a_file_that_others_may_have_written_is_not_read(kind, cache):
     with open_folder("kernels") as folder:
         file = folder.path / "file"
         if kind == "link":
@@ -125,14 +119,14 @@ def test_a_file_that_others_may_have_written_is_not_read(kind: str, cache: Path)
             folder.check_files()
 
 
-def test_a_folder_of_another_user_is_refused(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_of_another_user_is_refused(cache, monkeypatch):
     private_folder("kernels")
     monkeypatch.setattr(cache_folder.os, "getuid", lambda: os.stat(cache).st_uid + 1)
     with pytest.raises(UntrustedFolderError, match="another user"):
         private_folder("kernels")
 
 
-def test_a_link_is_judged_by_where_it_leads(cache: Path, tmp_path: Path) -> None:
+def test_a_link_is_judged_by_where_it_leads(cache, tmp_path):
     (tmp_path / "open").mkdir()
     (tmp_path / "open").chmod(0o777)
     cache.symlink_to(tmp_path / "open")
@@ -152,7 +146,7 @@ print(twice(3.0))
 
 
 @pytest.mark.skipif(not COMPILED, reason="there is nothing to keep without numba")
-def test_kernels_are_neither_read_from_such_a_folder_nor_written_to_it(tmp_path: Path) -> None:
+def test_kernels_are_neither_read_from_such_a_folder_nor_written_to_it(tmp_path):
     """A file planted there, which runs code when it is unpickled and has the right checksum, is not read."""
     import hashlib
     import pickle
@@ -160,10 +154,10 @@ def test_kernels_are_neither_read_from_such_a_folder_nor_written_to_it(tmp_path:
     cache, mark = tmp_path / "cache", tmp_path / "mark"
 
     class Planted:
-        def __reduce__(self) -> tuple[object, tuple[str]]:
+        def __reduce__(self):
             return os.mkdir, (str(mark),)
 
-    def run() -> str:
+    def run():
         return Forked(tmp_path, [ROOT], KERNEL, {"TRIBOCOSIM_CACHE": str(cache)}).said()
 
     assert run() == "6.0\n"
@@ -177,7 +171,7 @@ def test_kernels_are_neither_read_from_such_a_folder_nor_written_to_it(tmp_path:
     assert sorted(cache.rglob("*")) == before
 
 
-def test_fmus_in_such_a_folder_are_not_taken(cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_fmus_in_such_a_folder_are_not_taken(cache, capsys):
     """They are built for this process alone."""
     planted = build("coupled_mass")
     content = planted.read_bytes()
@@ -190,7 +184,7 @@ def test_fmus_in_such_a_folder_are_not_taken(cache: Path, capsys: pytest.Capture
     assert build("coupled_mass", cache.parent, references=False).read_bytes() == content
 
 
-def test_the_list_of_units_is_not_read_from_such_a_folder(cache: Path) -> None:
+def test_the_list_of_units_is_not_read_from_such_a_folder(cache):
     cache.mkdir()
     cache.chmod(0o777)
     units._load_registry.cache_clear()

@@ -49,12 +49,12 @@ def closed_form(omega: float):
 
 
 @pytest.fixture(scope="module")
-def doubling() -> float:
+def doubling():
     """omega at which the orbit's period doubles: trace = -(1 + r^2)."""
     return brentq(lambda omega: closed_form(omega).trace + 1.0 + 0.8**2, 2.5, 2.8, xtol=1e-12)
 
 
-def test_stable_orbits_of_the_impact_oscillator_have_their_closed_form(doubling: float) -> None:
+def test_stable_orbits_of_the_impact_oscillator_have_their_closed_form(doubling):
     # The slowest multiplier, -1 at the doubling, is less than 0.97 here: 1e-12 after 1000 cycles.
     values = np.linspace(2.3, doubling - 0.02, 12)
     found = continue_sweep(ImpactOscillator(), "omega", values, "impact_rate", cycles=4, transient=1000)
@@ -63,7 +63,7 @@ def test_stable_orbits_of_the_impact_oscillator_have_their_closed_form(doubling:
     np.testing.assert_allclose(found.recorded, expected, rtol=0.0, atol=1e-10)
 
 
-def test_period_doubles_where_the_closed_form_says(doubling: float) -> None:
+def test_period_doubles_where_the_closed_form_says(doubling):
     # Beyond it the two velocities part as the root of the distance: their difference squared is a line there.
     distance = np.array([0.0005, 0.001, 0.0015])
     found = continue_sweep(
@@ -76,20 +76,20 @@ def test_period_doubles_where_the_closed_form_says(doubling: float) -> None:
     assert onset == pytest.approx(0.0, abs=2e-5)
 
 
-def test_the_period_map_doubles_there_too(doubling: float) -> None:
+def test_the_period_map_doubles_there_too(doubling):
     omegas = doubling + np.array([-0.03, 0.03])
     periods = period_map(ImpactOscillator(), ("omega", omegas), ("restitution", [0.8]), cycles=4000)
     assert periods.tolist() == [[1, 2]]
 
 
-def test_exponent_of_the_impact_oscillator_has_its_closed_form() -> None:
+def test_exponent_of_the_impact_oscillator_has_its_closed_form():
     # Complex multipliers of determinant r^2: both exponents are ln(r^2) / 2 a cycle.
     exponent, _, impacts = largest_exponent(ImpactOscillator(omega=2.5), 4000, 1000)
     assert impacts == 1.0
     assert exponent == pytest.approx(math.log(0.8) / (2.0 * math.pi), abs=2e-4)
 
 
-def test_maps_are_made_of_single_points_whatever_the_number_of_workers() -> None:
+def test_maps_are_made_of_single_points_whatever_the_number_of_workers():
     machine = Machine(form="as_published")
     one = exponent_map(machine, XS, YS, cycles=100, transient=20, workers=1)
     three = exponent_map(machine, XS, YS, cycles=100, transient=20, workers=3)
@@ -102,13 +102,13 @@ def test_maps_are_made_of_single_points_whatever_the_number_of_workers() -> None
     np.testing.assert_array_equal(*periods)
 
 
-def test_a_diagram_from_rest_is_made_of_single_motions() -> None:
+def test_a_diagram_from_rest_is_made_of_single_motions():
     found = sweep_from_rest(Machine(), "gap", np.array([0.01, 0.012]), "strobe_psi", cycles=5, transient=10)
     alone = Motion(Machine(gap=0.012)).skip(10).strobe(5)[:, 0]
     np.testing.assert_array_equal(found.recorded[found.value == 0.012], alone)
 
 
-def test_following_stays_between_walls_that_come_closer() -> None:
+def test_following_stays_between_walls_that_come_closer():
     found = continue_sweep(
         Machine(), "gap", np.linspace(0.02, 0.002, 10), "strobe_psi", cycles=10, transient=0
     )
@@ -124,12 +124,12 @@ def test_following_stays_between_walls_that_come_closer() -> None:
         (("restitution", [0.5, 1.5]), ("gap", [0.01]), "at most 1"),
     ],
 )
-def test_mistakes_are_named_before_any_point_is_computed(x, y, words: str) -> None:
+def test_mistakes_are_named_before_any_point_is_computed(x, y, words):
     with pytest.raises(ValueError, match=words):
         exponent_map(Machine(), x, y, progress=lambda done, total: pytest.fail("computed"))
 
 
-def test_each_keeps_the_order_and_tells_its_progress() -> None:
+def test_each_keeps_the_order_and_tells_its_progress():
     seen = []
     found = each(lambda n: n * n, range(100), workers=4, progress=lambda *at: seen.append(at))
     assert found == [n * n for n in range(100)]
@@ -138,15 +138,15 @@ def test_each_keeps_the_order_and_tells_its_progress() -> None:
 
 
 @pytest.mark.parametrize(("said", "least"), [("1", 1), ("0", 1), ("100000", cores()), ("", cores())])
-def test_no_more_threads_than_a_scheduler_allows(said: str, least: int, monkeypatch) -> None:
+def test_no_more_threads_than_a_scheduler_allows(said, least, monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", said)
     assert cores() == least
 
 
-def test_a_failing_point_ends_the_work() -> None:
+def test_a_failing_point_ends_the_work():
     done = []
 
-    def work(n: int) -> None:
+    def work(n):
         done.append(n)
         if n == 5:
             raise ValueError("point 5")
@@ -156,14 +156,14 @@ def test_a_failing_point_ends_the_work() -> None:
     assert len(done) < 100_000
 
 
-def test_an_interruption_ends_the_work() -> None:
+def test_an_interruption_ends_the_work():
     done = []
 
-    def work(n: int) -> None:
+    def work(n):
         time.sleep(1e-3)
         done.append(n)
 
-    def interrupted(count: int, total: int) -> None:
+    def interrupted(count, total):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -177,7 +177,7 @@ def grid(gap: float, count: int):
 
 @pytest.mark.long
 @pytest.mark.parametrize("workers", [1, 3])
-def test_a_sliding_and_a_bouncing_orbit_have_a_basin_each(workers: int) -> None:
+def test_a_sliding_and_a_bouncing_orbit_have_a_basin_each(workers):
     # Permanent sliding and four impacts a cycle, both stable, with the corrected sign.
     machine = Machine(damping=0.15, gap=0.02, form="corrected")
     found = find_basins(machine, *grid(0.02, 8), cycles=2000, workers=workers)
@@ -190,9 +190,7 @@ def test_a_sliding_and_a_bouncing_orbit_have_a_basin_each(workers: int) -> None:
 
 
 @pytest.mark.parametrize(("gap", "period", "sign"), [(0.015, 1, -1.0), (0.01, 0, 1.0)])
-def test_one_attractor_whether_periodic_or_chaotic_is_one_from_every_start(
-    gap: float, period: int, sign: float
-) -> None:
+def test_one_attractor_whether_periodic_or_chaotic_is_one_from_every_start(gap, period, sign):
     found = find_basins(Machine(damping=0.05, gap=gap, form="as_published"), *grid(gap, 6), cycles=2000)
     assert len(found.attractors) == 1
     assert found.attractors[0].period == period
@@ -202,8 +200,6 @@ def test_one_attractor_whether_periodic_or_chaotic_is_one_from_every_start(
 @pytest.mark.parametrize(
     ("farthest", "cycles", "said"), [(0.02, 100, "between the walls"), (0.0, 39, "cycles = 39")]
 )
-def test_starts_outside_the_walls_and_too_few_cycles_are_refused(
-    farthest: float, cycles: int, said: str
-) -> None:
+def test_starts_outside_the_walls_and_too_few_cycles_are_refused(farthest, cycles, said):
     with pytest.raises(ValueError, match=said):
         find_basins(Machine(gap=0.01), np.array([0.0, farthest]), np.array([0.0]), cycles=cycles)

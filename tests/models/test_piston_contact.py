@@ -31,7 +31,7 @@ def rising_block(velocity: float) -> tuple[co.Motion, me.Machine]:
     return motion(BLOCK, me.Coordinates(0.0, 0.0, 0.0), me.Coordinates(0.0, -velocity / 0.143, 0.0))
 
 
-def test_impact_of_a_free_block() -> None:
+def test_impact_of_a_free_block():
     """Impulse (1 + e) v / (1/M + L^2/J) of one corner; flat, each of two gives (1 + e) M v / 2."""
     s, m = rising_block(2.0)
     jump = 1.3 * 2.0
@@ -42,7 +42,7 @@ def test_impact_of_a_free_block() -> None:
 
 
 @pytest.mark.parametrize("friction", [0.8, 1.0, 5.0])
-def test_corner_of_a_free_block_sticks_where_friction_suffices(friction: float) -> None:
+def test_corner_of_a_free_block_sticks_where_friction_suffices(friction):
     """The impulse through the block's centre stops the corner: Lambda_T / Lambda_N = L / H. Also where more
     friction would jam it (mu D_NT > D_NN)."""
     s, m = rising_block(2.0)
@@ -59,7 +59,7 @@ def test_corner_of_a_free_block_sticks_where_friction_suffices(friction: float) 
 
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(st.lists(st.floats(-2.0, 2.0), min_size=6, max_size=6))
-def test_complementarity(numbers: list[float]) -> None:
+def test_complementarity(numbers):
     """z >= 0, A z + w >= 0, z (A z + w) = 0 for positive definite A."""
     a, b, c, d, first, second = numbers
     B = np.array([[a, b], [c, d]])
@@ -84,9 +84,8 @@ def test_complementarity(numbers: list[float]) -> None:
     pair=st.sampled_from([(0, -1), (3, -1), (0, 1), (2, 3), (0, 3), (1, 2)]),
 )
 def test_law_of_impact(
-    theta: float, tilt: float, speed: float, eta_rate: float, tilt_rate: float, restitution: float,
-    friction: float, pair: tuple[int, int],
-) -> None:  # fmt: skip
+    theta, tilt, speed, eta_rate, tilt_rate, restitution,
+    friction, pair):  # fmt: skip
     """Moreau's conditions hold after an impact of any touching corners in any motion."""
     q = me.Coordinates(theta, math.asin(0.043 * math.sin(theta) / 0.143), tilt)
     rod = 0.043 * math.cos(theta) * speed / (0.143 * math.cos(q.eta))
@@ -123,8 +122,8 @@ def test_law_of_impact(
     friction=st.sampled_from([0.0, 0.1]),
 )
 def test_energy_of_an_impact_is_work_of_the_crank_less_its_loss(
-    corner: int, partner: str | None, theta: float, rate: float, restitution: float, friction: float
-) -> None:
+    corner, partner, theta, rate, restitution, friction
+):
     """Stored energy with losses and the crank's work does not jump; the crank's impulse does the work. An
     elastic impact without friction loses nothing."""
     p = DRIVEN.parameters.vector({"restitution": restitution, "pin_offset": 1e-3, "wall_friction": friction})

@@ -132,9 +132,7 @@ def event_driven(end: float, restitution: float, friction: float) -> tuple[np.nd
         (0.4, 0.01, 0.03, 34),  # released, then on the other wall
     ],
 )
-def test_time_stepping_converges_to_the_event_driven_motion(
-    restitution: float, friction: float, end: float, impacts: int, record
-) -> None:
+def test_time_stepping_converges_to_the_event_driven_motion(restitution, friction, end, impacts, record):
     """The difference halves with the step: to within a tenth, as impacts fall anywhere in a step."""
     angles, y = event_driven(end, restitution, friction)
     assert y["impact_count"] == impacts
@@ -150,7 +148,7 @@ def test_time_stepping_converges_to_the_event_driven_motion(
 
 
 @pytest.mark.long
-def test_piston_without_an_initial_tilt_stays_flat() -> None:
+def test_piston_without_an_initial_tilt_stays_flat():
     """Both corners of a wall meet it together and share the impulse but for the friction's moment."""
     _, y = event_driven(0.02, 0.4, 0.01)
     for front, rear in ((1, 2), (3, 4)):
@@ -159,7 +157,7 @@ def test_piston_without_an_initial_tilt_stays_flat() -> None:
     assert y["corner_impact_impulse[1]"] == pytest.approx(y["corner_impact_impulse[2]"], rel=0.02)
 
 
-def test_start_of_the_source_is_the_aligned_mechanism(record) -> None:
+def test_start_of_the_source_is_the_aligned_mechanism(record):
     """theta_2' = -75 rad/s at 150 rad/s: the piston does not move across the bore."""
     p = FREE.parameters.vector(FLORES)
     x = FREE.state.vector({"crank_speed": SPEED})

@@ -35,7 +35,7 @@ UNEVEN = {"pin_offset": 1e-3, "mass_offset": -0.5e-3}
 
 
 @pytest.mark.long
-def test_roller_is_the_nonlinear_slider_crank() -> None:
+def test_roller_is_the_nonlinear_slider_crank():
     """The same impacts and events as the other component in its nonlinear form."""
     damping, gap, start, horizon = 0.05, 0.015, 0.2, 10.0
     values = {**ROLLER, "crank_pin_friction": damping, "clearance": gap, "restitution": 0.9}
@@ -60,7 +60,7 @@ def test_roller_is_the_nonlinear_slider_crank() -> None:
 
 
 @pytest.mark.long
-def test_elastic_impacts_without_friction_keep_the_energy() -> None:
+def test_elastic_impacts_without_friction_keep_the_energy():
     values = {**FLORES, **UNEVEN, "wall_friction": 0.0, "restitution": 1.0}
     p, x = FREE.parameters.vector(values), FREE.state.vector({"crank_speed": 150.0})
     u = FREE.inputs.vector()
@@ -72,7 +72,7 @@ def test_elastic_impacts_without_friction_keep_the_energy() -> None:
 
 
 @pytest.mark.long
-def test_energy_balances_through_impacts_chatter_and_sliding() -> None:
+def test_energy_balances_through_impacts_chatter_and_sliding():
     """An engine's expansion stroke, with every kind of contact."""
     system = System(
         {
@@ -107,7 +107,7 @@ MODES = ((), (0,), (3,), (0, 1), (2, 3), (0, 3), (1, 2))
 
 
 @pytest.mark.parametrize("closed", MODES)
-def test_power_balances_at_every_instant(closed: tuple[int, ...]) -> None:
+def test_power_balances_at_every_instant(closed):
     """d(stored)/dt = torque * speed - friction + gas in every mode of contact."""
     rng = np.random.default_rng(len(closed))
     p = DRIVEN.parameters.vector(
@@ -123,7 +123,7 @@ def test_power_balances_at_every_instant(closed: tuple[int, ...]) -> None:
         assert abs(imbalance) < 1e-6 * (size + 1e3)
 
 
-def test_reflection_of_the_mechanism_reflects_the_motion() -> None:
+def test_reflection_of_the_mechanism_reflects_the_motion():
     """y -> -y with theta -> -theta: upper and lower corners change places."""
     values = {**UNEVEN, "gravity_across": -9.81}
     mirrored = {name: -value for name, value in values.items()}
@@ -157,9 +157,8 @@ def test_reflection_of_the_mechanism_reflects_the_motion() -> None:
     start=st.floats(0.0, 6.0),
 )
 def test_walls_are_never_passed_and_only_push(
-    offset: float, tilt: float, rate: float, restitution: float, friction: float, pin_offset: float,
-    pressure: float, start: float,
-) -> None:  # fmt: skip
+    offset, tilt, rate, restitution, friction, pin_offset,
+    pressure, start):  # fmt: skip
     values = {"restitution": restitution, "wall_friction": friction, "pin_offset": pin_offset}
     p = DRIVEN.parameters.vector(values)
     clearance = 40e-6
@@ -181,7 +180,7 @@ def test_walls_are_never_passed_and_only_push(
         losses = y["impact_loss"]
 
 
-def test_bounces_of_two_corners_end() -> None:
+def test_bounces_of_two_corners_end():
     """A piston that rattles between two opposite corners comes to rest at both walls, in the reference too.
 
     One of them is pressed only while the other rests, and its impacts throw that one up. The rattle is ended
@@ -211,7 +210,7 @@ def test_bounces_of_two_corners_end() -> None:
     assert found["piston.lower_rear_force"][-1] == pytest.approx(y["lower_rear_force"], rel=1e-9)
 
 
-def test_cutting_time_changes_no_impact() -> None:
+def test_cutting_time_changes_no_impact():
     """The same impacts, to 1e-9 of the time, in one step and in many of any size."""
     p, rng, span = DRIVEN.parameters.vector(UNEVEN), np.random.default_rng(3), 6.0
     cuts = np.concatenate([[0.0], np.sort(rng.uniform(0.0, span, 300)), [span]])
@@ -229,7 +228,7 @@ def test_cutting_time_changes_no_impact() -> None:
     assert np.array_equal(again, x)
 
 
-def test_chatter_taken_to_its_limit_early_changes_the_motion_by_its_square() -> None:
+def test_chatter_taken_to_its_limit_early_changes_the_motion_by_its_square():
     """Ended a time T early, trajectories differ by O(T^2)."""
     ends = []
     for time in (1e-5, 1e-6, 1e-8):

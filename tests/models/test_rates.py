@@ -10,7 +10,6 @@ from models.catalogue import CATALOGUE
 from models.contact.hertz import deflection, find_load
 from models.core.component import Component
 from models.core.integrator import OK
-from models.core.quantities import Vector
 from tests.fmus.names import mark_long
 
 from .systems import DRY, outputs_of
@@ -32,7 +31,7 @@ def rates_of(
 
 
 @pytest.mark.parametrize(("speed", "turns"), [(15.0, 0), (628.0, 1000)])
-def test_camshaft(speed: float, turns: int) -> None:
+def test_camshaft(speed, turns):
     """s' = psi' ds/dpsi, and the same once more for the velocity; psi' = speed.
 
     Errors relative to the largest of all angles. Rounding of the angle alone, 1e-16 of 6000 rad, makes
@@ -69,7 +68,7 @@ def hertz_rate(delta: float, relative: float, radius: float) -> float:
 
 
 @pytest.mark.parametrize(("position", "relative"), [(0.0, -0.1), (8e-3, 1e-3), (8e-3, 0.5)])
-def test_hertz_load(position: float, relative: float) -> None:
+def test_hertz_load(position, relative):
     """Both bodies move with 1 m/s, so that the deflection is a small difference of large positions.
 
     Errors to expect: rounding of positions of 8 mm, 1e-18 m, over middle steps of 3e-8 s, 3e-11 m/s; and the
@@ -95,7 +94,7 @@ def test_hertz_load(position: float, relative: float) -> None:
         assert rate["deflection"] == pytest.approx(relative, rel=allowed)
 
 
-def test_kinks_are_seen_from_their_side() -> None:
+def test_kinks_are_seen_from_their_side():
     """A contact that closes with 1 m/s, 1e-6 s (1e-3 of its time T) after and before its beginning.
 
     The shortest difference reaches 3e-8 s; the curvature of the deflection's logarithm leaves 1e-7.
@@ -161,9 +160,7 @@ ALL_CASES = pytest.mark.parametrize(
 
 
 @ALL_CASES
-def test_outputs_that_are_derivatives_of_others(
-    name: str, parameters: Values, state: Values, inputs: Values
-) -> None:
+def test_outputs_that_are_derivatives_of_others(name, parameters, state, inputs):
     """In every mode; to 1e-9 of the rate, or of the output's nominal size in a millisecond."""
     component = CATALOGUE[name]()
     given = component.parameters.named(component.parameters.start) | parameters
@@ -175,7 +172,7 @@ def test_outputs_that_are_derivatives_of_others(
 
 
 @ALL_CASES
-def test_rates_against_the_true_motion(name: str, parameters: Values, state: Values, inputs: Values) -> None:
+def test_rates_against_the_true_motion(name, parameters, state, inputs):
     """All rates, against one-sided differences of the outputs along the component's own motion.
 
     Third order: over a fine and a halved step they bound their own error. No event may be near.
@@ -189,12 +186,12 @@ def test_rates_against_the_true_motion(name: str, parameters: Values, state: Val
         U[1, component.inputs.index(key)] = value
     work, scale = np.zeros(component.work_size), component.state.nominal
 
-    def outputs_after(h: float) -> Vector:
+    def outputs_after(h):
         x, u, y = component.state.vector(state), u0.copy(), np.zeros(component.outputs.size)
         assert component.step(0.3, h, x, U, p, scale, work, u, y) == OK
         return y
 
-    def one_sided(h: float) -> Vector:
+    def one_sided(h):
         y = [outputs_after(k * h) for k in range(4)]
         return (-11.0 * y[0] + 18.0 * y[1] - 9.0 * y[2] + 2.0 * y[3]) / (6.0 * h)
 
@@ -211,14 +208,14 @@ def test_rates_against_the_true_motion(name: str, parameters: Values, state: Val
 
 
 @pytest.mark.parametrize("name", mark_long(CATALOGUE))
-def test_discrete_outputs_stand_still(name: str) -> None:
+def test_discrete_outputs_stand_still(name):
     component = CATALOGUE[name]()
     rate = rates_of(component, {}, {}, dict.fromkeys(component.inputs.names, 0.1), {})
     for field in component.outputs.fields:
         assert not field.quantity.discrete or rate[field.name] == 0.0
 
 
-def test_time_alone_moves_an_output() -> None:
+def test_time_alone_moves_an_output():
     """A prescribed speed in its ramp, whose shaft still stands: the time of the motion is one second then."""
     flywheel = CATALOGUE["flywheel"]()
     parameters = {"initial_speed": -50.0, "final_speed": 50.0}

@@ -47,7 +47,7 @@ def orbit(period: int, seed: int):
     extra=st.integers(0, 39),
 )
 @settings(derandomize=True, deadline=None, max_examples=100)
-def test_the_smallest_period_is_found_exactly(period: int, seed: int, before: int, extra: int) -> None:
+def test_the_smallest_period_is_found_exactly(period, seed, before, extra):
     values = orbit(period, seed)
     length = (REPEATS + 1) * period + extra
     start = np.random.default_rng(seed + 1).uniform(-1.0, -0.5, before)
@@ -59,9 +59,7 @@ def test_the_smallest_period_is_found_exactly(period: int, seed: int, before: in
 
 @given(period=st.integers(1, 12), seed=st.integers(0, 2**32 - 1), rate=st.floats(0.02, 3.0))
 @settings(derandomize=True, deadline=None, max_examples=50)
-def test_an_orbit_approached_exponentially_is_found_with_its_transient(
-    period: int, seed: int, rate: float
-) -> None:
+def test_an_orbit_approached_exponentially_is_found_with_its_transient(period, seed, rate):
     cycles = np.arange(int(REPEATS * period + 30.0 / rate) + 1)
     psi = np.resize(orbit(period, seed), len(cycles))
     found = find_recurrence(states(psi + np.exp(-rate * cycles)))
@@ -83,7 +81,7 @@ def test_an_orbit_approached_exponentially_is_found_with_its_transient(
         ),
     ],
 )  # fmt: skip
-def test_what_is_and_is_not_the_same_state(sequence, period: int, exact: bool) -> None:
+def test_what_is_and_is_not_the_same_state(sequence, period, exact):
     found = find_recurrence(sequence)
     assert found is not None
     assert (found.period, found.exact) == (period, exact)
@@ -91,7 +89,7 @@ def test_what_is_and_is_not_the_same_state(sequence, period: int, exact: bool) -
 
 @given(st.floats(0.05, 0.95))
 @settings(derandomize=True, deadline=None, max_examples=30)
-def test_a_logistic_map_in_chaos_does_not_repeat(start: float) -> None:
+def test_a_logistic_map_in_chaos_does_not_repeat(start):
     psi = [start]
     for _ in range(3000):
         psi.append(3.9999 * psi[-1] * (1.0 - psi[-1]))
@@ -111,7 +109,7 @@ class Stream:
         return piece
 
 
-def test_looking_ends_with_the_period() -> None:
+def test_looking_ends_with_the_period():
     stream = Stream(np.concatenate([np.linspace(-1.0, 0.0, 300), np.full(10_000, 0.7)]))
     seen, found = run_until_recurrent(stream, 10_000)
     assert found is not None
@@ -119,7 +117,7 @@ def test_looking_ends_with_the_period() -> None:
     assert len(seen) == stream.given == 512
 
 
-def test_looking_ends_with_the_cycles() -> None:
+def test_looking_ends_with_the_cycles():
     stream = Stream(np.arange(5000.0))
     seen, found = run_until_recurrent(stream, 1000)
     assert found is None
@@ -135,9 +133,7 @@ def drawn(mean: float, seed: int, count: int, cycles: int) -> Transients:
 
 @given(mean=st.floats(50.0, 5000.0), seed=st.integers(0, 1000))
 @settings(derandomize=True, deadline=None, max_examples=50)
-def test_the_mean_escape_time_is_found_within_its_error_though_some_never_escape(
-    mean: float, seed: int
-) -> None:
+def test_the_mean_escape_time_is_found_within_its_error_though_some_never_escape(mean, seed):
     found = fit_escape_time(drawn(mean, seed, 4000, 5000))
     assert found is not None
     # 50 draws: 4.5 standard errors are passed with probability 3e-4.
@@ -146,7 +142,7 @@ def test_the_mean_escape_time_is_found_within_its_error_though_some_never_escape
     assert found.distance < 2.0 / np.sqrt(4000)
 
 
-def test_lengths_that_are_not_exponential_are_far_from_their_fit_and_none_has_no_fit() -> None:
+def test_lengths_that_are_not_exponential_are_far_from_their_fit_and_none_has_no_fit():
     found = fit_escape_time(Transients(np.zeros((500, 2)), np.full(500, 130.0), np.ones(500), 1000))
     assert found is not None
     assert found.mean == 100.0
@@ -154,7 +150,7 @@ def test_lengths_that_are_not_exponential_are_far_from_their_fit_and_none_has_no
     assert fit_escape_time(Transients(np.zeros((3, 2)), np.full(3, 100.0), np.zeros(3), 100)) is None
 
 
-def test_starts_are_between_the_walls_and_repeat_with_their_seed() -> None:
+def test_starts_are_between_the_walls_and_repeat_with_their_seed():
     machine = Machine(gap=0.01)
     starts = draw_starts(machine, 1000, seed=3)
     assert np.all(np.abs(starts) <= [0.01, 0.1])
@@ -163,7 +159,7 @@ def test_starts_are_between_the_walls_and_repeat_with_their_seed() -> None:
 
 
 @pytest.mark.long
-def test_transient_chaos_of_the_thesis_does_not_depend_on_the_workers() -> None:
+def test_transient_chaos_of_the_thesis_does_not_depend_on_the_workers():
     machine = Machine(damping=0.075, gap=0.01, form="as_published")
     starts = draw_starts(machine, 40)
     one, two = (measure_transients(machine, starts, 4000, workers) for workers in (1, 2))
@@ -175,34 +171,34 @@ def test_transient_chaos_of_the_thesis_does_not_depend_on_the_workers() -> None:
 THESIS = "as_published"
 
 
-def test_without_rebound_the_motion_slides_and_repeats_every_cycle() -> None:
+def test_without_rebound_the_motion_slides_and_repeats_every_cycle():
     # Low friction: both walls are reached in every cycle, and each impact ends the motion's memory.
     found = classify(Machine(damping=0.05, gap=0.01, restitution=0.0), 2000)
     assert (found.kind, found.period, found.slides) == (PERIODIC, 1, True)
     assert "to the last bit" in found.evidence
 
 
-def test_sustained_chaos_of_the_thesis() -> None:
+def test_sustained_chaos_of_the_thesis():
     found = classify(Machine(damping=0.05, gap=0.01, form=THESIS), 5000)
     assert (found.kind, found.period) == (CHAOTIC, 0)
     assert found.exponent > 3.0 * found.uncertainty > 0.0
 
 
-def test_transient_chaos_of_the_thesis() -> None:
+def test_transient_chaos_of_the_thesis():
     found = classify(Machine(damping=0.025, gap=0.01, form=THESIS), 10_000)
     assert (found.kind, found.period) == (TRANSIENT_CHAOS, 1)
     assert found.transient_exponent > 3.0 * found.transient_uncertainty > 0.0
     assert found.exponent + 3.0 * found.uncertainty < 0.0
 
 
-def test_a_long_orbit_that_slides_tells_of_chaos_between_its_slides() -> None:
+def test_a_long_orbit_that_slides_tells_of_chaos_between_its_slides():
     found = classify(Machine(damping=0.228, gap=0.015, form=THESIS), 2000)
     assert (found.kind, found.slides) == (PERIODIC, True)
     assert "chaos that each slide ends" in found.evidence
     assert found.period >= 2 * WINDOW
 
 
-def test_what_neither_grows_nor_dies_out_is_undecided_and_says_what_helps() -> None:
+def test_what_neither_grows_nor_dies_out_is_undecided_and_says_what_helps():
     # No friction, no loss, no forcing: the middle is an orbit that neither attracts nor repels.
     rest = classify(Machine(damping=0.0, gap=0.01, restitution=1.0, xi=0.0, alpha=0.0, beta=0.0), 200)
     assert rest.kind == UNDECIDED

@@ -25,7 +25,7 @@ from .slider_cranks import (
 )
 
 
-def test_defaults_are_the_thesis_engine() -> None:
+def test_defaults_are_the_thesis_engine():
     m = mechanism(CRANK.parameters.view(CRANK.parameters.vector()))
     assert (m.xi, m.alpha, m.beta) == pytest.approx((0.3030, 1.9000, 0.4719), rel=1e-14)
     assert m.forcing_beta == m.beta
@@ -39,7 +39,7 @@ def test_defaults_are_the_thesis_engine() -> None:
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("mode", [0.0, 1.0, -1.0])
-def test_power_balances_at_every_instant(form: float, mode: float) -> None:
+def test_power_balances_at_every_instant(form, mode):
     """d(stored)/dt = torque * speed - friction + source, also at varying speed and with moving films."""
     rng = np.random.default_rng(3)
     p = CRANK.parameters.vector({"form": form})
@@ -56,7 +56,7 @@ def test_power_balances_at_every_instant(form: float, mode: float) -> None:
         assert abs(imbalance) < 1e-6 * (size + 1e3)
 
 
-def test_impact_loss_is_that_of_the_restitution() -> None:
+def test_impact_loss_is_that_of_the_restitution():
     """(1 - e) P v / 2 with the impulse P = (1 + e) v m_eff, m_eff = a M / Lambda^2."""
     p = thesis_parameters(0.0, 0.015)
     x = STATE.vector()
@@ -79,9 +79,7 @@ def test_impact_loss_is_that_of_the_restitution() -> None:
     threshold=st.sampled_from([0.0, 0.005]),
 )
 @example(damping=0.1, gap=0.3, restitution=0.9, rate=0.0, start=0.0, form=2.0, threshold=0.0)
-def test_walls_are_never_passed_and_only_push(
-    damping: float, gap: float, restitution: float, rate: float, start: float, form: float, threshold: float
-) -> None:
+def test_walls_are_never_passed_and_only_push(damping, gap, restitution, rate, start, form, threshold):
     p = thesis_parameters(damping, gap, restitution=restitution, form=form, sliding_threshold=threshold)
     x = STATE.vector({"psi_rate": rate})
     sums = np.zeros(4)
@@ -106,7 +104,7 @@ def impacts_of(p: Vector, cuts: Vector, **constant: float) -> Vector:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_cutting_time_changes_no_impact(form: float) -> None:
+def test_cutting_time_changes_no_impact(form):
     """Pieces of any size, down to 1e-9 rad, over two turns of a chaotic motion: the same impacts.
 
     Times to 1e-12: rounding of 2e-16 a piece, grown by e^(0.41 * 13) = 200.
@@ -125,7 +123,7 @@ def test_cutting_time_changes_no_impact(form: float) -> None:
 
 
 @pytest.mark.parametrize("form", [0.0, 2.0])
-def test_exact_flights_are_those_of_the_integrator(form: float) -> None:
+def test_exact_flights_are_those_of_the_integrator(form):
     """A film of 1e-300 m sends the step to the hybrid integrator: the same impacts to its tolerance.
 
     1e-10 a micro-step, grown by e^(0.41 * 8) = 27 over 8 rad.
@@ -139,7 +137,7 @@ def test_exact_flights_are_those_of_the_integrator(form: float) -> None:
 
 @pytest.mark.parametrize("film", [0.0, 1e-300])
 @pytest.mark.parametrize(("end", "mode"), [(13.775, 0.0), (15.0, 1.0), (18.0, 0.0)])
-def test_restored_state_repeats_bit_for_bit(film: float, end: float, mode: float) -> None:
+def test_restored_state_repeats_bit_for_bit(film, end, mode):
     """In the middle of chattering (13.775), of sliding and of flight; exact flights and integrated ones."""
     p, x = thesis_parameters(0.25, 0.015), STATE.vector()
     turn(CRANK, x, p, 0.0, end, upper_film_thickness=film)
@@ -151,7 +149,7 @@ def test_restored_state_repeats_bit_for_bit(film: float, end: float, mode: float
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_film_narrows_the_clearance_and_moves_the_wall(form: float) -> None:
+def test_film_narrows_the_clearance_and_moves_the_wall(form):
     """Sliding on a film: the offset is clearance - film, and follows a film of constant rate 2 T late."""
     p, film, rate = thesis_parameters(0.35, 0.015, form=form), 0.002, -1e-4
     x = STATE.vector({"upper_wall_film": film})
@@ -167,7 +165,7 @@ def test_film_narrows_the_clearance_and_moves_the_wall(form: float) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_no_clearance_is_the_nominal_mechanism(form: float) -> None:
+def test_no_clearance_is_the_nominal_mechanism(form):
     x = STATE.vector()
     y = turn(CRANK, x, thesis_parameters(0.05, 0.0, form=form), 0.0, 7.0)
     assert y["psi"] == 0.0
@@ -178,7 +176,7 @@ def test_no_clearance_is_the_nominal_mechanism(form: float) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_crank_at_rest_comes_to_rest(form: float) -> None:
+def test_crank_at_rest_comes_to_rest(form):
     """Nothing is divided by the speed: a swinging rod is stopped by friction."""
     p, x = thesis_parameters(0.5, 0.015, form=form), STATE.vector({"psi_rate": 0.05})
     y = advance(CRANK, x, p, 0.0, 200.0)

@@ -30,16 +30,14 @@ MID_STROKE = {"crank_angle": 0.5 * math.pi}
         (DRIVEN, {"half_length": 1e-3}, "half_length", "0 makes it a roller"),
     ],
 )
-def test_parameters_out_of_range_are_named(
-    component: Component, values: dict[str, float], name: str, rule: str
-) -> None:
+def test_parameters_out_of_range_are_named(component, values, name, rule):
     (fault,) = component.parameter_faults(component.parameters.vector(values))
     assert name in fault
     assert rule in fault
 
 
 @pytest.mark.parametrize("component", [CRANK, DRIVEN, FREE])
-def test_defaults_are_allowed(component: Component) -> None:
+def test_defaults_are_allowed(component):
     p, x, u = component.parameters.vector(), component.state.vector(), component.inputs.vector()
     assert component.parameter_faults(p) == component.start_faults(p, x, u) == []
 
@@ -53,7 +51,7 @@ def test_defaults_are_allowed(component: Component) -> None:
         ({"closed[1]": 0.5}, "closed"),
     ],
 )
-def test_piston_cannot_start_outside_its_walls(start: dict[str, float], key: str) -> None:
+def test_piston_cannot_start_outside_its_walls(start, key):
     (fault,) = DRIVEN.start_faults(
         DRIVEN.parameters.vector(), DRIVEN.state.vector(start), DRIVEN.inputs.vector()
     )
@@ -66,7 +64,7 @@ def slider_faults(form: float, start: dict[str, float], inputs: dict[str, float]
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_slider_starts_between_or_on_its_walls(form: float) -> None:
+def test_slider_starts_between_or_on_its_walls(form):
     """Up to a millionth of the travel outside, which is the rounding of what a user types."""
     for psi in (-0.0149, 0.0, 0.015, 0.015 + 1e-6 * 0.03):
         assert slider_faults(form, {"psi": psi}) == []
@@ -93,9 +91,7 @@ def test_slider_starts_between_or_on_its_walls(form: float) -> None:
         (forms.CORRECTED, {"mode": 1.0, "psi": -0.015}, None, "psi = 0.015 rad"),
     ],
 )
-def test_walls_of_the_start_are_those_of_form_films_and_mode(
-    form: float, start: dict[str, float], inputs: dict[str, float] | None, key: str | None
-) -> None:
+def test_walls_of_the_start_are_those_of_form_films_and_mode(form, start, inputs, key):
     faults = slider_faults(form, start, inputs)
     assert len(faults) == (key is not None)
     assert key is None or key in faults[0]
@@ -110,7 +106,7 @@ def engine(psi: float) -> System:
     )
 
 
-def test_system_checks_the_start_with_connected_inputs() -> None:
+def test_system_checks_the_start_with_connected_inputs():
     check_start(engine(0.0157), 0.0, engine(0.0157).x0)
     for psi in (0.0158, -0.0158):
         with pytest.raises(ModelError, match=rf"^engine\.psi = {psi:g} rad .*crank_angle = 1\.5708"):
@@ -143,9 +139,7 @@ def random_piston_state(component: Component, random: np.random.Generator) -> Ve
         ),
     ],
 )
-def test_outputs_depend_on_no_other_inputs_than_declared(
-    component: Component, values: dict[str, float]
-) -> None:
+def test_outputs_depend_on_no_other_inputs_than_declared(component, values):
     """Changing an input changes only the outputs that list it, and all that list it in some mode."""
     random = np.random.default_rng(5)
     p, seen = component.parameters.vector(values), set()

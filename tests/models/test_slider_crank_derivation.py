@@ -84,7 +84,7 @@ def mechanisms(sign: float = 1.0) -> Iterator[tuple[np.random.Generator, Mechani
     [(TRUE_TURNING, 1.0), (PUBLISHED_TURNING, -1.0)],
     ids=["phi' - psi' gives +beta (corrected)", "phi' + psi' gives -beta (as published)"],
 )
-def test_linearised_equation_has_the_kernels_coefficients(turning: sp.Expr, sign: float) -> None:
+def test_linearised_equation_has_the_kernels_coefficients(turning, sign):
     """a, lambda, c, f of F (2.13), and the two that a varying speed adds, at psi = psi' = 0."""
     left = LEFT[turning]
     resting = [(RATE, 0), (CHANGE, 0)]
@@ -120,9 +120,7 @@ def residuals(corrected: bool, turning: sp.Expr, size: float, state: Values) -> 
 
 @pytest.mark.parametrize("state", STATES)
 @pytest.mark.parametrize(("corrected", "turning"), [(True, TRUE_TURNING), (False, PUBLISHED_TURNING)])
-def test_motion_and_torque_agree_with_lagrange_to_first_order(
-    corrected: bool, turning: sp.Expr, state: Values, record
-) -> None:
+def test_motion_and_torque_agree_with_lagrange_to_first_order(corrected, turning, state, record):
     """Exact at psi = 0; the residual falls with psi^2. F's form needs its phi' + psi' for that."""
     at_zero = residuals(corrected, turning, 0.0, state)
     quantity = f"what Lagrange's equations leave at psi = 0, {'corrected' if corrected else 'as published'}"
@@ -133,7 +131,7 @@ def test_motion_and_torque_agree_with_lagrange_to_first_order(
 
 
 @pytest.mark.parametrize("state", STATES)
-def test_published_form_is_not_the_mechanism(state: Values) -> None:
+def test_published_form_is_not_the_mechanism(state):
     """With the rod's true rotation phi' - psi' F's equation leaves 2 beta phi''."""
     theta, speed, acceleration = state
     xi = eq.THESIS_XI
@@ -148,7 +146,7 @@ def states(random: np.random.Generator) -> Values:
     return tuple(float(v) for v in random.uniform(low, high))
 
 
-def test_nonlinear_motion_and_energy_are_the_exact_ones_at_any_speed() -> None:
+def test_nonlinear_motion_and_energy_are_the_exact_ones_at_any_speed():
     """a psi'' - (free moment) = dT/dpsi's Lagrange equation; a wall's force F has the moment -F dy/dpsi."""
     for random, m in mechanisms():
         values = theta, psi, speed, rate, acceleration, change = states(random)
@@ -161,7 +159,7 @@ def test_nonlinear_motion_and_energy_are_the_exact_ones_at_any_speed() -> None:
         assert found == pytest.approx(evaluate(ENERGY, values, m), abs=10.0 * ROUNDING)
 
 
-def test_nonlinear_torque_is_the_exact_generalised_force() -> None:
+def test_nonlinear_torque_is_the_exact_generalised_force():
     """Of theta, with psi'' of a motion on which a wall's force F acts."""
     crank = left_side(ENERGY, 0)
     for random, m in mechanisms():
@@ -175,7 +173,7 @@ def test_nonlinear_torque_is_the_exact_generalised_force() -> None:
         assert torque == pytest.approx(exact, abs=20.0 * ROUNDING)
 
 
-def test_nonlinear_impulse_on_the_crank_is_the_exact_one() -> None:
+def test_nonlinear_impulse_on_the_crank_is_the_exact_one():
     """A wall's impulse J: dT/dpsi' jumps by J dy/dpsi, dT/dtheta' by J dy/dtheta and the crank's impulse."""
     psi_momentum, crank_momentum = sp.diff(ENERGY, RATE), sp.diff(ENERGY, SPEED)
     for random, m in mechanisms():
@@ -191,7 +189,7 @@ def test_nonlinear_impulse_on_the_crank_is_the_exact_one() -> None:
         )
 
 
-def test_nonlinear_walls_are_lines_along_the_cylinder() -> None:
+def test_nonlinear_walls_are_lines_along_the_cylinder():
     """y at the wall's psi is the gap; y' = 0 and y'' = 0 with the wall's psi' and psi''."""
     lateral = time_derivative(OFFSET)
     lateral_acceleration = time_derivative(lateral)

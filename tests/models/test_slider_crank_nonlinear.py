@@ -24,9 +24,7 @@ def sigma(theta: float, psi: float) -> float:
 
 @pytest.mark.parametrize(("theta", "psi", "rate"), [(0.4, 0.1, 0.0), (2.0, -0.3, 1.5), (5.0, 0.2, -1.0)])
 @pytest.mark.parametrize("speed", [1.0, -0.7])
-def test_free_flight_is_a_damped_pendulum(
-    theta: float, psi: float, rate: float, speed: float, record
-) -> None:
+def test_free_flight_is_a_damped_pendulum(theta, psi, rate, speed, record):
     """a sigma'' + lambda sigma' + k theta'^2 sin sigma = 0 at constant speed; scipy's DOP853 for the same.
 
     The component's micro-steps are good to 1e-10, some ten of them here.
@@ -59,14 +57,14 @@ def order(error_of: Callable[[float], float], coarse: float = 1e-3) -> float:
 
 @pytest.mark.parametrize("theta", [0.8, 2.4, 4.0])
 @pytest.mark.parametrize("name", ["wall", "acceleration", "force", "torque", "energy"])
-def test_linear_form_is_the_limit_of_small_clearance(name: str, theta: float, record) -> None:
+def test_linear_form_is_the_limit_of_small_clearance(name, theta, record):
     """Second order in psi, third in the energy; at varying speed.
 
     First order in the wall's force: the linear forms put its lever cos eta at cos phi.
     """
     m, speed, acceleration = thesis_mechanism(0.1, corrected=True), 1.3, -0.7
 
-    def value(form: float, gap: float) -> float:
+    def value(form, gap):
         psi = forms.wall_angle(form, theta, gap, m)
         rate = -0.4 * gap
         if name == "wall":
@@ -82,7 +80,7 @@ def test_linear_form_is_the_limit_of_small_clearance(name: str, theta: float, re
             return change
         return forms.crank_torque(form, theta, speed, acceleration, psi, rate, change, 0.0, m)
 
-    def error(gap: float) -> float:
+    def error(gap):
         return abs(value(forms.NONLINEAR, gap) - value(forms.CORRECTED, gap))
 
     expected = {"energy": 3.0, "force": 1.0}.get(name, 2.0)
@@ -109,15 +107,13 @@ def strike_wall(
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 @pytest.mark.parametrize("restitution", [0.0, 0.6, 1.0])
-def test_impact_reverses_the_pistons_velocity_relative_to_the_moving_wall(
-    side: float, restitution: float
-) -> None:
+def test_impact_reverses_the_pistons_velocity_relative_to_the_moving_wall(side, restitution):
     """F (2.16): y' - wall' -> -e (y' - wall'), with y = xi sin theta - sin eta exactly."""
     _, u, x, before, _ = strike_wall(forms.NONLINEAR, side, restitution)
     theta, speed = u[0], u[1]
     wall = -side * (0.02 if side > 0.0 else -0.01)
 
-    def lateral(rate: float) -> float:
+    def lateral(rate):
         phi = math.asin(XI * math.sin(theta))
         eta_rate = XI * math.cos(theta) / math.cos(phi) * speed - rate
         return XI * math.cos(theta) * speed - math.cos(phi - x[0]) * eta_rate
@@ -128,9 +124,7 @@ def test_impact_reverses_the_pistons_velocity_relative_to_the_moving_wall(
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 @pytest.mark.parametrize(("restitution", "threshold"), [(0.6, 0.0), (1.0, 0.0), (0.6, 1.0)])
-def test_energy_of_an_impact_is_work_of_crank_and_film_less_its_loss(
-    form: float, side: float, restitution: float, threshold: float
-) -> None:
+def test_energy_of_an_impact_is_work_of_crank_and_film_less_its_loss(form, side, restitution, threshold):
     """Kinetic energy jumps by (crank impulse) theta' + (wall impulse) film' - loss; no loss if elastic.
 
     Also where sliding begins, by a threshold that each rebound is below.
@@ -155,16 +149,14 @@ def test_energy_of_an_impact_is_work_of_crank_and_film_less_its_loss(
     start=st.floats(0.0, 6.0),
     form=st.sampled_from(FORMS),
 )
-def test_reflected_machine_moves_as_the_mirror_image(
-    damping: float, gap: float, restitution: float, rate: float, start: float, form: float
-) -> None:
+def test_reflected_machine_moves_as_the_mirror_image(damping, gap, restitution, rate, start, form):
     """Crank and rod reflected in the cylinder's axis: psi changes sign, the walls their places.
 
     Films of 1e-300 m send both motions to the integrator, which has this symmetry to the last bit.
     """
     p = thesis_parameters(damping, gap, restitution=restitution, form=form)
 
-    def motion(side: float) -> tuple[Vector, dict[str, float]]:
+    def motion(side):
         x = STATE.vector({"psi_rate": side * rate})
         films = {"upper_film_thickness": 1e-300, "lower_film_thickness": 1e-300}
         crank = {"crank_angle": (side * start, side), "crank_speed": side}
@@ -181,7 +173,7 @@ def test_reflected_machine_moves_as_the_mirror_image(
 
 
 @pytest.mark.parametrize(("theta", "psi"), [(0.4, 0.1), (2.0, -0.3), (5.0, 0.2)])
-def test_a_wall_loads_a_crank_at_rest_by_its_virtual_work(theta: float, psi: float) -> None:
+def test_a_wall_loads_a_crank_at_rest_by_its_virtual_work(theta, psi):
     """The slider is y = xi sin(theta) - sin(eta) above the axis: F downwards takes the torque F dy/dtheta."""
     m = thesis_mechanism(0.0, corrected=True)
     found = forms.crank_torque(forms.NONLINEAR, theta, 0.0, 0.0, psi, 0.0, 0.0, 3.0, m)

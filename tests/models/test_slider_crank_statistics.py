@@ -13,7 +13,6 @@ from models.slider_crank.motions.histories import BOUNCE, ONSET
 from models.slider_crank.motions.machine import FORMS, Events, Machine, Motion
 from models.slider_crank.motions.portrait import rates_after
 from models.slider_crank.motions.statistics import (
-    Distribution,
     approach_velocities,
     effective_bins,
     energies,
@@ -35,13 +34,13 @@ def motion_impacts(form: str = "as_published", damping: float = 0.05) -> tuple[M
 
 
 @pytest.mark.parametrize("kind", ["profile", "spectrum", "energy"])
-def test_bins_add_up_to_all_impacts(kind: str) -> None:
+def test_bins_add_up_to_all_impacts(kind):
     """(3.6), (3.7): a wall's bins, however fine, sum to psi' (or energy) of its impacts over N."""
     machine, impacts = motion_impacts()
     n = impacts.theta.size
     weights = energies(machine, impacts) if kind == "energy" else impacts.rate
 
-    def distribute(bins: int) -> Distribution:
+    def distribute(bins):
         if kind == "energy":
             return energy_profile(machine, impacts, bins, n)
         if kind == "profile":
@@ -58,7 +57,7 @@ def test_bins_add_up_to_all_impacts(kind: str) -> None:
             np.testing.assert_allclose(within, sums, atol=1e-13)
 
 
-def test_profile_has_the_same_impacts_as_the_spectrum() -> None:
+def test_profile_has_the_same_impacts_as_the_spectrum():
     """theta and -theta are one place on the wall: folded, bins between the same places hold the same sums."""
     _, impacts = motion_impacts()
     places = wall_position(np.linspace(0.0, math.pi, 9), XI)
@@ -71,7 +70,7 @@ def test_profile_has_the_same_impacts_as_the_spectrum() -> None:
         assert impacts.rate[between].sum() == pytest.approx(folded[i], abs=1e-13)
 
 
-def test_an_impact_at_a_dead_centre_is_counted() -> None:
+def test_an_impact_at_a_dead_centre_is_counted():
     """x = 1 + xi at theta = 0, 1 - xi at theta = pi; rounding may put it beyond the wall's end."""
     ends = np.array([0.0, np.nextafter(2.0 * math.pi, 0.0), math.pi])
     np.testing.assert_allclose(wall_position(ends, XI), [1.0 + XI, 1.0 + XI, 1.0 - XI], rtol=1e-15)
@@ -81,7 +80,7 @@ def test_an_impact_at_a_dead_centre_is_counted() -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_energy_taken_is_the_kinetic_energy_lost(form: str) -> None:
+def test_energy_taken_is_the_kinetic_energy_lost(form):
     """The rod's kinetic energy before less after, less the work that crank and moving wall frame do:
     momentum jump times the wall's rate. The quadratic part in psi' is exact in all forms."""
     machine, impacts = motion_impacts(form)
@@ -100,7 +99,7 @@ def test_energy_taken_is_the_kinetic_energy_lost(form: str) -> None:
         assert taken[i] == pytest.approx(lost, rel=1e-9, abs=1e-15)
 
 
-def test_energy_of_the_last_impact_before_sliding_is_all_taken() -> None:
+def test_energy_of_the_last_impact_before_sliding_is_all_taken():
     """F's threshold stops a rebound of 0.005; what it would have kept is gone too."""
     machine = Machine(0.25, 0.015, form="as_published", sliding_threshold=0.005)
     impacts = Motion(machine).skip(20).events(20).impacts
@@ -117,7 +116,7 @@ WEIGHTS = st.lists(st.floats(1e-6, 1e3), min_size=2, max_size=60)
 
 @given(weights=WEIGHTS, scale=st.floats(1e-3, 1e3))
 @settings(derandomize=True, deadline=None)
-def test_entropy_is_between_none_and_even(weights: list[float], scale: float) -> None:
+def test_entropy_is_between_none_and_even(weights, scale):
     """0 <= uniformity <= 1, whatever the order and the unit of the weights."""
     values = np.array(weights)
     found = uniformity(values)
@@ -127,7 +126,7 @@ def test_entropy_is_between_none_and_even(weights: list[float], scale: float) ->
 
 
 @pytest.mark.parametrize("bins", [2, 10, 1000])
-def test_entropy_of_one_spot_and_of_an_even_wall(bins: int) -> None:
+def test_entropy_of_one_spot_and_of_an_even_wall(bins):
     """Exactly 0 and 1; n equal spots have n effective bins, for any number of bins."""
     one = np.zeros(bins)
     one[bins // 3] = 0.7
@@ -138,12 +137,12 @@ def test_entropy_of_one_spot_and_of_an_even_wall(bins: int) -> None:
     assert effective_bins(two) == pytest.approx(2.0, rel=1e-14)
 
 
-def test_no_impacts_have_no_uniformity() -> None:
+def test_no_impacts_have_no_uniformity():
     assert math.isnan(uniformity(np.zeros(5)))
     assert math.isnan(sampling_bias(np.zeros(5), np.zeros(0)))
 
 
-def test_sampling_bias_is_what_is_missing() -> None:
+def test_sampling_bias_is_what_is_missing():
     """400 independent impacts on an even wall of 50 bins, 300 times: the mean uniformity and the correction
     make 1 (to the second order, 1/N^2, and four standard errors)."""
     random = np.random.default_rng(1)

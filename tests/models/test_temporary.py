@@ -1,21 +1,15 @@
 """Temporary folders of a process."""
 
 import tempfile
-from pathlib import Path
-from typing import Any
-
-import pytest
 
 from models.compile.temporary import TemporaryFolder
 
 
-def test_a_folder_that_is_collected_while_another_is_made_goes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_folder_that_is_collected_while_another_is_made_goes(tmp_path, monkeypatch):
     """The collector may delete one at any moment: no lock is waited for, and the other's place stays."""
     old, make = TemporaryFolder(tmp_path), tempfile.mkdtemp
 
-    def collect(**given: Any) -> str:
+    def collect(**given):
         old.delete()
         return make(**given)
 

@@ -47,9 +47,7 @@ def at_source(quantity: Quantity, start: float, one: Transformation) -> Field:
         (0.0, 0.01, 0.0, -math.inf, math.inf),
     ],
 )
-def test_start_and_range_are_those_of_the_source(
-    factor: float, offset: float, start: float, low: float, high: float
-) -> None:
+def test_start_and_range_are_those_of_the_source(factor, offset, start, low, high):
     """(value - offset) / factor of each; a factor of zero leaves the source free. To rounding."""
     field = at_source(LENGTH, 0.02, Transformation(factor, offset, "m"))
     found = field.quantity
@@ -57,7 +55,7 @@ def test_start_and_range_are_those_of_the_source(
     assert found.nominal == pytest.approx(1e-2 / abs(factor) if factor else 1.0)
 
 
-def test_a_display_unit_is_of_the_unit() -> None:
+def test_a_display_unit_is_of_the_unit():
     assert at_source(LENGTH, 0.0, Transformation(2.0, 0.0, "m")).quantity.display_unit == "mm"
     assert at_source(LENGTH, 0.0, Transformation(2.0, 0.0, "rad/s")).quantity.display_unit == ""
 
@@ -71,14 +69,12 @@ def test_a_display_unit_is_of_the_unit() -> None:
         (2.0, 4.0, (-2.0, math.inf), False),
     ],
 )
-def test_positive_is_a_side_of_the_source(
-    factor: float, offset: float, limits: tuple[float, float], positive: bool
-) -> None:
+def test_positive_is_a_side_of_the_source(factor, offset, limits, positive):
     found = at_source(Quantity("m", "film", positive=True), 1.0, Transformation(factor, offset, "m")).quantity
     assert (found.limits(), found.positive) == (limits, positive)
 
 
-def test_a_discrete_input_takes_what_its_source_has() -> None:
+def test_a_discrete_input_takes_what_its_source_has():
     """Not is a truth value; what else is made of whole numbers need not be whole."""
     switch, count = Quantity("1", "switch", boolean=True), Quantity("1", "count", count=True, maximum=3.0)
     negated = at_source(switch, 1.0, Transformation(-1.0, 1.0, "1"))
@@ -98,9 +94,7 @@ def test_a_discrete_input_takes_what_its_source_has() -> None:
     offset=st.floats(-1e3, 1e3),
     start=st.floats(-0.02, 0.05),
 )
-def test_the_start_at_the_source_is_the_start_at_the_part(
-    size: float, sign: float, offset: float, start: float
-) -> None:
+def test_the_start_at_the_source_is_the_start_at_the_part(size, sign, offset, start):
     """Factor and offset give it back, and it stays in range.
 
     The difference, the quotient, the product and the sum round by half a unit in the last place each, of
@@ -116,7 +110,7 @@ def test_the_start_at_the_source_is_the_start_at_the_part(
 
 
 @pytest.mark.plain
-def test_an_open_input_begins_with_what_its_part_begins_with() -> None:
+def test_an_open_input_begins_with_what_its_part_begins_with():
     """A force of 8 N behind -4 * source + 2 is a source of -1.5: the mass of 2 kg at rest moves off by 4."""
     force = Instance(sprung_mass(), {"mass": 2.0})
     force = replace(force, component=with_values(replace(force, inputs={"force": 8.0})))

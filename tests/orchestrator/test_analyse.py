@@ -3,7 +3,6 @@
 import csv
 import shlex
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -27,7 +26,7 @@ SLIDER_CRANK = [name for name in list_analyses() if "form" in load(name).paramet
 
 @pytest.mark.parametrize("form", mark_long(FORMS, ["corrected"]))
 @pytest.mark.parametrize("name", SLIDER_CRANK)
-def test_results_are_those_declared_and_drawn_for_every_form(name: str, form: str, tmp_path: Path) -> None:
+def test_results_are_those_declared_and_drawn_for_every_form(name, form, tmp_path):
     """Numbers or texts; the table holds the same ones. Also of a machine that slides for good, without any
     impact."""
     analysis = load(name)
@@ -45,7 +44,7 @@ def test_results_are_those_declared_and_drawn_for_every_form(name: str, form: st
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_sums_per_impact_and_per_cycle_are_of_the_same_impacts() -> None:
+def test_sums_per_impact_and_per_cycle_are_of_the_same_impacts():
     analysis = load("profile")
     impact, cycle = (
         analysis.evaluate(analysis.complete({"cycles": 40, "transient": 20, "per": per}))
@@ -54,7 +53,7 @@ def test_sums_per_impact_and_per_cycle_are_of_the_same_impacts() -> None:
     assert impact["upper_sum"] * impact["impacts_per_cycle"] == pytest.approx(cycle["upper_sum"], rel=1e-12)
 
 
-def test_windows_of_exponents_add_up_to_the_result() -> None:
+def test_windows_of_exponents_add_up_to_the_result():
     """The tangents go on from window to window: both exponents are the windows' means, to rounding."""
     analysis = load("exponents")
     table = analysis.table(analysis.complete({"form": "as_published", "cycles": 2000}))
@@ -70,7 +69,7 @@ def test_windows_of_exponents_add_up_to_the_result() -> None:
         ({"damping": 0.05, "gap": 0.015, "form": "as_published"}, "All starts end on one attractor"),
     ],
 )
-def test_the_figure_of_basins_says_how_many_attractors_there_are(machine: dict[str, Any], title: str) -> None:
+def test_the_figure_of_basins_says_how_many_attractors_there_are(machine, title):
     analysis = load("basins")
     values = analysis.complete({**machine, "count": 8, "cycles": 2000})
     assert analysis.draw
@@ -78,7 +77,7 @@ def test_the_figure_of_basins_says_how_many_attractors_there_are(machine: dict[s
     assert analysis.draw(analysis.table(values), values).texts[0].get_text() == title
 
 
-def test_files_read_back(tmp_path: Path) -> None:
+def test_files_read_back(tmp_path):
     """netCDF with units, parameters and versions; CSV with as many rows; PNG."""
     results = analyse("trace", ["cycles=2", "points=40", "form=as_published"], tmp_path)
     with xarray.open_dataset(tmp_path / "trace.nc", engine="h5netcdf") as table:
@@ -113,7 +112,7 @@ def test_files_read_back(tmp_path: Path) -> None:
         (["trace", "--set", "xi=1"], "crank"),
     ],
 )
-def test_refusals(arguments: list[str], key: str, tmp_path: Path) -> None:
+def test_refusals(arguments, key, tmp_path):
     """Exit status 2, one line, and no file."""
     done = CliRunner().invoke(app, ["analyse", *arguments, "--out", str(tmp_path / "out")])
     assert done.exit_code == 2
@@ -122,7 +121,7 @@ def test_refusals(arguments: list[str], key: str, tmp_path: Path) -> None:
     assert not list(tmp_path.rglob("*.*"))
 
 
-def test_a_result_is_not_overwritten_unasked(tmp_path: Path) -> None:
+def test_a_result_is_not_overwritten_unasked(tmp_path):
     (tmp_path / "exponents.nc").write_text("mine")
     with pytest.raises(MistakeError, match="overwrite=True"):
         analyse("exponents", ["cycles=20"], tmp_path)
@@ -131,7 +130,7 @@ def test_a_result_is_not_overwritten_unasked(tmp_path: Path) -> None:
     assert (tmp_path / "exponents.nc").read_bytes() != b"mine"
 
 
-def test_lists_analyses_and_parameters() -> None:
+def test_lists_analyses_and_parameters():
     """Each analysis with its description, each parameter with its default."""
     listed = CliRunner().invoke(app, ["analyse"]).stdout
     assert all(name in listed for name in list_analyses())
@@ -142,11 +141,11 @@ def test_lists_analyses_and_parameters() -> None:
 @pytest.mark.parametrize(
     ("text", "value"), [("a=1", 1), ("a = 0.5", 0.5), ("a=true", True), ("a=8 mm", "8 mm"), ("a=x", "x")]
 )
-def test_setting_is_read_as_toml_where_it_is_toml(text: str, value: object) -> None:
+def test_setting_is_read_as_toml_where_it_is_toml(text, value):
     assert parse_setting(text) == ("a", value)
 
 
-def test_poincare_map_ends_early_with_enough_impacts() -> None:
+def test_poincare_map_ends_early_with_enough_impacts():
     """Counted to the end of a batch of cycles; what is per cycle does not change."""
     values = {"form": "as_published", "damping": 0.25, "gap": 0.015, "transient": 50}
     analysis = load("poincare")
@@ -163,14 +162,14 @@ COMMANDS = [shlex.split(line) for line in PAGE.split("```sh\n")[1].split("```")[
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[2])
-def test_the_pages_commands_are_understood(command: list[str]) -> None:
+def test_the_pages_commands_are_understood(command):
     """Every parameter exists and takes the value."""
     program, verb, name, *rest = command
     assert (program, verb, set(rest[::2])) == ("tribocosim", "analyse", {"--set"})
     load(name).complete(dict(parse_setting(text) for text in rest[1::2]))
 
 
-def test_what_is_refused_while_it_computes_leaves_nothing_and_takes_nothing(tmp_path: Path) -> None:
+def test_what_is_refused_while_it_computes_leaves_nothing_and_takes_nothing(tmp_path):
     """No empty folder, and no result replaced by none."""
     with pytest.raises(MistakeError, match="between the walls"):
         analyse("trace", ["psi=0.02"], tmp_path / "new" / "deep")

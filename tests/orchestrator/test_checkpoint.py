@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -71,7 +70,7 @@ WAYS = {
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_a_run_goes_on_from_any_macro_step_to_the_last_bit(way: str) -> None:
+def test_a_run_goes_on_from_any_macro_step_to_the_last_bit(way):
     system = two_masses()
     master, steps = WAYS[way]
     kept = Kept()
@@ -86,7 +85,7 @@ def test_a_run_goes_on_from_any_macro_step_to_the_last_bit(way: str) -> None:
         assert replace(done, coupled_time_s=0.0) == replace(whole, coupled_time_s=0.0)
 
 
-def test_taking_a_state_changes_nothing() -> None:
+def test_taking_a_state_changes_nothing():
     system, (master, steps) = two_masses(), WAYS["iterated-controlled"]
     runs = [Recorder(), Kept()]
     for recorder in runs:
@@ -112,10 +111,10 @@ UNITS = {
 
 
 @pytest.mark.parametrize("kind", UNITS)
-def test_a_participant_goes_back_and_through_bytes_to_the_same_bits(kind: str) -> None:
+def test_a_participant_goes_back_and_through_bytes_to_the_same_bits(kind):
     first, second = (Alone(UNITS[kind](), "force", ["position", "velocity"], 0.0) for _ in range(2))
 
-    def advance(alone: Alone, *steps: int) -> list[list[float]]:
+    def advance(alone, *steps):
         return [alone.advance(1e-3 * n, 1e-3, math.sin(n), math.cos(n)) for n in steps]
 
     advance(first, *range(5))
@@ -140,7 +139,7 @@ PLAIN = st.recursive(
 
 @settings(max_examples=50, deadline=None)
 @given(PLAIN)
-def test_plain_data_round_trip(data) -> None:
+def test_plain_data_round_trip(data):
     assert from_text(to_text(data)) == data
 
 
@@ -150,7 +149,7 @@ def test_plain_data_round_trip(data) -> None:
         lambda kind: arrays.arrays(kind, arrays.array_shapes(min_dims=0, max_dims=3, min_side=0))
     )
 )
-def test_arrays_keep_every_bit_their_kind_and_shape(values) -> None:
+def test_arrays_keep_every_bit_their_kind_and_shape(values):
     for array in (values, np.asfortranarray(values), values[::2] if values.ndim else values):
         found = from_text(to_text({"a": [array]}))["a"][0]
         assert (found.dtype, found.shape, found.tobytes()) == (array.dtype, array.shape, array.tobytes())
@@ -159,7 +158,7 @@ def test_arrays_keep_every_bit_their_kind_and_shape(values) -> None:
 
 
 @pytest.mark.parametrize("data", [object(), {1: 2}, {"$array": 1}, np.array(["a"]), np.array([None]), {1, 2}])
-def test_what_is_not_plain_is_refused(data) -> None:
+def test_what_is_not_plain_is_refused(data):
     with pytest.raises(TypeError):
         to_text(data)
 
@@ -175,7 +174,7 @@ def test_what_is_not_plain_is_refused(data) -> None:
         "{",
     ],
 )
-def test_text_that_is_not_of_plain_data_is_refused(text: str) -> None:
+def test_text_that_is_not_of_plain_data_is_refused(text):
     with pytest.raises(ValueError):  # noqa: PT011
         from_text(text)
 
@@ -183,7 +182,7 @@ def test_text_that_is_not_of_plain_data_is_refused(text: str) -> None:
 IDENTITY = Identity({"tribocosim": "1", "numpy": "2"}, "a" * 64, {"contact": "b" * 64})
 
 
-def test_every_damaged_byte_and_every_cut_is_noticed(tmp_path: Path) -> None:
+def test_every_damaged_byte_and_every_cut_is_noticed(tmp_path):
     path = tmp_path / "unfinished" / "checkpoint"
     path.parent.mkdir()
     state = {"x": np.arange(3.0), "n": 1}
@@ -200,7 +199,7 @@ def test_every_damaged_byte_and_every_cut_is_noticed(tmp_path: Path) -> None:
             assert refused.value.remedies == (start_over(tmp_path),)
 
 
-def test_another_run_version_or_fmu_is_refused_with_the_remedy(tmp_path: Path) -> None:
+def test_another_run_version_or_fmu_is_refused_with_the_remedy(tmp_path):
     IDENTITY.check(replace(IDENTITY), tmp_path)
     for other, words in (
         (replace(IDENTITY, scenario="c"), "scenario.toml: is not what the run was begun with; undo"),
@@ -214,7 +213,7 @@ def test_another_run_version_or_fmu_is_refused_with_the_remedy(tmp_path: Path) -
         assert refused.value.remedies[-1] == start_over(tmp_path)
 
 
-def test_a_state_that_does_not_fit_is_refused() -> None:
+def test_a_state_that_does_not_fit_is_refused():
     system, (master, steps) = two_masses(), WAYS["gauss_seidel"]
     kept = Kept()
     simulate(system, build_participants(system), master, steps(), 0.01, [kept])
@@ -231,7 +230,7 @@ class Dumb(Wrapper):
     abilities = Abilities(unserialisable="it has no bytes")
 
 
-def test_without_serialisable_participants_the_run_says_so_before_it_steps(tmp_path: Path) -> None:
+def test_without_serialisable_participants_the_run_says_so_before_it_steps(tmp_path):
     system, (master, steps) = two_masses(), WAYS["gauss_seidel"]
     said: list[str] = []
     keeper = Checkpoints(tmp_path / "checkpoint", IDENTITY, 0.0, STOP, lambda: False, said.append)
@@ -247,7 +246,7 @@ def test_without_serialisable_participants_the_run_says_so_before_it_steps(tmp_p
     assert not list(tmp_path.iterdir())
 
 
-def test_what_a_participant_cannot_is_declared() -> None:
+def test_what_a_participant_cannot_is_declared():
     """The bytes of one that says so are refused by an error of the family."""
     one = two_masses().instances["first"]
     linear = LinearParticipant("one", one, Linear(*(np.zeros((2, 2)) for _ in range(4)), np.ones(2)))

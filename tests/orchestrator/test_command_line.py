@@ -7,9 +7,6 @@ import signal
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -29,7 +26,7 @@ from .commands import IN_PROCESS, ROOT, SHORT, called, said, tribocosim
 
 
 @pytest.fixture(scope="module")
-def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def result(tmp_path_factory):
     """A short run with everything."""
     out = tmp_path_factory.mktemp("run") / "out"
     done = tribocosim("run", "valve-train", "--out", str(out), *SHORT)
@@ -39,7 +36,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def test_a_run_leaves_result_csv_figures_report_scenario_and_summary(result: Path) -> None:
+def test_a_run_leaves_result_csv_figures_report_scenario_and_summary(result):
     names = {path.name for path in result.iterdir()}
     files = {"result.nc", "coupled.csv", "units.csv", "scenario.toml", "report.html"} | {
         "summary.json",
@@ -55,7 +52,7 @@ def _no_constant(text: str) -> float:
     raise ValueError(f"{text} is not JSON")
 
 
-def test_summary_has_what_tools_rely_on(result: Path) -> None:
+def test_summary_has_what_tools_rely_on(result):
     summary = json.loads((result / "summary.json").read_text(), parse_constant=_no_constant)
     assert summary["scenario"] == "valve-train"
     assert summary["complete"] is True
@@ -72,7 +69,7 @@ def test_summary_has_what_tools_rely_on(result: Path) -> None:
         assert 0.0 <= error["rms"] <= error["max_abs"]
 
 
-def test_result_holds_coupled_run_and_reference_at_the_same_times(result: Path) -> None:
+def test_result_holds_coupled_run_and_reference_at_the_same_times(result):
     tree = open_result(result)
     system = build_system(load("valve-train"))
     assert set(tree["coupled"].data_vars) == set(system.outputs.names)
@@ -87,7 +84,7 @@ def test_result_holds_coupled_run_and_reference_at_the_same_times(result: Path) 
     tree.close()
 
 
-def test_the_resolved_scenario_runs_identically(result: Path, tmp_path: Path) -> None:
+def test_the_resolved_scenario_runs_identically(result, tmp_path):
     again = tmp_path / "again"
     arguments = ["--set=reference.enabled=false", "--no-figures"]
     done = called("run", str(result / "scenario.toml"), "--out", str(again), *arguments)
@@ -95,7 +92,7 @@ def test_the_resolved_scenario_runs_identically(result: Path, tmp_path: Path) ->
     assert (again / "coupled.csv").read_bytes() == (result / "coupled.csv").read_bytes()
 
 
-def test_an_existing_result_is_kept_unless_told(result: Path) -> None:
+def test_an_existing_result_is_kept_unless_told(result):
     before = (result / "summary.json").read_bytes()
     done = called("run", "valve-train", "--out", str(result), *SHORT)
     assert done.returncode == 2
@@ -104,7 +101,7 @@ def test_an_existing_result_is_kept_unless_told(result: Path) -> None:
     assert (result / "summary.json").read_bytes() == before
 
 
-def test_a_scenario_is_not_replaced_by_its_own_result(tmp_path: Path) -> None:
+def test_a_scenario_is_not_replaced_by_its_own_result(tmp_path):
     own = tmp_path / "scenario.toml"
     own.write_text("# mine\nextends = 'valve-train'\n")
     done = called("run", str(own), "--out", str(tmp_path), "--overwrite", *SHORT)
@@ -114,7 +111,7 @@ def test_a_scenario_is_not_replaced_by_its_own_result(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [own]
 
 
-def test_too_tight_a_tolerance_is_not_a_success(tmp_path: Path) -> None:
+def test_too_tight_a_tolerance_is_not_a_success(tmp_path):
     arguments = [
         "--set=tolerance.contact.load=1e-9",
         "--set=stop_time=20 ms",
@@ -129,7 +126,7 @@ def test_too_tight_a_tolerance_is_not_a_success(tmp_path: Path) -> None:
 
 
 @pytest.mark.long
-def test_a_train_with_lash_in_equal_steps_is_told_the_remedy(tmp_path: Path) -> None:
+def test_a_train_with_lash_in_equal_steps_is_told_the_remedy(tmp_path):
     """Seat and cam take up the valve between two steps; the remedy keeps the tolerance."""
     changes = ("lash=0.2 mm", "seat_stiffness=2e7", "seat_damping=300")
     given = [f"--set=components.valve_spring.parameters.{change}" for change in changes]
@@ -143,7 +140,7 @@ def test_a_train_with_lash_in_equal_steps_is_told_the_remedy(tmp_path: Path) -> 
     assert done.returncode == 0, done.stdout
 
 
-def test_instability_is_named_and_what_was_computed_is_kept(tmp_path: Path) -> None:
+def test_instability_is_named_and_what_was_computed_is_kept(tmp_path):
     out = tmp_path / "out"
     arguments = ["--master", "jacobi", "--set=macro_step=100 us", "--set=stop_time=50 ms", *IN_PROCESS]
     done = called("run", "valve-train", "--out", str(out), *arguments)
@@ -162,7 +159,7 @@ def test_instability_is_named_and_what_was_computed_is_kept(tmp_path: Path) -> N
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT for one process")
-def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
+def test_ctrl_c_keeps_what_was_computed(tmp_path):
     out = tmp_path / "out"
     code = "from tribocosim.command_line import main; main()"
     long = ["--set=stop_time=100 s", "--set=output_step=1 ms", *IN_PROCESS]
@@ -227,7 +224,7 @@ MISTAKES = {
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="asks as bash does")
-def test_the_shell_completes_names() -> None:
+def test_the_shell_completes_names():
     asked = {
         "_TRIBOCOSIM_COMPLETE": "complete_bash",
         "COMP_WORDS": "tribocosim run valve-train-b",
@@ -245,7 +242,7 @@ def test_the_shell_completes_names() -> None:
     assert done.stdout.split() == ["valve-train-bounce"]
 
 
-def test_completed_names_are_those_that_are_known() -> None:
+def test_completed_names_are_those_that_are_known():
     assert complete_scenario("") == sorted(list_shipped())
     assert complete_study("") == sorted(studies.list_shipped())
     assert complete_component("") == sorted(NAMES)
@@ -253,15 +250,13 @@ def test_completed_names_are_those_that_are_known() -> None:
 
 
 @pytest.mark.parametrize("arguments", MISTAKES)
-def test_a_mistake_is_one_message_and_status_2(arguments: tuple[str, ...]) -> None:
+def test_a_mistake_is_one_message_and_status_2(arguments):
     done = called(*arguments)
     assert done.returncode == 2
     assert MISTAKES[arguments] in said(done)
 
 
-def test_native_fmus_without_their_tools_are_a_mistake_and_nothing_is_written(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_native_fmus_without_their_tools_are_a_mistake_and_nothing_is_written(monkeypatch, tmp_path):
     from fmus.native import fmu
 
     monkeypatch.setattr(fmu, "_TOOLS", ("numba", "no-such-package"))
@@ -275,7 +270,7 @@ def test_native_fmus_without_their_tools_are_a_mistake_and_nothing_is_written(
     assert not out.exists()
 
 
-def test_listing_and_version() -> None:
+def test_listing_and_version():
     listed = called("scenarios")
     assert listed.returncode == 0
     assert all(name in listed.stdout for name in ("valve-train", "run-up"))
@@ -292,9 +287,7 @@ def test_listing_and_version() -> None:
         ["run", "two-masses", "--no-figures", "--set=stop_time=0.1", "--set=reference.enabled=false"],
     ],
 )
-def test_a_reader_that_leaves_ends_the_command_quietly(
-    unbuffered: list[str], arguments: list[str], tmp_path: Path
-) -> None:
+def test_a_reader_that_leaves_ends_the_command_quietly(unbuffered, arguments, tmp_path):
     """As SIGPIPE ends other programs: without a word, with 128 + 13."""
     code = "from tribocosim.command_line import main; main()"
     command = [sys.executable, *unbuffered, "-c", code, *arguments]
@@ -310,10 +303,10 @@ def test_a_reader_that_leaves_ends_the_command_quietly(
     assert (done.returncode, done.stderr) == (141, "")
 
 
-def test_no_help_has_words_that_are_swallowed_as_markup() -> None:
+def test_no_help_has_words_that_are_swallowed_as_markup():
     """What stands in square brackets is a style to the help's formatter: defaults are given as such."""
 
-    def helps(command: Any) -> Iterator[str]:
+    def helps(command):
         for one in getattr(command, "commands", {}).values():
             yield from helps(one)
         yield command.help or ""
@@ -324,7 +317,7 @@ def test_no_help_has_words_that_are_swallowed_as_markup() -> None:
     assert [text for text in texts if "[" in text] == []
 
 
-def test_importing_the_command_line_imports_nothing_slow() -> None:
+def test_importing_the_command_line_imports_nothing_slow():
     """`tribocosim --help` has to answer at once."""
     slow = ("numpy", "scipy", "numba", "matplotlib", "pydantic", "xarray", "fmpy", "pint", "models")
     code = f"import sys, tribocosim.command_line; print([m for m in {slow} if m in sys.modules])"
@@ -333,7 +326,7 @@ def test_importing_the_command_line_imports_nothing_slow() -> None:
 
 
 @pytest.fixture
-def ctrl_c() -> Iterator[None]:
+def ctrl_c():
     """Ctrl-C interrupts, also in a suite that was started in the background, where it is ignored."""
     previous = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
@@ -341,17 +334,17 @@ def ctrl_c() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("ctrl_c")
-def test_what_a_library_makes_of_ctrl_c_is_an_interruption(capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_a_library_makes_of_ctrl_c_is_an_interruption(capsys):
     """numba, broken off while it compiles, fails later on with an error of its own."""
 
     @report_errors
-    def compiling() -> None:
+    def compiling():
         with contextlib.suppress(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
         raise RuntimeError("no compiled object yet")
 
     @report_errors
-    def failing() -> None:
+    def failing():
         raise RuntimeError("no compiled object yet")
 
     for command, status in ((compiling, 130), (failing, 3)):

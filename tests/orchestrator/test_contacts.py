@@ -3,7 +3,6 @@
 import json
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -222,7 +221,7 @@ FAST = [
 
 
 @pytest.mark.long
-def test_contacts_and_warnings_do_not_depend_on_what_is_recorded(tmp_path: Path):
+def test_contacts_and_warnings_do_not_depend_on_what_is_recorded(tmp_path):
     """The follower leaves its cam and lands; from rows of 100 us its largest load was a sixth of it."""
     found, warned = [], []
     for every in ("5 us", "20 us", "100 us"):

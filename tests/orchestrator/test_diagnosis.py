@@ -80,7 +80,7 @@ def random_steps(n: int, seed: int = 1) -> Steps:
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_shares_are_a_partition(seed: int) -> None:
+def test_shares_are_a_partition(seed):
     """Every step has one reason, and every limit by error one variable: shares add up."""
     d = diagnose_steps(random_steps(300, seed))
     assert d is not None
@@ -94,7 +94,7 @@ def test_shares_are_a_partition(seed: int) -> None:
     assert list(d.length.values()) == sorted(d.length.values())
 
 
-def test_spans_are_where_a_variable_limits_most_steps() -> None:
+def test_spans_are_where_a_variable_limits_most_steps():
     """Two halves of a run, one limited by the load, the other by the angle: borders to one span of 1 %."""
     steps = made(np.full(1000, 1e-3), source=np.repeat([LOAD, ANGLE], 500))
     d = diagnose_steps(steps)
@@ -106,7 +106,7 @@ def test_spans_are_where_a_variable_limits_most_steps() -> None:
     assert long.limits["contact.load"].spans == ((0.0, 1.0),)
 
 
-def test_the_densest_intervals_are_the_shortest_with_a_tenth_of_the_work() -> None:
+def test_the_densest_intervals_are_the_shortest_with_a_tenth_of_the_work():
     """Compared with all intervals that steps can make; and work is iterations times attempts."""
     steps = random_steps(150)
     d = diagnose_steps(steps)
@@ -126,7 +126,7 @@ def test_the_densest_intervals_are_the_shortest_with_a_tenth_of_the_work() -> No
         assert i.work >= 0.1 * (1.0 - 1e-9)
 
 
-def test_even_steps_have_no_dense_interval_and_no_suggestion() -> None:
+def test_even_steps_have_no_dense_interval_and_no_suggestion():
     found = facts(made(np.full(1000, 1e-5), "fixed", -1, error=0.0), scenario="valve-train")
     assert [i.density for i in found.diagnosis.densest] == pytest.approx([1.0] * len(found.diagnosis.densest))
     assert said(found) == {}
@@ -183,7 +183,7 @@ GROUNDS = {
 
 
 @pytest.mark.parametrize("rule", [rule.__name__ for rule in RULES])
-def test_a_rule_speaks_with_ground_and_is_silent_without(rule: str) -> None:
+def test_a_rule_speaks_with_ground_and_is_silent_without(rule):
     steps, changes, words = GROUNDS[rule]
     equal = REASONS[steps.reason[0]] == "fixed"
     scenario = "valve-train" if equal else "valve-train-controlled"
@@ -191,7 +191,7 @@ def test_a_rule_speaks_with_ground_and_is_silent_without(rule: str) -> None:
     assert rule not in said(facts(EQUAL if equal else CONTROLLED))
 
 
-def test_a_torque_that_moves_nothing_is_not_called_stiff() -> None:
+def test_a_torque_that_moves_nothing_is_not_called_stiff():
     """A flywheel takes notice of it where its speed is free."""
     steps = made(np.full(1000, 1e-5), source=TORQUE)
     gauss_seidel, free = "master.name=gauss_seidel", "components.flywheel.parameters.motion=free"
@@ -207,17 +207,17 @@ def test_a_torque_that_moves_nothing_is_not_called_stiff() -> None:
         (["master.name=newton"], "maximum_iterations = 60"),
     ],
 )
-def test_the_remedy_is_one_that_the_master_does_not_have_yet(changes: list[str], remedy: str) -> None:
+def test_the_remedy_is_one_that_the_master_does_not_have_yet(changes, remedy):
     steps = GROUNDS["convergence"][0]
     assert remedy in said(facts(steps, *changes))["convergence"]
 
 
-def test_a_few_steps_that_grow_are_not_worth_a_word() -> None:
+def test_a_few_steps_that_grow_are_not_worth_a_word():
     growing = ["growth"] * 5 + ["error"] * 5
     assert "suggest_longer_start" not in said(facts(made(2.0 ** np.arange(10), growing)))
 
 
-def test_every_reason_has_its_words_and_its_colour() -> None:
+def test_every_reason_has_its_words_and_its_colour():
     """Also as the only one, where nothing else could stand for it."""
     for reason in REASONS:
         found = facts(made([1e-5, 2e-5], reason, iterations=2))
@@ -228,7 +228,7 @@ def test_every_reason_has_its_words_and_its_colour() -> None:
 
 
 @pytest.mark.parametrize(("length", "unit", "spans"), [(5.0, "s", "0 .. 1000"), (0.05e-3, "ms", "0 .. 10")])
-def test_times_are_in_a_unit_that_suits_the_run(length: float, unit: str, spans: str) -> None:
+def test_times_are_in_a_unit_that_suits_the_run(length, unit, spans):
     found = facts(made(np.full(200, length), iterations=np.r_[np.full(190, 1), np.full(10, 50)]))
     lines = full(found, [], "complete")
     (row,) = (i for i, line in enumerate(lines) if "limits most steps" in line)
@@ -240,7 +240,7 @@ def test_times_are_in_a_unit_that_suits_the_run(length: float, unit: str, spans:
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def finished(tmp_path_factory):
     """A short run with controlled steps, from its start in motion."""
     out = tmp_path_factory.mktemp("run") / "out"
     parts = ("flywheel", "camshaft", "valve_spring", "contact")
@@ -250,7 +250,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def test_a_run_tells_in_its_summary_what_its_steps_were(finished: Path) -> None:
+def test_a_run_tells_in_its_summary_what_its_steps_were(finished):
     summary = json.loads((finished / "summary.json").read_text())
     steps, message = read_steps(finished)
     assert message == "complete"
@@ -264,14 +264,14 @@ def test_a_run_tells_in_its_summary_what_its_steps_were(finished: Path) -> None:
     assert (finished / "figures" / "steps.png").exists()
 
 
-def test_the_command_says_it_again_and_draws(finished: Path, tmp_path: Path) -> None:
+def test_the_command_says_it_again_and_draws(finished, tmp_path):
     lines = called("diagnose", str(finished), "--figure", str(tmp_path / "steps.png")).stdout.splitlines()
     assert lines[0].startswith("valve-train-controlled (complete): ")
     assert any(line.startswith("what set the step") for line in lines)
     assert (tmp_path / "steps.png").stat().st_size > 10_000
 
 
-def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: Path) -> None:
+def test_a_killed_run_is_diagnosed_from_its_journals(finished, tmp_path):
     """Round trip: the same steps from the journals of a run that left no result."""
     steps, _ = read_steps(finished)
     folder = find_run_state(tmp_path)
@@ -295,7 +295,7 @@ def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: P
     assert "was killed" in diagnose(tmp_path).lines[0]
 
 
-def test_sources_are_the_same_outputs_where_energies_are_counted() -> None:
+def test_sources_are_the_same_outputs_where_energies_are_counted():
     """Counted energies are outputs between the others, and move their numbers: the recorder sees the old."""
     system = two_masses()
     counts = add_counting(system, system.instances)
@@ -311,7 +311,7 @@ def test_sources_are_the_same_outputs_where_energies_are_counted() -> None:
         )
 
 
-def test_what_is_no_run_is_a_mistake(tmp_path: Path) -> None:
+def test_what_is_no_run_is_a_mistake(tmp_path):
     with pytest.raises(MistakeError, match="holds no result and no unfinished run"):
         read_steps(tmp_path)
     (tmp_path / RESULT).write_bytes(b"not HDF5")
@@ -319,9 +319,7 @@ def test_what_is_no_run_is_a_mistake(tmp_path: Path) -> None:
         read_steps(tmp_path)
 
 
-def test_a_wrong_folder_or_figure_is_told_before_anything_else(
-    finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_wrong_folder_or_figure_is_told_before_anything_else(finished, tmp_path, monkeypatch):
     with pytest.raises(MistakeError, match=r"did you mean .*/out\?$"):
         diagnose(finished / "summary.json")
     monkeypatch.chdir(tmp_path)
@@ -342,7 +340,7 @@ def test_a_wrong_folder_or_figure_is_told_before_anything_else(
 
 
 @pytest.mark.parametrize("n", [1, pytest.param(10_000, marks=pytest.mark.long)])
-def test_the_figure_is_drawn_for_few_and_for_many_steps(n: int, tmp_path: Path) -> None:
+def test_the_figure_is_drawn_for_few_and_for_many_steps(n, tmp_path):
     """All steps are in the histograms: their bars add up to 100 %."""
     steps = random_steps(n)
     drawn = figure.draw_steps(steps, "random")

@@ -1,7 +1,5 @@
 """A contact with a solved film in runs, as FMU, and where inputs make no sense; the engine's walls."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ from fmus.build import build
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.core.difference import difference
 from models.core.remedies import Set
-from models.core.system import Instance, ModelError, System
+from models.core.system import Instance, ModelError
 from models.monolithic import solve
 from orchestrator.analyses.stability.linearisation import open_linearisations
 from orchestrator.engine.substeps import Substepped
@@ -56,7 +54,7 @@ inputs = {{ approach = "-0.5 um", entraining_velocity = 1.0 }}
 
 
 @pytest.fixture(scope="module")
-def falling(tmp_path_factory: pytest.TempPathFactory) -> System:
+def falling(tmp_path_factory):
     file = tmp_path_factory.mktemp("falling") / "falling.toml"
     file.write_text(FALLING, "utf-8")
     return build_system(load(str(file)))
@@ -73,7 +71,7 @@ def contact(halvings: int) -> Alone:
 
 
 @pytest.mark.long
-def test_a_step_that_no_cut_can_save_is_made_as_far_as_it_goes_and_leaves_no_trace() -> None:
+def test_a_step_that_no_cut_can_save_is_made_as_far_as_it_goes_and_leaves_no_trace():
     """The radius falls through zero at a third of the step: its first quarter is made, and told. When the
     master took it back, what follows has the bits of a contact that was never asked, with retries or not."""
     asked, spared, plain = contact(2), contact(2), contact(0)
@@ -97,7 +95,7 @@ def test_a_step_that_no_cut_can_save_is_made_as_far_as_it_goes_and_leaves_no_tra
 
 
 @pytest.mark.long
-def test_a_run_ends_where_the_radius_vanishes_and_keeps_what_was_before(falling: System) -> None:
+def test_a_run_ends_where_the_radius_vanishes_and_keeps_what_was_before(falling):
     found = Recorder()
     with pytest.raises(DiscardedStepError, match=r"contact: step from .*radius_of_curvature = -"):
         simulate(falling, build_participants(falling), GaussSeidel("linear"), STEP, 3e-4, [found])
@@ -109,7 +107,7 @@ def test_a_run_ends_where_the_radius_vanishes_and_keeps_what_was_before(falling:
     assert np.all(films > 0.0)
 
 
-def test_the_coupling_of_a_field_is_not_analysed() -> None:
+def test_the_coupling_of_a_field_is_not_analysed():
     """Said at once, with what can be."""
     scenario = load("valve-train-ehl", ["components.contact.structure.nodes=51"])
     ours = dict.fromkeys(scenario.components, ParticipantPlan())
@@ -132,9 +130,7 @@ def test_the_coupling_of_a_field_is_not_analysed() -> None:
         ("structure.nodes=100001", r"nodes = 100001: must be <= 4801 .*80 GB.*take 301"),
     ],
 )
-def test_slips_of_the_unit_and_sizes_beyond_reason_are_refused_with_the_range(
-    setting: str, fault: str
-) -> None:
+def test_slips_of_the_unit_and_sizes_beyond_reason_are_refused_with_the_range(setting, fault):
     with pytest.raises((ScenarioError, ModelError), match=fault):
         build_system(load("valve-train-ehl", [f"components.contact.{setting}"]))
 
@@ -142,7 +138,7 @@ def test_slips_of_the_unit_and_sizes_beyond_reason_are_refused_with_the_range(
 @pytest.mark.parametrize(
     "setting", ["roughness=20 um", "viscosity=13", "length=1000 mm", "field_tolerance=1e-9"]
 )
-def test_extremes_that_exist_are_allowed(setting: str) -> None:
+def test_extremes_that_exist_are_allowed(setting):
     """The roughest surfaces, the thickest oil, the longest roller, the least tolerance."""
     name = setting.split("=")[0]
     system = build_system(load("valve-train-ehl", [f"components.contact.parameters.{setting}"]))
@@ -150,7 +146,7 @@ def test_extremes_that_exist_are_allowed(setting: str) -> None:
 
 
 @pytest.mark.parametrize("roughness", [0.2e-6, 20e-6])
-def test_the_film_ratio_before_the_first_step_is_that_of_the_film_shown(roughness: float) -> None:
+def test_the_film_ratio_before_the_first_step_is_that_of_the_film_shown(roughness):
     component = ehl_line_contact(nodes=51)
     p = component.parameters.vector({"roughness": roughness})
     u = component.inputs.vector({"approach": 2e-6, "entraining_velocity": 1.0})
@@ -161,7 +157,7 @@ def test_the_film_ratio_before_the_first_step_is_that_of_the_film_shown(roughnes
 
 
 @pytest.mark.long
-def test_the_engines_walls_run_with_solved_films() -> None:
+def test_the_engines_walls_run_with_solved_films():
     """Sliding on the upper wall: its film under the wall's force; the lower one shows no load over a film of
     the least load; both within the clearance; half the step gives the same films."""
     scenario = load("engine-ehl")
@@ -186,13 +182,13 @@ ITERATED = Iterated("hermite", 1e-9)
 
 
 @pytest.fixture(scope="module")
-def valve_train() -> System:
+def valve_train():
     scenario = load("valve-train-ehl")
     return resolve_start(scenario, build_system(scenario))
 
 
 @pytest.mark.long
-def test_a_coupled_run_comes_to_the_monolithic_one() -> None:
+def test_a_coupled_run_comes_to_the_monolithic_one():
     """Whose own uncertainty is far smaller; halved steps leave about a quarter of the error (measured 0.25:
     explicit signals, and a field whose own steps are of order 2)."""
     scenario = load("valve-train-ehl", ["components.contact.structure.nodes=51"])
@@ -209,7 +205,7 @@ def test_a_coupled_run_comes_to_the_monolithic_one() -> None:
 
 
 @pytest.mark.long
-def test_a_run_with_the_field_goes_on_from_a_checkpoint_to_the_last_bit(valve_train: System) -> None:
+def test_a_run_with_the_field_goes_on_from_a_checkpoint_to_the_last_bit(valve_train):
     """Under a master that rolls it back several times in each step."""
     kept = run_coupled(valve_train, ITERATED, STEP, STOP, recorder=Kept())
     middle = len(kept.states) // 2
@@ -220,9 +216,7 @@ def test_a_run_with_the_field_goes_on_from_a_checkpoint_to_the_last_bit(valve_tr
 
 @pytest.mark.long
 @pytest.mark.parametrize("master", [GaussSeidel("linear"), ITERATED], ids=repr)
-def test_the_fmu_of_the_field_runs_as_the_component_to_the_last_bit(
-    master, valve_train: System, tmp_path: Path
-) -> None:
+def test_the_fmu_of_the_field_runs_as_the_component_to_the_last_bit(master, valve_train, tmp_path):
     instance = valve_train.instances["contact"]
     file = build("ehl_line_contact", tmp_path, instance.component.structure)
     found = run_coupled(valve_train, master, STEP, STOP, contact=open_fmu("contact", file, instance))

@@ -16,14 +16,14 @@ from .commands import SHORT, called, said
 
 
 @pytest.fixture(scope="module")
-def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def fmu(tmp_path_factory):
     """The camshaft's FMU as the command builds it."""
     folder = tmp_path_factory.mktemp("fmu")
     assert called("fmu", "build", "camshaft", "--out", str(folder)).returncode == 0
     return folder / "camshaft.fmu"
 
 
-def test_fmu_commands(fmu: Path) -> None:
+def test_fmu_commands(fmu):
     assert called("fmu", "validate", str(fmu)).returncode == 0
     compared = called("fmu", "compare", str(fmu))
     assert compared.returncode == 0
@@ -33,7 +33,7 @@ def test_fmu_commands(fmu: Path) -> None:
     assert line.split()[:5] == ["drive_angle", "Real", "input", "continuous", "rad"]
 
 
-def test_an_fmu_is_renewed_and_another_one_replaced_with_a_word(tmp_path: Path) -> None:
+def test_an_fmu_is_renewed_and_another_one_replaced_with_a_word(tmp_path):
     build = ("fmu", "build", "coupled_mass", "--out", str(tmp_path))
     assert not called(*build).stderr
     assert not called(*build).stderr  # the same bytes
@@ -43,9 +43,7 @@ def test_an_fmu_is_renewed_and_another_one_replaced_with_a_word(tmp_path: Path) 
     assert zipfile.is_zipfile(file)
 
 
-def test_the_build_of_a_native_fmu_says_what_it_waits_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_build_of_a_native_fmu_says_what_it_waits_for(tmp_path, monkeypatch):
     """One line where no terminal shows the steps; nothing where the FMU is in the cache."""
     monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path))
     monkeypatch.setattr(native, "_kernels", lambda *component: ("", ""))
@@ -88,7 +86,7 @@ camshaft.do_step = do_step
 """
 
 
-def test_an_fmu_that_fails_in_mid_run_is_named(fmu: Path, tmp_path: Path) -> None:
+def test_an_fmu_that_fails_in_mid_run_is_named(fmu, tmp_path):
     file, out = write_tampered(fmu, tmp_path / "raises.fmu", RAISES), tmp_path / "out"
     others = [text for text in SHORT if "camshaft" not in text]
     arguments = [*others, f"--set=components.camshaft.participant={file}", "--no-figures"]
@@ -133,7 +131,7 @@ def _no_description(fmu: Path, target: Path) -> None:
 
 
 @pytest.mark.parametrize("spoil", [_truncated, _no_archive, _escaping, _foreign, _no_description])
-def test_a_damaged_or_foreign_fmu_is_refused(spoil, fmu: Path, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_a_damaged_or_foreign_fmu_is_refused(spoil, fmu, tmp_path):  # type: ignore[no-untyped-def]
     file = tmp_path / "spoilt.fmu"
     spoil(fmu, file)
     others = [text for text in SHORT if "camshaft" not in text]
@@ -155,7 +153,7 @@ def read(*arguments: str, status: int = 0) -> Any:
     return json.loads(done.stdout)
 
 
-def test_a_run_prints_its_summary(tmp_path: Path) -> None:
+def test_a_run_prints_its_summary(tmp_path):
     out = tmp_path / "out"
     printed = read("run", "two-masses", "--out", str(out), *SHORT_RUN)
     assert printed == json.loads((out / "summary.json").read_text())
@@ -163,7 +161,7 @@ def test_a_run_prints_its_summary(tmp_path: Path) -> None:
     assert found["diagnosis"]["steps"] == printed["macro_steps"]
 
 
-def test_analyses_and_lists_print_their_results(tmp_path: Path) -> None:
+def test_analyses_and_lists_print_their_results(tmp_path):
     assert read("scenarios").keys() == list_shipped().keys() == tribocosim.scenarios().keys()
     camshaft = read("components", "camshaft")["camshaft"]
     assert camshaft["parameters"]["lift"]["start"] == pytest.approx(8e-3)
@@ -174,13 +172,13 @@ def test_analyses_and_lists_print_their_results(tmp_path: Path) -> None:
     assert read("analyse", "cam", "--parameters")["lift"]["unit"] == "m"
 
 
-def test_a_mistake_prints_nothing(tmp_path: Path) -> None:
+def test_a_mistake_prints_nothing(tmp_path):
     done = called("run", "two-mases", "--json", "--out", str(tmp_path / "out"))
     assert (done.returncode, done.stdout) == (2, "")
     assert "two-masses" in done.stderr
 
 
-def test_files_that_are_no_fmus_have_their_faults(tmp_path: Path) -> None:
+def test_files_that_are_no_fmus_have_their_faults(tmp_path):
     file = tmp_path / "no.fmu"
     file.write_text("no archive")
     (fault,) = read("fmu", "validate", str(file), status=1)[str(file)]["faults"]

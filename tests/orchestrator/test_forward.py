@@ -100,8 +100,8 @@ def control(estimator: str, tolerance: float) -> ForwardSteps:
     ],
 )
 def test_the_error_falls_with_the_tolerance_and_is_compared_with_fixed_steps(
-    name: str, estimator: str, master: str, most: float, record: Any
-) -> None:
+    name, estimator, master, most, record
+):
     """Participants that cannot go back, at the same number of steps."""
     loose, _, _ = ride(control(estimator, 1e-3), master, name)
     tight, statistics, _ = ride(control(estimator, 1e-5), master, name)
@@ -117,9 +117,7 @@ def test_the_error_falls_with_the_tolerance_and_is_compared_with_fixed_steps(
 @pytest.mark.parametrize(
     ("estimator", "master"), [("defect", "gauss_seidel"), ("defect", "jacobi"), ("residual_energy", "jacobi")]
 )
-def test_where_equal_steps_are_best_controlled_ones_come_near(
-    estimator: str, master: str, record: Any
-) -> None:
+def test_where_equal_steps_are_best_controlled_ones_come_near(estimator, master, record):
     """A motion of even liveliness, over seven tolerances: the steps at the start are all that is lost."""
     ratios = []
     for tolerance in np.geomspace(1e-3, 1e-6, 7):
@@ -133,7 +131,7 @@ def test_where_equal_steps_are_best_controlled_ones_come_near(
 
 @pytest.mark.parametrize("signal", ["linear", "quadratic"])
 @pytest.mark.parametrize("master", ["jacobi", "gauss_seidel"])
-def test_participants_that_cannot_go_back_begin_as_well_as_others(master: str, signal: str) -> None:
+def test_participants_that_cannot_go_back_begin_as_well_as_others(master, signal):
     """Two masses on a spring that is stretched at the start, with equal steps: the same error."""
     true, error = TRUE["two-masses"][1], []
     for wrap in (OneWay, lambda unit: unit):
@@ -147,7 +145,7 @@ def test_participants_that_cannot_go_back_begin_as_well_as_others(master: str, s
 
 
 @pytest.mark.long
-def test_a_step_over_the_tolerance_is_kept_and_told() -> None:
+def test_a_step_over_the_tolerance_is_kept_and_told():
     """The two masses start with a force that is in no signal yet."""
     _, _, found = ride(control("defect", 1e-8), name="two-masses")
     assert found.steps[0].length == pytest.approx(2.5e-5)

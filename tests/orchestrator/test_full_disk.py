@@ -30,7 +30,7 @@ from .whole_runs import SHORT, assert_same_run, quiet, run_whole
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def whole(tmp_path_factory):
     return run_whole(tmp_path_factory.mktemp("whole") / "out", SHORT)
 
 
@@ -58,9 +58,7 @@ class _Disk:
 
 
 @pytest.mark.parametrize("every", ["checkpoint_every=0", EVERY])
-def test_a_full_disk_is_told_and_no_record_on_it_is_lost(
-    every: str, whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_full_disk_is_told_and_no_record_on_it_is_lost(every, whole, tmp_path, monkeypatch):
     monkeypatch.setattr(checkpoint, "SHARE", 1.0)
     out, scenario = tmp_path / "out", load("valve-train", [*SHORT, every])
     with monkeypatch.context() as full:
@@ -82,7 +80,7 @@ def test_a_full_disk_is_told_and_no_record_on_it_is_lost(
         assert tree["coupled"].sizes["time"] == kept == len((out / "coupled.csv").read_text().split()) - 1
 
 
-def test_a_result_without_room_is_not_begun(whole: Path, tmp_path: Path, monkeypatch: Any) -> None:
+def test_a_result_without_room_is_not_begun(whole, tmp_path, monkeypatch):
     """HDF5 would end the process where the disk is full in its midst."""
     out = tmp_path / "out"
     size = (whole / "result.nc").stat().st_size
@@ -101,7 +99,7 @@ FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 @pytest.fixture
-def no_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def no_cache(tmp_path, monkeypatch):
     """A cache folder that cannot be: its parent is a file."""
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path / "file" / "cache"))
@@ -109,9 +107,7 @@ def no_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "file" / "cache"
 
 
-def test_fmus_are_built_without_the_cache(
-    no_cache: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_fmus_are_built_without_the_cache(no_cache, tmp_path, capsys):
     """The same bytes, each file once, and one line that says so."""
     one, again, other = (build_fmu(name, {}) for name in ("coupled_mass", "coupled_mass", "sprung_mass"))
     assert one == again != other
@@ -120,9 +116,7 @@ def test_fmus_are_built_without_the_cache(
     assert line.startswith(f"tribocosim: {no_cache}: cannot be used (Not a directory), so FMUs are built")
 
 
-def test_a_native_build_needs_no_cache(
-    no_cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_native_build_needs_no_cache(no_cache, tmp_path, monkeypatch):
     """It is not kept then; `--out` is not to blame."""
     monkeypatch.setattr(native, "_kernels", lambda *component: ("", ""))
     monkeypatch.setattr(native, "shared_library", lambda *contents: b"")
@@ -130,8 +124,8 @@ def test_a_native_build_needs_no_cache(
     assert (done.returncode, done.stdout) == (0, f"{tmp_path / 'coupled_mass-native.fmu'}\n"), done.stderr
 
 
-def test_a_package_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(handle: int) -> None:
+def test_a_package_appears_whole_or_not_at_all(tmp_path, monkeypatch):
+    def full(handle):
         raise FULL
 
     monkeypatch.setattr(replacement.os, "fsync", full)
@@ -143,14 +137,14 @@ def test_a_package_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch: pyte
 
 
 @pytest.mark.parametrize("there", [False, True])
-def test_half_a_package_is_not_left(there: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_half_a_package_is_not_left(there, tmp_path, monkeypatch):
     package, folder = tmp_path / "a.ssp", tmp_path / "folder"
     assert called("ssp", "export", "two-masses", "--out", str(package)).returncode == 0
     assert called("ssp", "import", str(package), "--out", str(tmp_path / "whole")).returncode == 0
     if there:
         folder.mkdir()
 
-    def half(archive: zipfile.ZipFile, path: Path) -> None:
+    def half(archive, path):
         for name in archive.namelist()[:2]:
             archive.extract(name, path)
         raise FULL

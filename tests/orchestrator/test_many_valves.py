@@ -2,7 +2,6 @@
 
 import json
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -92,7 +91,7 @@ LENGTHY = {"engine-ehl", "valve-train-ehl", "valve-train-ehl-sweep", "engine-16v
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", sorted(set(list_shipped()) - LENGTHY))
-def test_a_run_is_within_its_tolerance_of_the_reference(name: str, tmp_path: Path, record) -> None:
+def test_a_run_is_within_its_tolerance_of_the_reference(name, tmp_path, record):
     done = called("run", name, "--no-figures", "--out", str(tmp_path / name))
     assert done.returncode == 0, done.stderr
     summary = json.loads((tmp_path / name / "summary.json").read_text("utf-8"))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -62,7 +61,7 @@ def told(**changed: Vector) -> str:
     return line
 
 
-def test_a_run_says_first_whether_its_valve_follows_lands_and_what_it_bears() -> None:
+def test_a_run_says_first_whether_its_valve_follows_lands_and_what_it_bears():
     assert told() == (
         "valve: separation margin 75 % (least load on the open valve over its spring's force); "
         "seats with 0.25 m/s; does not bounce; no clash of coils, least gap 0.2 mm; "
@@ -82,12 +81,12 @@ HOP[CLOSED + 100 : CLOSED + 200] = 30e-6
         ({"spring__clash_force": 45.0 * LIFT / 8e-3}, "coils of spring clash with up to 45 N"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_with_a_train_is_named(changed: dict[str, Vector], said: str) -> None:
+def test_what_is_wrong_with_a_train_is_named(changed, said):
     """6 deg of the turn are 1.67 %."""
     assert said in told(**changed)
 
 
-def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_path: Path) -> None:
+def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_path):
     """To the six digits of the table."""
     read = read_columns(valve__seat_dip=np.where(LIFT > 1e-9, -LIFT, 1e-6) - HOP)
     merits = list_merits(SYSTEM, {}, read)
@@ -111,12 +110,12 @@ def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_p
     assert f"{100.0 * table['valve', VALVE['spring_margin'][0].description]:.3g} %" in line
 
 
-def test_films_of_bearings_are_told_and_doubted_near_the_bush() -> None:
+def test_films_of_bearings_are_told_and_doubted_near_the_bush():
     far = {"bearing_1.eccentricity_ratio": 0.5, "bearing_2.eccentricity_ratio": 0.97}
     films = {f"{name.split('.')[0]}.minimum_film_thickness": 25e-6 * (1.0 - e) for name, e in far.items()}
     system, rows = build_system(load("shaft-in-bearings")), np.array([0.0, 1.0, 2.0])
 
-    def read(name: str) -> Vector:
+    def read(name):
         return 1.0 * rows if name == "time" else (far | films).get(name, 0.0) + 0.0 * rows
 
     near, safe = describe_bearings(system, list_merits(system, {}, read))
@@ -131,7 +130,7 @@ def test_films_of_bearings_are_told_and_doubted_near_the_bush() -> None:
 @pytest.mark.parametrize(
     ("film", "said"), [(2e-10, "; no film at t = 3 s"), (1e-9, "; least film 0.001 µm at t = 3 s")]
 )
-def test_a_film_below_an_atom_is_none(film: float, said: str) -> None:
+def test_a_film_below_an_atom_is_none(film, said):
     summary = ContactSummary(1.0, 2.0, 1.0, 0.0, 1e8, 2.0, 1e9, 0.0, film, 3.0, 0.01, 1e-5)
     assert said in lines({"contact": summary}, "rows", True)[0]
     whole = Summary("", "", "", {}, 1e-5, True, {}, contacts={"contact": summary})
@@ -167,7 +166,7 @@ def valve_cycle(position: np.ndarray, pressed: float = 1.0) -> Cycle:
     return Cycle(system, times, inputs, outputs, system.x0, 0.0, 1)
 
 
-def test_numbers_of_a_made_cycle() -> None:
+def test_numbers_of_a_made_cycle():
     """A valve that lands with 20 mm/s, bounces by 0.1 mm, and is pressed with half of its spring's force."""
     share = np.linspace(0.0, 1.0, 3601)
     lift = np.interp(
@@ -183,7 +182,7 @@ def test_numbers_of_a_made_cycle() -> None:
     assert math.isnan(free["valve.spring_margin"])
 
 
-def test_losses_on_the_flanks_and_over_the_nose_are_told_apart() -> None:
+def test_losses_on_the_flanks_and_over_the_nose_are_told_apart():
     """A harmonic lift slows the valve in its upper half. A loss belongs to where it begins."""
     kinds = {"cam": CATALOGUE["camshaft"](), "contact": CATALOGUE["ehl_contact"]()}
     system = System({name: Instance(kind, {}) for name, kind in kinds.items()}, ())
@@ -191,7 +190,7 @@ def test_losses_on_the_flanks_and_over_the_nose_are_told_apart() -> None:
     angle = 2.0 * math.pi * share
     made = {"cam.cam_lift": 4e-3 * (1.0 - np.cos(angle)), "cam.cam_angle": angle}
 
-    def lose(*spans: tuple[float, float]) -> tuple[float, float]:
+    def lose(*spans):
         lost = np.any([(share >= begin) & (share < end) for begin, end in spans], axis=0)
         outputs = np.zeros((share.size, sum(kind.outputs.size for kind in kinds.values())))
         cycle = Cycle(system, share, np.zeros((share.size, system.inputs.size)), outputs, system.x0, 0.0, 1)
@@ -210,7 +209,7 @@ def test_losses_on_the_flanks_and_over_the_nose_are_told_apart() -> None:
     assert lose(on_flank, on_nose) == pytest.approx((0.15, 0.1), abs=2 * close)
 
 
-def test_numbers_of_a_made_cycle_of_a_bearing() -> None:
+def test_numbers_of_a_made_cycle_of_a_bearing():
     """Extremes, and the mean of a loss that rises from 0 to 6 W and stays there as long."""
     component = CATALOGUE["journal_bearing"]()
     times = np.linspace(0.0, 1.0, 201)

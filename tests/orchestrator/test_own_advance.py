@@ -4,7 +4,6 @@ They run as FMUs and from checkpoints, count energies, give up steps that do not
 their responses.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -65,7 +64,7 @@ ITERATED = Iterated("hermite", 1e-11)
 
 
 @pytest.fixture(scope="module")
-def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def layer_file(tmp_path_factory):
     return pack_component(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=MANY)
 
 
@@ -73,7 +72,7 @@ def open_layer(system: System, path: Path) -> Participant:
     return open_fmu("layer", path, system.instances["layer"])
 
 
-def test_a_coupled_run_comes_to_the_monolithic_one_with_the_order_of_the_components_steps() -> None:
+def test_a_coupled_run_comes_to_the_monolithic_one_with_the_order_of_the_components_steps():
     """Two, of the midpoint rule: the reference integrates the same sheets by their derivative."""
     system = dragged(sheets=5)
     times = np.linspace(0.0, STOP, 3)
@@ -86,7 +85,7 @@ def test_a_coupled_run_comes_to_the_monolithic_one_with_the_order_of_the_compone
 
 @pytest.mark.long
 @pytest.mark.parametrize("master", [GaussSeidel("linear"), ITERATED, Newton("linear")], ids=repr)
-def test_an_fmu_of_a_thousand_states_runs_as_the_component_to_the_last_bit(master, layer_file: Path) -> None:
+def test_an_fmu_of_a_thousand_states_runs_as_the_component_to_the_last_bit(master, layer_file):
     """Also where it is rolled back many times in every macro step."""
     system = dragged(MANY)
     own = run_coupled(system, master, STEP, STOP)
@@ -96,9 +95,7 @@ def test_an_fmu_of_a_thousand_states_runs_as_the_component_to_the_last_bit(maste
 
 @pytest.mark.long
 @pytest.mark.parametrize("kind", [pytest.param("in-process", marks=pytest.mark.long), "fmu"])
-def test_a_run_of_a_thousand_states_goes_on_from_a_checkpoint_to_the_last_bit(
-    kind: str, layer_file: Path
-) -> None:
+def test_a_run_of_a_thousand_states_goes_on_from_a_checkpoint_to_the_last_bit(kind, layer_file):
     system, kept, rest = dragged(MANY), Kept(), Recorder()
     own = [{"layer": open_layer(system, layer_file)} if kind == "fmu" else {} for _ in range(2)]
     run_coupled(system, ITERATED, STEP, STOP, recorder=kept, **own[0])
@@ -109,7 +106,7 @@ def test_a_run_of_a_thousand_states_goes_on_from_a_checkpoint_to_the_last_bit(
 
 
 @pytest.mark.long
-def test_energies_that_a_component_counts_in_its_own_steps_close_to_rounding() -> None:
+def test_energies_that_a_component_counts_in_its_own_steps_close_to_rounding():
     """The midpoint rule has the balance of a quadratic energy exactly, with powers taken at the middle."""
     system = add_counting(dragged(MANY), ["layer", "plate"])
     ledger = Ledger(system)
@@ -121,7 +118,7 @@ def test_energies_that_a_component_counts_in_its_own_steps_close_to_rounding() -
 
 
 @pytest.mark.long
-def test_a_component_of_unknown_equations_does_not_count_and_is_estimated() -> None:
+def test_a_component_of_unknown_equations_does_not_count_and_is_estimated():
     """Of what its plate and it exchange, to the order of the exchange."""
     plain = dragged(changes={"opaque": True})
     with pytest.raises(ValueError, match="fluid_layer"):
@@ -147,16 +144,16 @@ REMEDY = r"reduce macro_step, use \[step_control\], or raise components\.layer\.
 
 
 @pytest.fixture(scope="module")
-def some_layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def some_layer_file(tmp_path_factory):
     return pack_component(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SOME)
 
 
 @pytest.fixture(params=["in-process", "fmu"])
-def layers(request: pytest.FixtureRequest, some_layer_file: Path) -> Iterator[tuple[Alone, Alone]]:
+def layers(request, some_layer_file):
     """With a plate whose speed is given."""
     instance = dragged(SOME, **STUBBORN).instances["layer"]
 
-    def build() -> Alone:
+    def build():
         inside = request.param == "in-process"
         unit = in_process("layer", instance) if inside else open_fmu("layer", some_layer_file, instance)
         return Alone(unit, "velocity", ["force", "wall_force", "impulse"], 0.0)
@@ -167,7 +164,7 @@ def layers(request: pytest.FixtureRequest, some_layer_file: Path) -> Iterator[tu
         one.unit.close()
 
 
-def test_a_step_that_does_not_converge_is_discarded_and_leaves_the_state_as_it_was(layers) -> None:
+def test_a_step_that_does_not_converge_is_discarded_and_leaves_the_state_as_it_was(layers):
     """What follows has the bits of a participant that was never asked for it."""
     failing, sound = layers
     for layer in layers:
@@ -190,11 +187,11 @@ def test_a_step_that_does_not_converge_is_discarded_and_leaves_the_state_as_it_w
     ],
     ids=repr,
 )
-def test_step_control_shortens_steps_that_do_not_converge(master, estimator: str) -> None:
+def test_step_control_shortens_steps_that_do_not_converge(master, estimator):
     """To the result that a component without a limit gives, within what the tolerance allows."""
     control = StepControl(estimator, relative=1e-2, absolute=1e-2, maximum_step=LONG)
 
-    def controlled(**parameters: float) -> Recorder:
+    def controlled(**parameters):
         return run_coupled(dragged(SOME, **parameters), master, ControlledSteps(LONG, control), STOP)
 
     stubborn, willing = controlled(**STUBBORN), controlled()
@@ -203,7 +200,7 @@ def test_step_control_shortens_steps_that_do_not_converge(master, estimator: str
     assert stubborn["plate.position"][-1] == pytest.approx(willing["plate.position"][-1], abs=1e-2 * 1e-3)
 
 
-def test_retries_halve_steps_that_do_not_converge_under_steps_of_one_length() -> None:
+def test_retries_halve_steps_that_do_not_converge_under_steps_of_one_length():
     system = dragged(SOME, **STUBBORN)
     layer = Substepped(in_process("layer", system.instances["layer"]), halvings=4)
     recorder = run_coupled(system, Iterated("hermite", 1e-11), LONG, STOP, layer=layer)
@@ -211,7 +208,7 @@ def test_retries_halve_steps_that_do_not_converge_under_steps_of_one_length() ->
 
 
 @pytest.mark.parametrize("master", [Jacobi("linear"), Iterated("hermite")], ids=repr)
-def test_steps_of_one_length_end_with_what_to_do(master) -> None:
+def test_steps_of_one_length_end_with_what_to_do(master):
     with pytest.raises(DiscardedStepError, match=f"layer: step .*{REASON}; {REMEDY}"):
         run_coupled(dragged(SOME, **STUBBORN), master, LONG, STOP)
 
@@ -225,7 +222,7 @@ def stepped_layer(sheets: int = FEW) -> Component:
 
 
 @pytest.fixture(autouse=True)
-def catalogued(monkeypatch: pytest.MonkeyPatch) -> None:
+def catalogued(monkeypatch):
     monkeypatch.setitem(CATALOGUE, "fluid_layer", fluid_layer)  # type: ignore[arg-type]
     monkeypatch.setitem(CATALOGUE, "stepped_layer", stepped_layer)  # type: ignore[arg-type]
 
@@ -255,7 +252,7 @@ BUILD: Builder = never
 
 
 @pytest.mark.long
-def test_the_course_of_a_coupled_system_is_that_of_its_equations() -> None:
+def test_the_course_of_a_coupled_system_is_that_of_its_equations():
     """Outputs and rates. The layer's steps of 10 us are of second order: 5e-10 of its force."""
     times, quiet = np.arange(401) * 1e-5, lambda share: None
     equations, steps = dragged(FEW), dragged(FEW, {"opaque": True})
@@ -272,7 +269,7 @@ def test_the_course_of_a_coupled_system_is_that_of_its_equations() -> None:
 
 
 @pytest.mark.long
-def test_a_survey_goes_by_the_responses_of_what_has_no_equations() -> None:
+def test_a_survey_goes_by_the_responses_of_what_has_no_equations():
     """And finds what one by the equations finds: the limit of stability, and the error at the step."""
     found = []
     for layer in ("fluid_layer", "stepped_layer"):
@@ -288,12 +285,12 @@ def test_a_survey_goes_by_the_responses_of_what_has_no_equations() -> None:
     assert error[1] == pytest.approx(error[0], rel=1e-2)
 
 
-def test_equations_of_a_component_that_has_none_are_refused() -> None:
+def test_equations_of_a_component_that_has_none_are_refused():
     with pytest.raises(ModelError, match=r"layer: fluid_layer has no ordinary .* by its responses"):
         Equations(dragged(changes={"opaque": True}), "layer")
 
 
-def test_a_reference_that_cannot_be_solved_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+def test_a_reference_that_cannot_be_solved_is_refused_before_anything_is_written(tmp_path):
     out = tmp_path / "out"
     with pytest.raises(
         ModelError, match=r"layer: fluid_layer with sheets = 5 .* \(reference\.enabled = false\)"
@@ -304,12 +301,10 @@ def test_a_reference_that_cannot_be_solved_is_refused_before_anything_is_written
 
 @pytest.mark.long
 @pytest.mark.parametrize("opaque", [pytest.param(False, marks=pytest.mark.long), True])
-def test_a_run_without_reference_ends_with_its_ledger(
-    tmp_path: Path, opaque: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_without_reference_ends_with_its_ledger(tmp_path, opaque, monkeypatch):
     """For which a component of unknown equations is estimated."""
 
-    def made(sheets: int = FEW) -> Component:
+    def made(sheets=FEW):
         return replace(fluid_layer(sheets), opaque=opaque)
 
     name = f"layer_{opaque}"

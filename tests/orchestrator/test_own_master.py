@@ -3,7 +3,6 @@
 import csv
 import itertools
 import math
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -39,7 +38,7 @@ number = 3
 
 
 @pytest.fixture(autouse=True)
-def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def own(tmp_path, monkeypatch):
     (tmp_path / "own_master.py").write_text(OWN)
     monkeypatch.syspath_prepend(tmp_path)
 
@@ -48,7 +47,7 @@ def vary(changes: Any) -> Any:
     return tribocosim.load("two-masses").with_({"stop_time": 0.5, **changes}).check()
 
 
-def test_an_own_master_runs_as_the_same_one_of_ours() -> None:
+def test_an_own_master_runs_as_the_same_one_of_ours():
     short = tribocosim.load("two-masses").with_({"stop_time": 0.2, "reference.enabled": False})
     runs = [
         tribocosim.run(short.with_({"master.name": name}), figures=False).coupled
@@ -69,15 +68,13 @@ def test_an_own_master_runs_as_the_same_one_of_ours() -> None:
         (["own_master:Own", "master.size=1"], "has no such option"),
     ],
 )
-def test_what_is_no_master_is_refused(settings: list[str], said: str) -> None:
+def test_what_is_no_master_is_refused(settings, said):
     with pytest.raises(MistakeError, match=said):
         load("two-masses", [f"master.name={settings[0]}", *settings[1:]])
 
 
 @pytest.mark.parametrize("restorable", [True, False])
-def test_masters_are_compared_by_error_and_work(
-    restorable: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_masters_are_compared_by_error_and_work(restorable, tmp_path, monkeypatch):
     """Half the step, at least a quarter of the error of these masters; masters that repeat steps only where
     the FMUs can be restored."""
     monkeypatch.setattr(FmuLimits, "restorable", restorable)
@@ -98,7 +95,7 @@ def test_masters_are_compared_by_error_and_work(
     assert (tmp_path / "out" / "masters.png").is_file()
 
 
-def test_only_masters_that_the_fmus_can_take_are_ranked(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_masters_that_the_fmus_can_take_are_ranked(monkeypatch):
     monkeypatch.setattr(FmuLimits, "restorable", False)
     table = tribocosim.analyse(tribocosim.load("two-masses").with_({"stop_time": 0.5}))
     assert set(table["master"].values) == {n for n, kind in MASTERS.items() if not kind.implicit}

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -57,7 +56,7 @@ def build_data(name: str, time: Vector, coupled: dict[str, tuple[Vector, Quantit
 
 
 @pytest.fixture
-def engine() -> FigureData:
+def engine():
     """Four turns of the crank: the slider strikes its upper wall twice, the lower wall is never loaded."""
     time = np.linspace(0.0, 0.12, 401)
     angle = 2.0 * np.pi * time / 0.03
@@ -80,7 +79,7 @@ def engine() -> FigureData:
     return build_data("engine", time, coupled)
 
 
-def test_each_component_is_drawn_against_its_own_shaft(engine: FigureData) -> None:
+def test_each_component_is_drawn_against_its_own_shaft(engine):
     """The nearest angle upstream: the crank's for the slider and its walls, the cam's for its contact."""
     assert engine.of("slider_crank").abscissa() == ("flywheel.angle", "Crank angle (°)")
     assert engine.of("upper_wall").abscissa() == ("flywheel.angle", "Crank angle (°)")
@@ -92,14 +91,14 @@ def test_each_component_is_drawn_against_its_own_shaft(engine: FigureData) -> No
     assert still.of("slider_crank").abscissa() == ("", "Time (ms)")
 
 
-def test_contacts_that_carry_no_load_are_left_out(engine: FigureData) -> None:
+def test_contacts_that_carry_no_load_are_left_out(engine):
     assert film_and_load.applies(engine)
     assert film_and_load.find_loaded_contacts(engine) == ["contact", "upper_wall"]
     figure = film_and_load.draw(engine)
     assert [ax.get_xlabel() for ax in figure.axes if ax.get_xlabel()] == ["Cam angle (°)", "Crank angle (°)"]
 
 
-def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine: FigureData) -> None:
+def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine):
     assert not solved_film.applies(engine)
     load = np.maximum(engine.coupled["contact.load"] - 100.0, 0.0)
     own = {
@@ -128,7 +127,7 @@ def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine: FigureDa
     assert figure.axes[0].get_ylim()[1] > 1.05 * factor * load.max()
 
 
-def test_less_than_a_turn_has_angles_on_its_axis(engine: FigureData) -> None:
+def test_less_than_a_turn_has_angles_on_its_axis(engine):
     few = slice(0, 40)
     short = replace(
         engine,
@@ -143,7 +142,7 @@ def test_less_than_a_turn_has_angles_on_its_axis(engine: FigureData) -> None:
     assert sum(low <= tick <= high for tick in figure.axes[-1].get_xticks()) >= 4
 
 
-def test_walls_are_dashed_at_the_clearance_and_empty_panels_left_out(engine: FigureData) -> None:
+def test_walls_are_dashed_at_the_clearance_and_empty_panels_left_out(engine):
     assert slider_crank_motion.applies(engine)
     figure = slider_crank_motion.draw(engine)
     assert [ax.get_ylabel() for ax in figure.axes] == ["Piston offset (m)", "Impacts"]
@@ -151,7 +150,7 @@ def test_walls_are_dashed_at_the_clearance_and_empty_panels_left_out(engine: Fig
     assert sorted(walls) == [-1e-4, 1e-4]
 
 
-def test_the_phase_portrait_is_cut_at_impacts(engine: FigureData) -> None:
+def test_the_phase_portrait_is_cut_at_impacts(engine):
     """Two records with an impact since the one before: three pieces, which together have every point."""
     assert slider_crank_phase.applies(engine)
     figure = slider_crank_phase.draw(engine)
@@ -163,14 +162,14 @@ def test_the_phase_portrait_is_cut_at_impacts(engine: FigureData) -> None:
 
 
 @pytest.mark.parametrize("records", [10, 800, 801, 5934])
-def test_the_envelope_of_errors_leaves_no_record_out(records: int) -> None:
+def test_the_envelope_of_errors_leaves_no_record_out(records):
     """A record that is larger than all before it is the largest of its bin, the last record too."""
     first, top = difference.compute_envelope(np.arange(1.0, records + 1.0))
     assert (first[0], top[-1]) == (0, records)
     np.testing.assert_array_equal(top, np.append(first[1:], records))
 
 
-def test_drawing_leaves_pyplot_alone(tmp_path: Path) -> None:
+def test_drawing_leaves_pyplot_alone(tmp_path):
     """A notebook that draws a run keeps its backend and gets no figure of ours."""
     alone = (
         "import sys, orchestrator.plots.style as style; from pathlib import Path;"
@@ -182,7 +181,7 @@ def test_drawing_leaves_pyplot_alone(tmp_path: Path) -> None:
 
 
 @pytest.fixture
-def bouncing() -> FigureData:
+def bouncing():
     """A valve train whose follower is 20 um off its cam over the nose, where the load is 0."""
     time = np.linspace(0.0, 60.0 / 3400.0, 721)
     angle = 2.0 * np.pi * time / time[-1]
@@ -212,7 +211,7 @@ def bouncing() -> FigureData:
     return build_data("valve-train-bounce", time, coupled)
 
 
-def test_a_bouncing_valve_shows_its_gap_and_no_film(bouncing: FigureData) -> None:
+def test_a_bouncing_valve_shows_its_gap_and_no_film(bouncing):
     figure = valve_train.draw(bouncing)
     panels = {ax.get_ylabel().split(" (")[0]: ax for ax in figure.axes if ax.get_visible()}
     lines = {words: ax.lines[1].get_ydata() for words, ax in panels.items()}  # over the reference
@@ -227,7 +226,7 @@ def test_a_bouncing_valve_shows_its_gap_and_no_film(bouncing: FigureData) -> Non
     assert {ax.get_xlabel() for ax in figure.axes if ax.get_xlabel()} == {"Cam angle (°)"}
 
 
-def test_a_film_ratio_under_next_to_no_load_is_not_drawn(bouncing: FigureData) -> None:
+def test_a_film_ratio_under_next_to_no_load_is_not_drawn(bouncing):
     """There asperities alone hold the surfaces apart, and the ratio grows as the load goes to zero."""
     load = bouncing.coupled["contact.load"].copy()
     load[:3] = [0.0, 0.5 * LIGHT * 400.0, 2.0 * LIGHT * 400.0]
@@ -236,7 +235,7 @@ def test_a_film_ratio_under_next_to_no_load_is_not_drawn(bouncing: FigureData) -
     assert np.isnan(own.coupled["contact.film_thickness"][:3]).tolist() == [True, False, False]
 
 
-def test_friction_at_rest_is_not_drawn(bouncing: FigureData) -> None:
+def test_friction_at_rest_is_not_drawn(bouncing):
     """There its sign is that of vibrations; without load it is zero."""
     sliding = bouncing.coupled["camshaft.sliding_velocity"].copy()
     nose = int(np.flatnonzero(bouncing.lost("contact"))[0])
@@ -247,14 +246,14 @@ def test_friction_at_rest_is_not_drawn(bouncing: FigureData) -> None:
     assert friction[nose] == 0.0
 
 
-def test_films_are_scaled_by_the_last_turn(long: FigureData) -> None:
+def test_films_are_scaled_by_the_last_turn(long):
     """Not by the film of the start, which the scenario gives: here a hundred times as thick."""
     film = long.coupled["contact.film_thickness"] * np.where(long.time < 0.001, 100.0, 1.0)
     figure = film_and_load.draw(replace(long, coupled={**long.coupled, "contact.film_thickness": film}))
     assert figure.axes[2].get_ylim()[1] == pytest.approx(1.1 * 3e-6)
 
 
-def test_two_runs_lie_over_each_other_with_their_names(tmp_path: Path) -> None:
+def test_two_runs_lie_over_each_other_with_their_names(tmp_path):
     short = {"stop_time": "60 ms", "macro_step": "20 us", "reference.enabled": False}
     for name, preload in (("soft", 250.0), ("stiff", 400.0)):
         own = {**short, "components.valve_spring.parameters.preload": preload}
@@ -274,7 +273,7 @@ def test_two_runs_lie_over_each_other_with_their_names(tmp_path: Path) -> None:
         run_overlay.read_run(tmp_path)
 
 
-def test_the_kinematic_motion_is_the_cams_lift_and_its_derivatives(bouncing: FigureData) -> None:
+def test_the_kinematic_motion_is_the_cams_lift_and_its_derivatives(bouncing):
     """s = 4 mm (1 - cos wt): v = 4 mm w sin wt, a = 4 mm w^2 cos wt; the spline is off by less than 1e-3."""
     figure = valve_train.draw(bouncing)
     omega = 2.0 * np.pi / bouncing.time[-1]
@@ -289,17 +288,17 @@ def test_the_kinematic_motion_is_the_cams_lift_and_its_derivatives(bouncing: Fig
     assert not right
 
 
-def test_a_valve_that_stays_on_its_cam_has_no_gap(bouncing: FigureData) -> None:
+def test_a_valve_that_stays_on_its_cam_has_no_gap(bouncing):
     loaded = bouncing.coupled | {"contact.load": np.full_like(bouncing.time, 400.0)}
     without_gap = replace(bouncing, coupled=loaded, reference=loaded)
     assert "Gap (µm)" not in [ax.get_ylabel() for ax in valve_train.draw(without_gap).axes]
 
 
 @pytest.fixture
-def long(bouncing: FigureData) -> FigureData:
+def long(bouncing):
     """Two and a half turns."""
 
-    def repeat(values: Vector, step: float = 0.0) -> Vector:
+    def repeat(values, step=0.0):
         return np.concatenate([values[:-1] + i * step for i in range(3)])[: 5 * (len(values) - 1) // 2]
 
     turning = {"flywheel.angle": 2.0 * np.pi, "camshaft.cam_angle": 2.0 * np.pi}
@@ -308,14 +307,14 @@ def long(bouncing: FigureData) -> FigureData:
     return replace(bouncing, time=time, coupled=coupled, reference_time=time, reference=coupled)
 
 
-def test_the_last_whole_revolution_is_drawn_from_zero(bouncing: FigureData, long: FigureData) -> None:
+def test_the_last_whole_revolution_is_drawn_from_zero(bouncing, long):
     own, which = valve_train.prepare(long, long.trains[0])
     assert which == "revolution 2 of 2"
     assert own.x()[[0, -1]] == pytest.approx([0.0, 360.0], abs=0.51)
     np.testing.assert_array_equal(own.coupled["contact.load"][:720], bouncing.coupled["contact.load"][:720])
 
 
-def test_over_the_crank_a_revolution_of_the_cam_has_720_degrees(long: FigureData) -> None:
+def test_over_the_crank_a_revolution_of_the_cam_has_720_degrees(long):
     cam, crank = (valve_train.prepare(data, long.trains[0])[0] for data in (long, long.over("crank_angle")))
     np.testing.assert_allclose(crank.x(), 2.0 * cam.x(), rtol=1e-12)
     np.testing.assert_array_equal(crank.coupled["contact.load"], cam.coupled["contact.load"])
@@ -323,16 +322,16 @@ def test_over_the_crank_a_revolution_of_the_cam_has_720_degrees(long: FigureData
     assert (bottom.get_xlabel(), bottom.get_xlim()) == ("Crank angle (°)", (0.0, 720.0))
 
 
-def test_many_valves_are_all_drawn_and_named(bouncing: FigureData) -> None:
+def test_many_valves_are_all_drawn_and_named(bouncing):
     """A copy of the train under other names, of half the load."""
     assert bouncing.system
     parts = ("camshaft", "valve_spring", "contact")
 
-    def rename(name: str) -> str:
+    def rename(name):
         instance, variable = name.split(".")
         return f"{instance}_b.{variable}" if instance in parts else name
 
-    def copy(values: dict[str, Vector]) -> dict[str, Vector]:
+    def copy(values):
         return {rename(n): 0.5 * v for n, v in values.items() if not n.startswith("flywheel")}
 
     instances = {**bouncing.system.instances, **{f"{n}_b": bouncing.system.instances[n] for n in parts}}
@@ -356,7 +355,7 @@ def test_many_valves_are_all_drawn_and_named(bouncing: FigureData) -> None:
     assert [max(line.get_ydata()) for line in load.lines[:2]] == [200.0, 400.0]  # pale below
 
 
-def test_each_judged_variable_has_its_error_and_its_tolerance_in_a_panel(bouncing: FigureData) -> None:
+def test_each_judged_variable_has_its_error_and_its_tolerance_in_a_panel(bouncing):
     off = {"contact.load": bouncing.coupled["contact.load"] + 0.2}
     one = difference.draw(replace(bouncing, coupled=bouncing.coupled | off))
     assert len(one.axes) == 1  # no panel for a variable without an error
@@ -369,7 +368,7 @@ def test_each_judged_variable_has_its_error_and_its_tolerance_in_a_panel(bouncin
     assert allowed.get_ydata()[0] == 1e-3
 
 
-def test_what_no_other_figure_draws_is_drawn_by_variable(bouncing: FigureData) -> None:
+def test_what_no_other_figure_draws_is_drawn_by_variable(bouncing):
     time = np.linspace(0.0, 1.0, 11)
     names = ("chassis.position", "wheel.position", "wheel.velocity", "wheel.tyre_force", "wheel.still")
     coupled = {name: np.sin((i + 1) * time) for i, name in enumerate(names)} | {"wheel.still": np.ones(11)}
@@ -397,13 +396,13 @@ def macro_steps(iterations: list[int]) -> Steps:
     return Steps(np.cumsum(even), even, np.array(iterations), *[nothing] * 5)
 
 
-def test_steps_that_are_all_alike_but_the_first_are_not_drawn(bouncing: FigureData) -> None:
+def test_steps_that_are_all_alike_but_the_first_are_not_drawn(bouncing):
     """The first of Gauss-Seidel's have two iterations, while its polynomials gather their past."""
     assert not steps.applies(replace(bouncing, steps=macro_steps([2, 2, 1, 1, 1, 1])))
     assert steps.applies(replace(bouncing, steps=macro_steps([2, 2, 1, 1, 2, 1])))
 
 
-def test_orbits_are_in_parts_of_the_clearance() -> None:
+def test_orbits_are_in_parts_of_the_clearance():
     """A circle of 10 um in a clearance of 25 um has the radius 0.4; a journal in the middle is at 0."""
     time = np.linspace(0.0, 0.12, 101)
     x, y = 1e-5 * np.cos(100.0 * time), 1e-5 * np.sin(100.0 * time)

@@ -49,7 +49,7 @@ def _recorded(path: Path, steps: int, every: int) -> None:
         file.finish(True, "")
 
 
-def test_angles_are_coordinates_of_the_result_and_last_columns_in_degrees(tmp_path: Path) -> None:
+def test_angles_are_coordinates_of_the_result_and_last_columns_in_degrees(tmp_path):
     """Twice the first column: a crank's angle of a cam's; a group without that column has no such angle."""
     quantity = Quantity("rad", "crank angle: 2 times cam.angle", display_unit="deg")
     angles = {"crank_angle": Coordinate("cam.angle", 2.0, quantity)}
@@ -78,7 +78,7 @@ def test_angles_are_coordinates_of_the_result_and_last_columns_in_degrees(tmp_pa
     assert '"crank_angle_deg","deg"' in (tmp_path / "units.csv").read_text()
 
 
-def test_a_result_is_opened_as_xarray_opens_it(tmp_path: Path) -> None:
+def test_a_result_is_opened_as_xarray_opens_it(tmp_path):
     angles = {"angle": Coordinate("a.x", 2.0, Quantity("rad", "angle", display_unit="deg"))}
     with ResultFile(tmp_path / "result.nc", {"scenario": "test"}, angles) as file:
         quantities = {"a.x": Quantity("m", "x"), "a/y": Quantity("1", "kind", choices=("one", "two"))}
@@ -94,7 +94,7 @@ def test_a_result_is_opened_as_xarray_opens_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("every", [1, 3])
-def test_round_trip_through_xarray(tmp_path: Path, every: int) -> None:
+def test_round_trip_through_xarray(tmp_path, every):
     steps = 2 * CHUNK + 5
     _recorded(tmp_path / "result.nc", steps, every)
     tree = open_result(tmp_path)
@@ -111,7 +111,7 @@ def test_round_trip_through_xarray(tmp_path: Path, every: int) -> None:
     tree.close()
 
 
-def test_no_rows_are_no_rows(tmp_path: Path) -> None:
+def test_no_rows_are_no_rows(tmp_path):
     with ResultFile(tmp_path / "result.nc", {}) as file:
         file.write("coupled", np.zeros(0), QUANTITIES, np.zeros((0, 2)))
         assert not file.has("coupled")
@@ -121,7 +121,7 @@ def test_no_rows_are_no_rows(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("count", [3, 5500])
-def test_a_result_has_any_number_of_variables(count: int, tmp_path: Path) -> None:
+def test_a_result_has_any_number_of_variables(count, tmp_path):
     """HDF5's list of what is attached to a dimension ends at 5400 or so."""
     names = [f"a.v{i}" for i in range(count)]
     with ResultFile(tmp_path / "result.nc", {}) as file:
@@ -141,7 +141,7 @@ def test_a_result_has_any_number_of_variables(count: int, tmp_path: Path) -> Non
         np.testing.assert_array_equal(last[:], count - 1.0)
 
 
-def test_csv_is_in_cross_check_layout_exact_and_has_its_units_beside_it(tmp_path: Path) -> None:
+def test_csv_is_in_cross_check_layout_exact_and_has_its_units_beside_it(tmp_path):
     recorder = ResultRecorder(tmp_path, QUANTITIES, every=2)
     recorder.begin(list(QUANTITIES))
     values = np.array([1.0 / 3.0, 1e-300])
@@ -169,7 +169,7 @@ def _in_a_process(code: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_what_was_flushed_survives_a_killed_process(tmp_path: Path) -> None:
+def test_what_was_flushed_survives_a_killed_process(tmp_path):
     done = _in_a_process(f"""
         import os
         import numpy as np
@@ -194,9 +194,7 @@ def test_what_was_flushed_survives_a_killed_process(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="limits the size of files")
 @pytest.mark.parametrize("room", [0, 1, 23, 24, 1000])
-def test_of_a_journal_without_room_all_whole_rows_are_kept_and_its_name_is_told(
-    tmp_path: Path, room: int
-) -> None:
+def test_of_a_journal_without_room_all_whole_rows_are_kept_and_its_name_is_told(tmp_path, room):
     """The process may write `room` bytes after the header: a write is cut short as on a full disk."""
     done = _in_a_process(f"""
         import resource, signal
@@ -239,9 +237,7 @@ def _filled(path: Path, rows: range, mark: Mark | None = None) -> bytes:
 
 
 @pytest.mark.parametrize("cut", [0, 1, 7, 8, 23, 24, 100])
-def test_a_journal_cut_anywhere_has_its_whole_rows_and_goes_on_after_any_of_them(
-    tmp_path: Path, cut: int
-) -> None:
+def test_a_journal_cut_anywhere_has_its_whole_rows_and_goes_on_after_any_of_them(tmp_path, cut):
     """Round trip: what is cut off (bytes) and written again is the journal that was never cut."""
     path = tmp_path / "coupled.journal"
     whole = _filled(path, range(50))
@@ -254,7 +250,7 @@ def test_a_journal_cut_anywhere_has_its_whole_rows_and_goes_on_after_any_of_them
         assert _filled(path, range(at, 50), _mark(path, at)) == whole
 
 
-def test_a_journal_that_lacks_rows_or_is_another_is_refused(tmp_path: Path) -> None:
+def test_a_journal_that_lacks_rows_or_is_another_is_refused(tmp_path):
     path = tmp_path / "coupled.journal"
     whole = _filled(path, range(50))
     with pytest.raises(JournalError, match="has 50 rows, of 51 at the checkpoint"):
@@ -270,8 +266,8 @@ def test_a_journal_that_lacks_rows_or_is_another_is_refused(tmp_path: Path) -> N
     assert journals(tmp_path) == {}
 
 
-def test_a_result_appears_only_when_it_is_whole(tmp_path: Path) -> None:
-    def make(finished: bool) -> None:
+def test_a_result_appears_only_when_it_is_whole(tmp_path):
+    def make(finished):
         with ResultFile(tmp_path / "result.nc", {}) as file:
             file.write("steps", np.arange(3.0), {"a": Quantity("m", "x")}, np.zeros((3, 1)))
             if finished:
@@ -289,7 +285,7 @@ def test_a_result_appears_only_when_it_is_whole(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="reads Linux's memory figures")
-def test_memory_does_not_grow_with_the_steps(tmp_path: Path) -> None:
+def test_memory_does_not_grow_with_the_steps(tmp_path):
     """A hundred thousand macro steps of 45 outputs would be 37 MB of doubles."""
     done = _in_a_process(f"""
         import numpy as np
@@ -331,7 +327,7 @@ def _run(out: Path, *changes: str, scenario: str = "valve-train") -> Summary:
     return run(load(scenario, overrides), out, build_fmu, quiet, figures=False)
 
 
-def test_the_end_of_a_run_is_recorded_wherever_it_falls(tmp_path: Path) -> None:
+def test_the_end_of_a_run_is_recorded_wherever_it_falls(tmp_path):
     """100 macro steps with a record after each 30, in every group."""
     changes = ["stop_time=0.1 s", "output_step=30 ms", "reference.enabled=false", "energy.ledger=true"]
     summary = _run(tmp_path / "out", *changes, scenario="quarter-car")
@@ -345,7 +341,7 @@ def test_the_end_of_a_run_is_recorded_wherever_it_falls(tmp_path: Path) -> None:
 
 
 @pytest.mark.long
-def test_rare_records_do_not_hide_an_error_from_the_comparison(tmp_path: Path) -> None:
+def test_rare_records_do_not_hide_an_error_from_the_comparison(tmp_path):
     """With inputs held the load chatters, by more than its own size. Compared at t = 0, 14 ms, 28 ms it was
     0.7 % off. The error found is the one of all macro steps, up to three standard errors of an RMS estimated
     from n values (1 / sqrt(2 n) each)."""
@@ -363,7 +359,7 @@ def test_rare_records_do_not_hide_an_error_from_the_comparison(tmp_path: Path) -
     assert whole > 1.0
 
 
-def test_every_step_of_very_many_ends_after_it_began() -> None:
+def test_every_step_of_very_many_ends_after_it_began():
     """Of 3e7 steps the rounding of time / macro_step is above the slack of few: steps of no length came of
     it."""
     steps = FixedSteps(5e-6)

@@ -54,9 +54,7 @@ def _python(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[] if "FMUs" in name else pytest.mark.long) for name in RUNS]
 )
-def test_a_run_killed_again_and_again_ends_as_one_that_was_not(
-    name: str, seed: int, kills: int, tmp_path: Path
-) -> None:
+def test_a_run_killed_again_and_again_ends_as_one_that_was_not(name, seed, kills, tmp_path):
     scenario, overrides = RUNS[name]
     whole = run_whole(tmp_path / "whole", overrides, scenario)
     out = str(tmp_path / "killed")
@@ -70,7 +68,7 @@ def test_a_run_killed_again_and_again_ends_as_one_that_was_not(
     assert_same_run(tmp_path / "killed", whole)
 
 
-def test_a_start_without_an_equilibrium_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+def test_a_start_without_an_equilibrium_is_refused_before_anything_is_written(tmp_path):
     tilted = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
     scenario = load("slider-crank", ["start=equilibrium", *tilted])
     with pytest.raises(ModelError, match=r"slider_crank\.psi = 0\.02 rad"):
@@ -78,7 +76,7 @@ def test_a_start_without_an_equilibrium_is_refused_before_anything_is_written(tm
     assert not (tmp_path / "out").exists()
 
 
-def test_a_run_that_failed_is_not_resumed_and_says_why(tmp_path: Path) -> None:
+def test_a_run_that_failed_is_not_resumed_and_says_why(tmp_path):
     out = tmp_path / "out"
     scenario = load("valve-train", [*UNSTABLE, *NO_REFERENCE, EVERY])
     summary = run(scenario, out, build_fmu, quiet(), figures=False)
@@ -97,7 +95,7 @@ def test_a_run_that_failed_is_not_resumed_and_says_why(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def whole(tmp_path_factory):
     return run_whole(tmp_path_factory.mktemp("whole") / "out", SHORT)
 
 
@@ -109,14 +107,14 @@ def _left(out: Path, overrides: list[str], calls: int = 60) -> None:
 
 
 @pytest.fixture(scope="module")
-def killed_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def killed_run(tmp_path_factory):
     out = tmp_path_factory.mktemp("killed") / "out"
     _left(out, SHORT)
     return out
 
 
 @pytest.fixture
-def killed(killed_run: Path, tmp_path: Path) -> Path:
+def killed(killed_run, tmp_path):
     """A run that was killed, to be spoilt."""
     return Path(shutil.copytree(killed_run, tmp_path / "out"))
 
@@ -134,7 +132,7 @@ def _refused(out: Path, words: str) -> None:
     assert _content(out) == before
 
 
-def test_what_came_after_the_checkpoint_is_forgotten(killed: Path, whole: Path) -> None:
+def test_what_came_after_the_checkpoint_is_forgotten(killed, whole):
     """Rows and lines that were begun, and files that were not whole."""
     for path in (killed / "unfinished").glob("*.journal"):
         with path.open("ab") as file:
@@ -146,7 +144,7 @@ def test_what_came_after_the_checkpoint_is_forgotten(killed: Path, whole: Path) 
     assert_same_run(killed, whole)
 
 
-def test_the_wall_time_is_that_of_all_processes(killed: Path) -> None:
+def test_the_wall_time_is_that_of_all_processes(killed):
     """An interrupted process leaves its wall time in the summary, a killed one that of its steps."""
     (killed / "summary.json").write_text('{"wall_time_s": 100.0}')
     summary = resume(killed, build_fmu, quiet(), figures=False)
@@ -154,9 +152,7 @@ def test_the_wall_time_is_that_of_all_processes(killed: Path) -> None:
     assert summary.coupled_time_s < summary.wall_time_s
 
 
-def test_a_run_that_goes_on_with_another_processor_or_blas_says_so_once(
-    killed: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_that_goes_on_with_another_processor_or_blas_says_so_once(killed, monkeypatch):
     monkeypatch.setenv("OPENBLAS_CORETYPE", "Nehalem")
     monkeypatch.setattr("llvmlite.binding.get_host_cpu_name", lambda: "other")
     reporter = Reporter(Console(file=StringIO(), width=500))
@@ -168,7 +164,7 @@ def test_a_run_that_goes_on_with_another_processor_or_blas_says_so_once(
     assert "the last digits may differ" in said[0]
 
 
-def test_a_damaged_checkpoint_is_refused(killed: Path) -> None:
+def test_a_damaged_checkpoint_is_refused(killed):
     path = killed / "unfinished" / "checkpoint"
     data = path.read_bytes()
     path.write_bytes(data[:2000] + b"0" + data[2001:])
@@ -179,7 +175,7 @@ def test_a_damaged_checkpoint_is_refused(killed: Path) -> None:
     _refused(killed, "is not a checkpoint of this version")
 
 
-def test_lost_records_are_noticed_and_may_be_put_back(killed: Path, whole: Path) -> None:
+def test_lost_records_are_noticed_and_may_be_put_back(killed, whole):
     journal = killed / "unfinished" / "coupled.journal"
     rows = journal.read_bytes()
     journal.write_bytes(rows[: rows.index(b"\n") + 1])
@@ -192,7 +188,7 @@ def test_lost_records_are_noticed_and_may_be_put_back(killed: Path, whole: Path)
 
 
 @pytest.mark.parametrize("damage", ["a flipped bit", "zeros"])
-def test_records_that_have_changed_are_noticed(killed: Path, damage: str) -> None:
+def test_records_that_have_changed_are_noticed(killed, damage):
     """What is before the checkpoint is as it was written, or the run does not go on."""
     journal = killed / "unfinished" / "coupled.journal"
     rows = bytearray(journal.read_bytes())
@@ -205,13 +201,13 @@ def test_records_that_have_changed_are_noticed(killed: Path, damage: str) -> Non
     _refused(killed, "coupled.journal: damaged: its .* rows up to the checkpoint")
 
 
-def test_a_changed_scenario_is_refused(killed: Path) -> None:
+def test_a_changed_scenario_is_refused(killed):
     path = killed / "scenario.toml"
     path.write_text(path.read_text().replace("stop_time = 0.004", "stop_time = 0.005"))
     _refused(killed, "scenario.toml: is not what the run was begun with; undo the change")
 
 
-def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed: Path, whole: Path) -> None:
+def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed, whole):
     before = _content(killed)
     with pytest.raises(OutputFolderError, match="was not finished") as refused:
         run(load("valve-train", [*SHORT, EVERY]), killed, build_fmu, quiet())
@@ -224,7 +220,7 @@ def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed: Path
     assert_same_run(killed, whole)
 
 
-def test_two_processes_do_not_work_on_one_run(killed: Path) -> None:
+def test_two_processes_do_not_work_on_one_run(killed):
     code = (
         "import sys; from pathlib import Path; from orchestrator.store.output_folder import lock_folder\n"
         "with lock_folder(Path(sys.argv[1])): print('held', flush=True); sys.stdin.read()"
@@ -247,7 +243,7 @@ def test_two_processes_do_not_work_on_one_run(killed: Path) -> None:
         other.communicate("")
 
 
-def test_a_rebuilt_fmu_is_refused(tmp_path: Path) -> None:
+def test_a_rebuilt_fmu_is_refused(tmp_path):
     """The checksum, not what is in it: nobody knows that it computes the same."""
     file, out = tmp_path / "contact.fmu", tmp_path / "out"
     shutil.copy(build_fmu("ehl_contact", {}), file)
@@ -257,7 +253,7 @@ def test_a_rebuilt_fmu_is_refused(tmp_path: Path) -> None:
     _refused(out, "components.contact.participant: the FMU is not the one")
 
 
-def test_what_is_no_unfinished_run_is_told(whole: Path, tmp_path: Path) -> None:
+def test_what_is_no_unfinished_run_is_told(whole, tmp_path):
     before = _content(whole)
     done = resume(whole, build_fmu, quiet())
     assert (done.complete, done.exit_status) == (True, 0)
@@ -270,7 +266,7 @@ def test_what_is_no_unfinished_run_is_told(whole: Path, tmp_path: Path) -> None:
     assert refused.value.remedies == (start_over(tmp_path),)
 
 
-def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> None:
+def test_killed_while_it_tidied_up_it_is_complete(killed, whole):
     for name in ("result.nc", "coupled.csv", "units.csv", "summary.csv", "summary.json"):
         shutil.copy(whole / name, killed)
     (killed / "unfinished" / "checkpoint").unlink()
@@ -279,7 +275,7 @@ def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> 
     assert not (killed / "figures").exists()  # as the run was begun without
 
 
-def test_without_a_checkpoint_what_was_recorded_is_kept_and_marked(killed: Path) -> None:
+def test_without_a_checkpoint_what_was_recorded_is_kept_and_marked(killed):
     (killed / "unfinished" / "checkpoint").unlink()
     with (killed / "unfinished" / "coupled.journal").open("ab") as file:
         file.write(b"1.5,torn")
@@ -298,7 +294,7 @@ def test_without_a_checkpoint_what_was_recorded_is_kept_and_marked(killed: Path)
     assert len(times) == rows
 
 
-def test_where_steps_and_records_end_apart_each_is_kept_and_told(killed: Path) -> None:
+def test_where_steps_and_records_end_apart_each_is_kept_and_told(killed):
     """As a full disk leaves them."""
     (killed / "unfinished" / "checkpoint").unlink()
     journal = killed / "unfinished" / "steps.journal"

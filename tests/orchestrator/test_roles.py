@@ -1,7 +1,6 @@
 """Roles decide what a component is, not its name: an own follower has all that shipped ones have."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -9,7 +8,6 @@ from models.catalogue import CATALOGUE
 from models.core.roles import Cam, TranslatingFollower
 from orchestrator.assessment.friction.judge import find_cams
 from orchestrator.report.mechanism import list_sketches
-from orchestrator.scenario import Scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.study.speeds.subject import describe_numbers, find_flywheel
@@ -25,7 +23,7 @@ def lifter(table_points: int = 0):
 
 
 @pytest.fixture
-def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Scenario:
+def own(tmp_path, monkeypatch):
     """The pushrod train with an own follower, which is a tappet by another name."""
     (tmp_path / "own_lifter.py").write_text(OWN, "utf-8")
     monkeypatch.chdir(tmp_path)
@@ -33,7 +31,7 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Scenario:
     return load("pushrod-train", [f"{parts}.component=own_lifter:lifter", f"{parts}.participant=in-process"])
 
 
-def test_figures_drawings_and_friction_find_an_own_follower_by_its_role(own: Scenario) -> None:
+def test_figures_drawings_and_friction_find_an_own_follower_by_its_role(own):
     shipped = load("pushrod-train")
     for find in (find_cams, find_flywheel, describe_numbers):
         assert find(own) == find(shipped)
@@ -45,7 +43,7 @@ def test_figures_drawings_and_friction_find_an_own_follower_by_its_role(own: Sce
     assert drawn[0]
 
 
-def test_an_own_follower_takes_a_lift_table(own: Scenario, tmp_path: Path) -> None:
+def test_an_own_follower_takes_a_lift_table(own, tmp_path):
     rows = "\n".join(f"{angle}, {max(0.0, 8.0 - 0.004 * (angle - 180) ** 2):.4f}" for angle in range(360))
     (tmp_path / "lift.csv").write_text(f"angle [deg], lift [mm]\n{rows}\n", "utf-8")
     tables = own.components["tappet"].model_dump()
@@ -56,6 +54,6 @@ def test_an_own_follower_takes_a_lift_table(own: Scenario, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("role", [Cam("no_angle"), TranslatingFollower()])
-def test_a_role_promises_outputs(role: Cam | TranslatingFollower) -> None:
+def test_a_role_promises_outputs(role):
     with pytest.raises(ValueError, match=r"flywheel: output '\w+', for events or a role, must be one of"):
         replace(CATALOGUE["flywheel"](), roles=(role,))

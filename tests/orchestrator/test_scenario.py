@@ -26,7 +26,7 @@ LARGE = ("engine-16v", "pushrod-engine", "valve-train-16v")
         for name in sorted(list_shipped())
     ],
 )
-def test_written_scenario_gives_the_same_system_bit_for_bit(name: str) -> None:
+def test_written_scenario_gives_the_same_system_bit_for_bit(name):
     """Nor is any of its values doubted: written out, the numbers have no units."""
     scenario = load(name)
     assert scenario.name == name
@@ -47,13 +47,13 @@ def test_written_scenario_gives_the_same_system_bit_for_bit(name: str) -> None:
     )
 
 
-def test_published_schema_is_current() -> None:
+def test_published_schema_is_current():
     """Otherwise: tribocosim scenarios --schema > docs/scenario.schema.json"""
     published = Path(__file__).parents[2] / "docs" / "scenario.schema.json"
     assert published.read_text("utf-8") == schema.write_schema()
 
 
-def test_schema_knows_every_key_and_variable() -> None:
+def test_schema_knows_every_key_and_variable():
     made = schema.build_schema()
     assert set(made["properties"]) == {*Scenario.model_fields, "extends", "without"}
     text = schema.write_schema()
@@ -61,7 +61,7 @@ def test_schema_knows_every_key_and_variable() -> None:
     assert "kushwaha" in text
 
 
-def test_extending_merges_tables_and_adds_connections(tmp_path: Path) -> None:
+def test_extending_merges_tables_and_adds_connections(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text(
         'extends = "valve-train"\nmacro_step = "1 us"\n'
@@ -78,7 +78,7 @@ def test_extending_merges_tables_and_adds_connections(tmp_path: Path) -> None:
     assert mine.components["contact"].participant == str(tmp_path / "parts" / "contact.fmu")
 
 
-def test_a_file_that_is_set_is_beside_who_sets_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_that_is_set_is_beside_who_sets_it(tmp_path, monkeypatch):
     """That of the scenario's own file is beside that; both are found from everywhere."""
     (tmp_path / "there").mkdir()
     (tmp_path / "here").mkdir()
@@ -91,7 +91,7 @@ def test_a_file_that_is_set_is_beside_who_sets_it(tmp_path: Path, monkeypatch: p
     assert found["flywheel"].participant == "fmu"
 
 
-def test_overrides_have_the_meaning_of_the_file() -> None:
+def test_overrides_have_the_meaning_of_the_file():
     scenario = load(
         "valve-train",
         [
@@ -114,7 +114,7 @@ def test_overrides_have_the_meaning_of_the_file() -> None:
     build_system(scenario)
 
 
-def test_a_number_for_an_array_is_that_of_every_element_without_its_own() -> None:
+def test_a_number_for_an_array_is_that_of_every_element_without_its_own():
     """Both orders, with a unit, in any table of values."""
     for values in (["gap=0.9 mm", "gap[2]=1 mm"], ["gap[2]=1 mm", "gap=0.9 mm"]):
         spring = load("coil-clash", [f"components.spring.parameters.{value}" for value in values])
@@ -124,10 +124,10 @@ def test_a_number_for_an_array_is_that_of_every_element_without_its_own() -> Non
     assert {start[f"coil_position[{i}]"] for i in range(1, 9)} == {1e-6}
 
 
-def test_the_speed_after_the_ramp_is_that_before_it_unless_given() -> None:
+def test_the_speed_after_the_ramp_is_that_before_it_unless_given():
     """One parameter states a constant speed."""
 
-    def speeds(*values: str) -> tuple[float, float]:
+    def speeds(*values):
         overrides = [f"components.flywheel.parameters.{value}" for value in values]
         given = build_system(load("valve-train", overrides)).instances["flywheel"].parameters
         return given["initial_speed"], given["final_speed"]
@@ -138,28 +138,28 @@ def test_the_speed_after_the_ramp_is_that_before_it_unless_given() -> None:
     assert (low, after) == (pytest.approx(20.0 * np.pi), high)
 
 
-def test_durations_may_be_given_in_revolutions_of_the_drive() -> None:
+def test_durations_may_be_given_in_revolutions_of_the_drive():
     turned = load("valve-train", ["stop_time=2 revolutions", "macro_step=0.03 deg", "output_step=0.12 deg"])
     assert (turned.stop_time, turned.macro_step, turned.output_step) == (0.12, 5e-6, 20e-6)
     fast = load("valve-train", ["stop_time=2 rev", "components.flywheel.parameters.initial_speed=3000 rpm"])
     assert fast.stop_time == 0.04
 
 
-def test_another_master_keeps_the_options_that_it_has() -> None:
+def test_another_master_keeps_the_options_that_it_has():
     first = load("valve-train", ["master.name=iterated", "master.tolerance=1e-8"])
     assert first.master.build().tolerance == 1e-8
     second = load("valve-train", ["master.name=iterated", "master.tolerance=1e-8", "master.name=jacobi"])
     assert second.master.build().extrapolation == load("valve-train").master.build().extrapolation
 
 
-def test_a_scenario_does_not_take_the_description_of_the_one_that_it_extends(tmp_path: Path) -> None:
+def test_a_scenario_does_not_take_the_description_of_the_one_that_it_extends(tmp_path):
     own = tmp_path / "mine.toml"
     own.write_text('extends = "valve-train"\nstop_time = "1 ms"\n')
     assert (load(own).name, load(own).description) == ("mine", "")
 
 
 @pytest.mark.parametrize(("suffix", "use"), [(".fmu", "participant = 'file.fmu'"), (".csv", "lift_table")])
-def test_files_of_other_kinds_are_told_their_place(tmp_path: Path, suffix: str, use: str) -> None:
+def test_files_of_other_kinds_are_told_their_place(tmp_path, suffix, use):
     other = tmp_path / f"other{suffix}"
     other.write_bytes(b"\x9d;")
     with pytest.raises(ScenarioError, match=re.escape(use)):
@@ -195,7 +195,7 @@ def test_a_name_is_that_of_a_folder_below_the_results(name):
         ("2 J/degC", "J/K", 2.0),
     ],
 )
-def test_conversion(text: str, unit: str, value: float) -> None:
+def test_conversion(text, unit, value):
     assert to_unit(text, unit) == pytest.approx(value, rel=1e-15)
 
 
@@ -212,14 +212,14 @@ def test_conversion(text: str, unit: str, value: float) -> None:
         ("1 __import__('os')", "s", ("__import__", "known unit")),
     ],
 )
-def test_what_does_not_fit_is_named(text: str, unit: str, named: tuple[str, ...]) -> None:
+def test_what_does_not_fit_is_named(text, unit, named):
     with pytest.raises(UnitError) as error:
         to_unit(text, unit)
     assert all(word in str(error.value) for word in named)
 
 
 @pytest.mark.parametrize("pair", FACTORS, ids=" to ".join)
-def test_factors_without_pint_are_pints(pair: tuple[str, str]) -> None:
+def test_factors_without_pint_are_pints(pair):
     assert (FACTORS[pair], 0.0) == find_conversion("1", *pair)
 
 
@@ -236,21 +236,19 @@ def test_factors_without_pint_are_pints(pair: tuple[str, str]) -> None:
         ("m²", "mm2", 1.0, 1e6),
     ],
 )
-def test_units_that_no_fmu_defines_keep_their_offset(
-    given: str, wanted: str, value: float, converted: float
-) -> None:
+def test_units_that_no_fmu_defines_keep_their_offset(given, wanted, value, converted):
     linear = convert_units(given, {}, wanted, {})
     assert linear is not None
     assert linear.factor * value + linear.offset == pytest.approx(converted, rel=1e-13)
 
 
-def test_logarithmic_units_are_not_converted() -> None:
+def test_logarithmic_units_are_not_converted():
     assert convert_units("dB", {}, "1", {}) is None
     with pytest.raises(UnitError, match="dB"):
         to_unit("3 dB", "1")
 
 
-def test_step_control_does_not_inherit_the_records_of_equal_steps(tmp_path: Path) -> None:
+def test_step_control_does_not_inherit_the_records_of_equal_steps(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text('extends = "valve-train"\n[step_control]\n')
     assert load("valve-train").output_step is not None

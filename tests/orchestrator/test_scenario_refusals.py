@@ -1,7 +1,5 @@
 """A mistake in a scenario is one message that names the key, the value and the remedy."""
 
-from pathlib import Path
-
 import pytest
 
 from models.core.system import ModelError
@@ -92,7 +90,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("override", BAD)
-def test_a_mistake_is_one_message_that_names_it(override: str) -> None:
+def test_a_mistake_is_one_message_that_names_it(override):
     with pytest.raises(ScenarioError) as error:
         load("valve-train", [override])
     message = in_command_line(error.value)
@@ -113,27 +111,27 @@ BAD_SYSTEMS = {
 
 
 @pytest.mark.parametrize("override", BAD_SYSTEMS)
-def test_an_impossible_system_is_one_message(override: str) -> None:
+def test_an_impossible_system_is_one_message(override):
     with pytest.raises((ScenarioError, ModelError)) as error:
         build_system(load("valve-train", [override]))
     assert all(word in str(error.value) for word in BAD_SYSTEMS[override]), error.value
 
 
 @pytest.mark.parametrize("table", ["step_control", "reference", "energy", "components.camshaft"])
-def test_an_unknown_key_of_any_table_is_one_message(table: str) -> None:
+def test_an_unknown_key_of_any_table_is_one_message(table):
     with pytest.raises(ScenarioError, match=rf"^set {table}\.colour: unknown key; known: \w+"):
         load("valve-train", [f"{table}.colour=1"])
 
 
 @pytest.mark.parametrize("master", ["iterated", "newton"])
-def test_what_is_iterated_and_ordered_are_components(master: str) -> None:
+def test_what_is_iterated_and_ordered_are_components(master):
     with pytest.raises(ScenarioError, match=r"master\.iterate: .*'contct'; did you mean contact\?"):
         build_system(load("valve-train", [f"master.name={master}", "master.iterate=['camshaft', 'contct']"]))
     with pytest.raises(ScenarioError, match=r"master\.order = contct: .*; contct: did you mean contact\?"):
         build_system(load("valve-train", ["master.order=['contct']"]))
 
 
-def test_the_energy_residual_needs_an_exchanged_power_bond() -> None:
+def test_the_energy_residual_needs_an_exchanged_power_bond():
     """The quarter car's bond has a force that is not exchanged: no error would be seen, whatever the step."""
     changes = ["master={name='jacobi'}", "step_control={estimator='energy'}"]
     with pytest.raises(
@@ -144,7 +142,7 @@ def test_the_energy_residual_needs_an_exchanged_power_bond() -> None:
 
 
 @pytest.mark.parametrize("start", ["given", "equilibrium"])
-def test_a_start_outside_the_walls_is_one_message(start: str) -> None:
+def test_a_start_outside_the_walls_is_one_message(start):
     """At the flywheel's start angle, before anything is stepped; in-process participants say the same."""
     changes = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
     scenario = load("slider-crank", [*changes, f"start={start}"])
@@ -166,7 +164,7 @@ BAD_CONNECTIONS = {
 
 
 @pytest.mark.parametrize("line", BAD_CONNECTIONS)
-def test_a_bad_connection_is_one_message(line: str, tmp_path: Path) -> None:
+def test_a_bad_connection_is_one_message(line, tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text(f'extends = "valve-train"\nconnections = ["{line}"]\n')
     with pytest.raises(ModelError) as error:
@@ -174,7 +172,7 @@ def test_a_bad_connection_is_one_message(line: str, tmp_path: Path) -> None:
     assert all(word in str(error.value) for word in BAD_CONNECTIONS[line]), error.value
 
 
-def test_a_mistake_is_marked_by_where_it_was_made(tmp_path: Path) -> None:
+def test_a_mistake_is_marked_by_where_it_was_made(tmp_path):
     """A file's own fault stays the file's; what --set does to other keys is --set's."""
     file = tmp_path / "mine.toml"
     file.write_text('extends = "valve-train"\nstart = "rest"\n')
@@ -198,7 +196,7 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path: Path) -> None:
         ("ledger = true", "ledger: unknown key; did you mean energy.ledger?"),
     ],
 )
-def test_a_key_in_a_wrong_table_is_sent_to_its_own(content: str, message: str, tmp_path: Path) -> None:
+def test_a_key_in_a_wrong_table_is_sent_to_its_own(content, message, tmp_path):
     """In TOML a key belongs to the table above it, also where it was meant for the whole file."""
     file = tmp_path / "mine.toml"
     file.write_text(f'extends = "valve-train"\n{content}\n')
@@ -207,7 +205,7 @@ def test_a_key_in_a_wrong_table_is_sent_to_its_own(content: str, message: str, t
     assert message in str(error.value)
 
 
-def test_without_an_equilibrium_the_odd_parameter_and_the_cure_are_named() -> None:
+def test_without_an_equilibrium_the_odd_parameter_and_the_cure_are_named():
     """A tappet that a load presses away from its cam has none."""
     content = {
         "name": "pressed",
@@ -231,7 +229,7 @@ def test_without_an_equilibrium_the_odd_parameter_and_the_cure_are_named() -> No
     assert 'start = "given"' in str(error.value)
 
 
-def test_a_bad_file_in_place_of_a_component_is_the_participants_fault(tmp_path: Path) -> None:
+def test_a_bad_file_in_place_of_a_component_is_the_participants_fault(tmp_path):
     (tmp_path / "text.fmu").write_text("no archive")
     table = "stop_time = 1\nmacro_step = 0.1\nreference.enabled = false\n[components.cam]\n"
     for name, words in {"none.fmu": "no such file", "text.fmu": "not an FMU"}.items():
@@ -244,7 +242,7 @@ def test_a_bad_file_in_place_of_a_component_is_the_participants_fault(tmp_path: 
         assert "\n" not in str(error.value)
 
 
-def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+def test_files_that_cannot_be_read(tmp_path):
     broken = tmp_path / "broken.toml"
     broken.write_text("macro_step = \n")
     loop = tmp_path / "loop.toml"
@@ -268,7 +266,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("setting", ["motion=free", "final_speed=2000 rpm", "initial_speed=0"])
-def test_without_a_constant_speed_revolutions_are_refused(setting: str) -> None:
+def test_without_a_constant_speed_revolutions_are_refused(setting):
     with pytest.raises(ScenarioError) as error:
         load("valve-train", ["stop_time=2 revolutions", f"components.flywheel.parameters.{setting}"])
     assert "stop_time = '2 revolutions'" in str(error.value)
@@ -280,7 +278,7 @@ def test_without_a_constant_speed_revolutions_are_refused(setting: str) -> None:
 @pytest.mark.parametrize(
     "wrong", ["parameters=3", "parameters.initial_speed=[1]", "parameters.initial_speed=3 kg"]
 )
-def test_a_wrong_type_is_the_fault_and_not_the_duration(wrong: str) -> None:
+def test_a_wrong_type_is_the_fault_and_not_the_duration(wrong):
     with pytest.raises(ScenarioError) as error:
         load("valve-train", ["stop_time=2 revolutions", f"components.flywheel.{wrong}"])
     assert f"components.flywheel.{wrong.partition('=')[0]}" in str(error.value)

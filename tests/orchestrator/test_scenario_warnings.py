@@ -1,7 +1,5 @@
 """What is no mistake but hardly meant is warned of: keys without effect, slips of the unit."""
 
-from pathlib import Path
-
 import pytest
 
 from orchestrator.scenario.files import load
@@ -10,7 +8,7 @@ from orchestrator.scenario.warnings import list_warnings
 from .commands import called
 
 
-def test_what_has_no_effect_is_noticed() -> None:
+def test_what_has_no_effect_is_noticed():
     assert list_warnings(load("valve-train")) == []
     assert list_warnings(load("valve-train-controlled")) == []
     (said,) = list_warnings(load("valve-train-controlled", ["output_step=1 ms"]))
@@ -39,7 +37,7 @@ SLIPS = {
 
 
 @pytest.mark.parametrize("setting", SLIPS)
-def test_a_slip_of_the_unit_is_doubted_with_both_readings(setting: str) -> None:
+def test_a_slip_of_the_unit_is_doubted_with_both_readings(setting):
     path, number = setting.split("=")
     (doubt,) = list_warnings(load("valve-train", [f"components.{setting}"]))
     assert doubt.startswith(f"components.{path} = {number} ")
@@ -47,7 +45,7 @@ def test_a_slip_of_the_unit_is_doubted_with_both_readings(setting: str) -> None:
     assert list_warnings(load("valve-train", [f"components.{path}={SLIPS[setting]}"])) == []
 
 
-def test_a_system_that_a_slip_of_the_unit_makes_impossible_names_the_slip(tmp_path: Path) -> None:
+def test_a_system_that_a_slip_of_the_unit_makes_impossible_names_the_slip(tmp_path):
     done = called(
         "run", "valve-train", "--set", "components.camshaft.parameters.lift=9", "--out", str(tmp_path / "a")
     )
@@ -76,9 +74,7 @@ def test_a_system_that_a_slip_of_the_unit_makes_impossible_names_the_slip(tmp_pa
         (["output_step=2 ms", "reference.enabled=false"], 400, None),
     ],
 )
-def test_records_at_other_times_than_asked_for_are_noticed(
-    changes: list[str], every: int, why: str | None
-) -> None:
+def test_records_at_other_times_than_asked_for_are_noticed(changes, every, why):
     scenario = load("valve-train", changes)
     assert scenario.record_every == every
     if scenario.reference.enabled:

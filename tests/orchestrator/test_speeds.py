@@ -1,8 +1,6 @@
 """tribocosim speeds: cycles of a scenario over speed, continued where it stopped."""
 
 import csv
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -40,14 +38,14 @@ SWEEP = ("speeds", "valve-train", "--from", "1000 rpm", "--to", "3400 rpm", "--c
 
 
 @pytest.fixture(scope="module")
-def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+def swept(tmp_path_factory):
     out = tmp_path_factory.mktemp("speeds") / "train"
     done = called(*SWEEP, "--out", str(out))
     assert done.returncode == 0, done.stderr
     return out, done.stdout
 
 
-def test_a_sweep_leaves_a_table_cycles_and_figures(swept: tuple[Path, str]) -> None:
+def test_a_sweep_leaves_a_table_cycles_and_figures(swept):
     out, _ = swept
     rows = list(csv.DictReader((out / "speeds.csv").read_text("utf-8").splitlines()))
     assert [row["speed [r/min]"] for row in rows] == ["1000.0", "2200.0", "3400.0"]
@@ -71,7 +69,7 @@ def test_a_sweep_leaves_a_table_cycles_and_figures(swept: tuple[Path, str]) -> N
     np.testing.assert_allclose(found, least, rtol=0.02)
 
 
-def test_friction_stress_and_orders_follow_from_the_cycles(swept: tuple[Path, str]) -> None:
+def test_friction_stress_and_orders_follow_from_the_cycles(swept):
     """Power is torque times speed; the stress is over the contact's elastic limit; orders are harmonics."""
     out, _ = swept
     table = read_table(out)
@@ -90,7 +88,7 @@ def test_friction_stress_and_orders_follow_from_the_cycles(swept: tuple[Path, st
     assert amplitude[0, 1] == pytest.approx(abs(second), rel=1e-5)
 
 
-def test_the_area_under_the_lift_is_that_of_the_cam(swept: tuple[Path, str]) -> None:
+def test_the_area_under_the_lift_is_that_of_the_cam(swept):
     """S (B + 2 d) of a cycloid's rise and fall with a dwell, less what the contact gives under its load."""
     out, said_text = swept
     table = read_table(out)
@@ -102,7 +100,7 @@ def test_the_area_under_the_lift_is_that_of_the_cam(swept: tuple[Path, str]) -> 
     assert "valve_spring: the area under its lift is" in said_text
 
 
-def test_it_tells_the_speed_of_separation(swept: tuple[Path, str]) -> None:
+def test_it_tells_the_speed_of_separation(swept):
     """Between the last speed with contact and the first one without."""
     _, said_text = swept
     (line,) = (line for line in said_text.splitlines() if line.startswith("contact is lost from"))
@@ -113,7 +111,7 @@ def test_it_tells_the_speed_of_separation(swept: tuple[Path, str]) -> None:
 
 
 @pytest.mark.long
-def test_the_same_command_takes_what_is_there(swept: tuple[Path, str]) -> None:
+def test_the_same_command_takes_what_is_there(swept):
     out, _ = swept
     before = {path.name: path.stat().st_mtime_ns for path in (out / "cycles").iterdir()}
     done = called(*SWEEP, "--out", str(out))
@@ -124,9 +122,7 @@ def test_the_same_command_takes_what_is_there(swept: tuple[Path, str]) -> None:
 @pytest.mark.parametrize(
     ("options", "place"), [((), "at 2200"), (("--lost",), "at 3400"), (("--at", "1100 rpm"), "at 1000")]
 )
-def test_two_sweeps_are_compared(
-    options: tuple[str, ...], place: str, swept: tuple[Path, str], tmp_path: Path
-) -> None:
+def test_two_sweeps_are_compared(options, place, swept, tmp_path):
     """With itself: all numbers twice. At 3400 r/min contact is lost."""
     out, _ = swept
     done = called("compare", str(out), str(out), "--out", str(tmp_path / "both.png"), *options)
@@ -156,16 +152,14 @@ def make_sweep(speeds: list[float], lost_from: float) -> xarray.Dataset:
         ({"at": 290.0}, [300.0], [300.0]),
     ],
 )
-def test_designs_are_compared_where_both_keep_contact(
-    choice: dict[str, Any], first: list[float], second: list[float]
-) -> None:
+def test_designs_are_compared_where_both_keep_contact(choice, first, second):
     tables = [make_sweep([100.0, 200.0, 300.0], 300.0), make_sweep([90.0, 150.0, 260.0, 300.0], 1e9)]
     tables[1] = tables[1].assign_coords(speed=[90.0, 150.0, 250.0001, 300.0])
     found = select_speeds(tables, Choice(**choice))
     assert [list(np.round(table["speed"].values)) for table in found] == [first, second]
 
 
-def test_the_worst_has_its_speed_and_angle() -> None:
+def test_the_worst_has_its_speed_and_angle():
     worst = find_worst(make_sweep([100.0, 200.0], 1e9), "contact.least_load", 1.0)
     assert str(worst) == "-200 at 1910, 115°"
 
@@ -178,12 +172,12 @@ def test_the_worst_has_its_speed_and_angle() -> None:
         (("fast", None, None), "fast"),
     ],
 )
-def test_speeds_of_a_comparison_that_make_no_sense(texts: tuple[str | None, ...], said: str) -> None:
+def test_speeds_of_a_comparison_that_make_no_sense(texts, said):
     with pytest.raises(MistakeError, match=said):
         parse_choice(*texts, lost=False)
 
 
-def test_panels_are_scaled_by_the_speeds_with_contact() -> None:
+def test_panels_are_scaled_by_the_speeds_with_contact():
     """Also where it is lost at most of the speeds."""
     loads = [610.0, 600.0, 590.0, 7e3, 6e4, 7e4, 2e5, 2e5]
     table = xarray.Dataset(
@@ -194,14 +188,14 @@ def test_panels_are_scaled_by_the_speeds_with_contact() -> None:
     assert 610.0 < drawn.get_ylim()[1] < 7e3
 
 
-def test_the_worst_of_the_area_under_the_lift_is_the_least() -> None:
+def test_the_worst_of_the_area_under_the_lift_is_the_least():
     table = xarray.Dataset({"valve.lift_area": ("speed", [2e-3, 1e-3])}, {"speed": np.array([1.0, 2.0])})
     found = find_worst(table, "valve.lift_area", 1e3)
     assert found
     assert (found.value, found.speed_rpm) == pytest.approx((1.0, 2.0 * 60.0 / (2.0 * np.pi)))
 
 
-def test_motions_without_a_cycle_are_said_with_their_distance() -> None:
+def test_motions_without_a_cycle_are_said_with_their_distance():
     speeds = np.array([100.0, 200.0, 300.0]) / RPM
     numbers = {"change": ("speed", [1e-6, 2e-3, 4e-2]), "periods": ("speed", [4.0, 20.0, 25.0])}
     (sentence,) = describe_unsteady(xarray.Dataset(numbers, {"speed": speeds}))
@@ -210,7 +204,7 @@ def test_motions_without_a_cycle_are_said_with_their_distance() -> None:
     assert not list(describe_unsteady(xarray.Dataset(numbers, {"speed": speeds}).isel(speed=[0])))
 
 
-def test_lift_is_compared_at_speeds_with_contact() -> None:
+def test_lift_is_compared_at_speeds_with_contact():
     """A valve that flies has more area than the cam gives it."""
     values = {"valve.lift_area": [2e-3, 1.9e-3, 5e-3], "contact.lost": [0.0, 0.0, 0.1]}
     table = xarray.Dataset(
@@ -222,7 +216,7 @@ def test_lift_is_compared_at_speeds_with_contact() -> None:
     assert not list(describe_lift_loss(table.isel(speed=[2])))
 
 
-def test_a_folder_without_a_sweep_is_named(tmp_path: Path) -> None:
+def test_a_folder_without_a_sweep_is_named(tmp_path):
     done = called("compare", str(tmp_path), str(tmp_path))
     assert done.returncode == 2
     assert "holds no finished sweep" in said(done)
@@ -242,27 +236,23 @@ def test_a_folder_without_a_sweep_is_named(tmp_path: Path) -> None:
         (("valve-train", "--set", "components.camshaft.parameters.base_radius=12 mm"), "undercut"),
     ],
 )
-def test_mistakes_are_named_before_anything_is_written(
-    arguments: tuple[str, ...], message: str, tmp_path: Path
-) -> None:
+def test_mistakes_are_named_before_anything_is_written(arguments, message, tmp_path):
     done = called("speeds", *arguments, "--out", str(tmp_path / "out"))
     assert done.returncode == 2
     assert message in said(done)
     assert not (tmp_path / "out").exists()
 
 
-def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(monkeypatch):
     """Of a train that is lost above a speed known for each formula, in contacts only."""
     tables = read_changed("valve-train", [])
     limits = {"dowson_toyoda": 3306.0, "dry": 1234.0, "moes_venner": 9999.0}
     speeds = np.linspace(1000.0, 3600.0, 27) / RPM
 
-    def find_motion(subject: SpeedSubject, speed: float) -> tuple[str, float]:
+    def find_motion(subject, speed):
         return subject.tables["components"]["contact"]["parameters"]["film_model"], speed
 
-    def is_lost(motion: tuple[str, float], number: str) -> bool:
+    def is_lost(motion, number):
         film, speed = motion
         return RPM * speed >= limits[film] + 100.0 * (number == "lost_on_nose")
 
@@ -284,7 +274,7 @@ def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(
 
 
 @pytest.mark.long
-def test_the_second_formula_gives_the_speed_of_its_own_sweep(tmp_path: Path) -> None:
+def test_the_second_formula_gives_the_speed_of_its_own_sweep(tmp_path):
     """To the closeness of both searches."""
     ends, where = ("3200 rpm", "3400 rpm", 2), {"workers": 1}
     both = tribocosim.speeds("valve-train", *ends, **where)
@@ -295,7 +285,7 @@ def test_the_second_formula_gives_the_speed_of_its_own_sweep(tmp_path: Path) -> 
     assert alone.attrs["second_separation"] == ""
 
 
-def test_the_usual_second_formula_is_another_one() -> None:
+def test_the_usual_second_formula_is_another_one():
     """None where the contacts have no other, or no formula."""
     for film, second in (("kushwaha", USUAL), (USUAL, OTHER)):
         changed = read_changed("valve-train", [f"components.contact.parameters.film_model={film}"])
@@ -306,7 +296,7 @@ def test_the_usual_second_formula_is_another_one() -> None:
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=12), st.data())
-def test_the_first_loss_is_at_the_end_of_the_nearest_range(lost: list[bool], data: st.DataObject) -> None:
+def test_the_first_loss_is_at_the_end_of_the_nearest_range(lost, data):
     near = data.draw(st.integers(0, len(lost) - 1))
     first = find_first(lost.__getitem__, near, len(lost))
     if first is None:
@@ -318,11 +308,11 @@ def test_the_first_loss_is_at_the_end_of_the_nearest_range(lost: list[bool], dat
         assert first > near or first == 0 or not lost[first - 1]
 
 
-def test_a_train_without_contacts_has_no_separation() -> None:
+def test_a_train_without_contacts_has_no_separation():
     table = xarray.Dataset({"shaft.twist": ("speed", [0.1, 0.2])}, {"speed": [100.0, 200.0]})
     assert find_separation(SpeedSubject({}, "flywheel"), table, SilentReporter()) is None
 
 
-def test_bisection_ends_within_a_tenth_of_a_revolution() -> None:
+def test_bisection_ends_within_a_tenth_of_a_revolution():
     found = bisect_separation(lambda speed: speed >= 123.4, 100.0, 200.0)
     assert 0.0 <= found - 123.4 <= CLOSE

@@ -162,7 +162,7 @@ async def list_answers(ports: set[int]) -> list[str]:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads the kernel's list of ports")
 @pytest.mark.long
-def test_a_local_study_answers_nobody_else(tmp_path: Path) -> None:
+def test_a_local_study_answers_nobody_else(tmp_path):
     """Another user of this machine, who can reach its ports, cannot have it run code."""
     store, waits = tmp_path / "store.zarr", tmp_path / "waits"
     arguments = [str(write_study(tmp_path, "SLOW", 8.0, 10)), "--out", str(store), "--workers", "1"]
@@ -183,13 +183,13 @@ def test_a_local_study_answers_nobody_else(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def cluster() -> Iterator[str]:
+def cluster():
     with run_scheduler() as (address, _):
         yield address
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def undisturbed(tmp_path_factory):
     """The folder of a study of slow points that nothing disturbed; two of its points fail."""
     folder = tmp_path_factory.mktemp("undisturbed")
     done = tribocosim("study", str(write_study(folder, "SLOW", 8.0, 10)), "--out", str(folder / "store.zarr"))
@@ -199,7 +199,7 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_a_study_leaves_its_store_a_table_and_a_figure(undisturbed: Path) -> None:
+def test_a_study_leaves_its_store_a_table_and_a_figure(undisturbed):
     names = {"store.zarr", "store.csv", "store.png", "test.toml", "traces"}
     assert {path.name for path in undisturbed.iterdir()} == names
     with xarray.open_zarr(undisturbed / "store.zarr") as found:
@@ -212,7 +212,7 @@ def test_a_study_leaves_its_store_a_table_and_a_figure(undisturbed: Path) -> Non
         assert "numba" in json.loads(found.attrs["versions"])
 
 
-def test_a_finished_study_evaluates_nothing_again(undisturbed: Path) -> None:
+def test_a_finished_study_evaluates_nothing_again(undisturbed):
     before, times = read_files(undisturbed / "store.zarr"), count_evaluations(undisturbed)
     arguments = ["study", str(undisturbed / "test.toml"), "--out", str(undisturbed / "store.zarr")]
     assert called(*arguments).returncode == 1
@@ -230,9 +230,7 @@ def test_a_finished_study_evaluates_nothing_again(undisturbed: Path) -> None:
         pytest.param(signal.SIGKILL, (1, 5, 9, 14), marks=pytest.mark.long),
     ],
 )
-def test_killed_and_continued_ends_with_the_same_store(
-    undisturbed: Path, tmp_path: Path, kill: signal.Signals, after: tuple[int, ...]
-) -> None:
+def test_killed_and_continued_ends_with_the_same_store(undisturbed, tmp_path, kill, after):
     """The last six points wait for the kill, however late it comes on a busy machine."""
     store, killed = tmp_path / "store.zarr", tmp_path / "killed"
     arguments = [str(undisturbed / "test.toml"), "--out", str(store), "--workers", "2"]
@@ -258,9 +256,7 @@ def test_killed_and_continued_ends_with_the_same_store(
 
 
 @pytest.mark.parametrize("where", ["here", pytest.param("cluster", marks=pytest.mark.long)])
-def test_a_running_scheduler_gives_the_same_store(
-    where: str, request: pytest.FixtureRequest, undisturbed: Path, tmp_path: Path
-) -> None:
+def test_a_running_scheduler_gives_the_same_store(where, request, undisturbed, tmp_path):
     """One in this process, or one whose workers have processes of their own."""
     store = tmp_path / "store.zarr"
     with contextlib.ExitStack() as stack:
@@ -275,7 +271,7 @@ def test_a_running_scheduler_gives_the_same_store(
 
 
 @pytest.mark.long
-def test_a_point_that_kills_its_process_is_recorded_and_the_rest_goes_on(tmp_path: Path) -> None:
+def test_a_point_that_kills_its_process_is_recorded_and_the_rest_goes_on(tmp_path):
     store = tmp_path / "store.zarr"
     done = tribocosim("study", str(write_study(tmp_path, "LETHAL")), "--out", str(store), "--workers=2")
     assert done.returncode == 1, done.stderr
@@ -287,7 +283,7 @@ def test_a_point_that_kills_its_process_is_recorded_and_the_rest_goes_on(tmp_pat
 
 
 @pytest.mark.long
-def test_a_study_needs_no_cache_folder(tmp_path: Path) -> None:
+def test_a_study_needs_no_cache_folder(tmp_path):
     """Here one that everyone may write; what workers have instead goes with them."""
     for name in ("cache", "temporary"):
         (tmp_path / name).mkdir()
@@ -303,9 +299,7 @@ def test_a_study_needs_no_cache_folder(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("package", STUDY_PACKAGES)
-def test_a_study_without_its_packages_names_them_and_the_extra(
-    package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_study_without_its_packages_names_them_and_the_extra(package, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, package, None)
     done = called("study", str(write_study(tmp_path, "PLAIN")), "--out", str(tmp_path / "store.zarr"))
     assert done.returncode == 2
@@ -315,7 +309,7 @@ def test_a_study_without_its_packages_names_them_and_the_extra(
     assert [re.match(r"\w+", line)[0] for line in extras["studies"]] == list(STUDY_PACKAGES)
 
 
-def test_an_unreachable_scheduler_is_one_message(tmp_path: Path) -> None:
+def test_an_unreachable_scheduler_is_one_message(tmp_path):
     address = "tcp://127.0.0.1:1"
     done = called(
         "study", str(write_study(tmp_path, "PLAIN")), "--scheduler", address, "--timeout", "0.5",
@@ -327,7 +321,7 @@ def test_an_unreachable_scheduler_is_one_message(tmp_path: Path) -> None:
 
 
 @pytest.mark.long
-def test_workers_of_another_source_are_refused(cluster: str, tmp_path: Path) -> None:
+def test_workers_of_another_source_are_refused(cluster, tmp_path):
     """The analysis's module is changed here after the workers have read it."""
     shutil.copy(ROOT / "tests" / "orchestrator" / "known_analyses.py", tmp_path / "elsewhere.py")
     file = tmp_path / "test.toml"
@@ -340,7 +334,7 @@ def test_workers_of_another_source_are_refused(cluster: str, tmp_path: Path) -> 
 
 @pytest.mark.skipif(not shutil.which("openssl"), reason="needs openssl")
 @pytest.mark.long
-def test_the_documented_certificate_keeps_others_from_a_scheduler(tmp_path: Path) -> None:
+def test_the_documented_certificate_keeps_others_from_a_scheduler(tmp_path):
     """Who has it can study there; who has none cannot."""
     (command,) = re.findall(r"^openssl .+?[^\\]$", DOCS, re.DOTALL | re.MULTILINE)
     (settings,) = re.findall(r"```yaml\n(.+?)```", DOCS, re.DOTALL)
@@ -361,7 +355,7 @@ def test_the_documented_certificate_keeps_others_from_a_scheduler(tmp_path: Path
 
 
 @pytest.mark.long
-def test_a_worker_without_our_packages_is_refused(tmp_path: Path) -> None:
+def test_a_worker_without_our_packages_is_refused(tmp_path):
     lacking = tmp_path / "lacking.py"
     lacking.write_text("import sys\nsys.modules['orchestrator'] = None\n")
     with run_scheduler("--preload", str(lacking)) as (address, _):
@@ -372,7 +366,7 @@ def test_a_worker_without_our_packages_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.long
-def test_a_scheduler_that_ends_is_named_and_what_is_finished_is_kept(tmp_path: Path) -> None:
+def test_a_scheduler_that_ends_is_named_and_what_is_finished_is_kept(tmp_path):
     store = tmp_path / "store.zarr"
     arguments = [str(write_study(tmp_path, "SLOW", 8.0, 10)), "--out", str(store)]
     with run_scheduler() as (address, scheduler):
@@ -387,7 +381,7 @@ def test_a_scheduler_that_ends_is_named_and_what_is_finished_is_kept(tmp_path: P
 
 
 @pytest.mark.long
-def test_a_module_beside_the_study_is_imported_by_the_workers(tmp_path: Path) -> None:
+def test_a_module_beside_the_study_is_imported_by_the_workers(tmp_path):
     shutil.copy(ROOT / "tests" / "orchestrator" / "known_analyses.py", tmp_path / "mine.py")
     points = "[points]\nkind = 'grid'\naxes.x = ['1 mm', 3.0]\n"
     (tmp_path / "sums.toml").write_text("analysis = 'mine:PLAIN'\n" + points)

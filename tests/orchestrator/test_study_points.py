@@ -4,7 +4,6 @@ import itertools
 import math
 import re
 import tomllib
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,7 +32,7 @@ NUMBERS = st.lists(st.floats(-10.0, 10.0), min_size=1, max_size=4, unique=True)
 
 @given(NUMBERS, NUMBERS)
 @settings(derandomize=True, deadline=None)
-def test_a_grid_is_the_product_of_its_axes(xs: list[float], ys: list[float]) -> None:
+def test_a_grid_is_the_product_of_its_axes(xs, ys):
     points = plan_study({"kind": "grid", "axes": {"x": xs, "y": ys}}).points
     assert points.shape == (len(xs), len(ys))
     found = [(point["x"], point["y"]) for point in (points[i] for i in range(len(points)))]
@@ -42,14 +41,14 @@ def test_a_grid_is_the_product_of_its_axes(xs: list[float], ys: list[float]) -> 
 
 @given(st.lists(st.tuples(st.floats(-10.0, 10.0), st.floats(-1e9, 1e9)), min_size=1, max_size=9))
 @settings(derandomize=True, deadline=None)
-def test_a_list_is_its_rows_in_order(rows: list[tuple[float, float]]) -> None:
+def test_a_list_is_its_rows_in_order(rows):
     points = plan_study({"kind": "list", "rows": [{"x": x, "y": y} for x, y in rows]}).points
     assert [(points[i]["x"], points[i]["y"]) for i in range(len(points))] == rows
 
 
 @given(st.floats(-10.0, 10.0), st.floats(-10.0, 10.0), st.integers(2, 40))
 @settings(derandomize=True, deadline=None)
-def test_a_linear_axis_has_both_ends_and_equal_steps(start: float, stop: float, count: int) -> None:
+def test_a_linear_axis_has_both_ends_and_equal_steps(start, stop, count):
     if start == stop:
         return
     axis = {"start": start, "stop": stop, "count": count}
@@ -61,7 +60,7 @@ def test_a_linear_axis_has_both_ends_and_equal_steps(start: float, stop: float, 
     assert np.diff(values) == pytest.approx((stop - start) / (count - 1), rel=0.0, abs=rounding)
 
 
-def test_a_logarithmic_axis_has_equal_ratios() -> None:
+def test_a_logarithmic_axis_has_equal_ratios():
     axis = {"start": "1 mm", "stop": "10 m", "count": 5, "spacing": "logarithmic"}
     values = plan_study({"kind": "grid", "axes": {"x": axis}}).points.coordinates["x"]
     assert values == pytest.approx([1e-3, 1e-2, 1e-1, 1.0, 10.0], rel=1e-14)  # rounding of a power
@@ -75,7 +74,7 @@ def _sobol(seed: int, count: int = 256) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", [0, 1, 20261121])
-def test_sobol_points_are_balanced_and_of_low_discrepancy(seed: int) -> None:
+def test_sobol_points_are_balanced_and_of_low_discrepancy(seed):
     """A scrambled (t, m, s)-net of 2^m points in two dimensions has t = 0: each of the 2^m boxes of equal
     volume of every shape holds one point."""
     points = _sobol(seed)
@@ -86,14 +85,14 @@ def test_sobol_points_are_balanced_and_of_low_discrepancy(seed: int) -> None:
     assert qmc.discrepancy(points) < 0.1 * qmc.discrepancy(random)
 
 
-def test_sobol_points_are_those_of_their_seed() -> None:
+def test_sobol_points_are_those_of_their_seed():
     assert np.array_equal(_sobol(7), _sobol(7))
     assert not np.array_equal(_sobol(7), _sobol(8))
 
 
 @given(st.lists(st.integers(1, 300), min_size=1, max_size=4))
 @settings(derandomize=True, deadline=None)
-def test_chunks_are_bounded_and_few(shape: list[int]) -> None:
+def test_chunks_are_bounded_and_few(shape):
     chunks = choose_chunks(shape)
     assert math.prod(chunks) <= CHUNK
     assert all(1 <= chunk <= size for chunk, size in zip(chunks, shape, strict=True))
@@ -121,7 +120,7 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("text", MISTAKES)
-def test_a_mistaken_study_is_one_message(text: str, tmp_path: Path) -> None:
+def test_a_mistaken_study_is_one_message(text, tmp_path):
     file = tmp_path / "mistaken.toml"
     file.write_text(f"{text}\n[points]\nkind = 'grid'\naxes.y = [1.0]\n")
     with pytest.raises(MistakeError) as caught:
@@ -132,7 +131,7 @@ def test_a_mistaken_study_is_one_message(text: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["", "none.toml"])
-def test_a_place_without_a_study_is_named(name: str, tmp_path: Path) -> None:
+def test_a_place_without_a_study_is_named(name, tmp_path):
     with pytest.raises(MistakeError, match=str(tmp_path / name)):
         load(str(tmp_path / name), refuse_build)
 
@@ -160,14 +159,14 @@ BAD_POINTS = {
 
 
 @pytest.mark.parametrize("text", BAD_POINTS)
-def test_mistaken_points_are_one_message(text: str) -> None:
+def test_mistaken_points_are_one_message(text):
     with pytest.raises(MistakeError) as caught:
         plan_study(tomllib.loads(text))
     assert BAD_POINTS[text] in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_values_mean_what_the_scenario_takes_them_for() -> None:
+def test_values_mean_what_the_scenario_takes_them_for():
     speed = [f"components.flywheel.parameters.{name}_speed" for name in ("initial", "final")]
     axes = {"speed": ["600 rpm"], "macro_step": ["2 us"], "master.extrapolation": ["hold"]}
     plan = plan_scenario(
@@ -191,13 +190,13 @@ SETTINGS = {
 
 @pytest.mark.parametrize("path", SETTINGS)
 @pytest.mark.parametrize("fixed", [True, False])
-def test_an_unknown_setting_of_a_scenario_is_named(path: str, fixed: bool) -> None:
+def test_an_unknown_setting_of_a_scenario_is_named(path, fixed):
     axes = {"macro_step": [1e-6]} | ({} if fixed else {path: [1.0]})
     with pytest.raises(MistakeError, match=re.escape(SETTINGS[path])):
         plan_scenario({"kind": "grid", "axes": axes}, fixed={path: 1.0} if fixed else {})
 
 
-def test_every_shipped_study_and_analysis_is_whole() -> None:
+def test_every_shipped_study_and_analysis_is_whole():
     assert list_shipped()
     for name in list_shipped():
         assert len(load(name, refuse_build).points) > 1
@@ -218,7 +217,7 @@ def plan(rows: list[dict[str, Any]]) -> Any:
     return plan_scenario({"kind": "list", "rows": rows}, fixed=fixed)
 
 
-def test_results_are_those_of_the_run(tmp_path: Path) -> None:
+def test_results_are_those_of_the_run(tmp_path):
     study = plan([{LIFT: "9 mm", "macro_step": "10 us"}])
     found = study.subject.evaluate(study.points[0])
     assert set(found) == set(study.subject.results)
@@ -244,7 +243,7 @@ def test_results_are_those_of_the_run(tmp_path: Path) -> None:
 
 
 @pytest.mark.long
-def test_an_oil_is_studied_over_grades_and_temperatures(tmp_path: Path) -> None:
+def test_an_oil_is_studied_over_grades_and_temperatures(tmp_path):
     """Hotter, or of a thinner grade, it makes a thinner film."""
     oil, temperature = "components.contact.oil", "components.contact.temperature"
     rows = [
@@ -266,7 +265,7 @@ def test_an_oil_is_studied_over_grades_and_temperatures(tmp_path: Path) -> None:
     assert films[0] > 2.0 * films[1] > 2.0 * films[2]
 
 
-def test_a_run_that_fails_is_a_failed_point_with_its_message() -> None:
+def test_a_run_that_fails_is_a_failed_point_with_its_message():
     study = plan([{"macro_step": "1 ms", LIFT: "9 mm"}, {"macro_step": "10 us", LIFT: "-9 mm"}])
     with pytest.raises(RunError, match="reduce macro_step"):
         study.subject.evaluate(study.points[0] | {"stop_time": 0.05, "reference.enabled": False})
@@ -279,7 +278,7 @@ def test_a_run_that_fails_is_a_failed_point_with_its_message() -> None:
         study.subject.evaluate(study.points[1])
 
 
-def test_workers_of_another_version_do_not_evaluate() -> None:
+def test_workers_of_another_version_do_not_evaluate():
     study = plan([{"macro_step": "10 us"}])
     found = evaluate(study.subject, study.points[0], {"tribocosim": "0" * 16})
     assert isinstance(found, str)

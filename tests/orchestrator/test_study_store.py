@@ -56,9 +56,7 @@ class _Interrupted(Store):
         super().flush()
 
 
-def test_points_counted_as_finished_at_ctrl_c_are_in_the_store(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_points_counted_as_finished_at_ctrl_c_are_in_the_store(tmp_path, monkeypatch):
     path = tmp_path / "store.zarr"
     batch = [(index, compute_outcome(PLAN, index)) for index in (0, 5)]
     execution = SimpleNamespace(outcomes=lambda pending: iter([batch]))
@@ -77,7 +75,7 @@ class Killed(BaseException):
 
 @given(st.permutations(range(12)), st.lists(st.integers(0, 30), max_size=3))
 @settings(derandomize=True, deadline=None, max_examples=10)
-def test_order_and_kills_leave_no_trace(order: list[int], kills: list[int]) -> None:
+def test_order_and_kills_leave_no_trace(order, kills):
     """A kill comes after any number of files that a start has written."""
     with TemporaryDirectory() as name:
         straight, disturbed = fill_store(Path(name) / "straight.zarr", PLAN), Path(name) / "disturbed.zarr"
@@ -108,7 +106,7 @@ def evaluate_until(path: Path, order: list[int], kill: int | None) -> None:
 
 
 @pytest.mark.parametrize("kill", range(1, 9))
-def test_what_says_done_has_its_results(kill: int, tmp_path: Path) -> None:
+def test_what_says_done_has_its_results(kill, tmp_path):
     """Whatever file of the first two points a kill comes before."""
     with contextlib.suppress(Killed):
         evaluate_until(tmp_path / "store.zarr", [4, 0], kill)
@@ -119,7 +117,7 @@ def test_what_says_done_has_its_results(kill: int, tmp_path: Path) -> None:
         assert (found["message"].values[failed] != "").all()
 
 
-def test_failed_points_are_pending_again_on_request(tmp_path: Path) -> None:
+def test_failed_points_are_pending_again_on_request(tmp_path):
     path = fill_store(tmp_path / "store.zarr", PLAN)
     with open_small_chunks(path, PLAN) as store:
         failed = np.flatnonzero(store.status == FAILED).tolist()
@@ -131,7 +129,7 @@ def test_failed_points_are_pending_again_on_request(tmp_path: Path) -> None:
         assert store.pending() == failed
 
 
-def test_xarray_reads_units_texts_and_flags(tmp_path: Path) -> None:
+def test_xarray_reads_units_texts_and_flags(tmp_path):
     with open_small_chunks(tmp_path / "store.zarr", PLAN):
         pass
     with xarray.open_zarr(tmp_path / "store.zarr") as found:
@@ -143,7 +141,7 @@ def test_xarray_reads_units_texts_and_flags(tmp_path: Path) -> None:
         assert json.loads(found.attrs["versions"]) == VERSIONS
 
 
-def test_sobol_points_are_coordinates_along_one_dimension(tmp_path: Path) -> None:
+def test_sobol_points_are_coordinates_along_one_dimension(tmp_path):
     ranges = {"x": {"low": -2.0, "high": 2.0}, "y": {"low": 0.0, "high": 1.0}}
     plan = plan_study({"kind": "sobol", "ranges": ranges, "count": 32, "seed": 5})
     with xarray.open_zarr(fill_store(tmp_path / "store.zarr", plan)) as found:
@@ -162,7 +160,7 @@ OTHERS = {
 
 
 @pytest.mark.parametrize("other", OTHERS)
-def test_another_studys_store_is_refused_or_replaced(other: str, tmp_path: Path) -> None:
+def test_another_studys_store_is_refused_or_replaced(other, tmp_path):
     path, plan = tmp_path / "store.zarr", OTHERS[other]
     with open_small_chunks(path, PLAN):
         before = read_files(path)
@@ -173,7 +171,7 @@ def test_another_studys_store_is_refused_or_replaced(other: str, tmp_path: Path)
         assert len(store.pending()) == len(plan.points)
 
 
-def test_a_store_of_another_version_or_in_use_is_refused(tmp_path: Path) -> None:
+def test_a_store_of_another_version_or_in_use_is_refused(tmp_path):
     path = tmp_path / "store.zarr"
     with open_small_chunks(path, PLAN), pytest.raises(MistakeError), open_small_chunks(path, PLAN):
         pass
@@ -182,7 +180,7 @@ def test_a_store_of_another_version_or_in_use_is_refused(tmp_path: Path) -> None
         pass
 
 
-def test_a_folder_that_is_no_store_is_never_replaced(tmp_path: Path) -> None:
+def test_a_folder_that_is_no_store_is_never_replaced(tmp_path):
     file = tmp_path / "folder" / "file"
     file.parent.mkdir()
     file.touch()
@@ -191,7 +189,7 @@ def test_a_folder_that_is_no_store_is_never_replaced(tmp_path: Path) -> None:
     assert file.exists()
 
 
-def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+def test_a_place_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "file").touch()
     store = tmp_path / "file" / "store.zarr"
     with pytest.raises(MistakeError, match="choose another out"), open_small_chunks(store, PLAN):
@@ -210,7 +208,7 @@ def rows(store: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def test_the_table_has_a_line_for_each_point_with_units_and_exact_numbers(tmp_path: Path) -> None:
+def test_the_table_has_a_line_for_each_point_with_units_and_exact_numbers(tmp_path):
     axes = {"y": [0.1, 0.2], "x": [1.0 / 3.0, -1.0, 2.0]}
     found = rows(fill_store(tmp_path / "s.zarr", plan_study({"kind": "grid", "axes": axes}, PICKY)))
     assert [(float(row["y"]), float(row["x [m]"])) for row in found] == [
@@ -225,7 +223,7 @@ def test_the_table_has_a_line_for_each_point_with_units_and_exact_numbers(tmp_pa
             assert float(row["sum [m]"]) == float(row["x [m]"]) + float(row["y"])
 
 
-def test_the_table_of_single_points_has_their_parameters(tmp_path: Path) -> None:
+def test_the_table_of_single_points_has_their_parameters(tmp_path):
     points = [{"x": 1.0, "mode": "plain"}, {"x": 3.0, "mode": "square"}]
     found = rows(fill_store(tmp_path / "s.zarr", plan_study({"kind": "list", "rows": points})))
     assert [(row["x [m]"], row["mode"], row["sum [m]"]) for row in found] == [
@@ -241,20 +239,20 @@ def draw(folder: Path, axes: dict[str, Any], analysis: str = PLAIN) -> Any:
         return draw_figure(found.load(), ["sum"]).axes[0]
 
 
-def test_one_axis_is_a_curve(tmp_path: Path) -> None:
+def test_one_axis_is_a_curve(tmp_path):
     axes = draw(tmp_path, {"x": [1.0, 2.0, 4.0]})
     (line,) = axes.lines
     assert np.array_equal(line.get_xydata(), [(1.0, 2.0), (2.0, 3.0), (4.0, 5.0)])
     assert axes.get_xlabel() == "abscissa (m)"
 
 
-def test_an_axis_of_few_values_or_of_names_gives_curves(tmp_path: Path) -> None:
+def test_an_axis_of_few_values_or_of_names_gives_curves(tmp_path):
     axes = draw(tmp_path, {"mode": ["plain", "square"], "x": [1.0, 2.0, 3.0]})
     assert [line.get_label() for line in axes.lines] == ["plain", "square"]
     assert np.array_equal(axes.lines[1].get_ydata(), [4.0, 9.0, 16.0])
 
 
-def test_two_long_axes_are_a_map_with_gaps_where_points_failed(tmp_path: Path) -> None:
+def test_two_long_axes_are_a_map_with_gaps_where_points_failed(tmp_path):
     ys = [float(k) for k in range(1, 8)]
     (mesh,) = draw(tmp_path, {"x": [float(k) for k in range(-1, 7)], "y": ys}, PICKY).collections
     values = mesh.get_array().reshape(7, 8)
@@ -263,21 +261,21 @@ def test_two_long_axes_are_a_map_with_gaps_where_points_failed(tmp_path: Path) -
     assert np.array_equal(values[:, 1], ys)
 
 
-def test_a_result_that_cannot_be_drawn_is_refused() -> None:
+def test_a_result_that_cannot_be_drawn_is_refused():
     for name in ("sun", "sign"):
         with pytest.raises(MistakeError, match=f"figure: .*'{name}'"):
             plan_study({"kind": "grid", "axes": {"x": [1.0, 2.0]}}, figure=[name])
 
 
 @pytest.mark.parametrize(("stop", "doubted"), [(1400.0, True), ("14000 rpm", False)])
-def test_numbers_without_a_unit_are_doubted_in_studies_too(stop: float | str, doubted: bool) -> None:
+def test_numbers_without_a_unit_are_doubted_in_studies_too(stop, doubted):
     axis = {"start": 60.0 if doubted else "600 rpm", "stop": stop, "count": 2}
     plan = plan_scenario({"kind": "grid", "axes": {"speed": axis}}, names=SPEED)
     said = plan.subject.list_warnings(plan.points[1])
     assert ["did you mean 1400 rpm?" in line for line in said] == [True] * doubted
 
 
-def test_a_point_that_failed_keeps_its_message(tmp_path: Path) -> None:
+def test_a_point_that_failed_keeps_its_message(tmp_path):
     plan = plan_study({"kind": "grid", "axes": {"x": [1.0]}})
     with open_small_chunks(tmp_path / "s.zarr", plan) as store:
         store.record(0, Outcome({}, 'a "message", with a comma'))

@@ -2,7 +2,6 @@
 
 import csv
 from collections import defaultdict
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 
 
-def test_each_number_has_its_unit_angle_time_and_speed(tmp_path: Path) -> None:
+def test_each_number_has_its_unit_angle_time_and_speed(tmp_path):
     """A turn of 60 ms in ten parts, 1000 r/min: row 3 is at 108 deg and 18 ms."""
     columns: dict[str, Vector] = defaultdict(lambda: np.zeros(11))
     columns["time"] = np.linspace(0.0, 0.06, 11)

@@ -3,7 +3,6 @@
 import os
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -51,13 +50,13 @@ UNITS = {
 
 
 @pytest.mark.parametrize("case", UNITS)
-def test_units(case: str) -> None:
+def test_units(case):
     units._load_registry()
     refuse(lambda: to_unit(f"1 {UNITS[case]}", "s"), UnitError)
 
 
 @pytest.mark.parametrize("unit", ["N/mm**2", "N/mm^2", "kg.m2/s2", "m^(1/2)", "mm2/s", "1/GPa", "m²"])
-def test_powers_that_engineers_write_are_units(unit: str) -> None:
+def test_powers_that_engineers_write_are_units(unit):
     assert units.to_base_units(unit) is not None
 
 
@@ -87,7 +86,7 @@ TEXTS = {
 
 
 @pytest.mark.parametrize("case", TEXTS)
-def test_scenarios(case: str, tmp_path: Path) -> None:
+def test_scenarios(case, tmp_path):
     file = tmp_path / "a.toml"
     text = TEXTS[case]
     file.write_text(text if "extends" in text else VALVE_TRAIN + text)
@@ -95,11 +94,11 @@ def test_scenarios(case: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("value", ["[" * 50_000, "1" * 5000, "{a=" * 50_000, "{" + "a." * 50_000 + "a=1}"])
-def test_settings(value: str) -> None:
+def test_settings(value):
     refuse(lambda: load("valve-train", [f"{LIFT}={value}"]))
 
 
-def test_a_chain_of_files_that_extend_each_other(tmp_path: Path) -> None:
+def test_a_chain_of_files_that_extend_each_other(tmp_path):
     for i in range(1200):
         (tmp_path / f"{i}.toml").write_text(f'extends = "{i + 1}.toml"')
     (tmp_path / "1200.toml").write_text(VALVE_TRAIN)
@@ -109,7 +108,7 @@ def test_a_chain_of_files_that_extend_each_other(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(os.name != "posix", reason="has no named pipes")
 @pytest.mark.parametrize("written", ['extends = "pipe"', 'components.camshaft.lift_table = "pipe"'])
-def test_a_pipe_is_no_file(written: str, tmp_path: Path) -> None:
+def test_a_pipe_is_no_file(written, tmp_path):
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "a.toml").write_text(written if "extends" in written else VALVE_TRAIN + written)
     refuse(lambda: load(tmp_path / "a.toml"))
@@ -124,13 +123,13 @@ HEADERS = {
 
 
 @pytest.mark.parametrize("case", HEADERS)
-def test_headers_of_tables(case: str, tmp_path: Path) -> None:
+def test_headers_of_tables(case, tmp_path):
     (tmp_path / "a.csv").write_text(f"{HEADERS[case]}\n0,0\n1,1\n2,0\n")
     refuse(lambda: load("my-cam", [f"components.camshaft.lift_table={tmp_path / 'a.csv'}"]))
 
 
 @pytest.mark.parametrize("cell", ["1" * 5000, "1e400", "1e" + "9" * 4500, "1e-" + "9" * 4500, "1," * 100_000])
-def test_cells_of_tables(cell: str, tmp_path: Path) -> None:
+def test_cells_of_tables(cell, tmp_path):
     (tmp_path / "a.csv").write_text(f"angle [deg], lift [mm]\n0,{cell}\n1,1\n2,0\n")
     refuse(lambda: load("my-cam", [f"components.camshaft.lift_table={tmp_path / 'a.csv'}"]))
 
@@ -143,34 +142,32 @@ PROGRAMS = [
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_programs_that_give_no_component_and_no_analysis(name: str, tmp_path: Path) -> None:
+def test_programs_that_give_no_component_and_no_analysis(name, tmp_path):
     """Those of Python are not even called."""
     (tmp_path / "a.toml").write_text(f'{VALVE_TRAIN}[components.extra]\ncomponent = "{name}"')
     refuse(lambda: load(tmp_path / "a.toml"))
     refuse(lambda: load_analysis(name))
 
 
-def test_a_module_that_fails_or_ends_when_it_is_imported(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_module_that_fails_or_ends_when_it_is_imported(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     for i, text in enumerate(("1 / 0", "raise SystemExit", "x = ")):
         (tmp_path / f"own_module_{i}.py").write_text(text)
         assert f"own_module_{i}:x" in refuse(lambda i=i: load_analysis(f"own_module_{i}:x"))  # type: ignore[misc]
 
 
-def test_studies(tmp_path: Path) -> None:
+def test_studies(tmp_path):
     for text in ("x = " + "[" * 50_000, "fixed.x = " + "1" * 5000):
         (tmp_path / "a.toml").write_text(text)
         refuse(lambda: load_study(str(tmp_path / "a.toml"), lambda scenario: None))  # type: ignore[arg-type, return-value]
 
 
 @pytest.mark.parametrize("text", ["[" * 100_000, '{"a":' * 100_000, f'{{"a": {"1" * 5000}}}', '["\\u0000"]'])
-def test_json(text: str) -> None:
+def test_json(text):
     refuse(lambda: parse_json(text), ValueError)
 
 
-def test_what_is_read() -> None:
+def test_what_is_read():
     assert parse_toml("a.b = 1\nc = [[1.5, 2.5]]") == {"a": {"b": 1}, "c": [[1.5, 2.5]]}
     assert parse_value(" 9 mm ") == "9 mm"
     assert parse_value("1\nx = 2") == "1\nx = 2"

@@ -21,7 +21,6 @@ from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, StepControl
 
 from .coupled import run_coupled, start_from, with_start
-from .recorder import Recorder
 
 DURATION = 8e-3
 SAMPLES = 100
@@ -122,14 +121,14 @@ def test_the_references_own_uncertainty_is_far_below_the_coupling_errors(referen
     record("Coupling", quantity, found, 0.0, "CVODE against DOP853 or Radau", tolerance=1e-7)
 
 
-def test_a_train_that_turns_backwards_mirrors_torque_and_friction() -> None:
+def test_a_train_that_turns_backwards_mirrors_torque_and_friction():
     """Its cam is symmetric: loads and films are the same, velocities of the surfaces and torques opposite.
 
     To rounding: 1e-11 of each value's largest size was measured over a revolution.
     """
     system = build_system(load("valve-train"))
 
-    def turn(sign: float) -> Recorder:
+    def turn(sign):
         flywheel = system.instances["flywheel"]
         speed = sign * flywheel.parameters["initial_speed"]
         both = {"initial_speed": speed, "final_speed": speed}

@@ -2,7 +2,6 @@
 
 import signal
 from contextlib import suppress
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,7 +25,7 @@ def make_swept(load: float, lost_from: float) -> Swept:
     return Swept(0, table, {"separation": {"speed": 2500.4 if lost_from < 400.0 else None, "text": ""}})
 
 
-def test_several_values_make_every_combination() -> None:
+def test_several_values_make_every_combination():
     found = list_variants(["a.lash=0.1 mm, 0.2 mm", "a.mass=1", "b.rate=[1, 2]", "b.law=x,y"])
     assert found[0] == Variant(
         "lash=0.1 mm, law=x", ("a.lash=0.1 mm", "a.mass=1", "b.rate=[1, 2]", "b.law=x")
@@ -39,7 +38,7 @@ def test_several_values_make_every_combination() -> None:
         list_variants(["a.mass=1,1"])
 
 
-def test_designs_are_judged_at_the_speeds_at_which_all_keep_contact() -> None:
+def test_designs_are_judged_at_the_speeds_at_which_all_keep_contact():
     """The stiffer one keeps it to the end; its load there is not set beside the other's at less speed."""
     speeds, rows = tabulate({"soft": make_swept(400.0, 300.0), "stiff": make_swept(500.0, 1e9)})
     assert speeds == "955 to 1910 r/min, where all keep contact"
@@ -47,12 +46,12 @@ def test_designs_are_judged_at_the_speeds_at_which_all_keep_contact() -> None:
     assert [row["contact lost from r/min"] for row in rows] == ["2500", "–"]
 
 
-def test_designs_that_lose_contact_at_every_speed_say_so() -> None:
+def test_designs_that_lose_contact_at_every_speed_say_so():
     speeds, _ = tabulate({"soft": make_swept(400.0, 0.0), "stiff": make_swept(500.0, 1e9)})
     assert speeds == "955 to 2865 r/min, at each of which one loses contact"
 
 
-def test_a_number_that_only_a_later_design_has_has_its_column() -> None:
+def test_a_number_that_only_a_later_design_has_has_its_column():
     one, other = make_swept(400.0, 1e9), make_swept(500.0, 1e9)
     power = 0.1 * other.table["contact.least_load"].rename(None)
     with_power = other._replace(table=other.table.assign({"valve.seating_velocity": power}))
@@ -61,11 +60,11 @@ def test_a_number_that_only_a_later_design_has_has_its_column() -> None:
     assert draw_variants({"one": one.table, "other": with_power.table}).axes[1].get_title() == PANELS[3][0]
 
 
-def test_an_interrupted_sweep_leaves_out_the_designs_that_follow(tmp_path: Path) -> None:
+def test_an_interrupted_sweep_leaves_out_the_designs_that_follow(tmp_path):
     """Also where a library made something else of Ctrl-C; designs that are complete have their table."""
     begun = []
 
-    def sweep(tables: object, folder: Path) -> Swept:
+    def sweep(tables, folder):
         begun.append(folder.name)
         with suppress(KeyboardInterrupt):  # as a library may do
             if len(begun) == 2:
@@ -79,21 +78,21 @@ def test_an_interrupted_sweep_leaves_out_the_designs_that_follow(tmp_path: Path)
     assert len((tmp_path / TABLE).read_text("utf-8").splitlines()) == 1 + 2
 
 
-def test_lists_and_tables_are_values_and_equal_names_have_paths() -> None:
+def test_lists_and_tables_are_values_and_equal_names_have_paths():
     found = list_variants(["a.rate=[1, 2],[3, 4]", 'oil={ name = "x, y", t = 1 }, { name = "z", t = 2 }'])
     assert found[0].settings == ("a.rate=[1, 2]", 'oil={ name = "x, y", t = 1 }')
     assert len(found) == 4
     assert list_variants(["a.mass=1,2", "b.mass=3,4"])[0].label == "a.mass=1, b.mass=3"
 
 
-def test_one_speed_is_between_the_computed_ones() -> None:
+def test_one_speed_is_between_the_computed_ones():
     tables = [make_swept(load, 1e9).table for load in (400.0, 500.0)]
     assert [t["speed"].values.tolist() for t in select_speeds(tables, Choice(at=120.0))] == [[100.0]] * 2
     with pytest.raises(MistakeError, match="955 to 2865 r/min"):
         select_speeds(tables, Choice(at=942.0))
 
 
-def test_a_line_of_a_sweep_has_the_units_that_figures_have() -> None:
+def test_a_line_of_a_sweep_has_the_units_that_figures_have():
     attributes = {"peak_pressure": {"units": "Pa"}, "least_film": {"units": "m", "display_units": "um"}}
     data = {f"contact.{name}": ("speed", [1.0], attributes[name]) for name in attributes}
     heads = [(head, factor) for head, _, factor in select_columns(xarray.Dataset(data))]
@@ -104,11 +103,11 @@ def test_a_line_of_a_sweep_has_the_units_that_figures_have() -> None:
     ("value", "shown"),
     [(-0.0, "0"), (1713.4e6, "1713000000"), (17134.0, "17130"), (-0.024289, "-0.02429"), (np.nan, "–")],
 )
-def test_a_number_in_a_table_has_no_exponent_and_no_negative_zero(value: float, shown: str) -> None:
+def test_a_number_in_a_table_has_no_exponent_and_no_negative_zero(value, shown):
     assert format_number(value) == shown
 
 
-def test_a_figure_has_a_colour_for_each_design() -> None:
+def test_a_figure_has_a_colour_for_each_design():
     tables = {name: make_swept(load, 1e9).table for name, load in (("a", 400.0), ("b", 500.0), ("c", 600.0))}
     figure = draw_variants(tables)
     (panel,) = figure.axes

@@ -2,8 +2,6 @@
 
 import json
 import math
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,7 +27,7 @@ QUANTITIES = {
 }
 
 
-def test_the_witness_agrees_with_reference_and_run(tmp_path: Path, record: Callable[..., None]) -> None:
+def test_the_witness_agrees_with_reference_and_run(tmp_path, record):
     """Coupling errors stay below 1e-3, the reference's differences from the witness below 5e-5."""
     out = run_whole(tmp_path / "out", RUN)
     witness = json.loads((out / "summary.json").read_text())["witness"]
@@ -48,7 +46,7 @@ def test_the_witness_agrees_with_reference_and_run(tmp_path: Path, record: Calla
 
 
 @pytest.mark.parametrize(("difference", "agrees"), [(2e-4, True), (5e-2, False), (math.nan, False)])
-def test_the_witness_judges_the_reference(difference: float, agrees: bool) -> None:
+def test_the_witness_judges_the_reference(difference, agrees):
     """A rocker of twice its inertia differs by 5e-2 in the cam's load."""
     span = (0.0, 1.0)
     sides = {"cam_contact.load": Side(span, span, span, 0.0, difference)}
@@ -60,9 +58,7 @@ def test_the_witness_judges_the_reference(difference: float, agrees: bool) -> No
 
 
 @pytest.mark.long
-def test_a_run_in_small_steps_agrees_to_a_hundred_thousandth(
-    tmp_path: Path, record: Callable[..., None]
-) -> None:
+def test_a_run_in_small_steps_agrees_to_a_hundred_thousandth(tmp_path, record):
     out = run_whole(tmp_path / "out", [*RUN, "macro_step=2 us"])
     for name, side in json.loads((out / "summary.json").read_text())["witness"]["quantities"].items():
         quantity = f"{name}: coupled run in steps of 2 us against multibody, relative RMS"
@@ -96,7 +92,7 @@ CHANGES = {"qin2000-train": [], "valve-train": SEAT, "valve-train-flexible": []}
 
 @pytest.mark.long
 @pytest.mark.parametrize("scenario", TRAINS)
-def test_the_witness_agrees_with_the_reference(scenario: str, record: Callable[..., None]) -> None:
+def test_the_witness_agrees_with_the_reference(scenario, record):
     """Trains with a pushrod, with a seat on which the closed valve rests, and on a shaft that bends."""
     loaded = load(scenario, [WITNESS, *CHANGES[scenario]])
     system = build_system(loaded)
@@ -152,7 +148,7 @@ def test_the_witness_agrees_with_the_reference(scenario: str, record: Callable[.
         ("two-masses", [], "knows systems of flywheel, camshaft"),
     ],
 )
-def test_what_the_witness_does_not_know_is_refused(scenario: str, change: list[str], message: str) -> None:
+def test_what_the_witness_does_not_know_is_refused(scenario, change, message):
     changes = [text for text in change if text != "connections=append"]
     loaded = load(scenario, [WITNESS, *changes])
     if "connections=append" in change:

@@ -1,7 +1,6 @@
 """Long runs say what they need before they start, and how long they will take."""
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from orchestrator.scenario.files import load
 from .commands import SHORT, called
 
 
-def test_a_short_run_is_not_announced(tmp_path: Path) -> None:
+def test_a_short_run_is_not_announced(tmp_path):
     assert announce(load("valve-train"), 57, tmp_path) == ""
 
 
@@ -25,14 +24,12 @@ def test_a_short_run_is_not_announced(tmp_path: Path) -> None:
         (["stop_time=1e5", "macro_step=1 us"], ["output_step"]),
     ],
 )
-def test_a_long_run_is_announced_with_its_steps_or_its_records_and_a_remedy(
-    settings: list[str], keys: list[str], tmp_path: Path
-) -> None:
+def test_a_long_run_is_announced_with_its_steps_or_its_records_and_a_remedy(settings, keys, tmp_path):
     line = announce(load("valve-train", settings), 57, tmp_path)
     assert all(key in line for key in keys)
 
 
-def test_the_files_of_a_run_are_within_what_is_announced(tmp_path: Path) -> None:
+def test_the_files_of_a_run_are_within_what_is_announced(tmp_path):
     """Rows of journals and CSV at once; the files' heads are not counted."""
     done = called("run", "valve-train", "--out", str(tmp_path), "--no-figures", *SHORT)
     assert done.returncode in (0, 1), done.stderr
@@ -46,9 +43,7 @@ def test_the_files_of_a_run_are_within_what_is_announced(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(("speed", "said"), [(1e-3, ["the coupled run will take about 17 min"]), (1.0, [])])
-def test_the_time_of_a_run_is_forecast_from_its_speed(
-    speed: float, said: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_time_of_a_run_is_forecast_from_its_speed(speed, said, monkeypatch):
     """At `speed` seconds of the model in a second, a run of 1 s."""
     seconds = itertools.count()
     monkeypatch.setattr(workload.clock, "monotonic", lambda: float(next(seconds)))
@@ -59,7 +54,7 @@ def test_the_time_of_a_run_is_forecast_from_its_speed(
     assert [line.partition(" at this")[0] for line in lines] == said
 
 
-def test_time_spent_on_compiling_is_no_part_of_the_forecast(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_time_spent_on_compiling_is_no_part_of_the_forecast(monkeypatch):
     """One step takes an hour, in which kernels are compiled; the others take a second for 10 ms of 1 s."""
     seconds = iter([0.0, 3600.0, 3601.0, 3602.0, 3603.0])
     monkeypatch.setattr(workload.clock, "monotonic", lambda: next(seconds))

@@ -29,7 +29,7 @@ playwright = pytest.importorskip("playwright.sync_api", reason="needs the packag
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
+def browser():
     """Headless Chromium; skipped where there is none."""
     path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if path is None:
@@ -70,7 +70,7 @@ def settle(page: Any) -> None:
 
 
 @pytest.fixture(scope="module")
-def result(tmp_path_factory: pytest.TempPathFactory) -> tribocosim.Result:
+def result(tmp_path_factory):
     """A revolution and a half of the valve train, with its reference."""
     folder = tmp_path_factory.mktemp("run") / "out"
     found = tribocosim.run(tribocosim.load("valve-train").with_({"stop_time": "60 ms"}), folder)
@@ -89,7 +89,7 @@ def lowest(page: Any, title: str) -> float:
 
 
 @pytest.mark.long
-def test_the_valve_stands_where_its_lift_says(browser: Any, result: tribocosim.Result) -> None:
+def test_the_valve_stands_where_its_lift_says(browser, result):
     """At three instants; the page rounds to a thousandth of a millimetre, and values to five digits."""
     assert result.folder is not None
     lift = result.coupled["valve_spring.position"]
@@ -104,7 +104,7 @@ def test_the_valve_stands_where_its_lift_says(browser: Any, result: tribocosim.R
             assert lowest(page, "valve_spring") - closed == pytest.approx(1e3 * float(lift[at]), abs=3e-3)
 
 
-def test_zoom_move_and_instant_go_through_all_plots(browser: Any, result: tribocosim.Result) -> None:
+def test_zoom_move_and_instant_go_through_all_plots(browser, result):
     assert result.folder is not None
     with opened(browser, result.folder / "report.html") as page:
         canvas = page.locator(".panel canvas").first
@@ -129,7 +129,7 @@ def test_zoom_move_and_instant_go_through_all_plots(browser: Any, result: triboc
         assert page.evaluate("report.view.shown") == pytest.approx([0.0, 360.0], rel=1e-5)
 
 
-def test_keys_play_and_step(browser: Any, result: tribocosim.Result) -> None:
+def test_keys_play_and_step(browser, result):
     assert result.folder is not None
     with opened(browser, result.folder / "report.html") as page:
         page.keyboard.press("ArrowRight")
@@ -141,7 +141,7 @@ def test_keys_play_and_step(browser: Any, result: tribocosim.Result) -> None:
         assert page.locator("#play").text_content() == "Play"
 
 
-def test_what_is_shown_is_saved_as_csv(browser: Any, result: tribocosim.Result) -> None:
+def test_what_is_shown_is_saved_as_csv(browser, result):
     assert result.folder is not None
     with opened(browser, result.folder / "report.html") as page:
         with page.expect_download() as download:
@@ -155,7 +155,7 @@ def test_what_is_shown_is_saved_as_csv(browser: Any, result: tribocosim.Result) 
         np.testing.assert_allclose(columns[:, 1], result.reference["contact.load"].values, rtol=2e-5)
 
 
-def test_angles_take_the_place_of_time(browser: Any, result: tribocosim.Result) -> None:
+def test_angles_take_the_place_of_time(browser, result):
     assert result.folder is not None
     with opened(browser, result.folder / "report.html", color_scheme="dark") as page:
         assert page.evaluate("report.view.name") == "cam_angle"
@@ -165,7 +165,7 @@ def test_angles_take_the_place_of_time(browser: Any, result: tribocosim.Result) 
         assert page.evaluate("report.view.whole[1]") == pytest.approx(360.0, rel=1e-4)
 
 
-def test_keys_work_after_a_click_on_a_button(browser: Any, result: tribocosim.Result) -> None:
+def test_keys_work_after_a_click_on_a_button(browser, result):
     """What was reached by the keyboard keeps its keys: there, space presses a button."""
     assert result.folder is not None
     with opened(browser, result.folder / "report.html") as page:
@@ -181,7 +181,7 @@ def test_keys_work_after_a_click_on_a_button(browser: Any, result: tribocosim.Re
         assert page.evaluate("document.documentElement.scrollWidth") == 390
 
 
-def test_rounded_angles_that_rise_slowly_take_the_place_of_time(browser: Any, tmp_path: Path) -> None:
+def test_rounded_angles_that_rise_slowly_take_the_place_of_time(browser, tmp_path):
     """Rows a nanosecond apart, of a step control that locates events, have equal rounded angles. One that
     turns back cannot be an abscissa, and the page says so."""
     time = np.sort(np.concatenate([np.linspace(0.0, 0.12, 200), 0.06 + 1e-9 * np.arange(1, 50)]))
@@ -203,7 +203,7 @@ def test_rounded_angles_that_rise_slowly_take_the_place_of_time(browser: Any, tm
         assert page.evaluate("report.view.name") == "a.angle"
 
 
-def test_a_million_rows_stay_few_marks(browser: Any, tmp_path: Path) -> None:
+def test_a_million_rows_stay_few_marks(browser, tmp_path):
     """Drawn is at most some points for each pixel, whatever is shown; zoomed in, every row is there."""
     write_large(tmp_path, 1_000_000, 4)
     with opened(browser, write_report(tmp_path)) as page:
@@ -226,9 +226,7 @@ def test_a_million_rows_stay_few_marks(browser: Any, tmp_path: Path) -> None:
         assert page.evaluate("report.panels[0].detail.at(125001)") < 1.1
 
 
-def test_rows_that_share_a_pixel_are_joined_to_the_row_before_by_one_line(
-    browser: Any, tmp_path: Path
-) -> None:
+def test_rows_that_share_a_pixel_are_joined_to_the_row_before_by_one_line(browser, tmp_path):
     """Rows far apart and then close together: no upright reaches down to the row that a line has left."""
     write_sweep(tmp_path)
     with opened(browser, write_report(tmp_path)) as page:
@@ -244,7 +242,7 @@ def test_rows_that_share_a_pixel_are_joined_to_the_row_before_by_one_line(
         assert max(heights) == pytest.approx(0.3 + 1.0, abs=1e-6)  # of the rows, and the line's thickness
 
 
-def test_numbers_are_written_without_zeros_that_say_nothing(browser: Any, tmp_path: Path) -> None:
+def test_numbers_are_written_without_zeros_that_say_nothing(browser, tmp_path):
     write_sweep(tmp_path)
     with opened(browser, write_report(tmp_path)) as page:
         said = page.evaluate("[1e-4, 1.5e-4, 1.2344e6, -1e-10, 2e5, 0, 12.5, 100].map(readable)")
@@ -252,16 +250,14 @@ def test_numbers_are_written_without_zeros_that_say_nothing(browser: Any, tmp_pa
 
 
 @pytest.mark.parametrize(("film", "said"), [(2e-10, "no film"), (4e-10, "film 4e-4 µm")])
-def test_a_film_below_an_atom_is_said_to_be_none(
-    browser: Any, tmp_path: Path, film: float, said: str
-) -> None:
+def test_a_film_below_an_atom_is_said_to_be_none(browser, tmp_path, film, said):
     values = f"{{ load: 10, film_thickness: {film}, maximum_pressure: 1e8, half_width: 1e-5 }}"
     own = f"{{ value: (name) => ({values})[name], open: () => NaN, describeSource: () => '' }}"
     with opened(browser, write_evil(tmp_path)) as page:
         assert page.evaluate(f"Contact.prototype.describe.call({own}, 0)").startswith(f"load 10 N, {said}, ")
 
 
-def test_no_text_of_a_result_runs(browser: Any, tmp_path: Path) -> None:
+def test_no_text_of_a_result_runs(browser, tmp_path):
     """Of names, units, descriptions and messages that are scripts; the losses are marked all the same."""
     with opened(browser, write_evil(tmp_path)) as page:
         page.click("#add")
@@ -270,7 +266,7 @@ def test_no_text_of_a_result_runs(browser: Any, tmp_path: Path) -> None:
         assert page.evaluate("report.marks.events.map((one) => one.time)") == [pytest.approx(0.75)]
 
 
-def test_a_click_on_a_map_and_its_keys_choose_the_speed(browser: Any, tmp_path: Path) -> None:
+def test_a_click_on_a_map_and_its_keys_choose_the_speed(browser, tmp_path):
     write_sweep(tmp_path)
     with opened(browser, write_report(tmp_path)) as page:
         settle(page)
@@ -288,7 +284,7 @@ def test_a_click_on_a_map_and_its_keys_choose_the_speed(browser: Any, tmp_path: 
         assert page.locator("#speeds").input_value() == "1"
 
 
-def test_speeds_without_contact_are_pale(browser: Any, tmp_path: Path) -> None:
+def test_speeds_without_contact_are_pale(browser, tmp_path):
     """And the scale is that of the other speeds, whose largest load is known."""
     write_sweep(tmp_path)
     with opened(browser, write_report(tmp_path)) as page:
@@ -301,7 +297,7 @@ def test_speeds_without_contact_are_pale(browser: Any, tmp_path: Path) -> None:
         assert page.locator("#pale").is_visible()
 
 
-def test_everything_has_a_name_for_screen_readers(browser: Any, result: tribocosim.Result) -> None:
+def test_everything_has_a_name_for_screen_readers(browser, result):
     """Every control and every picture."""
     assert result.folder is not None
     with opened(browser, result.folder / "report.html") as page:
@@ -313,7 +309,7 @@ def test_everything_has_a_name_for_screen_readers(browser: Any, result: tribocos
         assert nameless == []
 
 
-def test_paper_is_white(browser: Any, result: tribocosim.Result) -> None:
+def test_paper_is_white(browser, result):
     """A page in dark colours is drawn in light ones for the printer, and back."""
     assert result.folder is not None
     with opened(browser, result.folder / "report.html", color_scheme="dark") as page:

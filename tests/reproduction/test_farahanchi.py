@@ -3,7 +3,6 @@
 import math
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +19,7 @@ from reproduction.farahanchi1991.figures import FIGURES, PICTURES
 from reproduction.farahanchi1991.force import compute_curve, find_changes, find_limits, measure_shares
 from reproduction.farahanchi1991.lagrange import evaluate_lagrange, evaluate_printed
 from reproduction.farahanchi1991.runs import CORRECTED, FORMS, PUBLISHED, Case, Runs
-from reproduction.statement import Statement, Verdict
+from reproduction.statement import Verdict
 from tests.fmus.names import mark_long
 
 # Statements that need no motion, or a short one.
@@ -30,16 +29,16 @@ QUICK += [claim for claim in CLAIMS if claim.key in ("ratios", "uniform-rod")]
 
 
 @pytest.fixture(scope="module")
-def runs() -> Runs:
+def runs():
     return Runs()
 
 
 @pytest.fixture(scope="module")
-def quick(runs: Runs) -> dict[str, Statement]:
+def quick(runs):
     return {claim.key: claim.judge(runs) for claim in QUICK}
 
 
-def test_every_figure_from_2_4_to_4_44_is_there_once() -> None:
+def test_every_figure_from_2_4_to_4_44_is_there_once():
     numbers = [picture.number for picture in PICTURES]
     expected = ["2.2", *(f"2.{n}" for n in range(4, 11)), "3.1", *(f"4.{n}" for n in range(1, 45))]
     assert numbers == expected
@@ -64,13 +63,11 @@ def test_every_figure_from_2_4_to_4_44_is_there_once() -> None:
         ("rod-rotation", "corrected", 1.9469, 1e-4),
     ],
 )
-def test_numbers_that_need_no_motion(
-    key: str, value: str, expected: float, tolerance: float, quick: dict[str, Statement]
-) -> None:
+def test_numbers_that_need_no_motion(key, value, expected, tolerance, quick):
     assert quick[key].values[value] == pytest.approx(expected, abs=tolerance)
 
 
-def test_the_force_is_zero_at_the_threshold_of_permanent_sliding_and_nowhere_negative() -> None:
+def test_the_force_is_zero_at_the_threshold_of_permanent_sliding_and_nowhere_negative():
     for form in FORMS:
         for gap in (0.0, 0.01, 0.02):
             least = compute_curve(Machine(find_limits(form, gap)[0], gap, form=form), UPPER, 20_001).min()
@@ -80,7 +77,7 @@ def test_the_force_is_zero_at_the_threshold_of_permanent_sliding_and_nowhere_neg
 
 @settings(derandomize=True, deadline=None, max_examples=30)
 @given(gap=st.floats(0.0, 0.02), form=st.sampled_from(FORMS))
-def test_without_friction_the_walls_forces_are_mirror_images(gap: float, form: str) -> None:
+def test_without_friction_the_walls_forces_are_mirror_images(gap, form):
     machine = Machine(0.0, gap, form=form)
     upper, lower = compute_curve(machine, UPPER, 361), compute_curve(machine, LOWER, 361)
     np.testing.assert_allclose(upper[::-1], lower, atol=1e-14)
@@ -88,7 +85,7 @@ def test_without_friction_the_walls_forces_are_mirror_images(gap: float, form: s
 
 @settings(derandomize=True, deadline=None, max_examples=20)
 @given(damping=st.floats(0.0, 0.5), gap=st.floats(0.001, 0.02), form=st.sampled_from(FORMS))
-def test_the_four_kinds_of_crank_angles_make_up_the_revolution(damping: float, gap: float, form: str) -> None:
+def test_the_four_kinds_of_crank_angles_make_up_the_revolution(damping, gap, form):
     machine = Machine(damping, gap, form=form)
     assert sum(measure_shares(machine).values()) == pytest.approx(TURN, rel=1e-12)
     assert len(find_changes(machine, UPPER)) % 2 == 0
@@ -101,16 +98,14 @@ def test_the_four_kinds_of_crank_angles_make_up_the_revolution(damping: float, g
     rate=st.floats(-0.3, 0.3),
     bend=st.floats(-2.0, 2.0),
 )
-def test_2_10_follows_from_f_s_energy_and_2_27_from_the_rod_s(
-    theta: float, psi: float, rate: float, bend: float
-) -> None:
+def test_2_10_follows_from_f_s_energy_and_2_27_from_the_rod_s(theta, psi, rate, bend):
     # Central differences of 1e-5 leave 1e-16 / 1e-5 and 1e-10 of the third derivative.
     for rod_term, rotation in (("(2.10)", 1.0), ("(2.27)", -1.0)):
         found = evaluate_printed(theta, psi, bend, M, rod_term)
         assert found == pytest.approx(evaluate_lagrange(theta, psi, rate, bend, rotation, M), abs=1e-8)
 
 
-def test_verdicts_of_both_forms(quick: dict[str, Statement]) -> None:
+def test_verdicts_of_both_forms(quick):
     for key in ("figure-2-4", "figure-2-7", "figure-2-8", "figure-2-10"):
         assert (quick[key].verdict, quick[key].corrected_verdict) == (Verdict.MET, Verdict.NOT_MET)
     assert quick["symmetry-ii"].verdict is Verdict.NOT_MET
@@ -118,7 +113,7 @@ def test_verdicts_of_both_forms(quick: dict[str, Statement]) -> None:
     assert len(quick) == len(QUICK)
 
 
-def test_high_friction_with_the_right_sign_is_rest_on_the_upper_wall(runs: Runs) -> None:
+def test_high_friction_with_the_right_sign_is_rest_on_the_upper_wall(runs):
     published, corrected = (Case(0.25, 0.015, form=form) for form in (PUBLISHED, CORRECTED))
     assert runs.kind(published).period == 1
     assert len(runs.events(published).impacts.theta) > 0
@@ -126,7 +121,7 @@ def test_high_friction_with_the_right_sign_is_rest_on_the_upper_wall(runs: Runs)
     assert runs.sliding_share(corrected) == 1.0
 
 
-def test_rest_and_bouncing_exist_side_by_side_where_the_page_says_so() -> None:
+def test_rest_and_bouncing_exist_side_by_side_where_the_page_says_so():
     machine = Case(0.15, 0.02, form=CORRECTED).machine
     # On the wall at crank angle zero, where Lambda is 1 and the wall does not move.
     resting, bouncing = Motion(machine, psi=machine.gap), Motion(machine)
@@ -134,7 +129,7 @@ def test_rest_and_bouncing_exist_side_by_side_where_the_page_says_so() -> None:
     assert len(bouncing.skip(1000).events(50).impacts.theta) == 200
 
 
-def test_the_thesis_s_threshold_makes_a_chaotic_motion_periodic(runs: Runs) -> None:
+def test_the_thesis_s_threshold_makes_a_chaotic_motion_periodic(runs):
     case = Case(0.05, 0.02)
     assert runs.kind(case).kind == "chaotic"
     assert runs.kind(case.by_thesis_rule).period == 2
@@ -146,7 +141,7 @@ def test_the_thesis_s_threshold_makes_a_chaotic_motion_periodic(runs: Runs) -> N
         ["2.4", "2.8", "2.10", "3.1", "4.2", "4.5", "4.12", "4.20", "4.31", "4.40"], ["2.4", "3.1", "4.2"]
     ),
 )
-def test_figures_are_drawn(number: str, runs: Runs, tmp_path: Path) -> None:
+def test_figures_are_drawn(number, runs, tmp_path):
     figure = next(f for f, picture in zip(FIGURES, PICTURES, strict=True) if picture.number == number)
     replace(figure, dpi=60).save(runs, tmp_path)
     colours = np.unique(np.asarray(Image.open(tmp_path / figure.file).convert("RGB")).reshape(-1, 3), axis=0)

@@ -1,7 +1,5 @@
 """The judgement of film formulas: its numbers and page."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -15,12 +13,12 @@ from reproduction.films.statements import CLAIMS
 
 
 @pytest.fixture(scope="module")
-def runs() -> Runs:
+def runs():
     """Fewer contacts, same ranges; fewer nodes and angles."""
     return Runs(sample=(5, 1), speeds=(1000.0,), step_deg=15.0, nodes=101)
 
 
-def test_regimes_have_their_places() -> None:
+def test_regimes_have_their_places():
     """Light and stiff, light and piezoviscous, heavy and isoviscous, heavy and piezoviscous."""
     places = {(0.1, 0.5): "rigid-isoviscous", (0.6, 15.0): "rigid-piezoviscous",
               (100.0, 0.5): "elastic-isoviscous", (50.0, 10.0): "elastic-piezoviscous"}  # fmt: skip
@@ -28,7 +26,7 @@ def test_regimes_have_their_places() -> None:
         assert find_regime(moes_contact(M, L)) == name
 
 
-def test_bloks_film_is_the_rigid_piezoviscous_asymptote() -> None:
+def test_bloks_film_is_the_rigid_piezoviscous_asymptote():
     """1.66 (alpha eta0 u/R)^(2/3) with alpha eta0 u/R = G U_S/2: 1.046 L^(2/3); 1.05 is that, rounded."""
     contact = moes_contact(1.0, 8.0)
     fluid = contact.lubricant
@@ -38,7 +36,7 @@ def test_bloks_film_is_the_rigid_piezoviscous_asymptote() -> None:
 
 
 @pytest.mark.long
-def test_samples_are_reproducible_and_in_range(runs: Runs) -> None:
+def test_samples_are_reproducible_and_in_range(runs):
     again = draw_sample(5, 1)
     np.testing.assert_array_equal(again.load, runs.sample.load)
     assert runs.sample.load.min() >= 0.34e-6
@@ -47,7 +45,7 @@ def test_samples_are_reproducible_and_in_range(runs: Runs) -> None:
     assert all(film is not None for film in (*runs.sample.steady, *runs.sample.squeezed))
 
 
-def test_closing_bodies_have_thicker_films(runs: Runs) -> None:
+def test_closing_bodies_have_thicker_films(runs):
     steady, squeezed = (
         list_heights(films, "central_film") for films in (runs.sample.steady, runs.sample.squeezed)
     )
@@ -55,7 +53,7 @@ def test_closing_bodies_have_thicker_films(runs: Runs) -> None:
 
 
 @pytest.mark.long
-def test_steady_films_are_everywhere_but_at_the_reversals(runs: Runs) -> None:
+def test_steady_films_are_everywhere_but_at_the_reversals(runs):
     cycle = runs.shown
     at_rest = np.isin(np.arange(cycle.angle_deg.size), cycle.reversals)
     assert cycle.reversals_deg == pytest.approx([144.0, 168.0, 192.0, 216.0])
@@ -65,7 +63,7 @@ def test_steady_films_are_everywhere_but_at_the_reversals(runs: Runs) -> None:
 
 
 @pytest.mark.long
-def test_only_squeeze_keeps_a_film_at_the_reversals(runs: Runs) -> None:
+def test_only_squeeze_keeps_a_film_at_the_reversals(runs):
     cycle = runs.shown
     for formula in FORMULAS:
         largest = float(np.max(cycle.judged[formula.name].values))
@@ -77,7 +75,7 @@ def test_only_squeeze_keeps_a_film_at_the_reversals(runs: Runs) -> None:
 
 
 @pytest.mark.long
-def test_squeezed_films_are_the_relaxation_of_the_monolithic_solution(runs: Runs) -> None:
+def test_squeezed_films_are_the_relaxation_of_the_monolithic_solution(runs):
     """Kushwaha's film along the load of the adherence solution is that solution's own film."""
     cycle = runs.shown
     turn = runs.train.surge(cycle.speed_rpm)
@@ -86,7 +84,7 @@ def test_squeezed_films_are_the_relaxation_of_the_monolithic_solution(runs: Runs
     np.testing.assert_allclose(cycle.judged["kushwaha squeezed"].values, own, rtol=1e-3)
 
 
-def test_squeeze_ranges_are_as_the_contact_reports_them(runs: Runs) -> None:
+def test_squeeze_ranges_are_as_the_contact_reports_them(runs):
     cycle = runs.shown
     turn = runs.train.surge(cycle.speed_rpm)
     names = [f"contact.{group}_in_range" for group in ("material", "load", "speed", "squeeze")]
@@ -97,7 +95,7 @@ def test_squeeze_ranges_are_as_the_contact_reports_them(runs: Runs) -> None:
     np.testing.assert_array_equal(valid[known], reported[known] == 1.0)
 
 
-def test_the_transient_film_lags_behind_the_steady_one(runs: Runs) -> None:
+def test_the_transient_film_lags_behind_the_steady_one(runs):
     """Thinner where the steady film grows, thicker where it falls, equal at rest: only in between is the
     steady film right."""
     cycle = runs.shown
@@ -107,7 +105,7 @@ def test_the_transient_film_lags_behind_the_steady_one(runs: Runs) -> None:
 
 
 @pytest.mark.long
-def test_every_formula_is_judged(runs: Runs) -> None:
+def test_every_formula_is_judged(runs):
     statements = [claim.judge(runs) for claim in CLAIMS]
     assert {f"cycle-{formula.name}" for formula in FORMULAS} <= {statement.key for statement in statements}
     # All sentences find their numbers.
@@ -117,7 +115,7 @@ def test_every_formula_is_judged(runs: Runs) -> None:
 
 
 @pytest.mark.long
-def test_every_figure_is_drawn(runs: Runs, tmp_path: Path) -> None:
+def test_every_figure_is_drawn(runs, tmp_path):
     source = load_publication("films")
     source.draw(runs, tmp_path)
     assert all((tmp_path / figure.file).stat().st_size > 0 for figure in source.figures)

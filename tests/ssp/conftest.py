@@ -1,7 +1,6 @@
 """Packages are unpacked into a folder of the test's own."""
 
 from contextlib import nullcontext
-from pathlib import Path
 
 import pytest
 
@@ -10,7 +9,7 @@ from orchestrator.scenario.ssp import unpack
 
 
 @pytest.fixture(autouse=True)
-def unpacked_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def unpacked_here(tmp_path, monkeypatch):
     (tmp_path / "cache").mkdir()
     monkeypatch.setattr(
         unpack, "open_folder", lambda name: nullcontext(PrivateFolder(tmp_path / "cache", None))

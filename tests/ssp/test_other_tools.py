@@ -14,10 +14,9 @@ from orchestrator.reporter import Reporter
 from orchestrator.run.participants import open_participants
 from orchestrator.run.plan import make_plan
 from orchestrator.run.simulation import simulate
-from orchestrator.scenario import Scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.ssp import export
-from tests.fmus.conftest import Isolated, isolated
+from tests.fmus.conftest import isolated
 from tests.orchestrator.recorder import Recorder
 from tribocosim.cached_fmus import build_fmu
 
@@ -81,19 +80,19 @@ report(rows)
 
 
 @pytest.fixture(scope="module")
-def scenario() -> Scenario:
+def scenario():
     return load("two-masses", [f"macro_step={STEP}", f"stop_time={STEPS * STEP}"])
 
 
 @pytest.fixture(scope="module")
-def package(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def package(scenario, tmp_path_factory):
     path = tmp_path_factory.mktemp("package") / "two-masses.ssp"
     export(scenario, path, build_fmu)
     return path
 
 
 @pytest.fixture(scope="module")
-def expected(scenario: Scenario) -> list[float]:
+def expected(scenario):
     """After these steps of Jacobi's master with held inputs, over our own FMUs."""
     plan, recorder = make_plan(scenario, build_fmu, Reporter()), Recorder()
     with open_participants(plan.system, plan.participants) as units:
@@ -102,9 +101,7 @@ def expected(scenario: Scenario) -> list[float]:
 
 
 @pytest.mark.parametrize(("tool", "code"), [("libcosim", LIBCOSIM), ("ecos", ECOS)], ids=["libcosim", "ecos"])
-def test_another_tool_comes_to_the_same(
-    tool: str, code: str, package: Path, expected: list[float], isolated: Isolated, record
-) -> None:
+def test_another_tool_comes_to_the_same(tool, code, package, expected, isolated, record):
     """To the times of steps, which some count in nanoseconds or add up: 1e-9 of a value that moves by itself
     in a second."""
     if why := explain_missing(tool, Path(sys.executable)):
@@ -114,7 +111,7 @@ def test_another_tool_comes_to_the_same(
     record("Tools", quantity, found, expected, "run by tribocosim", relative=1e-9)
 
 
-def test_fmpys_loop_converges_to_the_same(package: Path, isolated: Isolated, record) -> None:
+def test_fmpys_loop_converges_to_the_same(package, isolated, record):
     """With the first order of held inputs: halving its step halves what is missing of the exact motion."""
     stop = STEPS * STEP
     rows = isolated(FMPY.format(path=str(package), step=STEP, stop=stop, names=NAMES))

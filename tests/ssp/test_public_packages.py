@@ -1,7 +1,6 @@
 """Public packages of other tools run, or are refused with the reason before anything is written."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ from .packages import binding, component, connection, package
 
 
 @pytest.mark.parametrize("name", mark_long(["algebraic_loop_1", "algebraic_loop_3", "demo"], ["demo"]))
-def test_a_public_package_runs(name: str, tmp_path: Path) -> None:
+def test_a_public_package_runs(name, tmp_path):
     """Its first hundred macro steps."""
     path = str(public(f"ssp/{name}.ssp"))
     step = load(path).macro_step
@@ -30,14 +29,14 @@ def test_a_public_package_runs(name: str, tmp_path: Path) -> None:
     assert all(np.all(np.isfinite(column)) for column in found.values())
 
 
-def test_a_public_package_for_another_system_is_refused(tmp_path: Path) -> None:
+def test_a_public_package_for_another_system_is_refused(tmp_path):
     one = load(str(public("ssp/quarter-truck.ssp")))
     with pytest.raises(ScenarioError, match=r"chassis.*has no binary for .* \(it has win32, win64\)"):
         run(one, tmp_path / "out", never, Reporter(), figures=False)
     assert not (tmp_path / "out").exists()
 
 
-def test_a_public_package_runs_or_names_the_library_that_lacks(tmp_path: Path) -> None:
+def test_a_public_package_runs_or_names_the_library_that_lacks(tmp_path):
     """Its FMUs need a C++ library that not every system has."""
     path = str(public("ssp/scenario_parameter.ssp"))
     one = load(path, [f"stop_time={10 * load(path).macro_step!r}"])
@@ -49,9 +48,7 @@ def test_a_public_package_runs_or_names_the_library_that_lacks(tmp_path: Path) -
     assert not said or re.search(r"scenario: instantiate: .*GLIBC", said)
 
 
-def test_integers_and_enumerations_of_a_package_pass_as_numbers(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_integers_and_enumerations_of_a_package_pass_as_numbers(tmp_path, caplog):
     """With a notice: other tools connect them. In a scenario a factor says so."""
     ports = {"Int32_output": "output", "Enumeration_input": "input", "Int32_input": "input"}
     values = binding({"Int32_input": 'Integer value="2"'})
@@ -69,7 +66,7 @@ def test_integers_and_enumerations_of_a_package_pass_as_numbers(
     assert recorded(tmp_path / "out")["two.Enumeration_output"][-1] == 2.0
 
 
-def test_texts_of_a_package_pass_and_have_values(tmp_path: Path) -> None:
+def test_texts_of_a_package_pass_and_have_values(tmp_path):
     """Strings and binary values, given in a set and connected."""
     kinds = {f"{kind}_{end}put": f"{end}put {kind}" for kind in ("String", "Binary") for end in ("in", "out")}
     values = binding({"String_input": 'String value="so"', "Binary_input": 'Binary value="00ff"'})

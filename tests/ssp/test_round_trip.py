@@ -30,7 +30,7 @@ def round_trip(scenario: Scenario, folder: Path) -> Scenario:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_shipped_scenario_comes_back(name: str, tmp_path: Path) -> None:
+def test_every_shipped_scenario_comes_back(name, tmp_path):
     scenario = load(name)
     back = round_trip(scenario, tmp_path)
     # An oil comes back as the parameters that it has become.
@@ -80,9 +80,7 @@ TABLES = st.fixed_dictionaries(
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
-def test_whatever_is_changed_comes_back_to_the_last_bit(
-    changes: dict[str, Any], first: dict[str, Any], second: dict[str, Any], tmp_path: Path
-) -> None:
+def test_whatever_is_changed_comes_back_to_the_last_bit(changes, first, second, tmp_path):
     content: dict[str, Any] = read_contents(list_shipped()["two-masses"]) | changes
     content.pop("step_control", None)
     for name, table in (("first", first), ("second", second)):
@@ -92,7 +90,7 @@ def test_whatever_is_changed_comes_back_to_the_last_bit(
     assert round_trip(scenario, tmp_path) == scenario
 
 
-def test_third_party_fmus_go_and_come_back(tmp_path: Path) -> None:
+def test_third_party_fmus_go_and_come_back(tmp_path):
     """Each file once, byte for byte; factors, starts, elements, and the results."""
     one = fmu("dahlquist", 2, tmp_path)
     tables = {
@@ -127,26 +125,26 @@ def test_third_party_fmus_go_and_come_back(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made(tmp_path_factory):
     """The package of two masses."""
     path = tmp_path_factory.mktemp("package") / "made.ssp"
     export(load("two-masses"), path, build_fmu)
     return path
 
 
-def test_the_same_scenario_is_the_same_file(made: Path, tmp_path: Path) -> None:
+def test_the_same_scenario_is_the_same_file(made, tmp_path):
     export(load("two-masses"), tmp_path / "other.ssp", build_fmu)
     assert (tmp_path / "other.ssp").read_bytes() == made.read_bytes()
 
 
-def test_a_value_changed_in_the_package_is_changed_in_the_scenario(made: Path, tmp_path: Path) -> None:
+def test_a_value_changed_in_the_package_is_changed_in_the_scenario(made, tmp_path):
     """What other tools edit: values and connections are those of the standard's files, not a copy of ours."""
     edited = tmp_path / "edited.ssp"
     replace_text(made, edited, 'value="5.0"', 'value="6.5"', "resources/first.ssv")
     assert load(edited).components["first"].parameters["mass"] == 6.5
 
 
-def test_another_fmu_in_the_package_is_taken_for_what_it_is(made: Path, tmp_path: Path) -> None:
+def test_another_fmu_in_the_package_is_taken_for_what_it_is(made, tmp_path):
     """By its checksum, though it is still the same archive; the component's own is built anew."""
     file = "resources/sprung_mass.fmu"
     edited = repack(made, tmp_path / "edited.ssp", lambda n, c: {n: c + b"\0" if n == file else c})
@@ -156,7 +154,7 @@ def test_another_fmu_in_the_package_is_taken_for_what_it_is(made: Path, tmp_path
     assert tables["second"].component == "sprung_mass"
 
 
-def test_a_package_decides_nothing_that_is_the_users(made: Path, tmp_path: Path) -> None:
+def test_a_package_decides_nothing_that_is_the_users(made, tmp_path):
     """It can name no file outside of it and no code, and keeps its FMUs out of the run's process."""
     file, path = "SystemStructure.ssd", made
     for old, new in (
@@ -172,7 +170,7 @@ def test_a_package_decides_nothing_that_is_the_users(made: Path, tmp_path: Path)
     assert Path(second.participant).is_relative_to(tmp_path)
 
 
-def test_settings_are_changed_as_those_of_a_scenario(made: Path) -> None:
+def test_settings_are_changed_as_those_of_a_scenario(made):
     changed = load(made, ["macro_step=1 ms", "components.first.parameters.mass=7 kg"])
     expected = read_contents(list_shipped()["two-masses"])
     for text in ("macro_step=1 ms", "components.first.parameters.mass=7 kg"):
@@ -180,7 +178,7 @@ def test_settings_are_changed_as_those_of_a_scenario(made: Path) -> None:
     assert changed == build_scenario(expected)
 
 
-def test_the_name_of_a_package_is_an_identifier(tmp_path: Path) -> None:
+def test_the_name_of_a_package_is_an_identifier(tmp_path):
     """Which some tools demand; the scenario has its own name again."""
     export(load("quarter-car"), tmp_path / "made.ssp", build_fmu)
     with zipfile.ZipFile(tmp_path / "made.ssp") as archive:

@@ -23,7 +23,7 @@ SHAFT = {"height": "input mm", "reached": "output mm", "speed": "output r/min"}
 
 
 @pytest.fixture
-def files(tmp_path: Path) -> dict[str, bytes]:
+def files(tmp_path):
     """The FMUs of a package, of both versions of FMI."""
     versions = {"dahlquist": 2, "feedthrough": 3, "shaft": 2, "vector": 3}
     return {f"resources/{n}.fmu": fmu(n, version, tmp_path).read_bytes() for n, version in versions.items()}
@@ -41,7 +41,7 @@ def lines(path: Path) -> list[str]:
     return load(path).connections
 
 
-def test_a_package_runs_as_it_is(tmp_path: Path, files: dict[str, bytes]) -> None:
+def test_a_package_runs_as_it_is(tmp_path, files):
     """With the values of an external parameter set; steps are those of the FMUs' experiments."""
     bound = '<ssd:ParameterBinding source="resources/set.ssv"/>'
     files["resources/set.ssv"] = parameters({"k": 'Real value="3"', "x": 'Real value="0.5"'}).encode()
@@ -53,7 +53,7 @@ def test_a_package_runs_as_it_is(tmp_path: Path, files: dict[str, bytes]) -> Non
     np.testing.assert_allclose(found["decay.x"], 0.5 * np.exp(-3.0 * found["time"]), rtol=1e-13)
 
 
-def test_a_component_for_model_exchange_is_integrated_here(tmp_path: Path) -> None:
+def test_a_component_for_model_exchange_is_integrated_here(tmp_path):
     """The reader asks its FMU for that interface; one without it is refused."""
     built = build("quarter_car_wheel", tmp_path, platforms=[this_platform()], fmi=2)
     files = {"resources/wheel.fmu": built.read_bytes()}
@@ -66,7 +66,7 @@ def test_a_component_for_model_exchange_is_integrated_here(tmp_path: Path) -> No
         load(package(tmp_path / "b.ssp", element.replace("position", "x"), files=files))
 
 
-def test_connections_pass_through_nested_systems(tmp_path: Path, files: dict[str, bytes]) -> None:
+def test_connections_pass_through_nested_systems(tmp_path, files):
     """With a transformation at each border: one after the other."""
     inner = (
         f'<ssd:System name="in-side">{connectors({"a": "input", "b": "output"})}<ssd:Elements>'
@@ -94,7 +94,7 @@ def test_connections_pass_through_nested_systems(tmp_path: Path, files: dict[str
     np.testing.assert_allclose(found["in_side_thru.real out"][1:], 6.0 * x[:-1] - 1.0, rtol=1e-14)
 
 
-def test_connections_lead_where_the_kinds_of_connectors_say(tmp_path: Path, files: dict[str, bytes]) -> None:
+def test_connections_lead_where_the_kinds_of_connectors_say(tmp_path, files):
     """Start and end do not tell; an empty name is none, and is the system's. Through a nested system."""
     nested = (
         f'<ssd:System name="inner">{connectors({"in": "input", "out": "output"})}'
@@ -112,9 +112,7 @@ def test_connections_lead_where_the_kinds_of_connectors_say(tmp_path: Path, file
     ]  # fmt: skip
 
 
-def test_harmless_departures_are_told(
-    tmp_path: Path, files: dict[str, bytes], caplog: pytest.LogCaptureFixture
-) -> None:
+def test_harmless_departures_are_told(tmp_path, files, caplog):
     """A unit in brackets, and the value of an input that is connected."""
     values = binding({"real in": 'Real value="3" unit="[mm]"', "offset": 'Real value="2" unit="[mm]"'})
     parts = component("decay", "dahlquist", DECAY) + component("through", "feedthrough", THROUGH, values)
@@ -129,7 +127,7 @@ def test_harmless_departures_are_told(
 
 
 @pytest.mark.parametrize("kind", ["definition", "package"])
-def test_a_system_may_be_in_a_file_of_its_own(kind: str, tmp_path: Path, files: dict[str, bytes]) -> None:
+def test_a_system_may_be_in_a_file_of_its_own(kind, tmp_path, files):
     """Its sources are relative to it; its own values are weaker than those around it."""
     thru = component("thru", "feedthrough", {"real in": "input", "real out": "output"})
     bound = binding({"thru.offset": 'Real value="0.5"', "thru.count": 'Integer value="3"'})
@@ -166,7 +164,7 @@ def test_a_system_may_be_in_a_file_of_its_own(kind: str, tmp_path: Path, files: 
     assert one.components["inside_thru"].parameters == {"offset": 0.25, "count": 3.0}
 
 
-def test_units_are_converted_then_transformed(tmp_path: Path, files: dict[str, bytes]) -> None:
+def test_units_are_converted_then_transformed(tmp_path, files):
     """m to mm, then 2 x + 1: `the value is already converted to the target unit` (SSP 1.0, factor)."""
     units = (
         '<ssd:Units><ssc:Unit name="m"><ssc:BaseUnit m="1"/></ssc:Unit>'
@@ -189,7 +187,7 @@ def test_units_are_converted_then_transformed(tmp_path: Path, files: dict[str, b
         np.testing.assert_allclose(found[f"shaft{i}.reached"], expected, rtol=1e-14)
 
 
-def test_values_come_by_every_way(tmp_path: Path, files: dict[str, bytes]) -> None:
+def test_values_come_by_every_way(tmp_path, files):
     """Inner ones give way to outer ones; mapped with a factor; by a path; by a connector of the system; with
     a prefix; in another unit."""
     units = '<ssd:Units><ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit></ssd:Units>'
@@ -222,8 +220,8 @@ def test_values_come_by_every_way(tmp_path: Path, files: dict[str, bytes]) -> No
     assert tables["thru"].parameters == {"count": 3.0, "negate": True}
 
 
-def test_signals_go_by_dictionaries(tmp_path: Path, files: dict[str, bytes]) -> None:
-    def reference(name: str, kinds: dict[str, str]) -> str:
+def test_signals_go_by_dictionaries(tmp_path, files):
+    def reference(name, kinds):
         return (
             f'<ssd:SignalDictionaryReference name="{name}" dictionary="bus">{connectors(kinds)}'
             "</ssd:SignalDictionaryReference>"
@@ -245,7 +243,7 @@ def test_signals_go_by_dictionaries(tmp_path: Path, files: dict[str, bytes]) -> 
     assert lines(path) == ["decay.x -> vector.u[1]"]
 
 
-def test_a_package_is_written_as_a_scenario(tmp_path: Path, files: dict[str, bytes]) -> None:
+def test_a_package_is_written_as_a_scenario(tmp_path, files):
     path = package(tmp_path / "a.ssp", component("decay", "dahlquist", DECAY), files=files)
     done = called("ssp", "import", str(path), "--out", str(tmp_path / "folder"))
     assert done.returncode == 0, done.stderr
@@ -270,7 +268,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_is_not_supported_is_refused_by_name(case: str, tmp_path: Path, files: dict[str, bytes]) -> None:
+def test_what_is_not_supported_is_refused_by_name(case, tmp_path, files):
     how, said = REFUSED[case]
     how = dict(how)
     old, new = how.pop("replace", ("", ""))
@@ -302,9 +300,7 @@ DAMAGED = {
 
 
 @pytest.mark.parametrize("case", DAMAGED)
-def test_what_is_not_as_the_schema_has_it_is_refused_with_its_line(
-    case: str, tmp_path: Path, files: dict[str, bytes]
-) -> None:
+def test_what_is_not_as_the_schema_has_it_is_refused_with_its_line(case, tmp_path, files):
     units = '<ssd:Units><ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit></ssd:Units>'
     elements = component("decay", "dahlquist", DECAY, binding({"k": 'Real value="3"'}))
     elements += component("vector", "vector", VECTOR)
@@ -328,9 +324,7 @@ def test_what_is_not_as_the_schema_has_it_is_refused_with_its_line(
         ),
     ],
 )
-def test_connections_that_are_not_supported_are_refused(
-    connected: str, said: str, tmp_path: Path, files: dict[str, bytes]
-) -> None:
+def test_connections_that_are_not_supported_are_refused(connected, said, tmp_path, files):
     elements = component("decay", "dahlquist", DECAY | {"y": "output"})
     path = package(
         tmp_path / "a.ssp", elements + component("vector", "vector", VECTOR), connected, files=files
@@ -339,7 +333,7 @@ def test_connections_that_are_not_supported_are_refused(
         load(path)
 
 
-def test_what_is_no_package_is_refused(tmp_path: Path) -> None:
+def test_what_is_no_package_is_refused(tmp_path):
     (tmp_path / "a.ssp").write_bytes(b"no archive")
     with pytest.raises(ValueError, match="so not an SSP"):
         load(tmp_path / "a.ssp")
@@ -352,7 +346,7 @@ def test_what_is_no_package_is_refused(tmp_path: Path) -> None:
     assert "README.md: is no package; give an .ssp file" in shown.stderr
 
 
-def test_a_package_that_was_cut_off_is_damaged(tmp_path: Path, files: dict[str, bytes]) -> None:
+def test_a_package_that_was_cut_off_is_damaged(tmp_path, files):
     """Though an FMU in it, which is an archive too, is whole: packages have them uncompressed."""
     path = tmp_path / "a.ssp"
     with zipfile.ZipFile(path, "w") as archive:
@@ -366,7 +360,7 @@ def test_a_package_that_was_cut_off_is_damaged(tmp_path: Path, files: dict[str, 
         load(path)
 
 
-def test_a_file_that_is_there_is_not_replaced_unasked(tmp_path: Path) -> None:
+def test_a_file_that_is_there_is_not_replaced_unasked(tmp_path):
     path = tmp_path / "made.ssp"
     path.write_text("mine")
     shown = called("ssp", "export", "two-masses", "--out", str(path))

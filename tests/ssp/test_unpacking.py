@@ -20,7 +20,7 @@ def pack(files: dict[str, bytes]) -> bytes:
 
 
 @pytest.fixture
-def cache(tmp_path: Path) -> Path:
+def cache(tmp_path):
     return tmp_path / "cache"
 
 
@@ -29,9 +29,7 @@ def occupied(folder: Path) -> int:
 
 
 @pytest.mark.parametrize("nested", [False, True])
-def test_packages_inside_have_one_limit_together(
-    nested: bool, tmp_path: Path, cache: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_packages_inside_have_one_limit_together(nested, tmp_path, cache, monkeypatch):
     """Each is below the limit alone; nothing stays of what is refused."""
     monkeypatch.setattr(unpack, "MAXIMUM_UNPACKED_BYTES", 1_000_000)
     large = pack({"large": bytes(400_000)})
@@ -46,7 +44,7 @@ def test_packages_inside_have_one_limit_together(
     assert occupied(cache) == 0
 
 
-def test_nothing_stays_of_a_package_that_is_refused(tmp_path: Path, cache: Path) -> None:
+def test_nothing_stays_of_a_package_that_is_refused(tmp_path, cache):
     (tmp_path / "a.ssp").write_bytes(pack({"large": bytes(400_000)}))
     with pytest.raises(ValueError, match=r"SystemStructure\.ssd is missing"):
         load(tmp_path / "a.ssp")
@@ -54,7 +52,7 @@ def test_nothing_stays_of_a_package_that_is_refused(tmp_path: Path, cache: Path)
 
 
 @pytest.mark.parametrize("damage", [b"\0", b""])
-def test_a_damaged_file_in_the_cache_is_unpacked_again(damage: bytes, tmp_path: Path, cache: Path) -> None:
+def test_a_damaged_file_in_the_cache_is_unpacked_again(damage, tmp_path, cache):
     """As a power cut leaves it: zeroed or empty."""
     path = tmp_path / "a.ssp"
     path.write_bytes(pack({"extra.txt": b"text"}))

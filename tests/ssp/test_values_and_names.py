@@ -1,7 +1,6 @@
 """Values of SSP packages pass through connectors and mapping tables; files and elements have any names."""
 
 import logging
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -31,7 +30,7 @@ SUPPRESSED = 'suppressUnitConversion="true"'
 
 
 @pytest.fixture
-def files(tmp_path: Path) -> dict[str, bytes | str]:
+def files(tmp_path):
     """An FMU with a parameter p and an input u in m, a difference dT in K, and an output y without a unit."""
     variables = (
         real2("p", 0, "parameter", f'unit="m" {START}', "fixed")
@@ -56,8 +55,8 @@ PASSED = {
 
 @pytest.mark.parametrize(("kind", "value", "connected", "expected"), PASSED.values(), ids=PASSED)
 def test_values_of_a_systems_connector_pass_its_connections(
-    kind: str, value: str, connected: str, expected: float, tmp_path: Path, files: dict[str, bytes | str]
-) -> None:
+    kind, value, connected, expected, tmp_path, files
+):
     element = component("g", "gain", {"p": "parameter m", "dT": "parameter K", "u": "input m"})
     inside = connectors({"x": kind}) + bindings(binding({"x": value}))
     path = package(tmp_path / "a.ssp", element, connected, inside=inside, after=UNITS, files=files)
@@ -65,7 +64,7 @@ def test_values_of_a_systems_connector_pass_its_connections(
     assert list((table.parameters | table.inputs).values()) == pytest.approx([expected], rel=1e-14)
 
 
-def test_values_pass_nested_systems_and_mappings(tmp_path: Path, files: dict[str, bytes | str]) -> None:
+def test_values_pass_nested_systems_and_mappings(tmp_path, files):
     """4 mm by a mapping (2 x + 1 in mm), on from mm to m (3 x), and to a parameter in m."""
     element = component("g", "gain", {"p": "parameter m"})
     nested = (
@@ -81,7 +80,7 @@ def test_values_pass_nested_systems_and_mappings(tmp_path: Path, files: dict[str
     assert load(path).components["s_g"].parameters == pytest.approx({"p": 3.0 * 0.009}, rel=1e-14)
 
 
-def test_signals_have_the_units_of_dictionaries(tmp_path: Path, files: dict[str, bytes | str]) -> None:
+def test_signals_have_the_units_of_dictionaries(tmp_path, files):
     """A number without a unit is in mm at the dictionary's entry, and goes on into m."""
     parts = component("a", "gain", {"y": "output"}) + component("b", "gain", {"u": "input m"})
     parts += (
@@ -98,7 +97,7 @@ def test_signals_have_the_units_of_dictionaries(tmp_path: Path, files: dict[str,
     assert load(path).connections == ["a.y * 0.001 -> b.u"]
 
 
-def test_names_of_files_and_elements_are_any(tmp_path: Path, files: dict[str, bytes | str]) -> None:
+def test_names_of_files_and_elements_are_any(tmp_path, files):
     """Sources are URIs, names may have dots, and sets are larger than a component."""
     files["resources/my gain.fmu"] = files.pop("resources/gain.fmu")
     files["resources/my set.ssv"] = parameters({"p": 'Real value="5"', "other": 'Real value="1"'})
@@ -109,9 +108,7 @@ def test_names_of_files_and_elements_are_any(tmp_path: Path, files: dict[str, by
     assert load(path).components["B_C"].parameters == {"p": 5.0, "dT": 3.0}
 
 
-def test_what_a_component_lacks_of_a_set_is_told(
-    tmp_path: Path, files: dict[str, bytes | str], caplog: pytest.LogCaptureFixture
-) -> None:
+def test_what_a_component_lacks_of_a_set_is_told(tmp_path, files, caplog):
     bound = binding({"p": 'Real value="5"', "P": 'Real value="1"', "label": 'String value="red"'})
     path = package(tmp_path / "a.ssp", component("g", "gain", {"p": "parameter m"}, bound), files=files)
     with caplog.at_level("WARNING"):
@@ -128,9 +125,7 @@ LATER = {
 
 
 @pytest.mark.parametrize(("old", "new"), LATER.values(), ids=LATER)
-def test_a_later_version_of_ssp_is_refused(
-    old: str, new: str, tmp_path: Path, files: dict[str, bytes | str]
-) -> None:
+def test_a_later_version_of_ssp_is_refused(old, new, tmp_path, files):
     bound = binding({"p": 'Real value="5"'})
     path = package(tmp_path / "a.ssp", component("g", "gain", {"p": "parameter m"}, bound), files=files)
     replace_text(path, tmp_path / "b.ssp", old, new, "SystemStructure.ssd")
@@ -144,7 +139,7 @@ TRUTHS = st.sampled_from(["true", "false"])
 
 
 @given(TRUTHS, TRUTHS)
-def test_a_table_of_truth_values_is_a_line(no: str, yes: str) -> None:
+def test_a_table_of_truth_values_is_a_line(no, yes):
     """What a connection computes is what the table says."""
     entries = {"false": no, "true": yes}
     factor, offset = to_line("Boolean", entries, "here")
@@ -153,7 +148,7 @@ def test_a_table_of_truth_values_is_a_line(no: str, yes: str) -> None:
 
 
 @given(st.dictionaries(st.integers(-50, 50), st.integers(-50, 50), min_size=2, max_size=6))
-def test_a_table_of_numbers_is_a_line_or_refused(numbers: dict[int, int]) -> None:
+def test_a_table_of_numbers_is_a_line_or_refused(numbers):
     entries = {str(x): str(y) for x, y in numbers.items()}
     (x0, y0), (x1, y1), *others = numbers.items()
     if any((y - y0) * (x1 - x0) != (y1 - y0) * (x - x0) for x, y in others):
@@ -175,7 +170,7 @@ def test_a_table_of_numbers_is_a_line_or_refused(numbers: dict[int, int]) -> Non
         ("Enumeration", {"a": "b"}, "c", "no entry for 'c'"),
     ],
 )
-def test_what_a_table_lacks_is_named(kind: str, entries: dict[str, str], value: float, said: str) -> None:
+def test_what_a_table_lacks_is_named(kind, entries, value, said):
     with pytest.raises(ScenarioError, match=said):
         look_up(kind, entries, value, "here")
 
@@ -191,9 +186,7 @@ MAPPING = """<ssm:ParameterMapping xmlns:ssm="http://ssp-standard.org/SSP1/{name
 
 
 @pytest.mark.parametrize("name", ["SystemStructureParameterMapping", "ParameterMapping"])
-def test_a_mapped_parameter_takes_the_tables_value(
-    name: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_mapped_parameter_takes_the_tables_value(name, tmp_path, caplog):
     """Also under a name that tools write for the standard's; what is of no part is left out with a notice."""
     files = {
         "resources/dahlquist.fmu": fmu("dahlquist", 2, tmp_path).read_bytes(),
@@ -205,7 +198,7 @@ def test_a_mapped_parameter_takes_the_tables_value(
         '<ssd:ParameterMapping source="resources/map.ssm"/></ssd:ParameterBinding></ssd:ParameterBindings>'
     )
 
-    def bind(entry: str, content: bytes) -> dict[str, bytes]:
+    def bind(entry, content):
         if entry != "SystemStructure.ssd":
             return {entry: content}
         structure = content.decode().replace("<ssd:Elements>", f"{bound}<ssd:Elements>", 1).encode()

@@ -68,9 +68,7 @@ def exact(gains: Sequence[float], decays: Sequence[float], pushed: float, times:
 
 
 @pytest.mark.parametrize(("size", "product"), RINGS)
-def test_a_ring_of_any_gain_but_one_starts_with_values_that_agree(
-    size: int, product: float, tmp_path: Path
-) -> None:
+def test_a_ring_of_any_gain_but_one_starts_with_values_that_agree(size, product, tmp_path):
     gains = [
         math.copysign(abs(product) ** (1.0 / size), product),
         *[abs(product) ** (1.0 / size)] * (size - 1),
@@ -81,7 +79,7 @@ def test_a_ring_of_any_gain_but_one_starts_with_values_that_agree(
     np.testing.assert_allclose(y, exact(gains, decays, 0.0, times), rtol=1e-11)
 
 
-def test_a_ring_with_a_gain_of_one_is_named(tmp_path: Path) -> None:
+def test_a_ring_with_a_gain_of_one_is_named(tmp_path):
     tables, lines = written([2.0, 0.5], [0.0, 0.0], tmp_path, 0.0)
     one = scenario(tables, connections=lines)
     summary = run(one, tmp_path / "out", never, Reporter(), figures=False)
@@ -90,7 +88,7 @@ def test_a_ring_with_a_gain_of_one_is_named(tmp_path: Path) -> None:
     assert "gain of 1" in summary.message
 
 
-def test_a_ring_starts_with_rates_that_agree(tmp_path: Path) -> None:
+def test_a_ring_starts_with_rates_that_agree(tmp_path):
     """Of fourth order from the first step on, though values agree from the start and only rates do not."""
     gains, decays = (0.9, 0.8, 0.9), (1.0, 2.0, 1.5)
     errors = []
@@ -115,9 +113,7 @@ def test_a_ring_starts_with_rates_that_agree(tmp_path: Path) -> None:
         f"{type(value).__name__}-{value.extrapolation}" if hasattr(value, "step") else str(value)
     ),
 )
-def test_end_values_are_right_to_the_iterations_tolerance(
-    product: float, master: Iterated | Newton, tmp_path: Path
-) -> None:
+def test_end_values_are_right_to_the_iterations_tolerance(product, master, tmp_path):
     """Whatever the lengths of the steps: a loop's gain does not depend on them."""
     tables, lines = written([product, 1.0], [1.0, 2.0], tmp_path, 0.0)
     one = scenario(tables, connections=lines)

@@ -35,9 +35,7 @@ DISAGREEING: dict[str, tuple[dict[str, Any], list[str]]] = {
 
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize(("values", "lines"), DISAGREEING.values(), ids=DISAGREEING)
-def test_values_that_disagree_are_refused(
-    version: int, values: dict[str, Any], lines: list[str], tmp_path: Path
-) -> None:
+def test_values_that_disagree_are_refused(version, values, lines, tmp_path):
     path = tmp_path / "two.fmu"
     file = describe2(path, TWO) if version == 2 else describe3(path, TWO3)
     one = scenario({"s": {"participant": file}, "t": {"participant": file} | values}, connections=lines)
@@ -45,12 +43,12 @@ def test_values_that_disagree_are_refused(
         assemble(one)
 
 
-def test_values_that_agree_are_taken(tmp_path: Path) -> None:
+def test_values_that_agree_are_taken(tmp_path):
     file = describe2(tmp_path / "two.fmu", TWO)
     assemble(scenario({"t": {"participant": file, "parameters": {"p": 1.0, "q": 1.0}}}))
 
 
-def test_elements_of_an_array_are_set_by_any_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_elements_of_an_array_are_set_by_any_name(tmp_path, monkeypatch):
     """One element by each of the array's names."""
     alias = V("A", "parameter", [1.0, 0.0, 0.0, 1.0], size=4, inside='<Alias name="B"/>')
     model = MODELS["vector"]
@@ -88,13 +86,13 @@ def lines_of(text: str, folder: Path) -> list[Line]:
 
 
 @pytest.mark.parametrize(("text", "line"), READ.items(), ids=READ)
-def test_names_win(text: str, line: Line, tmp_path: Path) -> None:
+def test_names_win(text, line, tmp_path):
     """And what is written of a connection reads as the same."""
     assert lines_of(text, tmp_path) == [line]
     assert parse_line(str(line)) == line
 
 
-def test_what_may_be_two_outputs_is_refused(tmp_path: Path) -> None:
+def test_what_may_be_two_outputs_is_refused(tmp_path):
     with pytest.raises(
         ScenarioError, match=r"write 's\.Sensor \* 2' - 1 or 's\.Sensor' \* 2 - 1, with the q"
     ):

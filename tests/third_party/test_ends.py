@@ -47,7 +47,7 @@ def landed(
 
 @pytest.mark.parametrize(("version", "process"), CASES)
 @pytest.mark.parametrize("until", [0.5, 0.505])
-def test_one_alone_is_recorded_to_its_end(until: float, version: int, process: str, tmp_path: Path) -> None:
+def test_one_alone_is_recorded_to_its_end(until, version, process, tmp_path):
     """At a communication point and between two."""
     found = landed(until, version, process, tmp_path / "out", beside=False, master={"name": "jacobi"})
     assert found["time"][-1] == pytest.approx(until, rel=1e-12)
@@ -58,9 +58,7 @@ def test_one_alone_is_recorded_to_its_end(until: float, version: int, process: s
     ("master", "version", "process"),
     [(master, 2, "shared") for master in MASTERS if master != "jacobi"] + [("jacobi", 3, "own")],
 )
-def test_all_are_recorded_to_the_end_of_its_step(
-    master: str, version: int, process: str, tmp_path: Path
-) -> None:
+def test_all_are_recorded_to_the_end_of_its_step(master, version, process, tmp_path):
     """As far as they come in a run that stops there."""
     found = landed(0.51, version, process, tmp_path / "out", **MASTERS[master])
     tables = {
@@ -85,9 +83,7 @@ def test_all_are_recorded_to_the_end_of_its_step(
     ("master", "version", "process"),
     [(master, 3, "shared") for master in MASTERS if master != "control"] + [("control", 2, "own")],
 )
-def test_between_two_points_the_others_follow_where_steps_are_gone_back(
-    master: str, version: int, process: str, tmp_path: Path
-) -> None:
+def test_between_two_points_the_others_follow_where_steps_are_gone_back(master, version, process, tmp_path):
     """Else the records end at the last communication point: the others have made the whole step."""
     found = landed(0.505, version, process, tmp_path / "out", **MASTERS[master])
     last = 0.505 if master in SUBDIVIDING else 0.5

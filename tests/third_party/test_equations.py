@@ -55,7 +55,7 @@ def run(
 @pytest.mark.parametrize(
     "chassis", [pytest.param("chassis of FMI 3", marks=pytest.mark.long), "chassis of ours"]
 )
-def test_equations_of_fmus_are_solved_to_the_exact_motion(chassis: str, tmp_path: Path, record: Any) -> None:
+def test_equations_of_fmus_are_solved_to_the_exact_motion(chassis, tmp_path, record):
     """The quarter car, of two FMUs and of one beside a component, against the matrix exponential."""
     wheel = {"participant": build("quarter_car_wheel", tmp_path, platforms=HERE, fmi=2)}
     other: dict[str, Any] = {"component": "quarter_car_chassis", "participant": "in-process"}
@@ -76,7 +76,7 @@ def test_equations_of_fmus_are_solved_to_the_exact_motion(chassis: str, tmp_path
     assert result.summary["reference_method"] == "monolithic"
 
 
-def test_a_doubled_force_is_that_on_half_of_a_part() -> None:
+def test_a_doubled_force_is_that_on_half_of_a_part():
     """m x'' + d x' + k x = 2 F is (m x'' + d x' + k x)/2 = F: by a factor, and by parameters."""
     whole = {"mass": 1.0, "stiffness": 10.0, "damping": 0.5}
     half = {name: 0.5 * value for name, value in whole.items()}
@@ -93,7 +93,7 @@ def test_a_doubled_force_is_that_on_half_of_a_part() -> None:
     assert np.ptp(one) > 1e-2
 
 
-def test_a_loop_through_fmus_is_closed() -> None:
+def test_a_loop_through_fmus_is_closed():
     """u = y/2 + 1 and y = u: both are 2."""
     file = {"participant": public("reference-fmus-2/Feedthrough.fmu")}
     result = run(
@@ -139,7 +139,7 @@ EXACT = {
 
 @pytest.mark.parametrize("version", mark_long(["2", "3"], ["3"]))
 @pytest.mark.parametrize("name", mark_long(EXACT, ["BouncingBall"]))
-def test_public_fmus_move_as_their_equations_say(name: str, version: str, record: Any) -> None:
+def test_public_fmus_move_as_their_equations_say(name, version, record):
     """Against closed forms, and an integration of the written equation; the reference, not the run."""
     variable, stop, solve, tolerance = EXACT[name]
     file = public(f"reference-fmus-{version}/{name}.fmu")
@@ -150,7 +150,7 @@ def test_public_fmus_move_as_their_equations_say(name: str, version: str, record
 
 
 @pytest.mark.long
-def test_the_errors_of_an_fmus_own_solver_are_seen() -> None:
+def test_the_errors_of_an_fmus_own_solver_are_seen():
     """VanDerPol steps by Euler's method: refinement of macro steps sees nothing of it, its equations do."""
     file = {"participant": public("reference-fmus-3/VanDerPol.fmu")}
     seen, unseen = (
@@ -164,7 +164,7 @@ def test_the_errors_of_an_fmus_own_solver_are_seen() -> None:
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def files(tmp_path_factory):
     """Native FMUs of both versions."""
     folder = tmp_path_factory.mktemp("natives")
     versions = {"quarter_car_wheel": 2, "quarter_car_chassis": 3, "slider_crank": 3}
@@ -177,9 +177,7 @@ def integrated(file: Path, **table: Any) -> dict[str, Any]:
 
 @pytest.mark.parametrize(("signal", "order"), [("hold", 1), ("linear", 2), ("quadratic", 3)])
 @pytest.mark.long
-def test_integrated_fmus_follow_signals_at_their_orders(
-    signal: str, order: int, files: dict[str, Path], tmp_path: Path, record: Any
-) -> None:
+def test_integrated_fmus_follow_signals_at_their_orders(signal, order, files, tmp_path, record):
     """The quarter car, Jacobi, 1 and 0.5 ms, against the matrix exponential."""
     tables = {
         "wheel": integrated(files["quarter_car_wheel"]),
@@ -228,7 +226,7 @@ def advance(unit: Participant, bound: BoundVariables, steps: Sequence[int], step
 
 
 @pytest.mark.long
-def test_a_repeated_step_has_the_same_bits(files: dict[str, Path]) -> None:
+def test_a_repeated_step_has_the_same_bits(files):
     """Through impacts; also from a serialised state, in another instance."""
     step = 5e-4
     with opened(files["slider_crank"], 0.1) as (unit, bound):
@@ -247,7 +245,7 @@ def test_a_repeated_step_has_the_same_bits(files: dict[str, Path]) -> None:
 
 
 @pytest.mark.long
-def test_impacts_inside_integrated_steps_are_located(files: dict[str, Path], record: Any) -> None:
+def test_impacts_inside_integrated_steps_are_located(files, record):
     """The shipped slider-crank, whose mechanism's flights and impacts the component solves by itself."""
     content = read_contents(list_shipped()["slider-crank"]) | {"name": "impacts", "stop_time": "60 ms"}
     ours = tribocosim.run(tribocosim.load(content))
@@ -261,7 +259,7 @@ def test_impacts_inside_integrated_steps_are_located(files: dict[str, Path], rec
 
 
 @pytest.mark.parametrize("version", mark_long(["2", "3"], ["3"]))
-def test_a_public_ball_bounces_exactly(version: str, tmp_path: Path, record: Any) -> None:
+def test_a_public_ball_bounces_exactly(version, tmp_path, record):
     """Its own solver is Euler's method with steps of 10 ms."""
     file = public(f"reference-fmus-{version}/BouncingBall.fmu")
     _, found = ran(scenario({"ball": integrated(file)}, stop_time=1.5), tmp_path / "out")
@@ -332,9 +330,7 @@ OF_INPUT = {"of an input": (lambda t, x, u: u - 0.5, False, 0.75)}
 
 
 @pytest.mark.parametrize(("indicator", "falls", "expected"), (MET | OF_INPUT).values(), ids=MET | OF_INPUT)
-def test_an_fmu_that_is_integrated_here_has_the_event(
-    indicator: Indicator, falls: bool, expected: float
-) -> None:
+def test_an_fmu_that_is_integrated_here_has_the_event(indicator, falls, expected):
     """Under the input u = t; x to what a flat zero can be located to, 1e-16^(1/3)."""
     problem = DrivenEquations(Switching(indicator, falls))  # type: ignore[arg-type]
     problem.connect(["u"])
@@ -348,9 +344,7 @@ def test_an_fmu_that_is_integrated_here_has_the_event(
 
 @pytest.mark.parametrize("method", [Cvode, RungeKutta])
 @pytest.mark.parametrize(("indicator", "falls", "expected"), MET.values(), ids=MET)
-def test_the_reference_has_the_event(
-    indicator: Indicator, falls: bool, expected: float, method: Any, tmp_path: Path
-) -> None:
+def test_the_reference_has_the_event(indicator, falls, expected, method, tmp_path):
     component = read_component(describe2(tmp_path / "one.fmu", real2("x", 0, "output")))
     system = System({"one": Instance(component)}, [])
     problem = PartwiseProblem(system, {"one": Switching(indicator, falls)}, {})  # type: ignore[dict-item]

@@ -1,7 +1,6 @@
 """Event mode of FMI 3.0 co-simulation FMUs: clocks, time events and discrete inputs."""
 
 import warnings
-from pathlib import Path
 from typing import Any
 
 import fmpy
@@ -37,9 +36,7 @@ def list_ticks(time: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("process", "macro_step"), [("own", 0.01), ("shared", 0.04)])
-def test_periodic_and_countdown_clocks_tick_at_their_times(
-    process: str, macro_step: float, tmp_path: Path
-) -> None:
+def test_periodic_and_countdown_clocks_tick_at_their_times(process, macro_step, tmp_path):
     """Also where they lie inside macro steps: the FMU refuses a tick at another time, and a step beyond its
     time event. Every second tick is followed by an alarm after 0.03 s."""
     table = {"participant": sampler(tmp_path), "process": process, "inputs": {"u": 2.0}}
@@ -73,9 +70,7 @@ GIVEN = {"fixed": 0.02 + 0.07 * np.arange(15), "tunable": 0.25 * np.arange(5)}
         pytest.param(0.01, "shared", {"fixed": "70 ms", "tunable": 0.25}, marks=pytest.mark.long),
     ],
 )
-def test_clocks_of_every_interval_tick_at_their_times(
-    macro_step: float, process: str, given: dict[str, Any], tmp_path: Path
-) -> None:
+def test_clocks_of_every_interval_tick_at_their_times(macro_step, process, given, tmp_path):
     """The number of ticks and the sum of their times, at the end of every step."""
     table = {"participant": intervals(tmp_path), "process": process, "parameters": given}
     summary, found = ran(scenario({"one": table}, macro_step=macro_step), tmp_path / "out")
@@ -97,14 +92,12 @@ def test_clocks_of_every_interval_tick_at_their_times(
         ({"asked": 0.1}, "no such parameter"),
     ],
 )
-def test_intervals_that_a_clock_cannot_have_are_refused(
-    given: dict[str, float], said: str, tmp_path: Path
-) -> None:
+def test_intervals_that_a_clock_cannot_have_are_refused(given, said, tmp_path):
     with pytest.raises((ScenarioError, ModelError), match=said):
         build_system(scenario({"one": {"participant": intervals(tmp_path), "parameters": given}}))
 
 
-def test_a_countdown_that_a_discrete_input_starts_ticks_at_its_time(tmp_path: Path) -> None:
+def test_a_countdown_that_a_discrete_input_starts_ticks_at_its_time(tmp_path):
     """The ticks of one, five at 0.4 s, set the alarm of the other, which ticks 0.03 s later."""
     path = sampler(tmp_path)
     one = scenario(
@@ -121,7 +114,7 @@ def test_a_countdown_that_a_discrete_input_starts_ticks_at_its_time(tmp_path: Pa
 @pytest.mark.parametrize(
     ("process", "master"), [("own", "jacobi"), ("shared", "iterated"), ("shared", "control")]
 )
-def test_a_clock_ticks_another_fmu_at_the_same_instant(master: str, process: str, tmp_path: Path) -> None:
+def test_a_clock_ticks_another_fmu_at_the_same_instant(master, process, tmp_path):
     """`fired` of one is `poke` of the other, and what the one has sampled is seen at once by it: scaled
     = gain y holds at every instant, whatever the master."""
     path = sampler(tmp_path)
@@ -142,7 +135,7 @@ def test_a_clock_ticks_another_fmu_at_the_same_instant(master: str, process: str
     assert set(np.round(found["time"] / 0.05).astype(int)) >= set(range(0, 21, 2)) | {5}
 
 
-def test_a_resumed_run_has_the_same_bits(tmp_path: Path) -> None:
+def test_a_resumed_run_has_the_same_bits(tmp_path):
     """Times of ticks and events are in what is saved of the FMU."""
     path = sampler(tmp_path)
     units = [FmuParticipant("one", path, FmuSettings(["ticks", "alarms"])) for _ in range(2)]
@@ -174,7 +167,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("line", "said"), REFUSED)
-def test_clocks_that_do_not_fit_are_refused(line: str, said: str, tmp_path: Path) -> None:
+def test_clocks_that_do_not_fit_are_refused(line, said, tmp_path):
     path = sampler(tmp_path)
     one = scenario({"one": {"participant": path}, "two": {"participant": path}}, connections=[line])
     with pytest.raises(ScenarioError, match=said):
@@ -182,7 +175,7 @@ def test_clocks_that_do_not_fit_are_refused(line: str, said: str, tmp_path: Path
 
 
 @pytest.mark.parametrize("name", mark_long(["BouncingBall", "Stair", "Feedthrough"], ["Stair"]))
-def test_event_mode_gives_what_fmpys_importer_finds(name: str, tmp_path: Path) -> None:
+def test_event_mode_gives_what_fmpys_importer_finds(name, tmp_path):
     """Of Reference-FMUs, at the times of the macro steps: an independent importer in event mode."""
     path = public(f"reference-fmus-3/{name}.fmu")
     _, found = ran(scenario({"one": {"participant": path}}, macro_step=0.1, stop_time=2.0), tmp_path / "out")
@@ -199,7 +192,7 @@ def test_event_mode_gives_what_fmpys_importer_finds(name: str, tmp_path: Path) -
             assert ours[t] == pytest.approx(last[t], rel=1e-12, abs=1e-12), (column, t)
 
 
-def test_an_end_in_an_event_is_named_and_recorded(tmp_path: Path) -> None:
+def test_an_end_in_an_event_is_named_and_recorded(tmp_path):
     """The public stair ends at its ninth second."""
     one = scenario(
         {"one": {"participant": public("reference-fmus-3/Stair.fmu")}}, stop_time=12.0, macro_step=0.3
@@ -210,14 +203,14 @@ def test_an_end_in_an_event_is_named_and_recorded(tmp_path: Path) -> None:
     assert found["time"][-1] == pytest.approx(9.0, rel=1e-12)
 
 
-def test_a_run_up_to_the_end_that_an_fmu_asks_for_is_complete(tmp_path: Path) -> None:
+def test_a_run_up_to_the_end_that_an_fmu_asks_for_is_complete(tmp_path):
     stair = {"participant": public("reference-fmus-3/Stair.fmu")}
     summary, found = ran(scenario({"one": stair}, stop_time=9.0, macro_step=0.3), tmp_path / "out")
     assert summary.exit_status == 0
     assert (found["time"][-1], found["one.counter"][-1]) == (9.0, 10.0)
 
 
-def test_an_analysis_records_at_its_own_times(tmp_path: Path) -> None:
+def test_an_analysis_records_at_its_own_times(tmp_path):
     """Steps that end at events lie between them."""
     one = scenario({"one": {"participant": sampler(tmp_path), "inputs": {"u": 2.0}}})
     times = np.linspace(0.0, 1.0, 26)
@@ -227,14 +220,14 @@ def test_an_analysis_records_at_its_own_times(tmp_path: Path) -> None:
     np.testing.assert_array_equal(ticks, list_ticks(times))
 
 
-def test_clocks_that_nobody_would_tick_are_refused(tmp_path: Path) -> None:
+def test_clocks_that_nobody_would_tick_are_refused(tmp_path):
     plain = DESCRIPTION.replace('hasEventMode="true" ', "")
     with pytest.raises(ScenarioError, match=r"has clocks \(tick, alarm, poke\), which tick in co-simulation"):
         ran(scenario({"one": {"participant": sampler(tmp_path, plain)}}), tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
-def test_an_event_that_stays_due_does_not_stop_the_run(tmp_path: Path) -> None:
+def test_an_event_that_stays_due_does_not_stop_the_run(tmp_path):
     """Of an FMU whose next event is at the present for ever."""
     table = {"participant": sampler(tmp_path), "inputs": {"u": 2.0, "gain": -1.0}}
     summary, found = ran(scenario({"one": table}, macro_step=0.04), tmp_path / "out")

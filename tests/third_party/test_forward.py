@@ -1,8 +1,6 @@
 """Step control of FMUs that cannot restore their state, or tell of no contact."""
 
 import math
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +16,7 @@ from .runs import ran, scenario
 SECOND = "stateless_mass"
 
 
-def test_its_error_falls_with_the_tolerance(tmp_path: Path) -> None:
+def test_its_error_falls_with_the_tolerance(tmp_path):
     """Against the matrix exponential."""
     errors = []
     for tolerance in (1e-2, 1e-4):
@@ -31,7 +29,7 @@ def test_its_error_falls_with_the_tolerance(tmp_path: Path) -> None:
     assert errors[1] < 0.05 * errors[0]
 
 
-def test_what_it_cannot_promise_is_said_before_the_run(tmp_path: Path) -> None:
+def test_what_it_cannot_promise_is_said_before_the_run(tmp_path):
     said = list_warnings(masses(SECOND, tmp_path, step_control={"estimator": "defect"}))
     assert any("no step is made again" in line and "missed by any amount" in line for line in said)
 
@@ -44,9 +42,7 @@ def test_what_it_cannot_promise_is_said_before_the_run(tmp_path: Path) -> None:
         ({"step_control": {"estimator": "defect"}, "event_tolerance": 1e-6}, "makes no step again"),
     ],
 )
-def test_what_does_not_go_is_refused_with_its_remedy(
-    changes: dict[str, Any], said: str, tmp_path: Path
-) -> None:
+def test_what_does_not_go_is_refused_with_its_remedy(changes, said, tmp_path):
     with pytest.raises(ScenarioError, match=said):
         build_system(masses(SECOND, tmp_path, **changes))
 
@@ -56,7 +52,7 @@ STIFFNESS, HEIGHT, GRAVITY = 1e6, 0.1, 9.81
 DEEPEST = (GRAVITY + math.sqrt(GRAVITY**2 + 2.0 * STIFFNESS * GRAVITY * HEIGHT)) / STIFFNESS
 
 
-def test_an_explicit_master_with_step_control_meets_the_contact(tmp_path: Path) -> None:
+def test_an_explicit_master_with_step_control_meets_the_contact(tmp_path):
     one = scenario(
         {name: {"participant": fmu(name, 2, tmp_path)} for name in ("falling", "stop")},
         connections=["falling.position -> stop.position", "stop.force -> falling.force"],

@@ -32,7 +32,7 @@ TIGHT: dict[str, Any] = {"iterated": {"tolerance": 1e-12}, "newton": {"tolerance
 
 
 @pytest.mark.parametrize("name", mark_long(MASTERS, ["gauss_seidel"]))
-def test_held_inputs_get_the_mean_and_the_run_is_of_second_order(name: str, tmp_path: Path, record) -> None:
+def test_held_inputs_get_the_mean_and_the_run_is_of_second_order(name, tmp_path, record):
     """Two masses, one of them an FMU that holds its force, against their matrix exponential over 1 s."""
     error = {}
     for signal, steps in (("linear", (4e-3, 2e-3)), ("hold", (2e-3,))):
@@ -51,7 +51,7 @@ def test_held_inputs_get_the_mean_and_the_run_is_of_second_order(name: str, tmp_
 
 @pytest.mark.parametrize("signal", DEGREES)
 @pytest.mark.long
-def test_passes_in_compiled_code_give_held_inputs_the_same_bits(signal: str, tmp_path: Path) -> None:
+def test_passes_in_compiled_code_give_held_inputs_the_same_bits(signal, tmp_path):
     """Through a conversion of units too; an FMU in its own process is stepped by Python."""
     found = []
     for process in ("shared", "own"):
@@ -69,9 +69,7 @@ def test_passes_in_compiled_code_give_held_inputs_the_same_bits(signal: str, tmp
 
 
 @pytest.mark.parametrize("name", mark_long(["jacobi", "gauss_seidel"], ["jacobi"]))
-def test_outputs_that_follow_a_held_input_at_once_are_those_of_the_steps_end(
-    name: str, tmp_path: Path, record
-) -> None:
+def test_outputs_that_follow_a_held_input_at_once_are_those_of_the_steps_end(name, tmp_path, record):
     """A mass on a spring without mass, both FMUs that hold their inputs: a fall onto it is a sine."""
     stiffness, mass_at, error = 100.0, -9.81 / 100.0, []
     for step in (2e-3, 1e-3):
@@ -92,7 +90,7 @@ def test_outputs_that_follow_a_held_input_at_once_are_those_of_the_steps_end(
     record("Coupling", f"{case}: order", order, 2.0, "order of the mean", tolerance=0.1)
 
 
-def test_held_inputs_are_named_before_the_run(tmp_path: Path) -> None:
+def test_held_inputs_are_named_before_the_run(tmp_path):
     (said,) = list_warnings(masses("held_mass", tmp_path, "sprung_mass"))
     assert "second.force" in said
     assert "second order" in said
@@ -102,7 +100,7 @@ def test_held_inputs_are_named_before_the_run(tmp_path: Path) -> None:
     assert "first order" in said
 
 
-def test_signals_are_advised_for_held_inputs_by_what_they_give(tmp_path: Path) -> None:
+def test_signals_are_advised_for_held_inputs_by_what_they_give(tmp_path):
     one = masses(
         "held_mass", tmp_path, "sprung_mass", master={"name": "gauss_seidel", "extrapolation": "hold"}
     )
@@ -114,7 +112,7 @@ def test_signals_are_advised_for_held_inputs_by_what_they_give(tmp_path: Path) -
 
 
 @pytest.mark.long
-def test_the_estimated_error_has_that_of_held_inputs(tmp_path: Path) -> None:
+def test_the_estimated_error_has_that_of_held_inputs(tmp_path):
     """Within 5 % of that of a run."""
     more: dict[str, Any] = {"tolerance": {"second.position": 0.3}, "reference": {"enabled": True}}
     one = masses("held_mass", tmp_path, "sprung_mass", **more)
@@ -124,7 +122,7 @@ def test_the_estimated_error_has_that_of_held_inputs(tmp_path: Path) -> None:
     assert found.own.errors[one.macro_step]["second.position"] == pytest.approx(measured, rel=0.05)
 
 
-def test_a_derivative_of_a_held_input_is_named_before_the_run(tmp_path: Path) -> None:
+def test_a_derivative_of_a_held_input_is_named_before_the_run(tmp_path):
     tables = {
         "body": {"participant": fmu("held_mass", 2, tmp_path)},
         "load": {"participant": fmu("inertia", 2, tmp_path)},
@@ -143,9 +141,7 @@ def test_a_derivative_of_a_held_input_is_named_before_the_run(tmp_path: Path) ->
         ("first_slope", "hermite", 2, "shared"),
     ],
 )
-def test_inputs_follow_signals_by_the_standards_call(
-    name: str, signal: str, order: int, process: str, tmp_path: Path
-) -> None:
+def test_inputs_follow_signals_by_the_standards_call(name, signal, order, process, tmp_path):
     """The integral of exp(-t) by an FMU that takes derivatives of its input: the signal's order. One that
     takes the slope only gets that, by which the order is 2."""
     tables = {
@@ -166,7 +162,7 @@ def test_inputs_follow_signals_by_the_standards_call(
 
 
 @pytest.mark.parametrize(("name", "highest"), [("integral", 3), ("first_slope", 1)])
-def test_the_orders_that_an_fmu_takes_are_found(name: str, highest: int, tmp_path: Path) -> None:
+def test_the_orders_that_an_fmu_takes_are_found(name, highest, tmp_path):
     """Once it has been given derivatives: its description does not say."""
     unit = FmuParticipant("one", fmu(name, 2, tmp_path), FmuSettings(["y"]))
     try:
@@ -179,7 +175,7 @@ def test_the_orders_that_an_fmu_takes_are_found(name: str, highest: int, tmp_pat
         unit.close()
 
 
-def test_the_declared_derivative_is_the_rate(tmp_path: Path) -> None:
+def test_the_declared_derivative_is_the_rate(tmp_path):
     """By which Hermite signals have their fourth order."""
     component = read_component(fmu("ball", 2, tmp_path))
     assert component.outputs.names == ("body.h", "body.v")
@@ -187,7 +183,7 @@ def test_the_declared_derivative_is_the_rate(tmp_path: Path) -> None:
     assert rated_of(tables, "ball.body.h * 1 -> integral.u", tmp_path) == {"ball.body.h": True}
 
 
-def test_the_declared_derivative_of_an_array_has_the_rates_of_its_elements(tmp_path: Path) -> None:
+def test_the_declared_derivative_of_an_array_has_the_rates_of_its_elements(tmp_path):
     """Also where only the standard's call gives them: to the last bit."""
     found = []
     for name in ("vector", "called_vector"):
@@ -217,9 +213,7 @@ def rated_of(tables: dict[str, Any], line: str, folder: Path) -> dict[str, bool]
 
 
 @pytest.mark.parametrize(("version", "process"), CASES)
-def test_rates_by_the_standards_call_are_those_of_declared_variables(
-    version: int, process: str, tmp_path: Path
-) -> None:
+def test_rates_by_the_standards_call_are_those_of_declared_variables(version, process, tmp_path):
     """To the last bit, from the start on; without rates the signals of its outputs are parabolas."""
     found = {}
     for name in ("called", "sprung"):
@@ -242,9 +236,7 @@ def test_rates_by_the_standards_call_are_those_of_declared_variables(
 
 
 @pytest.mark.parametrize(("master", "process"), [("jacobi", "own"), ("gauss_seidel", "shared")])
-def test_rates_that_are_no_numbers_at_the_start_are_not_used(
-    master: str, process: str, tmp_path: Path
-) -> None:
+def test_rates_that_are_no_numbers_at_the_start_are_not_used(master, process, tmp_path):
     """The FMU is as one that gives none, to the last bit, and the run says so once."""
     found = []
     for name in ("called_late", "unrated"):

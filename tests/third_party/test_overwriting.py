@@ -19,7 +19,7 @@ from .runs import never, scenario
 
 
 @pytest.fixture(scope="module")
-def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def result(tmp_path_factory):
     """A folder with a result, and figures as a run leaves them."""
     folder = tmp_path_factory.mktemp("result")
     again(of(fmu("dahlquist", 2, folder), "shared"), folder / "out")
@@ -30,7 +30,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def out(result: Path, tmp_path: Path) -> Path:
+def out(result, tmp_path):
     """A copy of it."""
     return Path(shutil.copytree(result, tmp_path / "out"))
 
@@ -47,7 +47,7 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_a_run_that_does_not_begin_leaves_it(out: Path, tmp_path: Path) -> None:
+def test_a_run_that_does_not_begin_leaves_it(out, tmp_path):
     """Of a library that crashes before the first values, and of a scenario that is refused."""
     before = files(out)
     with pytest.raises(
@@ -61,14 +61,12 @@ def test_a_run_that_does_not_begin_leaves_it(out: Path, tmp_path: Path) -> None:
     assert files(out) == before
 
 
-def test_one_that_is_stopped_before_the_first_values_leaves_it(
-    out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_one_that_is_stopped_before_the_first_values_leaves_it(out, tmp_path, monkeypatch, capsys):
     """No result of it is told of, since there is none; the status is that of a stopped run."""
     before = files(out)
     capsys.readouterr()
 
-    def stopped(*arguments: object, **options: object) -> None:
+    def stopped(*arguments, **options):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(coupled_run, "simulate", stopped)
@@ -79,14 +77,12 @@ def test_one_that_is_stopped_before_the_first_values_leaves_it(
     assert files(out) == before
 
 
-def test_a_library_that_cannot_be_loaded_leaves_it(
-    out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_library_that_cannot_be_loaded_leaves_it(out, tmp_path, monkeypatch):
     """In this process too: fmpy stays in the folder of a library that it could not load."""
     before = files(out)
     monkeypatch.chdir(tmp_path)
 
-    def damage(name: str, content: bytes) -> dict[str, bytes]:
+    def damage(name, content):
         return {name: b"no library" if name.startswith("binaries/") else content}
 
     other = repack(fmu("dahlquist", 2, tmp_path), tmp_path / "other.fmu", damage)
@@ -96,7 +92,7 @@ def test_a_library_that_cannot_be_loaded_leaves_it(
     assert files(out) == before
 
 
-def test_a_run_that_fails_later_replaces_it(out: Path, tmp_path: Path) -> None:
+def test_a_run_that_fails_later_replaces_it(out, tmp_path):
     before = files(out)
     summary = again(of(fmu("erring", 2, tmp_path)), out)
     assert summary.exit_status == 3
@@ -106,7 +102,7 @@ def test_a_run_that_fails_later_replaces_it(out: Path, tmp_path: Path) -> None:
     assert after["notes.txt"] == b"mine"
 
 
-def test_an_unfinished_run_stays_too(out: Path, tmp_path: Path) -> None:
+def test_an_unfinished_run_stays_too(out, tmp_path):
     find_run_state(out).mkdir()
     (find_run_state(out) / "coupled.journal").write_bytes(b"rows")
     before = files(out)
@@ -116,7 +112,7 @@ def test_an_unfinished_run_stays_too(out: Path, tmp_path: Path) -> None:
     assert files(out) | before == files(out)
 
 
-def test_what_a_killed_process_had_put_aside_is_what_stays(out: Path, tmp_path: Path) -> None:
+def test_what_a_killed_process_had_put_aside_is_what_stays(out, tmp_path):
     """It was killed before its run began."""
     before = files(out)
     for name in ("summary.json", "result.nc", "coupled.csv", "scenario.toml"):

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -33,7 +32,7 @@ NEEDLESS = {
 
 
 @pytest.mark.parametrize("version", sorted({version for version, _ in CASES}))
-def test_the_process_of_an_fmu_imports_no_compiler(version: int, tmp_path: Path) -> None:
+def test_the_process_of_an_fmu_imports_no_compiler(version, tmp_path):
     """Nor what solves, draws or reads scenarios: each FMU would wait for it. The FMU holds its input, which
     gets means."""
     path = fmu("sprung", version, tmp_path)

@@ -22,7 +22,7 @@ EPSILON = 2.0**-52
 
 
 @pytest.mark.parametrize(("version", "process"), CASES)
-def test_decay_is_the_closed_form(version: int, process: str, tmp_path: Path, record) -> None:
+def test_decay_is_the_closed_form(version, process, tmp_path, record):
     """Of a given rate from a given start: a rounding for each of 100 steps, of product and exponential."""
     path = fmu("dahlquist", version, tmp_path)
     table = {"participant": path, "process": process, "parameters": {"k": 3.0}, "start": {"x": 0.5}}
@@ -34,7 +34,7 @@ def test_decay_is_the_closed_form(version: int, process: str, tmp_path: Path, re
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_an_fmu_alone_does_what_it_does_in_another_master(version: int, tmp_path: Path) -> None:
+def test_an_fmu_alone_does_what_it_does_in_another_master(version, tmp_path):
     """Names with dots and brackets; to the last bit."""
     path = fmu("ball", version, tmp_path)
     changed = {"e": 0.8, "body.h": 2.0}
@@ -75,7 +75,7 @@ MASTERS: dict[str, dict[str, Any]] = {
     ("version", "master"),
     [(3, "iterated"), *(pytest.param(2, master, marks=pytest.mark.long) for master in MASTERS)],
 )
-def test_a_process_of_its_own_changes_no_bit(version: int, master: str, tmp_path: Path) -> None:
+def test_a_process_of_its_own_changes_no_bit(version, master, tmp_path):
     """Whatever the master saves, restores and exchanges."""
     shared, own = (coupled(version, process, tmp_path, **MASTERS[master]) for process in PROCESSES)
     assert shared.keys() == own.keys()
@@ -84,7 +84,7 @@ def test_a_process_of_its_own_changes_no_bit(version: int, master: str, tmp_path
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_outputs_that_are_right_after_initialisation_are_exchanged(version: int, tmp_path: Path) -> None:
+def test_outputs_that_are_right_after_initialisation_are_exchanged(version, tmp_path):
     """The first record is consistent, the first step has the input of that time: exactly, for it stays."""
     tables = {
         "late": {"participant": fmu("late", version, tmp_path), "parameters": {"x0": 0.25}},
@@ -101,7 +101,7 @@ def test_outputs_that_are_right_after_initialisation_are_exchanged(version: int,
         assert found["through.real out"].tolist() == [2.25] * 3
 
 
-def test_a_serialised_state_goes_on_in_another_process(tmp_path: Path) -> None:
+def test_a_serialised_state_goes_on_in_another_process(tmp_path):
     """As a resumed run has it."""
     path, rows = fmu("vanderpol", 3, tmp_path), []
     units = [InOwnProcess("one", path, FmuSettings(["x", "v"], {"mu": 2.0})) for _ in range(2)]
@@ -129,9 +129,7 @@ def test_a_serialised_state_goes_on_in_another_process(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", [InOwnProcess, FmuParticipant])
-def test_a_saved_state_has_the_inputs_that_were_written(
-    kind: type[InOwnProcess] | type[FmuParticipant], tmp_path: Path
-) -> None:
+def test_a_saved_state_has_the_inputs_that_were_written(kind, tmp_path):
     unit = kind("one", fmu("feedthrough", 3, tmp_path), FmuSettings(["real out"]))
     inputs, outputs = np.zeros((1, 1)), np.zeros(1)
     try:
@@ -151,7 +149,7 @@ def test_a_saved_state_has_the_inputs_that_were_written(
     assert outputs[0] == 3.0
 
 
-def test_both_versions_of_fmi_give_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_both_versions_of_fmi_give_the_same(tmp_path, monkeypatch):
     """The models are the same C; compiled code makes the calls of both."""
     made = []
     run_pass = CompiledSweep.__call__
@@ -165,7 +163,7 @@ def test_both_versions_of_fmi_give_the_same(tmp_path: Path, monkeypatch: pytest.
 
 
 @pytest.mark.parametrize(("version", "process"), CASES)
-def test_whole_numbers_and_truth_values_are_exchanged(version: int, process: str, tmp_path: Path) -> None:
+def test_whole_numbers_and_truth_values_are_exchanged(version, process, tmp_path):
     stair, through = fmu("stair", version, tmp_path), fmu("feedthrough", version, tmp_path)
     tables = {
         "stair": {"participant": stair},
@@ -194,7 +192,7 @@ def test_whole_numbers_and_truth_values_are_exchanged(version: int, process: str
     np.testing.assert_array_equal(found["second.real out"], 2.5)
 
 
-def test_variables_have_any_names(tmp_path: Path) -> None:
+def test_variables_have_any_names(tmp_path):
     """In both result files. NetCDF has no slash in a name; a division slash stands for it."""
     odd = 'a/b "c", [µ] <->'
     table = {"participant": fmu("named", 3, tmp_path), "start": {odd: 3.0}}
@@ -206,7 +204,7 @@ def test_variables_have_any_names(tmp_path: Path) -> None:
         assert np.all(result["coupled"][f"one.{odd.replace('/', '∕')}"] == 3.0)
 
 
-def test_arrays_are_their_elements(tmp_path: Path) -> None:
+def test_arrays_are_their_elements(tmp_path):
     """y = A x with dx/dt = u, set and connected element by element; the others start as they do."""
     tables = {
         "vector": {
@@ -224,7 +222,7 @@ def test_arrays_are_their_elements(tmp_path: Path) -> None:
     np.testing.assert_allclose(found["vector.y[2]"], 5.0 + 2.0 * t, rtol=200 * EPSILON)
 
 
-def test_units_are_converted_where_both_ends_state_them(tmp_path: Path) -> None:
+def test_units_are_converted_where_both_ends_state_them(tmp_path):
     """m to mm, degC to K; an input that states none takes the number as it is, and so does a factor."""
     shaft, through = fmu("shaft", 2, tmp_path), fmu("feedthrough", 3, tmp_path)
     tables = {
@@ -246,7 +244,7 @@ def test_units_are_converted_where_both_ends_state_them(tmp_path: Path) -> None:
     np.testing.assert_array_equal(ran(one, tmp_path / "factor")[1]["other.reached"], 7.0)
 
 
-def test_a_step_that_returns_early_is_gone_on_with(tmp_path: Path) -> None:
+def test_a_step_that_returns_early_is_gone_on_with(tmp_path):
     early, whole = (
         ran(scenario({"decay": {"participant": fmu(name, 3, tmp_path)}}), tmp_path / name)[1]["decay.x"]
         for name in ("early", "dahlquist")
@@ -254,7 +252,7 @@ def test_a_step_that_returns_early_is_gone_on_with(tmp_path: Path) -> None:
     np.testing.assert_allclose(early, whole, rtol=400 * EPSILON)
 
 
-def test_the_shortest_scenario_is_a_file(tmp_path: Path) -> None:
+def test_the_shortest_scenario_is_a_file(tmp_path):
     component = read_component(fmu("feedthrough", 3, tmp_path))
     assert component.parameters.names == ("offset", "count", "negate")
     assert component.feedthrough["real out"] == ("real in",)

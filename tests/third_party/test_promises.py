@@ -35,9 +35,7 @@ def forgetful(version: int, folder: Path, process: str = "shared", **changes: An
         (2, "shared", HOLD | {"checkpoint_every": 30}),
     ],
 )
-def test_an_fmu_that_saves_a_part_of_its_state_is_not_taken_back(
-    version: int, process: str, changes: dict[str, Any], tmp_path: Path
-) -> None:
+def test_an_fmu_that_saves_a_part_of_its_state_is_not_taken_back(version, process, changes, tmp_path):
     summary, found = ran(forgetful(version, tmp_path, process, **changes), tmp_path / "out")
     np.testing.assert_allclose(found["one.passed"], found["time"], rtol=1e-13)
     (told,) = [str(line) for line in summary.tell() if "come back" in str(line)]
@@ -56,14 +54,12 @@ def test_an_fmu_that_saves_a_part_of_its_state_is_not_taken_back(
         ({"one": {"retries": 2}}, r"components\.one\.retries repeats steps; leave it out"),
     ],
 )
-def test_it_is_refused_where_steps_have_to_be_taken_back(
-    changes: dict[str, Any], remedy: str, tmp_path: Path
-) -> None:
+def test_it_is_refused_where_steps_have_to_be_taken_back(changes, remedy, tmp_path):
     with pytest.raises(ScenarioError, match=rf"passed is 0\.02 .* but {remedy}"):
         ran(forgetful(2, tmp_path, **changes), tmp_path / "out")
 
 
-def test_the_trial_leaves_no_trace(tmp_path: Path) -> None:
+def test_the_trial_leaves_no_trace(tmp_path):
     """An FMU that has been tried, for its checkpoints, runs as one that has not, to the last bit."""
     tables = {"decay": {"participant": fmu("dahlquist", 3, tmp_path)}}
     found = []
@@ -75,7 +71,7 @@ def test_the_trial_leaves_no_trace(tmp_path: Path) -> None:
     np.testing.assert_array_equal(*found)
 
 
-def test_a_false_claim_to_take_derivatives_is_named_with_what_helps(tmp_path: Path) -> None:
+def test_a_false_claim_to_take_derivatives_is_named_with_what_helps(tmp_path):
     tables = {
         "decay": {"participant": fmu("dahlquist", 2, tmp_path)},
         "integral": {"participant": fmu("claiming", 2, tmp_path)},

@@ -1,6 +1,5 @@
 """References by refinement: their errors are the true ones within their stated uncertainty."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ TIMES = np.linspace(0.0, 1.0, 41)
 
 
 @given(order=st.floats(0.6, 5.5), scale=st.floats(1e-6, 10.0), slope=st.floats(-3.0, 3.0))
-def test_an_error_of_one_order_is_extrapolated_exactly(order: float, scale: float, slope: float) -> None:
+def test_an_error_of_one_order_is_extrapolated_exactly(order, scale, slope):
     """To rounding of the values, over what the extrapolation divides by."""
     true, error = np.sin(7.0 * TIMES), scale * (1.0 + slope * TIMES**2)
     runs = [true + error * step**order for step in (1.0, 0.5, 0.25)]
@@ -30,7 +29,7 @@ def test_an_error_of_one_order_is_extrapolated_exactly(order: float, scale: floa
     np.testing.assert_allclose(limit, true, atol=1e-12 + 1e-8 * scale)
 
 
-def test_runs_that_do_not_converge_have_no_order() -> None:
+def test_runs_that_do_not_converge_have_no_order():
     """The uncertainty is then the whole difference of the runs."""
     coarse, half, quarter = (np.sin(TIMES + phase) for phase in (0.0, 0.1, 0.3))
     limit, other, order = extrapolate(coarse, half, quarter, np.ones(len(TIMES)))
@@ -66,9 +65,7 @@ def compare_methods(
         ("gauss_seidel", "hermite", 4.0),
     ],
 )
-def test_errors_by_refinement_are_those_against_the_monolithic_reference(
-    master: str, signal: str, expected: float, record: Any
-) -> None:
+def test_errors_by_refinement_are_those_against_the_monolithic_reference(master, signal, expected, record):
     """Of the quarter car, within both uncertainties."""
     changes = {"master.name": master, "master.extrapolation": signal}
     case = f"quarter car, {master} {signal}, 1 ms"
@@ -89,8 +86,8 @@ def test_errors_by_refinement_are_those_against_the_monolithic_reference(
     ],
 )
 def test_errors_by_refinement_of_controlled_steps_are_those_against_the_monolithic_reference(
-    master: str, signal: str, estimator: str, expected: float, record: Any
-) -> None:
+    master, signal, estimator, expected, record
+):
     """Of the quarter car, within both uncertainties: halves of the steps that were found keep the order."""
     control = {"step_control.relative": 1e-5, "step_control.estimator": estimator}
     changes = {"master.name": master, "master.extrapolation": signal, **control}
@@ -110,9 +107,7 @@ def test_errors_by_refinement_of_controlled_steps_are_those_against_the_monolith
         ),
     ],
 )
-def test_errors_by_refinement_stay_true_over_located_events(
-    changes: dict[str, Any], case: str, record: Any
-) -> None:
+def test_errors_by_refinement_stay_true_over_located_events(changes, case, record):
     """A bouncing mass: its contacts come at other instants where the error is smaller."""
     found = compare_methods("bouncing-mass", changes, "mass.position", f"bouncing mass, {case}", record)
     assert found["order"] == pytest.approx(3.0, abs=0.1)  # of quadratic signals
@@ -126,9 +121,7 @@ def test_errors_by_refinement_stay_true_over_located_events(
         pytest.param({"step_control": {"estimator": "defect", "relative": 1e-3}}, marks=pytest.mark.long),
     ],
 )
-def test_the_error_of_third_party_fmus_is_that_against_the_exact_solution(
-    changes: dict[str, Any], tmp_path: Path
-) -> None:
+def test_the_error_of_third_party_fmus_is_that_against_the_exact_solution(changes, tmp_path):
     """Two masses, one an FMU of unknown equations that holds its inputs, against their matrix exponential."""
     one = masses("held_mass", tmp_path, reference={}, tolerance={"first.position": 1e-3}, **changes)
     summary, found = ran(one, tmp_path / "out")
@@ -142,7 +135,7 @@ def test_the_error_of_third_party_fmus_is_that_against_the_exact_solution(
 
 
 @given(lengths=st.lists(st.floats(1e-6, 1.0), min_size=1, max_size=8), parts=st.integers(1, 4))
-def test_refined_steps_meet_every_end_of_the_steps_that_they_divide(lengths: list[float], parts: int) -> None:
+def test_refined_steps_meet_every_end_of_the_steps_that_they_divide(lengths, parts):
     """To the bit, in equal parts."""
     ends = np.cumsum([0.3, *lengths])
     steps = RefinedSteps(ends, parts)
@@ -154,7 +147,7 @@ def test_refined_steps_meet_every_end_of_the_steps_that_they_divide(lengths: lis
     np.testing.assert_allclose(np.diff(found), np.repeat(np.diff(ends), parts) / parts, rtol=1e-8)
 
 
-def test_an_fmu_that_is_exact_has_no_error(tmp_path: Path) -> None:
+def test_an_fmu_that_is_exact_has_no_error(tmp_path):
     table = {"participant": fmu("dahlquist", 2, tmp_path)}
     one = scenario({"decay": table}, reference={}, tolerance={"decay.x": 1e-9})
     summary, _ = ran(one, tmp_path / "out")

@@ -1,6 +1,5 @@
 """What third-party FMUs cannot do, say wrongly, or only equations could say, is refused before the run."""
 
-from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
 
@@ -40,7 +39,7 @@ REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_an_fmu_cannot_do_is_refused_before_the_run(case: str, tmp_path: Path) -> None:
+def test_what_an_fmu_cannot_do_is_refused_before_the_run(case, tmp_path):
     name, changes, said = REFUSED[case]
     tables = {"one": {"participant": fmu(name, 2, tmp_path), **changes.get("own", {})}}
     more = {key: value for key, value in changes.items() if key != "own"}
@@ -49,7 +48,7 @@ def test_what_an_fmu_cannot_do_is_refused_before_the_run(case: str, tmp_path: Pa
     assert not (tmp_path / "out").exists()
 
 
-def test_no_equilibrium_is_sought_where_connections_change_values() -> None:
+def test_no_equilibrium_is_sought_where_connections_change_values():
     """One without the factor would be of another system."""
     content = read_contents(list_shipped()["two-masses"]) | {"start": "equilibrium"}
     content["connections"] = ["first.force * 2 -> second.force"]
@@ -58,7 +57,7 @@ def test_no_equilibrium_is_sought_where_connections_change_values() -> None:
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_a_file_for_another_platform_is_refused(version: int, tmp_path: Path) -> None:
+def test_a_file_for_another_platform_is_refused(version, tmp_path):
     path = fmu("dahlquist", version, tmp_path)
     (folder,) = (name.split("/")[1] for name in ZipFile(path).namelist() if name.startswith("binaries/"))
     other = rename_files(path, tmp_path / "other.fmu", folder, "vax")
@@ -66,14 +65,14 @@ def test_a_file_for_another_platform_is_refused(version: int, tmp_path: Path) ->
         build_system(scenario({"one": {"participant": other}}))
 
 
-def test_variables_of_one_name_are_refused(tmp_path: Path) -> None:
+def test_variables_of_one_name_are_refused(tmp_path):
     path = replace_text(fmu("dahlquist", 3, tmp_path), tmp_path / "twice.fmu", 'name="k"', 'name="x"')
     with pytest.raises(ScenarioError, match=rf"{path}: has two variables of the name 'x' .*of its own"):
         scenario({"one": {"participant": path}})
     assert any("'x'" in fault or '"x"' in fault for fault in validate(path))
 
 
-def test_variables_of_one_reference_are_one(tmp_path: Path) -> None:
+def test_variables_of_one_reference_are_one(tmp_path):
     """Aliases of FMI 2.0."""
     path = fmu("named", 2, tmp_path)
     alias = replace_text(path, tmp_path / "alias.fmu", 'valueReference="1"', 'valueReference="0"')
@@ -82,7 +81,7 @@ def test_variables_of_one_reference_are_one(tmp_path: Path) -> None:
     np.testing.assert_array_equal(first, second)
 
 
-def test_two_of_an_fmu_that_fills_its_process_take_processes_of_their_own(tmp_path: Path) -> None:
+def test_two_of_an_fmu_that_fills_its_process_take_processes_of_their_own(tmp_path):
     path = fmu("single", 2, tmp_path)
     twice = {"one": {"participant": path}, "other": {"participant": path}}
     with pytest.raises(ScenarioError, match=r"one instance.*set components\.\w+\.process = 'own'"):
@@ -132,13 +131,13 @@ FAULTS = {
 
 
 @pytest.mark.parametrize(("changes", "said"), FAULTS.values(), ids=FAULTS)
-def test_the_attribute_is_named(changes: dict[str, str], said: str, tmp_path: Path) -> None:
+def test_the_attribute_is_named(changes, said, tmp_path):
     path = describe2(tmp_path / "one.fmu", **({"variables": Y} | changes))
     with pytest.raises(DescriptionError, match=f"{said}.*, in its modelDescription.xml"):
         read_description(path)
 
 
-def test_the_attribute_of_fmi_3_is_named(tmp_path: Path) -> None:
+def test_the_attribute_of_fmi_3_is_named(tmp_path):
     variable = '<Float64 name="y" valueReference="0" causality="output" derivative="7"/>'
     with pytest.raises(DescriptionError, match="'y' has derivative = '7', which is the valueReference of no"):
         read_description(describe3(tmp_path / "one.fmu", variable))

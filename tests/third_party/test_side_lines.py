@@ -1,7 +1,6 @@
 """Connections of strings and binary values, and of whole numbers, enumerations and truth values by type."""
 
 import csv
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,7 +18,7 @@ from .runs import CASES, find_texts, never, ran, scenario
 
 
 @pytest.mark.parametrize(("version", "process"), CASES)
-def test_texts_pass_along_a_chain(version: int, process: str, tmp_path: Path) -> None:
+def test_texts_pass_along_a_chain(version, process, tmp_path):
     """Of FMUs whose outputs are their inputs, in any order of lines."""
     table = {"participant": public(f"reference-fmus-{version}/Feedthrough.fmu"), "process": process}
     pairs = ["String"] if version == 2 else ["String", "Binary"]
@@ -34,7 +33,7 @@ def test_texts_pass_along_a_chain(version: int, process: str, tmp_path: Path) ->
     assert find_texts(one, "c", [f"{kind}_output" for kind in pairs]) == [given[kind] for kind in pairs]
 
 
-def test_texts_are_recorded(tmp_path: Path) -> None:
+def test_texts_are_recorded(tmp_path):
     """As they are at the start; a text holds until the next line."""
     table = {"participant": public("reference-fmus-3/Feedthrough.fmu")}
     inputs = {"String_input": 'grün, "3" > 2', "Binary_input": "00ff10"}
@@ -56,15 +55,15 @@ class Speaking:
         return [self.text] * len(names)
 
 
-def test_texts_are_recorded_where_they_change_also_by_a_resumed_run(tmp_path: Path) -> None:
+def test_texts_are_recorded_where_they_change_also_by_a_resumed_run(tmp_path):
     unit = SimpleNamespace(abilities=Abilities(side=Speaking()))  # type: ignore[arg-type]
     coupling = SimpleNamespace(wiring=SimpleNamespace(names=("one",)), participants=[unit])
 
-    def say(recorder: TextRecorder, time: float, text: str) -> None:
+    def say(recorder, time, text):
         unit.abilities.side.text = text  # type: ignore[union-attr]
         recorder.observe(time, np.zeros, Step(time, 0.1, 1))
 
-    def record() -> TextRecorder:
+    def record():
         recorder = TextRecorder(tmp_path / "texts.csv", {"one": ["state"]})
         recorder.watch(coupling)  # type: ignore[arg-type]
         return recorder
@@ -86,7 +85,7 @@ def test_texts_are_recorded_where_they_change_also_by_a_resumed_run(tmp_path: Pa
 
 
 @pytest.mark.parametrize("process", ["shared", pytest.param("own", marks=pytest.mark.long)])
-def test_numbers_of_each_type_pass(process: str, tmp_path: Path) -> None:
+def test_numbers_of_each_type_pass(process, tmp_path):
     """Those of FMI 3.0, between FMUs whose outputs are their inputs, at the ends of their ranges."""
     table = {"participant": public("reference-fmus-3/Feedthrough.fmu"), "process": process}
     values = {"Int8": -128, "UInt8": 255, "Int16": -32768, "UInt16": 65535, "Int32": -(2**31)}
@@ -113,14 +112,14 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("line", "said"), REFUSED)
-def test_other_types_are_refused_by_name(line: str, said: str, tmp_path: Path) -> None:
+def test_other_types_are_refused_by_name(line, said, tmp_path):
     path = public("reference-fmus-3/Feedthrough.fmu")
     one = scenario({"a": {"participant": path}, "b": {"participant": path}}, connections=[line])
     with pytest.raises(ScenarioError, match=said.replace("(", r"\(")):
         build_system(one)
 
 
-def test_a_package_has_no_texts(tmp_path: Path) -> None:
+def test_a_package_has_no_texts(tmp_path):
     table = {"participant": public("reference-fmus-3/Feedthrough.fmu")}
     one = scenario({"a": table, "b": table}, connections=["a.String_output -> b.String_input"])
     with pytest.raises(ScenarioError, match="packages are written with connections of numbers only"):

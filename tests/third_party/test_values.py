@@ -1,7 +1,5 @@
 """Values for third-party FMUs: numbers in the FMU's unit, enumerations, texts, arrays; what does not fit."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -26,9 +24,7 @@ MILLIMETRES = [(0.002, 0.002, True), ("2 um", 0.002, False), ("0.002 m", 2.0, Fa
 @pytest.mark.parametrize(
     ("version", "value", "millimetres", "named"), [(2 + i % 2, *case) for i, case in enumerate(MILLIMETRES)]
 )
-def test_a_number_without_a_unit_is_in_the_fmus_and_named(
-    version: int, value: float | str, millimetres: float, named: bool, tmp_path: Path
-) -> None:
+def test_a_number_without_a_unit_is_in_the_fmus_and_named(version, value, millimetres, named, tmp_path):
     one = scenario({"one": {"participant": fmu("stretched", version, tmp_path), "start": {"length": value}}})
     (told,) = list_warnings(one) or [""]
     assert told.startswith(TAKEN) if named else not told
@@ -37,7 +33,7 @@ def test_a_number_without_a_unit_is_in_the_fmus_and_named(
     assert load(tmp_path / "out" / "scenario.toml") == one
 
 
-def test_numbers_in_si_units_and_zeros_are_not_named(tmp_path: Path) -> None:
+def test_numbers_in_si_units_and_zeros_are_not_named(tmp_path):
     """0 mm is 0 m; 0 degC is not 0 K."""
     tables = {
         "ball": {"participant": fmu("ball", 2, tmp_path), "start": {"body.h": 0.002}},
@@ -46,16 +42,14 @@ def test_numbers_in_si_units_and_zeros_are_not_named(tmp_path: Path) -> None:
     assert list_warnings(scenario(tables)) == []
 
 
-def test_a_start_time_other_than_the_runs_is_named(tmp_path: Path) -> None:
+def test_a_start_time_other_than_the_runs_is_named(tmp_path):
     file = describe2(tmp_path / "late.fmu", "", head='<DefaultExperiment startTime="5"/>')
     told = list_warnings(scenario({"one": {"participant": file}}))
     assert any("one: its default experiment begins at t = 5 s, the run at 0" in line for line in told)
 
 
 @pytest.mark.parametrize(("version", "value", "number"), [(2, "other", 9), (3, "brass", 2), (3, 2, 2)])
-def test_items_are_given_by_name_or_number(
-    version: int, value: str | int, number: int, tmp_path: Path
-) -> None:
+def test_items_are_given_by_name_or_number(version, value, number, tmp_path):
     table = {"participant": fmu("stretched", version, tmp_path), "parameters": {"material": value}}
     summary, found = ran(scenario({"one": table}, stop_time=0.02), tmp_path / "out")
     assert summary.complete, summary.message
@@ -63,9 +57,7 @@ def test_items_are_given_by_name_or_number(
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_what_is_told_of_a_file_has_ranges_and_items(
-    version: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_told_of_a_file_has_ranges_and_items(version, tmp_path, monkeypatch):
     """And no word of what the file does not say."""
     ranged = V("length", "output", 1.0, unit="mm", initial="exact", more='min="0.5" max="20"')
     material = next(v for v in MODELS["stretched"].variables if v.name == "material")
@@ -110,9 +102,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("name", "table", "values", "said"), REFUSED)
-def test_a_value_that_does_not_fit_is_named(
-    name: str, table: str, values: dict[str, object], said: str, tmp_path: Path
-) -> None:
+def test_a_value_that_does_not_fit_is_named(name, table, values, said, tmp_path):
     with pytest.raises(ScenarioError, match=said):
         scenario({"one": {"participant": fmu(name, 3, tmp_path), table: values}})
 
@@ -123,7 +113,7 @@ ODD = "µ/a \"b\" 'c' \\ #.csv"
 @pytest.mark.parametrize(
     ("version", "process", "text"), [(3, "shared", ""), (2, "shared", "8 mm"), (3, "own", ODD)]
 )
-def test_a_text_arrives_in_utf_8(version: int, process: str, text: str, tmp_path: Path) -> None:
+def test_a_text_arrives_in_utf_8(version, process, text, tmp_path):
     """Also one that would be a value with a unit elsewhere, and by the run's own scenario file."""
     path, raw = fmu("reading", version, tmp_path), text.encode()
     table = {"participant": path, "process": process, "parameters": {"table file": text, "scale": 2.0}}
@@ -136,7 +126,7 @@ def test_a_text_arrives_in_utf_8(version: int, process: str, text: str, tmp_path
     np.testing.assert_array_equal(again["one.length"], found["one.length"])
 
 
-def test_texts_go_through_packages(tmp_path: Path) -> None:
+def test_texts_go_through_packages(tmp_path):
     """SSP's ssv:String."""
     table = {"participant": fmu("reading", 3, tmp_path), "parameters": {"table file": ODD, "scale": 2.0}}
     package = tmp_path / "one.ssp"
@@ -144,7 +134,7 @@ def test_texts_go_through_packages(tmp_path: Path) -> None:
     assert read_package(package)["components"]["one"]["parameters"] == table["parameters"]
 
 
-def test_structural_parameters_set_the_sizes_of_arrays(tmp_path: Path) -> None:
+def test_structural_parameters_set_the_sizes_of_arrays(tmp_path):
     """dx/dt = u with three states in the place of two: x = x0 + u t. The written scenario is equal."""
     table = {
         "participant": fmu("sized", 3, tmp_path),
@@ -164,7 +154,7 @@ def test_structural_parameters_set_the_sizes_of_arrays(tmp_path: Path) -> None:
     assert load(tmp_path / "out" / "scenario.toml") == one
 
 
-def test_connections_reach_elements_that_a_structural_parameter_added(tmp_path: Path) -> None:
+def test_connections_reach_elements_that_a_structural_parameter_added(tmp_path):
     """Of a chain of integrals the second is of order two in time; exact, as the means of a line are."""
     path = fmu("sized", 3, tmp_path)
     size = {"participant": path, "structure": {"n": 3}}
@@ -180,7 +170,7 @@ def test_connections_reach_elements_that_a_structural_parameter_added(tmp_path: 
 @pytest.mark.parametrize(
     "interface", [pytest.param("co_simulation", marks=pytest.mark.long), "model_exchange"]
 )
-def test_a_public_state_space_takes_matrices(interface: str, tmp_path: Path) -> None:
+def test_a_public_state_space_takes_matrices(interface, tmp_path):
     """dx/dt = A x + B u from rest with a nilpotent A: x = t b u + t^2/2 A b u, exact for the solver of model
     exchange; the steps h of its co-simulation by Euler give t (t - h)."""
     table = {
@@ -201,7 +191,7 @@ def test_a_public_state_space_takes_matrices(interface: str, tmp_path: Path) -> 
     np.testing.assert_allclose(found["one.y[3]"], 15.0, rtol=1e-15)
 
 
-def test_a_package_has_no_structural_parameters(tmp_path: Path) -> None:
+def test_a_package_has_no_structural_parameters(tmp_path):
     table = {"participant": fmu("sized", 3, tmp_path), "structure": {"n": 1}, "parameters": {"x0": 1.0}}
     with pytest.raises(ScenarioError, match=r"one.structure: packages of SSP 1.0 have no"):
         export(scenario({"one": table}), tmp_path / "one.ssp", never)

@@ -56,7 +56,7 @@ def case(path: Path, process: str | None, **changes: object):
 
 @pytest.mark.parametrize("version", mark_long([2, 3], [2]))
 @pytest.mark.parametrize("vice", mark_long(VICES, ["crashing", "quitting", "discarding", "fatal", "ending"]))
-def test_the_run_ends_with_what_it_has(vice: str, version: int, tmp_path: Path) -> None:
+def test_the_run_ends_with_what_it_has(vice, version, tmp_path):
     """Crashes in a process of their own, which is the default; everything else there and here."""
     path = fmu(vice, version, tmp_path)
     for process in (None,) if vice in ENDING else ("own", "shared"):
@@ -68,7 +68,7 @@ def test_the_run_ends_with_what_it_has(vice: str, version: int, tmp_path: Path) 
         assert found["time"][-1] == pytest.approx(0.5)
 
 
-def test_of_one_that_crashes_nothing_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_one_that_crashes_nothing_is_left(tmp_path, monkeypatch):
     """Neither a temporary file nor a process."""
     import psutil
 
@@ -83,7 +83,7 @@ def test_of_one_that_crashes_nothing_is_left(tmp_path: Path, monkeypatch: pytest
     assert set(psutil.Process().children(recursive=True)) == before
 
 
-def test_a_process_of_its_own_is_for_all_but_what_is_as_we_made_it(tmp_path: Path) -> None:
+def test_a_process_of_its_own_is_for_all_but_what_is_as_we_made_it(tmp_path):
     """One that only says so, and one that was changed since, may do anything."""
     ours = build("flywheel", tmp_path)
     said = replace_text(ours, tmp_path / "changed.fmu", 'author="tribocosim', 'author="no tribocosim')
@@ -108,9 +108,7 @@ def test_a_process_of_its_own_is_for_all_but_what_is_as_we_made_it(tmp_path: Pat
         pytest.param("closing", "exit status 1", marks=pytest.mark.long),
     ],
 )
-def test_what_ends_the_run_s_process_ends_the_command_as_a_failure(
-    vice: str, how: str, tmp_path: Path
-) -> None:
+def test_what_ends_the_run_s_process_ends_the_command_as_a_failure(vice, how, tmp_path):
     """Where `shared` was chosen; also when the run is continued. What was recorded can be made a result."""
     out, file = tmp_path / "out", tmp_path / "one.toml"
     one = case(fmu(vice, 2, tmp_path), "shared", checkpoint_every=1e-3)
@@ -130,15 +128,13 @@ def test_what_ends_the_run_s_process_ends_the_command_as_a_failure(
 
 
 @posix
-def test_the_second_interrupt_ends_a_call_that_does_not_return(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_second_interrupt_ends_a_call_that_does_not_return(tmp_path, monkeypatch):
     """At once, and the run can go on to the numbers of one without a stop."""
     mark, out = tmp_path / "mark", tmp_path / "out"
     one = case(fmu("spinning once", 2, tmp_path), "own", checkpoint_every=1e-9)
     monkeypatch.setenv("MARK", str(mark))
 
-    def interrupt_twice() -> None:
+    def interrupt_twice():
         wait_for(mark.exists)
         os.kill(os.getpid(), signal.SIGINT)
         wait_for(lambda: signal.getsignal(signal.SIGINT).__self__.asked)  # type: ignore[union-attr]
@@ -159,7 +155,7 @@ def test_the_second_interrupt_ends_a_call_that_does_not_return(
 @pytest.mark.parametrize(
     ("number", "status"), [(signal.SIGTERM, 143), pytest.param(signal.SIGINT, 130, marks=pytest.mark.long)]
 )
-def test_signals_end_a_command_whose_fmu_heeds_none(number: int, status: int, tmp_path: Path) -> None:
+def test_signals_end_a_command_whose_fmu_heeds_none(number, status, tmp_path):
     """It spins in the run's process, where Python hears of no signal. What was recorded is kept."""
     mark, out, file = tmp_path / "mark", tmp_path / "out", tmp_path / "one.toml"
     file.write_text(to_short_toml(case(fmu("deaf", 2, tmp_path), "shared"), tmp_path), "utf-8")
@@ -192,7 +188,7 @@ GARBLED = r"decay: its process gave an answer that cannot be read .* in the step
         ("killing", GONE.format("by SIGKILL")),
     ],
 )
-def test_an_fmu_cannot_confuse_or_end_the_run(vice: str, said: str, tmp_path: Path) -> None:
+def test_an_fmu_cannot_confuse_or_end_the_run(vice, said, tmp_path):
     """It writes into all descriptors, also what looks like a message; it closes them; it kills its parent."""
     summary, found = ran(case(fmu(vice, 2, tmp_path), "own"), tmp_path / "out")
     assert summary.exit_status == 3
@@ -201,7 +197,7 @@ def test_an_fmu_cannot_confuse_or_end_the_run(vice: str, said: str, tmp_path: Pa
 
 
 @posix
-def test_copies_that_an_fmu_makes_of_its_process_do_not_answer(tmp_path: Path) -> None:
+def test_copies_that_an_fmu_makes_of_its_process_do_not_answer(tmp_path):
     import psutil
 
     before = set(psutil.Process().children(recursive=True))
@@ -212,9 +208,7 @@ def test_copies_that_an_fmu_makes_of_its_process_do_not_answer(tmp_path: Path) -
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere orphans have no other parent than the first")
-def test_what_leaves_the_session_of_an_fmu_ends_with_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_leaves_the_session_of_an_fmu_ends_with_it(tmp_path, monkeypatch):
     import psutil
 
     monkeypatch.setenv("MARK", str(mark := tmp_path / "mark"))
@@ -238,7 +232,7 @@ def command(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("process", mark_long(["own", "shared"], ["shared"]))
-def test_arguments_of_messages_are_put_in(process: str, tmp_path: Path) -> None:
+def test_arguments_of_messages_are_put_in(process, tmp_path):
     """As printf would, for each instance its own."""
     path = fmu("formatting", 2, tmp_path)
     tables = {name: {"participant": path, "process": process} for name in ("one", "other")}
@@ -248,9 +242,7 @@ def test_arguments_of_messages_are_put_in(process: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("version", "process"), CASES)
-def test_warnings_are_counted_and_told_once(
-    process: str, version: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_warnings_are_counted_and_told_once(process, version, tmp_path, capsys):
     """Fifty steps of a hundred, by Python and by compiled code."""
     tables = {
         name: {"participant": fmu(name, version, tmp_path), "process": process}
@@ -268,7 +260,7 @@ def test_warnings_are_counted_and_told_once(
 
 
 @pytest.mark.parametrize(("version", "process"), CASES)
-def test_warnings_of_every_call_are_counted(process: str, version: int, tmp_path: Path) -> None:
+def test_warnings_of_every_call_are_counted(process, version, tmp_path):
     """Its outputs are read at least once in each of a hundred steps, by Python and by compiled code."""
     tables = {
         "one": {"participant": fmu("uneasy", version, tmp_path), "process": process},
@@ -279,14 +271,14 @@ def test_warnings_of_every_call_are_counted(process: str, version: int, tmp_path
     assert summary.warnings["one"].count >= 100
 
 
-def test_steps_that_go_on_by_themselves_are_said_to_be_unsupported(tmp_path: Path) -> None:
+def test_steps_that_go_on_by_themselves_are_said_to_be_unsupported(tmp_path):
     summary, found = ran(case(fmu("pending", 2, tmp_path), "shared"), tmp_path / "out")
     assert "returned Pending: no message; asynchronous steps" in summary.message
     assert len(found["time"]) == 51
 
 
 @pytest.mark.parametrize(("version", "process"), CASES)
-def test_a_file_that_cannot_be_instantiated_is_a_mistake(process: str, version: int, tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_instantiated_is_a_mistake(process, version, tmp_path):
     """Its token is not the library's: nothing is written."""
     out = tmp_path / "out"
     other = tmp_path / "other.fmu"
@@ -298,7 +290,7 @@ def test_a_file_that_cannot_be_instantiated_is_a_mistake(process: str, version: 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")
 @pytest.mark.parametrize("vice", mark_long(["hanging", "spinning"], ["hanging"]))
-def test_one_that_hangs_is_ended(vice: str, tmp_path: Path) -> None:
+def test_one_that_hangs_is_ended(vice, tmp_path):
     # The limit holds for the start of its process as well.
     path = fmu(vice, 3, tmp_path)
     summary, found = ran(case(path, "own", call_time_limit=5.0), tmp_path / "out")
@@ -310,7 +302,7 @@ def test_one_that_hangs_is_ended(vice: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")
-def test_an_fmu_that_reads_standard_input_gets_none_of_the_messages(tmp_path: Path) -> None:
+def test_an_fmu_that_reads_standard_input_gets_none_of_the_messages(tmp_path):
     path = fmu("listening", 2, tmp_path)
     summary, found = ran(case(path, "own", call_time_limit=10.0), tmp_path / "out")
     assert summary.complete, summary.message
@@ -331,7 +323,7 @@ def test_an_fmu_that_reads_standard_input_gets_none_of_the_messages(tmp_path: Pa
         ("timeless", r"decay: came back early .*reached t = nan s \(lastSuccessfulTime\)"),
     ],
 )
-def test_times_that_cannot_be_are_not_believed(vice: str, said: str, tmp_path: Path) -> None:
+def test_times_that_cannot_be_are_not_believed(vice, said, tmp_path):
     summary, found = ran(case(fmu(vice, 3, tmp_path), "shared"), tmp_path / "out")
     assert summary.exit_status == 3
     assert re.search(said, summary.message), summary.message
@@ -340,9 +332,7 @@ def test_times_that_cannot_be_are_not_believed(vice: str, said: str, tmp_path: P
 
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("vice", ["vanishing", "growing"])
-def test_a_run_whose_outputs_are_not_finite_does_not_end_well(
-    vice: str, version: int, tmp_path: Path
-) -> None:
+def test_a_run_whose_outputs_are_not_finite_does_not_end_well(vice, version, tmp_path):
     """Also where nothing takes them, and nothing is compared."""
     summary, found = ran(case(fmu(vice, version, tmp_path), "shared"), tmp_path / "out")
     assert not np.isfinite(found["decay.x"][51:]).any()
@@ -358,9 +348,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="needs prlimit of Lin
 
 @linux
 @pytest.mark.parametrize(("limit", "complete"), [(400, False), (None, True)])
-def test_an_fmu_has_no_more_memory_than_it_is_given(
-    limit: int | None, complete: bool, tmp_path: Path
-) -> None:
+def test_an_fmu_has_no_more_memory_than_it_is_given(limit, complete, tmp_path):
     table = {"participant": fmu("greedy", 2, tmp_path), "process": "own"}
     table |= {} if limit is None else {"memory_limit_mb": limit}
     summary, _ = ran(scenario({"one": table}), tmp_path / "out")
@@ -368,21 +356,19 @@ def test_an_fmu_has_no_more_memory_than_it_is_given(
     assert complete or "no memory left" in summary.message
 
 
-def test_a_limit_of_memory_needs_a_process_of_its_own(tmp_path: Path) -> None:
+def test_a_limit_of_memory_needs_a_process_of_its_own(tmp_path):
     one = scenario({"one": {"participant": fmu("dahlquist", 2, tmp_path), "memory_limit_mb": 400}})
     with pytest.raises(ScenarioError, match=r"memory_limit_mb: .* set components\.one\.process = 'own'"):
         build_system(one)
 
 
 @pytest.mark.skipif(temporary.fcntl is None, reason="needs locks of POSIX")
-def test_folders_of_killed_processes_are_deleted_by_a_later_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_folders_of_killed_processes_are_deleted_by_a_later_one(tmp_path, monkeypatch):
     """Not those of living ones, whatever their age, nor new ones, nor what has another name."""
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     code = "from models.compile.temporary import *; print(TemporaryFolder().path, flush=True); input()"
 
-    def start() -> tuple[subprocess.Popen[str], Path]:
+    def start():
         made = subprocess.Popen(
             [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )

@@ -6,7 +6,6 @@ Where gcc's sanitizers are, the runtime is compiled with them; valgrind runs the
 
 import re
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -61,16 +60,11 @@ def functions(fmi: int) -> set[str]:
     return {name for name in declared if not re.search("Instan|TypesPlatform|GetVersion", name)}
 
 
-Files = dict[int, dict[str, Path]]
-Made = Callable[[str, int], Path]
-Compiled = Callable[..., Path]
-
-
 @pytest.fixture(scope="session")
-def compiled() -> Compiled:
+def compiled():
     """compiled(name, sanitized, fmi): the program, compiled once."""
 
-    def get(name: str, sanitized: bool, fmi: int = 2) -> Path:
+    def get(name, sanitized, fmi=2):
         made = f"program-{name}-{sanitized}-{fmi}"
         (program,) = made_once(made, lambda folder: programs.program(name, folder, sanitized, fmi)).iterdir()
         return program
@@ -79,10 +73,10 @@ def compiled() -> Compiled:
 
 
 @pytest.fixture(scope="session")
-def sanitized_library() -> Made:
+def sanitized_library():
     """sanitized_library(name, fmi), compiled once."""
 
-    def get(name: str, fmi: int) -> Path:
+    def get(name, fmi):
         folder = made_once(f"sanitized-{name}-{fmi}", lambda f: programs.sanitized_library(name, f, fmi))
         return folder / f"{name}.so"
 
@@ -112,14 +106,7 @@ def arguments_of_fuzz(description: ModelDescription, folder: Path, seed: int, ca
     ("name", "count"),
     [("valve_spring", LIVES), *(pytest.param(name, 1_000_000, marks=pytest.mark.long) for name in HOSTED)],
 )
-def test_lives_under_sanitizers(
-    name: str,
-    count: int,
-    native_files: dict[str, Path],
-    compiled: Compiled,
-    sanitized_library: Made,
-    tmp_path: Path,
-) -> None:
+def test_lives_under_sanitizers(name, count, native_files, compiled, sanitized_library, tmp_path):
     """No leak, no access outside of what is allocated, nothing that C leaves undefined."""
     needs_sanitizers()
     _, description = library_in(native_files[name], tmp_path)
@@ -129,9 +116,7 @@ def test_lives_under_sanitizers(
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", HOSTED)
-def test_lives_under_valgrind(
-    name: str, native_files: dict[str, Path], compiled: Compiled, tmp_path: Path
-) -> None:
+def test_lives_under_valgrind(name, native_files, compiled, tmp_path):
     """The library as it is shipped, with its kernels: no leak, no invalid access, no jump by unset memory."""
     if shutil.which("valgrind") is None:
         pytest.skip("needs valgrind")
@@ -141,14 +126,14 @@ def test_lives_under_valgrind(
 
 
 @pytest.fixture
-def files(native_files: dict[str, Path], fmi3_files: dict[str, Path]) -> dict[int, dict[str, Path]]:
+def files(native_files, fmi3_files):
     """FMUs by version of FMI."""
     return {2: native_files, 3: fmi3_files}
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_random_calls_under_valgrind(fmi: int, files: Files, compiled: Compiled, tmp_path: Path) -> None:
+def test_random_calls_under_valgrind(fmi, files, compiled, tmp_path):
     if shutil.which("valgrind") is None:
         pytest.skip("needs valgrind")
     library, description = library_in(files[fmi]["valve_spring"], tmp_path)
@@ -167,9 +152,7 @@ def test_random_calls_under_valgrind(fmi: int, files: Files, compiled: Compiled,
         ),
     ],
 )
-def test_random_calls(
-    name: str, calls: int, fmi: int, files: Files, compiled: Compiled, sanitized_library: Made, tmp_path: Path
-) -> None:
+def test_random_calls(name, calls, fmi, files, compiled, sanitized_library, tmp_path):
     """Any function with any arguments in any phase: what fuzz.c says must hold, and every function is taken
     as well as refused, but for those that can only be one of them. With sanitizers where they are."""
     library, description = library_in(files[fmi][name], tmp_path)

@@ -1,7 +1,6 @@
 """Derivatives of inputs and outputs by the standard's calls are those by the variables, to the last bit."""
 
 from ctypes import c_double, c_int, c_size_t, c_uint
-from pathlib import Path
 
 import pytest
 
@@ -25,9 +24,7 @@ def by_calls(slave: Instance, values: dict[str, float], names: list[str]) -> Non
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_inputs_by_calls_and_by_variables_give_the_same_motion(
-    name: str, native_files: dict[str, Path]
-) -> None:
+def test_inputs_by_calls_and_by_variables_give_the_same_motion(name, native_files):
     component = Reference(name).component
     one, other = (Instance(native_files[name]).initialize() for _ in range(2))
     names = [n for n in component.inputs.names if one.variables[n].type == "Real"]
@@ -43,7 +40,7 @@ def test_inputs_by_calls_and_by_variables_give_the_same_motion(
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_derivatives_of_outputs_are_their_rates(name: str, native_files: dict[str, Path]) -> None:
+def test_derivatives_of_outputs_are_their_rates(name, native_files):
     component = Reference(name).component
     slave = Instance(native_files[name]).initialize()
     slave.set(wave(component, 0.0))

@@ -42,9 +42,7 @@ def simulated(fmu: Path, kind: str, start: dict, stop: float, names: list[str]) 
 
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("name", mark_long(MOTIONS, FAST))
-def test_the_hosts_integrator_finds_the_same_motion(
-    name: str, fmi: int, native_files: dict[str, Path], fmi3_files: dict[str, Path]
-) -> None:
+def test_the_hosts_integrator_finds_the_same_motion(name, fmi, native_files, fmi3_files):
     """Outputs at the end, and everywhere but about impacts, whose instants differ."""
     start, stop = MOTIONS[name]
     file = (native_files if fmi == 2 else fmi3_files)[name]
@@ -59,7 +57,7 @@ def test_the_hosts_integrator_finds_the_same_motion(
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_states_and_their_derivatives_are_shown(name: str, native_files: dict[str, Path]) -> None:
+def test_states_and_their_derivatives_are_shown(name, native_files):
     """To the last bit those of the component after a step."""
     reference = Reference(name)
     component, slave = reference.component, Instance(native_files[name]).initialize()
@@ -80,12 +78,8 @@ def test_states_and_their_derivatives_are_shown(name: str, native_files: dict[st
 @pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", EVERY)
 def test_steps_reproduce_the_reference_results(
-    name: str,
-    fmi: int,
-    referenced_native_files: dict[str, Path],
-    referenced_fmi3_files: dict[str, Path],
-    record,
-) -> None:
+    name, fmi, referenced_native_files, referenced_fmi3_files, record
+):
     found = compare((referenced_native_files if fmi == 2 else referenced_fmi3_files)[name])
     assert found.agrees, str(found)
     quantity, worst = f"deviation of native FMUs, FMI {fmi}", found.worst.relative

@@ -18,18 +18,15 @@ from fmus.fmi.validate import validate
 from fmus.reference_results.compare import compare
 from tests.third_party.runs import ran, scenario
 
-from ..conftest import Isolated
 from ..instance import Instance, Instance3
 from ..names import mark_long
 from ..reference import Reference, schedule, wave
 from ..test_agreement import STEP, STEPS, expected_of, replay
 from .names import EVERY
 
-Files = dict[str, Path]
-
 
 @pytest.mark.parametrize("name", EVERY)
-def test_it_equals_the_component(name: str, fmi3_files: Files, isolated: Isolated, tmp_path: Path) -> None:
+def test_it_equals_the_component(name, fmi3_files, isolated, tmp_path):
     """Outputs, their rates and energies; also between steps, and with steps of changing size."""
     reference = Reference(name)
     plan = schedule(reference.component, STEPS, STEP)
@@ -38,7 +35,7 @@ def test_it_equals_the_component(name: str, fmi3_files: Files, isolated: Isolate
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", mark_long(["flywheel", "slider_crank"], ["flywheel"]))
-def test_fmutool_finds_no_fault(name: str, fmi3_files: Files) -> None:
+def test_fmutool_finds_no_fault(name, fmi3_files):
     pytest.importorskip("fmu_manipulation_toolbox", reason="fmu-manipulation-toolbox is not installed")
     tool = Path(sys.executable).with_name("fmutool")
     command = [str(tool), "-input", str(fmi3_files[name]), "-check"]
@@ -49,7 +46,7 @@ def test_fmutool_finds_no_fault(name: str, fmi3_files: Files) -> None:
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_variables_are_those_of_fmi_2(name: str, native_files: Files, fmi3_files: Files) -> None:
+def test_variables_are_those_of_fmi_2(name, native_files, fmi3_files):
     """And besides them time and what indicates events, which FMI 3.0 has as variables. Vectors are arrays.
     Validators find no fault with either."""
     assert validate(native_files[name]) == validate(fmi3_files[name]) == []
@@ -109,7 +106,7 @@ def dependencies(described: ModelDescription, unknowns: str, named: Callable[[st
 
 
 @pytest.mark.long
-def test_event_indicators_have_derivatives(fmi3_files: Files) -> None:
+def test_event_indicators_have_derivatives(fmi3_files):
     """Between the walls they are the distances to the upper and the lower one."""
     slave = Instance3(fmi3_files["slider_crank"])
     slave.fmu.enterInitializationMode()
@@ -121,12 +118,12 @@ def test_event_indicators_have_derivatives(fmi3_files: Files) -> None:
 
 
 @pytest.mark.parametrize("name", mark_long(["valve_spring", "slider_crank", "ehl_contact"], ["valve_spring"]))
-def test_a_saved_state_brings_the_same_motion(name: str, fmi3_files: Files) -> None:
+def test_a_saved_state_brings_the_same_motion(name, fmi3_files):
     """In the same instance, and from bytes in another."""
     component = Reference(name).component
     slave, other = Instance3(fmi3_files[name]).initialize(), Instance3(fmi3_files[name]).initialize()
 
-    def go_on(one: Instance3) -> list[float]:
+    def go_on(one):
         for i in range(10, 20):
             one.set(wave(component, i * STEP))
             one.step(i * STEP, STEP)
@@ -166,13 +163,13 @@ def refused(slave: Instance3, call: Any) -> str:
 
 
 @pytest.fixture
-def spring(fmi3_files: Files) -> Any:
+def spring(fmi3_files):
     slave = Instance3(fmi3_files["valve_spring"])
     yield slave
     slave.free()
 
 
-def test_what_is_declared(fmi3_files: Files) -> None:
+def test_what_is_declared(fmi3_files):
     """Parameters, start values, states and their derivatives, with fixed dimensions; what may be connected is
     scalar."""
     spring, shaft = (
@@ -191,10 +188,10 @@ def test_what_is_declared(fmi3_files: Files) -> None:
     assert {"load_torque[1]", "throw_angle[1]"} <= {*shaft}
 
 
-def test_elements_are_those_of_fmi_2(spring: Instance3, native_files: Files) -> None:
+def test_elements_are_those_of_fmi_2(spring, native_files):
     """Of states and their derivatives, in motion; several in one call are one after the other."""
     other = Instance(native_files["valve_spring"]).initialize(load=500.0, **by_element(STARTS))
-    spring.initialize(load=500.0, **STARTS)  # type: ignore[arg-type]
+    spring.initialize(load=500.0, **STARTS)
     names = ["position", "state.coil_position", "der(state.coil_velocity)"]
     elements = ["position", "state.coil_position[1]", "state.coil_position[2]"]
     elements += ["der(state.coil_velocity[1])", "der(state.coil_velocity[2])"]
@@ -207,7 +204,7 @@ def test_elements_are_those_of_fmi_2(spring: Instance3, native_files: Files) -> 
     other.free()
 
 
-def test_derivatives_by_variables_are_those_of_fmi_2(spring: Instance3, native_files: Files) -> None:
+def test_derivatives_by_variables_are_those_of_fmi_2(spring, native_files):
     """By start values, in the initialisation: of arrays and by arrays, forwards and backwards."""
     other = Instance(native_files["valve_spring"])
     other.fmu.setupExperiment()
@@ -233,7 +230,7 @@ def test_derivatives_by_variables_are_those_of_fmi_2(spring: Instance3, native_f
     other.free()
 
 
-def test_states_follow_each_other_as_declared(fmi3_files: Files) -> None:
+def test_states_follow_each_other_as_declared(fmi3_files):
     """In model exchange: those of arrays element by element, and their derivatives."""
     slave = Instance3(fmi3_files["valve_spring"])
     about = slave.description
@@ -264,8 +261,8 @@ def test_states_follow_each_other_as_declared(fmi3_files: Files) -> None:
     slave.free()
 
 
-def test_wrong_numbers_of_values(spring: Instance3) -> None:
-    spring.initialize(**STARTS)  # type: ignore[arg-type]
+def test_wrong_numbers_of_values(spring):
+    spring.initialize(**STARTS)
     fmu, coils, load = spring.fmu, reference(spring, "state.coil_position"), [reference(spring, "load")]
     before = spring.saved_bytes()
     said = "1 values for 1 variables, which have 2 elements"
@@ -283,10 +280,10 @@ def test_wrong_numbers_of_values(spring: Instance3) -> None:
     assert spring.get(["coil_position_start"]) == [0.0, 0.0]
 
 
-def test_a_host_that_knows_no_arrays_reads_first_elements(fmi3_files: Files) -> None:
+def test_a_host_that_knows_no_arrays_reads_first_elements(fmi3_files):
     """As many values as variables: a warning tells it, and the scalars are right."""
     slave = Instance3(fmi3_files["valve_spring"], logging=True)
-    slave.initialize(load=500.0, **STARTS)  # type: ignore[arg-type]
+    slave.initialize(load=500.0, **STARTS)
     names = ["acceleration", "coil_position_start", "spring_force"]
     found = slave.fmu.getFloat64([reference(slave, name) for name in names], 3)
     status, _, said = slave.messages[-1]
@@ -296,21 +293,19 @@ def test_a_host_that_knows_no_arrays_reads_first_elements(fmi3_files: Files) -> 
     slave.free()
 
 
-def test_faults_name_the_element(spring: Instance3) -> None:
+def test_faults_name_the_element(spring):
     said = refused(spring, lambda: spring.set({"coil_position_start": [0.0, float("nan")]}))
     assert said == "coil_position_start[2] = nan: must be finite"
     assert spring.get(["coil_position_start"]) == [0.0, 0.0]
 
 
-def test_reference_results_name_elements(referenced_fmi3_files: Files) -> None:
+def test_reference_results_name_elements(referenced_fmi3_files):
     found = compare(referenced_fmi3_files["valve_spring"])
     assert "coil_position[2]" in {one.variable for one in found.deviations}
     assert found.agrees, str(found)
 
 
-def test_scenarios_name_elements_in_both_versions(
-    native_files: Files, fmi3_files: Files, tmp_path: Path
-) -> None:
+def test_scenarios_name_elements_in_both_versions(native_files, fmi3_files, tmp_path):
     """The same lines, the same results to the last bit, of the coils and of what they do."""
     runs = []
     for fmi, files in ((2, native_files), (3, fmi3_files)):

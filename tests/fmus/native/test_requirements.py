@@ -1,7 +1,7 @@
 """What ranges cannot say is refused with the same words in-process, by the Python and by the native FMU."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,6 @@ from .names import FAST
 COMPONENTS = {name: CATALOGUE[name]() for name in NAMES}
 REQUIRING = [name for name, c in COMPONENTS.items() if c.requirements or c.start_requirements]
 
-ROLLER = {"half_length": 0.0, "piston_inertia": 1e-4}
 PISTON = (
     {"crank_radius": 0.15},
     {"half_length": 1e-3},
@@ -146,14 +145,14 @@ class Instances(dict[str, Instance]):
 
 
 @pytest.fixture(scope="module")
-def natives(native_files: dict[str, Path]) -> Iterator[Instances]:
+def natives(native_files):
     instances = Instances(native_files.__getitem__)
     yield instances
     instances.free()
 
 
 @pytest.fixture(scope="module")
-def pythons(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Instances]:
+def pythons(tmp_path_factory):
     """With the native FMUs' sizes."""
     folder = tmp_path_factory.mktemp("pythons")
     instances = Instances(lambda name: build(name, folder))
@@ -162,9 +161,7 @@ def pythons(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Instances]:
 
 
 @pytest.mark.parametrize(("name", "values"), CASES)
-def test_all_say_the_same(
-    name: str, values: dict[str, float], natives: Instances, pythons: Instances
-) -> None:
+def test_all_say_the_same(name, values, natives, pythons):
     component = COMPONENTS[name]
     said, variables = refusal(component, values), as_variables(component, values)
     assert said
@@ -173,7 +170,7 @@ def test_all_say_the_same(
 
 
 @pytest.mark.long
-def test_fmi3_says_it_too(fmi3_files: dict[str, Path]) -> None:
+def test_fmi3_says_it_too(fmi3_files):
     """Its functions stand over the same runtime: one component for all."""
     component, fmu = COMPONENTS["slider_crank"], Instance3(fmi3_files["slider_crank"])
     for values in WRONG["slider_crank"]:
@@ -182,7 +179,7 @@ def test_fmi3_says_it_too(fmi3_files: dict[str, Path]) -> None:
 
 
 @pytest.mark.parametrize("name", [tried(name) for name in REQUIRING])
-def test_every_requirement_is_tried(name: str) -> None:
+def test_every_requirement_is_tried(name):
     """The cases above leave none out: the words before the first number tell them apart."""
     component = COMPONENTS[name]
     texts = [rule.says for rule in component.requirements]
@@ -215,17 +212,13 @@ def changes(component: Component) -> st.SearchStrategy[dict[str, float]]:
 @pytest.mark.parametrize("name", [tried(name) for name in REQUIRING])
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
-def test_native_fmu_refuses_exactly_what_the_component_refuses(
-    name: str, data: st.DataObject, natives: Instances
-) -> None:
+def test_native_fmu_refuses_exactly_what_the_component_refuses(name, data, natives):
     component = COMPONENTS[name]
     values = data.draw(changes(component))
     assert refusal_by(natives[name], as_variables(component, values)) == refusal(component, values)
 
 
-def test_a_tuned_parameter_that_does_not_fit_discards_the_step(
-    natives: Instances, pythons: Instances
-) -> None:
+def test_a_tuned_parameter_that_does_not_fit_discards_the_step(natives, pythons):
     for spring in (natives["valve_spring"], pythons["valve_spring"]):
         assert refusal_by(spring, {"load": 500.0}) == ""
         spring.set({"lash": 2e-4})
@@ -236,7 +229,7 @@ def test_a_tuned_parameter_that_does_not_fit_discards_the_step(
         spring.step(0.0, 1e-5)
 
 
-def test_a_host_that_integrates_hears_of_a_tuned_parameter_at_the_event(natives: Instances) -> None:
+def test_a_host_that_integrates_hears_of_a_tuned_parameter_at_the_event(natives):
     spring = natives["valve_spring"]
     spring.messages.clear()
     lash = [spring.variables["lash"].valueReference]

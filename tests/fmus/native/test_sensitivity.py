@@ -186,7 +186,7 @@ def in_motion(name: str, fmu: Path) -> Iterator[Derivatives]:
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_derivatives_by_inputs_and_parameters(name: str, native_files: dict[str, Path]) -> None:
+def test_derivatives_by_inputs_and_parameters(name, native_files):
     for derivatives in in_motion(name, native_files[name]):
         derivatives.check()
 
@@ -216,7 +216,7 @@ def exchanging(slave: Instance) -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_derivatives_by_states(name: str, native_files: dict[str, Path]) -> None:
+def test_derivatives_by_states(name, native_files):
     """In model exchange, off the start: of outputs, energies, rates and the states' derivatives."""
     slave, reference = Instance(native_files[name]), started(name)
     c = reference.component
@@ -243,7 +243,7 @@ def test_derivatives_by_states(name: str, native_files: dict[str, Path]) -> None
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_derivatives_by_states_between_steps(name: str, native_files: dict[str, Path]) -> None:
+def test_derivatives_by_states_between_steps(name, native_files):
     """In co-simulation, at a communication point."""
     reference, slave = moving(name, native_files[name])
     point, c = point_of(reference), reference.component
@@ -258,7 +258,7 @@ def test_derivatives_by_states_between_steps(name: str, native_files: dict[str, 
 
 
 @pytest.mark.long
-def test_derivatives_by_start_values(native_files: dict[str, Path]) -> None:
+def test_derivatives_by_start_values(native_files):
     """In initialisation: a state follows its start value, and what is calculated follows the state."""
     slave = Instance(native_files["coupled_mass"])
     slave.fmu.setupExperiment()
@@ -273,16 +273,14 @@ def test_derivatives_by_start_values(native_files: dict[str, Path]) -> None:
 
 
 @pytest.mark.long
-def test_energies_and_rates_have_the_derivatives_of_their_formulas(
-    native_files: dict[str, Path], record
-) -> None:
+def test_energies_and_rates_have_the_derivatives_of_their_formulas(native_files, record):
     """Mass on two springs: E = (m v^2 + k x^2 + k_c (x - x_2)^2)/2; F' = k_c (v - x_2') + c_c (a - v_2')."""
     k, k_c, c, c_c, x, v, x_2, v_2, slope = 10.0, 40.0, 0.5, 1.0, 0.3, 2.0, 0.1, 0.7, 5.0
     slave = Instance(native_files["coupled_mass"]).initialize(
         position_start=x, velocity_start=v, other_position=x_2, other_velocity=v_2, other_position_der1=slope
     )
 
-    def derivative(unknown: str, known: str) -> float:
+    def derivative(unknown, known):
         references = ([slave.variables[name].valueReference] for name in (unknown, known))
         return float(slave.fmu.getDirectionalDerivative(*references, [1.0])[0])
 
@@ -308,13 +306,13 @@ def test_energies_and_rates_have_the_derivatives_of_their_formulas(
     slave.free()
 
 
-def test_derivatives_are_linear_in_the_direction(native_files: dict[str, Path]) -> None:
+def test_derivatives_are_linear_in_the_direction(native_files):
     """Along (a, b) they are a times those along (1, 0) and b times those along (0, 1), to rounding."""
     _, slave = moving("valve_spring", native_files["valve_spring"])
     outputs = [slave.variables[name].valueReference for name in ("acceleration", "der(acceleration)")]
     known = [slave.variables[name].valueReference for name in ("load", "valve_mass")]
 
-    def along(*direction: float) -> np.ndarray:
+    def along(*direction):
         return np.array(slave.fmu.getDirectionalDerivative(outputs, known, list(direction)))
 
     expected = 3.0 * along(1.0, 0.0) - 0.5 * along(0.0, 1.0)
@@ -330,9 +328,7 @@ def test_derivatives_are_linear_in_the_direction(native_files: dict[str, Path]) 
         ("position", "velocity", "derivatives are by inputs"),
     ],
 )
-def test_what_has_no_derivative_is_said(
-    native_files: dict[str, Path], unknown: str, known: str, said: str
-) -> None:
+def test_what_has_no_derivative_is_said(native_files, unknown, known, said):
     slave = Instance(native_files["valve_spring"]).initialize()
     references = [[slave.variables[name].valueReference] for name in (unknown, known)]
     with pytest.raises(FMICallException):
@@ -341,7 +337,7 @@ def test_what_has_no_derivative_is_said(
     slave.free()
 
 
-def test_code_without_known_derivative_is_refused() -> None:
+def test_code_without_known_derivative_is_refused():
     code = """
     declare double @j0(double)
     define i32 @kernel_output(ptr %retptr, ptr %excinfo, double %arg.t, ptr %arg.y) {
@@ -354,7 +350,7 @@ def test_code_without_known_derivative_is_refused() -> None:
         differentiate(code, ["output"])
 
 
-def test_constants_that_a_loop_walks_through_have_no_tangent() -> None:
+def test_constants_that_a_loop_walks_through_have_no_tangent():
     """Nothing is read in the place of their tangents, which is none."""
     code = """
     @numbers = internal constant [4 x double] [double 1.0, double 2.0, double 4.0, double 8.0]

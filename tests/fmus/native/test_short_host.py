@@ -12,13 +12,11 @@ import pytest
 from fmus.native.machine_code import FMI_HEADERS
 from tests.third_party.c_fmus import compiler
 
-from ..conftest import Made
-
 PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "native-fmus.md"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the page's commands are Linux's")
-def test_the_page_s_host_steps_an_fmu(native_files: Made, tmp_path: Path) -> None:
+def test_the_page_s_host_steps_an_fmu(native_files, tmp_path):
     """Its rows are those of another host, to the digits that it prints."""
     code = re.search(r"```c\n(.+?)```", PAGE.read_text("utf-8"), re.DOTALL)
     assert code

@@ -19,7 +19,6 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 from tests.orchestrator.recorder import Recorder
 
-from ..conftest import Isolated
 from ..reference import Reference, schedule
 from ..test_agreement import STEP as STEP_ALONE
 from ..test_agreement import STEPS, expected_of, replay
@@ -51,9 +50,7 @@ def ran(participants: Mapping[str, Participant], master: Master, stop: float) ->
 
 
 @pytest.fixture(scope="module")
-def files(
-    native_files: dict[str, Path], tmp_path_factory: pytest.TempPathFactory
-) -> dict[str, dict[str, Path]]:
+def files(native_files, tmp_path_factory):
     """The FMU of every instance, by kind, with the sizes of the scenario."""
     folder = tmp_path_factory.mktemp("in-python")
     components = {name: instance.component for name, instance in valve_train()[0].instances.items()}
@@ -81,9 +78,7 @@ def agree(
 
 @pytest.mark.long
 @pytest.mark.parametrize("master", [lambda: GaussSeidel("quadratic"), lambda: Jacobi("hold")])
-def test_both_turns_of_the_cam_are_the_same_to_the_last_bit(
-    files: dict[str, dict[str, Path]], master: Callable[[], Master], record
-) -> None:
+def test_both_turns_of_the_cam_are_the_same_to_the_last_bit(files, master, record):
     """Rise, nose and fall twice, with 24 000 steps; and it is a lift, not a rest."""
     system, stop = valve_train()
     found = agree(files, master, stop, record)
@@ -92,9 +87,7 @@ def test_both_turns_of_the_cam_are_the_same_to_the_last_bit(
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_native_fmu_equals_component(
-    name: str, native_files: dict[str, Path], isolated: Isolated, tmp_path: Path, record
-) -> None:
+def test_native_fmu_equals_component(name, native_files, isolated, tmp_path, record):
     """Outputs, their rates and energies; also between steps, and with steps of changing size."""
     reference = Reference(name)
     plan = schedule(reference.component, STEPS, STEP_ALONE)

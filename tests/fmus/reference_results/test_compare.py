@@ -18,7 +18,7 @@ from ..names import REFERENCED, mark_long
 
 
 @pytest.mark.parametrize("name", mark_long(REFERENCED, ["valve_spring", "flywheel"]))
-def test_fmus_in_python_reproduce_their_references(name: str, referenced: dict[str, Path], record) -> None:
+def test_fmus_in_python_reproduce_their_references(name, referenced, record):
     """To the tolerance that ships with each: that of the component's own steps, as the FMU adds nothing."""
     found = compare(referenced[name])
     assert found.agrees, str(found)
@@ -34,14 +34,12 @@ def changed(fmu: Path, target: Path, file: str, change: Callable[[bytes], bytes]
     return repack(fmu, target, lambda n, content: {n: change(content) if n == place else content})
 
 
-def test_a_difference_is_found_in_the_variable_and_at_the_time_where_it_is(
-    referenced: dict[str, Path], tmp_path: Path
-) -> None:
+def test_a_difference_is_found_in_the_variable_and_at_the_time_where_it_is(referenced, tmp_path):
     """One number is changed by 1e-7 of the variable's largest value, ten times the tolerance."""
 
     file = "quarter_car_chassis_ref.csv"
 
-    def moved(content: bytes) -> bytes:
+    def moved(content):
         table = read_csv(content.decode(), file)
         column = table.columns["velocity"]
         column[40] += 1e-7 * np.max(np.abs(column))
@@ -59,10 +57,10 @@ def test_a_difference_is_found_in_the_variable_and_at_the_time_where_it_is(
     assert wider.agrees
 
 
-def test_events_of_a_reference_are_left_out(referenced: dict[str, Path], tmp_path: Path) -> None:
+def test_events_of_a_reference_are_left_out(referenced, tmp_path):
     """An instant that stands twice is one at which values jump; which side a host records is its matter."""
 
-    def jumping(content: bytes) -> bytes:
+    def jumping(content):
         lines = content.decode().splitlines()
         lines.insert(41, lines[41].split(",")[0] + ",99,99,99")
         return "\n".join(lines).encode()
@@ -73,7 +71,7 @@ def test_events_of_a_reference_are_left_out(referenced: dict[str, Path], tmp_pat
     assert len(found.deviations) == 3
 
 
-def test_a_reference_beside_the_file_is_taken_first(referenced: dict[str, Path], tmp_path: Path) -> None:
+def test_a_reference_beside_the_file_is_taken_first(referenced, tmp_path):
     """Without `OutputIntervalLength`."""
     folder = tmp_path
     fmu = repack(
@@ -98,7 +96,7 @@ def test_a_reference_beside_the_file_is_taken_first(referenced: dict[str, Path],
 
 
 @pytest.mark.parametrize("version", [2, 3])
-def test_a_third_party_fmu_against_its_closed_form(version: int, tmp_path: Path) -> None:
+def test_a_third_party_fmu_against_its_closed_form(version, tmp_path):
     """x' = -x in C, exact in its steps; a reference without inputs, at instants between its steps too."""
     path = Path(third_party("dahlquist", version, tmp_path))
     times = np.arange(21) * 0.05
@@ -114,7 +112,7 @@ def test_a_third_party_fmu_against_its_closed_form(version: int, tmp_path: Path)
     assert between.worst.relative == pytest.approx(1.2e-3, rel=0.1)
 
 
-def test_a_crash_is_an_answer_and_the_next_file_is_run(referenced: dict[str, Path], tmp_path: Path) -> None:
+def test_a_crash_is_an_answer_and_the_next_file_is_run(referenced, tmp_path):
     paths = [Path(third_party("crashing", 2, tmp_path)), referenced["falling_mass"], tmp_path / "none.fmu"]
     (tmp_path / f"{paths[0].stem}_ref.csv").write_text('"time","x"\n0,1\n1,0\n')
     (tmp_path / f"{paths[0].stem}_ref.opt").write_text(
@@ -141,9 +139,7 @@ def test_a_crash_is_an_answer_and_the_next_file_is_run(referenced: dict[str, Pat
         ("falling_mass_ref.opt", "StartTime, 0.0", "StartTime, 0.498", "must have two instants"),
     ],
 )
-def test_what_cannot_be_compared_is_said_in_one_line(
-    file: str, old: str | None, new: str, message: str, referenced: dict[str, Path], tmp_path: Path
-) -> None:
+def test_what_cannot_be_compared_is_said_in_one_line(file, old, new, message, referenced, tmp_path):
     whole, fmu, place = referenced["falling_mass"], tmp_path / "broken.fmu", f"{FOLDER}/{file}"
     if old is None:
         repack(whole, fmu, lambda n, content: {} if n == place else {n: content})
@@ -156,7 +152,7 @@ def test_what_cannot_be_compared_is_said_in_one_line(
     assert str(raised.value).startswith(str(fmu))
 
 
-def test_what_is_no_number_is_not_compared(tmp_path: Path) -> None:
+def test_what_is_no_number_is_not_compared(tmp_path):
     """An array of FMI 3.0."""
     path = Path(third_party("vector", 3, tmp_path))
     (path.parent / f"{path.stem}_ref.csv").write_text('"time","y"\n0,1\n1,0\n')

@@ -3,7 +3,6 @@
 import math
 import re
 import zipfile
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -26,7 +25,7 @@ PUBLIC = ("BouncingBall", "Dahlquist", "Feedthrough", "Resource", "Stair", "Stat
 
 
 @pytest.mark.parametrize("name", mark_long(PUBLIC, ["Feedthrough", "StateSpace"]))
-def test_a_public_fmu_does_what_its_own_results_say(name: str) -> None:
+def test_a_public_fmu_does_what_its_own_results_say(name):
     """In co-simulation, of which its makers recorded them; arrays, truth values and texts among them."""
     found = compare(public(f"reference-fmus-3/{name}.fmu"))
     assert found.agrees
@@ -34,7 +33,7 @@ def test_a_public_fmu_does_what_its_own_results_say(name: str) -> None:
 
 
 @pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (1.01, False)])
-def test_results_are_compared_with_the_run(factor: float, agrees: bool, tmp_path: Path) -> None:
+def test_results_are_compared_with_the_run(factor, agrees, tmp_path):
     path = fmu("dahlquist", 3, tmp_path)
     lines = [f"{t!r},{factor * math.exp(-t)!r}" for t in np.arange(0.0, 1.05, 0.1).tolist()]
     with zipfile.ZipFile(path, "a") as archive:
@@ -48,7 +47,7 @@ NUMBERS = st.floats(-1e9, 1e9)
 
 
 @given(st.lists(st.tuples(NUMBERS, NUMBERS, st.booleans()), min_size=1))
-def test_numbers_arrays_and_truth_values_are_read(rows: list[tuple[float, float, bool]]) -> None:
+def test_numbers_arrays_and_truth_values_are_read(rows):
     lines = [f"{i},{a!r} {b!r},{str(c).lower()},text {i}" for i, (a, b, c) in enumerate(rows)]
     table = read_results("\n".join(["time,x,on,said", *lines]), "a.csv")
     assert list(table.columns) == ["x[1]", "x[2]", "on"]
@@ -63,7 +62,7 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(("text", "said"), FAULTS)
-def test_what_is_no_result_is_named(text: str, said: str) -> None:
+def test_what_is_no_result_is_named(text, said):
     with pytest.raises(ComparisonError, match=f"^a.csv: .*{said}"):
         read_results(text, "a.csv")
 
@@ -76,7 +75,7 @@ def test_what_is_no_result_is_named(text: str, said: str) -> None:
         ("<!DOCTYPE a>" + STATED.format("a.csv"), "has a document type"),
     ],
 )
-def test_what_is_wrong_with_a_manifest_is_named(manifest: str, said: str) -> None:
+def test_what_is_wrong_with_a_manifest_is_named(manifest, said):
     with pytest.raises(ComparisonError, match=said):
         find_results({SHORT: manifest, "a.csv": ""})
 
@@ -84,7 +83,7 @@ def test_what_is_wrong_with_a_manifest_is_named(manifest: str, said: str) -> Non
 GOOD = Options(0.0, 2.0, 0.01, 1e-6, 0.1)
 
 
-def test_what_is_written_is_read_back() -> None:
+def test_what_is_written_is_read_back():
     rows = [[0.0, 1.0 / 3.0, -1e300], [0.5, 0.0, 5e-324], [0.5, 1.0, 2.0]]
     table = read_csv(csv_text(["time", "a[1]", "der(b)"], rows, 17), "x.csv")
     assert table.times.tolist() == [0.0, 0.5, 0.5]
@@ -93,7 +92,7 @@ def test_what_is_written_is_read_back() -> None:
     assert read_options(GOOD.text(), "x.opt") == GOOD
 
 
-def test_options_as_others_write_them() -> None:
+def test_options_as_others_write_them():
     """With comments and further elements, as in the rules' own example."""
     text = "StartTime, 0.0 // in seconds\nStopTime,1\nStepSize, 0\nRelTol, 0.0001\nSolverType, Fixed\n"
     assert read_options(text, "x.opt") == Options(0.0, 1.0, 0.0, 1e-4)
@@ -110,7 +109,7 @@ def test_options_as_others_write_them() -> None:
         ('"time","a"\n0,1\n2,1\n1,1\n', "line 4: time falls"),
     ],
 )
-def test_a_bad_table_is_refused(text: str, message: str) -> None:
+def test_a_bad_table_is_refused(text, message):
     with pytest.raises(ComparisonError, match=f"x.csv: .*{message}"):
         read_csv(text, "x.csv")
 
@@ -126,7 +125,7 @@ def test_a_bad_table_is_refused(text: str, message: str) -> None:
         ("RelTol, 1e-06", "RelTol, -1", "RelTol = -1: must not be negative"),
     ],
 )
-def test_bad_options_are_refused(old: str, new: str, message: str) -> None:
+def test_bad_options_are_refused(old, new, message):
     assert old in GOOD.text()
     with pytest.raises(ComparisonError, match=f"x.opt: {message}"):
         read_options(GOOD.text().replace(old, new), "x.opt")
@@ -138,7 +137,7 @@ LAYERED = "{http://fmi-standard.org/fmi-ls-manifest}"
 
 
 @pytest.mark.parametrize("name", mark_long(REFERENCED))
-def test_the_manifest_tells_of_every_file_and_of_no_other(name: str, referenced: dict[str, Path]) -> None:
+def test_the_manifest_tells_of_every_file_and_of_no_other(name, referenced):
     with zipfile.ZipFile(referenced[name]) as archive:
         root = ElementTree.fromstring(archive.read(MANIFEST))
         there = {n.removeprefix(FOLDER + "/") for n in archive.namelist() if n.startswith(FOLDER)}
@@ -153,10 +152,10 @@ def test_the_manifest_tells_of_every_file_and_of_no_other(name: str, referenced:
     assert told[f"{name}_ref.csv"] == "result"
 
 
-def test_other_sizes_have_no_reference(tmp_path: Path) -> None:
+def test_other_sizes_have_no_reference(tmp_path):
     """Eight coil masses move otherwise than two."""
 
-    def ships(name: str, **structure: int) -> bool:
+    def ships(name, **structure):
         with zipfile.ZipFile(build(name, tmp_path, structure)) as archive:
             return MANIFEST in archive.namelist()
 

@@ -1,7 +1,6 @@
 """Reference results: two solvers and the component's own steps agree; files are as the rules have them."""
 
 import dataclasses
-from pathlib import Path
 
 import fmpy.util
 import numpy as np
@@ -40,7 +39,7 @@ def apart(found: Table, wanted: Table) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("name", mark_long(REFERENCED, ["valve_spring", "flywheel"]))
-def test_two_solvers_and_the_component_s_steps_agree(name: str, tmp_path: Path, record) -> None:
+def test_two_solvers_and_the_component_s_steps_agree(name, tmp_path, record):
     """Within the stated tolerance, which is not wider than the rule says; other tools read the files."""
     now, own = compute_results(name), load_stimulus(name)
     for file, text in now.files.items():
@@ -74,7 +73,7 @@ def test_two_solvers_and_the_component_s_steps_agree(name: str, tmp_path: Path, 
         ),
     ],
 )
-def test_a_drift_of_a_millionth_in_the_physics_is_seen(name: str, parameter: str) -> None:
+def test_a_drift_of_a_millionth_in_the_physics_is_seen(name, parameter):
     component, own = CATALOGUE[name](), load_stimulus(name)
     instants = np.array(own.instants())
     pieces = split_at_corners(component, written_inputs(name))
@@ -99,20 +98,20 @@ def moved(name: str, state: str, error: float, output: str) -> np.ndarray:
 
 
 @pytest.mark.long
-def test_the_slider_cranks_horizon() -> None:
+def test_the_slider_cranks_horizon():
     """As its README says: until the end a small error of the start grows less than a thousandfold."""
     assert 10.0 < np.max(moved("slider_crank", "psi", 1e-8, "psi")) / 1e-8 < 1000.0
 
 
 @pytest.mark.long
-def test_the_piston_cranks_forget_a_small_error() -> None:
+def test_the_piston_cranks_forget_a_small_error():
     """As the README of `piston_crank` says: sequences of impacts end in sliding, and leave nothing of it."""
     off = moved("piston_crank", "offset", 1e-9, "piston_offset")
     assert off[-1] < 1e-15 < np.max(off)
 
 
 @pytest.mark.parametrize("name", REFERENCED)
-def test_steps_meet_corners_and_results(name: str) -> None:
+def test_steps_meet_corners_and_results(name):
     own, component = load_stimulus(name), CATALOGUE[name]()
     steps = np.asarray(own.corners) / own.step_size
     np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
@@ -122,7 +121,7 @@ def test_steps_meet_corners_and_results(name: str) -> None:
     assert set(written_inputs(name).columns) <= known
 
 
-def test_inputs_are_read_back_as_the_broken_lines_that_they_are() -> None:
+def test_inputs_are_read_back_as_the_broken_lines_that_they_are():
     """Values on both sides of every corner, slopes between; a jump has one row before and one after."""
     component = CATALOGUE["sprung_mass"]()
     stimulus = dataclasses.replace(

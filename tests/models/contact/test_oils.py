@@ -47,21 +47,21 @@ TEMPERATURES = st.floats(COLDEST, HOTTEST)
 
 
 @given(OILS)
-def test_the_viscosity_goes_through_the_two_points_of_the_sheet(oil: Oil) -> None:
+def test_the_viscosity_goes_through_the_two_points_of_the_sheet(oil):
     assert kinematic_viscosity(oil, celsius(40.0)) == pytest.approx(oil.viscosity_40, rel=1e-12)
     assert kinematic_viscosity(oil, celsius(100.0)) == pytest.approx(oil.viscosity_100, rel=1e-12)
     assert density(oil, celsius(15.0)) == oil.density_15
 
 
 @given(OILS, TEMPERATURES, TEMPERATURES)
-def test_viscosity_and_density_fall_with_the_temperature(oil: Oil, one: float, other: float) -> None:
+def test_viscosity_and_density_fall_with_the_temperature(oil, one, other):
     cold, hot = sorted((one, other))
     assert kinematic_viscosity(oil, cold) >= kinematic_viscosity(oil, hot)
     assert density(oil, cold) >= density(oil, hot)
 
 
 @given(OILS, TEMPERATURES)
-def test_the_temperature_coefficient_is_the_slope_of_the_viscosity(oil: Oil, temperature: float) -> None:
+def test_the_temperature_coefficient_is_the_slope_of_the_viscosity(oil, temperature):
     """Central differences over 0.1 K: their error is some 1e-5."""
     steps = (temperature + 0.05, temperature - 0.05)
     up, down = (math.log(kinematic_viscosity(oil, t) * density(oil, t)) for t in steps)
@@ -69,9 +69,7 @@ def test_the_temperature_coefficient_is_the_slope_of_the_viscosity(oil: Oil, tem
 
 
 @given(OILS, st.floats(celsius(40.0), celsius(100.0)), st.floats(0.0, 1.5e9))
-def test_the_exponent_makes_roelands_law_of_the_contact_the_one_of_roelands(
-    oil: Oil, temperature: float, pressure: float
-) -> None:
+def test_the_exponent_makes_roelands_law_of_the_contact_the_one_of_roelands(oil, temperature, pressure):
     """ln eta = ln(6.31e-5) + (ln eta0 + 9.67) (1 + p/p_r)^z, with 9.67 = -ln(6.31e-5) to 1e-3."""
     state = evaluate_oil(oil, temperature)
     fluid = Lubricant(
@@ -86,7 +84,7 @@ def test_the_exponent_makes_roelands_law_of_the_contact_the_one_of_roelands(
 
 
 @pytest.mark.parametrize("name", ENGINE_OILS)
-def test_engine_oils_lie_within_their_grade(name: str) -> None:
+def test_engine_oils_lie_within_their_grade(name):
     """SAE J300. The polymers of an oil only lose viscosity in shear: unsheared it is above the limit, too."""
     oil, (winter, _, number) = ENGINE_OILS[name], name.removeprefix("SAE ").rpartition("-")
     band = SAE_J300[number]
@@ -121,7 +119,7 @@ def find_index(at_40: float, at_100: float) -> float:
 
 
 @pytest.mark.parametrize("name", INDUSTRIAL_OILS)
-def test_industrial_oils_have_the_viscosity_of_their_grade_and_an_index_of_95(name, record) -> None:
+def test_industrial_oils_have_the_viscosity_of_their_grade_and_an_index_of_95(name, record):
     oil = INDUSTRIAL_OILS[name]
     assert 1e6 * oil.viscosity_40 == float(name.removeprefix("ISO VG "))
     assert find_index(73.30, 8.86) == pytest.approx(92.43, abs=0.05)
@@ -130,7 +128,7 @@ def test_industrial_oils_have_the_viscosity_of_their_grade_and_an_index_of_95(na
 
 
 @pytest.mark.parametrize("name", GRADES)
-def test_the_pressure_viscosity_coefficient_falls_with_the_temperature(name: str) -> None:
+def test_the_pressure_viscosity_coefficient_falls_with_the_temperature(name):
     """Over all temperatures at which a grade is not refused; also film and friction then fall."""
     oil = GRADES[name]
     coefficients = []
@@ -159,7 +157,7 @@ def through(measured: tuple[float, ...], density_15: float) -> Oil:
     return Oil(1e-6 * there[0], 1e-6 * there[1], density_15)
 
 
-def test_a_measured_mineral_oil(record) -> None:
+def test_a_measured_mineral_oil(record):
     """A super-refined naphthenic oil. Its third viscosity has two digits."""
     viscosities, coefficients, density_15 = NAPHTHENIC
     oil = through(viscosities, density_15)
@@ -172,7 +170,7 @@ def test_a_measured_mineral_oil(record) -> None:
         record("Contact", quantity, found, measured, source, relative=0.2)
 
 
-def test_the_coefficient_of_a_synthetic_paraffinic_oil_is_overestimated() -> None:
+def test_the_coefficient_of_a_synthetic_paraffinic_oil_is_overestimated():
     """By 40 to 90 %: known_limits.toml says so, and that a measured one can be given."""
     viscosities, coefficients, density_15 = PARAFFINIC
     oil = through(viscosities, density_15)
@@ -180,7 +178,7 @@ def test_the_coefficient_of_a_synthetic_paraffinic_oil_is_overestimated() -> Non
     assert np.all((np.array(found) / coefficients > 1.4) & (np.array(found) / coefficients < 1.9))
 
 
-def test_the_page_has_the_numbers_of_all_grades() -> None:
+def test_the_page_has_the_numbers_of_all_grades():
     page = Path(__file__).parents[3] / "docs" / "how-to" / "choose-an-oil.md"
     rows = dict(re.findall(r"^\| ((?:SAE|ISO VG) [^|]+) \| (.+) \|$", page.read_text("utf-8"), re.MULTILINE))
     assert set(rows) == set(GRADES)
@@ -191,7 +189,7 @@ def test_the_page_has_the_numbers_of_all_grades() -> None:
         assert rows[name] == f"{data} | {at_90}"
 
 
-def test_a_measured_coefficient_replaces_the_correlation() -> None:
+def test_a_measured_coefficient_replaces_the_correlation():
     oil = Oil(62e-6, 10.5e-6, 855.0)
     measured = Oil(62e-6, 10.5e-6, 855.0, 13e-9)
     one, other = (evaluate_oil(each, celsius(90.0)) for each in (oil, measured))
@@ -208,7 +206,7 @@ def test_a_measured_coefficient_replaces_the_correlation() -> None:
         ("SAE 20W-50", 0.0, "holds to 800"),
     ],
 )
-def test_temperatures_beyond_the_equations_are_refused(name: str, degrees: float, message: str) -> None:
+def test_temperatures_beyond_the_equations_are_refused(name, degrees, message):
     with pytest.raises(ValueError, match=message):
         evaluate_oil(GRADES[name], celsius(degrees))
     if degrees == 0.0:

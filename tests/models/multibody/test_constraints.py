@@ -209,9 +209,7 @@ def differentiate(define: Callable[[], list[sp.Expr]], t: float, coefficients: V
     ],
 )
 @pytest.mark.parametrize("name", CASES)
-def test_joints_and_their_derivatives_are_those_of_the_symbolic_definition(
-    name: str, derive: Callable[..., tuple[Vector, ...]], seed: int, tolerances: tuple[float, float]
-) -> None:
+def test_joints_and_their_derivatives_are_those_of_the_symbolic_definition(name, derive, seed, tolerances):
     joint, define = CASES[name]
     coefficients, t = draw(seed), 0.01
     q, v, a = along(coefficients, t)
@@ -222,7 +220,7 @@ def test_joints_and_their_derivatives_are_those_of_the_symbolic_definition(
     np.testing.assert_allclose(e.held.jacobian @ a - e.held.gamma, second, atol=tolerances[1])
 
 
-def test_inertia_is_that_of_lagranges_equations_in_cardan_angles() -> None:
+def test_inertia_is_that_of_lagranges_equations_in_cardan_angles():
     """d/dt dT/dq' - dT/dq = (d omega/dq')^T (M v' - f), the left side from the symbolic kinetic energy."""
     symbols = sp.symbols("x:3 v:3 w:3")
     angles, rates, changes = symbols[:3], symbols[3:6], symbols[6:]

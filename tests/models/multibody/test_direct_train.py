@@ -1,7 +1,6 @@
 """K's valve train as K writes it, with 21 constraints, against minimal models."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -32,7 +31,7 @@ def train(speed_rpm: float, flexible: bool = True, **parameters: float) -> Mecha
     return direct_train(camshaft, valve, speed_rpm * math.pi / 30.0)
 
 
-def test_parts_joints_and_freedoms_are_those_of_ks_tables_1_and_2() -> None:
+def test_parts_joints_and_freedoms_are_those_of_ks_tables_1_and_2():
     mechanism = train(1000.0)
     assert [len(joint.constraints) for joint in mechanism.joints] == [4, 1, 1, 5, 5, 5]
     # The shaft slides in its bearing, the cam has six but the contact, follower and coils share three.
@@ -41,9 +40,7 @@ def test_parts_joints_and_freedoms_are_those_of_ks_tables_1_and_2() -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("speed_rpm", [600.0, 1000.0, 3000.0])
-def test_multibody_and_minimal_model_agree_on_a_rigid_shaft(
-    speed_rpm: float, record: Callable[..., None]
-) -> None:
+def test_multibody_and_minimal_model_agree_on_a_rigid_shaft(speed_rpm, record):
     """Load, drive torque, guide moment and lift against the adherence form of the components.
 
     Their starts differ by the deflection of the contact, which shakes the coils: 1e-8 of the load is left
@@ -70,9 +67,7 @@ def test_multibody_and_minimal_model_agree_on_a_rigid_shaft(
 
 @pytest.mark.long
 @pytest.mark.parametrize("speed_rpm", [600.0, 1000.0, 3000.0])
-def test_multibody_and_minimal_model_agree_on_a_flexible_shaft(
-    speed_rpm: float, record: Callable[..., None]
-) -> None:
+def test_multibody_and_minimal_model_agree_on_a_flexible_shaft(speed_rpm, record):
     """A revolution from the same start: what the turning of shaft and cam does is in both.
 
     Without gyroscopic moment, turning damping and the cam's own axis the load misses 1e-3 at 3000 r/min.
@@ -105,7 +100,7 @@ def test_multibody_and_minimal_model_agree_on_a_flexible_shaft(
 
 
 @pytest.mark.long
-def test_both_methods_agree_at_3000_r_min(record: Callable[..., None]) -> None:
+def test_both_methods_agree_at_3000_r_min(record):
     """Backward differences of the stabilised form and projected Runge-Kutta of index 1."""
     times, mechanism = np.linspace(0.0, 0.02, 361), train(3000.0)
     one, other = solve_ida(mechanism, times), solve_projected(mechanism, times)
@@ -119,7 +114,7 @@ def test_both_methods_agree_at_3000_r_min(record: Callable[..., None]) -> None:
 
 
 @pytest.mark.long
-def test_the_film_carries_the_train_as_in_the_components(record: Callable[..., None]) -> None:
+def test_the_film_carries_the_train_as_in_the_components(record):
     """Load and film thickness over a revolution, both from the same start, on a rigid shaft."""
     system = valve_train(1000.0)
     begin = equilibrium(system, 0.0)

@@ -1,7 +1,6 @@
 """A pushrod train built in Exudyn, which has its own bodies, joints and method, without `models`."""
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -161,7 +160,7 @@ def lift_of_cam(system: Any, t: float, item: int, parameters: Any) -> list[float
 
 
 @pytest.mark.long
-def test_exudyn_finds_the_same_loads_and_motion(record: Callable[..., None]) -> None:
+def test_exudyn_finds_the_same_loads_and_motion(record):
     """A turn from rest at 1600 r/min, the lever ratio changing with the lift.
 
     Where the multipliers ring, the largest error is 2e-3 of the load in steps of 10 us.

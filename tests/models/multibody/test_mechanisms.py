@@ -16,19 +16,17 @@ from models.multibody.forces import SpringDamper
 from models.multibody.ida import solve_ida
 from models.multibody.joints import Joint, cylindrical, fixed, prescribed_rotation, revolute, spherical
 from models.multibody.mechanism import Mechanism
-from models.multibody.motion import Motion
 
 from .projected import solve_projected
 
 METHODS = {"IDA": solve_ida, "projected DOP853": solve_projected}
-Method = Callable[..., Motion]
 G = 9.81
 CRANK, ROD, SPEED = 0.05, 0.15, 100.0
 SLIDER_MASS, ROD_MASS, ROD_INERTIA = 0.4, 0.3, 1.1e-3
 
 
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
-def test_period_of_a_pendulum_is_the_elliptic_integral(method: Method, record: Callable[..., None]) -> None:
+def test_period_of_a_pendulum_is_the_elliptic_integral(method, record):
     """4 K(sin^2(phi/2)) sqrt(I/(m g L)) from rest at phi = 120 deg; it is back where it began."""
     arm, mass, inertia, phi = 0.3, 0.5, 2e-3, math.radians(120.0)
     place = (arm * math.sin(phi), -arm * math.cos(phi), 0.0)
@@ -63,7 +61,7 @@ def spinning_top(tilt: float, spin: float, precession: float) -> Mechanism:
 
 
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
-def test_a_top_precesses_steadily_at_the_rate_of_eulers_equations(method: Method) -> None:
+def test_a_top_precesses_steadily_at_the_rate_of_eulers_equations(method):
     """C (s + p cos) p - A p^2 cos = m g L, A and C about the tip: its tilt stays."""
     tilt, precession, arm = 0.5, 6.0, 0.1
     a, c = 2e-3 + 1.0 * arm**2, 1e-3
@@ -116,9 +114,7 @@ def crank_torque(angle: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
-def test_slider_crank_moves_and_loads_its_drive_as_the_closed_form(
-    method: Method, record: Callable[..., None]
-) -> None:
+def test_slider_crank_moves_and_loads_its_drive_as_the_closed_form(method, record):
     times = np.linspace(0.0, 2.0 * math.pi / SPEED, 73)
     motion = method(slider_crank(angle=0.3), times)
     angle = SPEED * times + 0.3
@@ -131,7 +127,7 @@ def test_slider_crank_moves_and_loads_its_drive_as_the_closed_form(
 
 
 @pytest.mark.parametrize("method", [solve_ida, pytest.param(solve_projected, marks=pytest.mark.long)])
-def test_energy_of_bodies_on_springs_is_kept(method: Method) -> None:
+def test_energy_of_bodies_on_springs_is_kept(method):
     """A body hung in three springs tumbles: kinetic energy, weight and k e^2/2 add up to what they were."""
     body = Body(
         "body", 0.8, (1e-3, 2e-3, 2.5e-3), (0.1, 0.05, -0.1), (0.2, -0.3, 0.1), (0.3, 0.0, -0.2),
@@ -151,7 +147,7 @@ def test_energy_of_bodies_on_springs_is_kept(method: Method) -> None:
     np.testing.assert_allclose(found, found[0], rtol=3e-8)
 
 
-def test_freedoms_are_counted_and_redundant_constraints_named() -> None:
+def test_freedoms_are_counted_and_redundant_constraints_named():
     """The slider may turn; main bearing, crank pin and cylinder need not all hold the rod along z."""
     assert slider_crank().freedoms == 1
     with pytest.raises(
@@ -165,7 +161,7 @@ def test_freedoms_are_counted_and_redundant_constraints_named() -> None:
 
 
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
-def test_a_rod_shorter_than_its_crank_is_named_with_the_angle(method: Method) -> None:
+def test_a_rod_shorter_than_its_crank_is_named_with_the_angle(method):
     """It cannot be assembled at 90 deg, and locks at sin(theta) = l/r = 0.8, theta = 0.9273."""
     with pytest.raises(
         ModelError, match=r"cannot be assembled at t = 0 s, drive angle 1\.5708 rad: .*look at the lengths"
@@ -177,7 +173,7 @@ def test_a_rod_shorter_than_its_crank_is_named_with_the_angle(method: Method) ->
         method(slider_crank(rod=0.04), np.linspace(0.0, 0.012, 13))
 
 
-def test_a_missing_body_or_joint_is_named_with_those_there_are() -> None:
+def test_a_missing_body_or_joint_is_named_with_those_there_are():
     lonely = Mechanism([Body("body", 1.0, (1.0, 1.0, 1.0))], [spherical("pin", "ground", "piston")])
     with pytest.raises(ModelError, match="no body 'piston'; there are ground, body"):
         lonely.start()
@@ -187,7 +183,7 @@ def test_a_missing_body_or_joint_is_named_with_those_there_are() -> None:
         Body("rod", -1.0, (1.0, 1.0, 1.0))
 
 
-def test_the_mechanism_of_twenty_lines_in_the_documents_runs(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_mechanism_of_twenty_lines_in_the_documents_runs(capsys):
     page = (Path(__file__).parents[3] / "docs" / "theory" / "multibody.md").read_text("utf-8")
     (code,) = re.findall(r"```python\n(.+?)```", page, re.DOTALL)
     names: dict[str, Any] = {}

@@ -1,7 +1,6 @@
 """Q's single train of rigid and of elastic parts, against closed forms and independent numbers."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -29,9 +28,7 @@ def turning(speed_rpm: float) -> float:
 
 
 @pytest.mark.parametrize("method", [solve_ida, solve_projected], ids=["IDA", "projected DOP853"])
-def test_loads_of_rigid_parts_are_the_closed_form(
-    method: Callable[..., object], record: Callable[..., None]
-) -> None:
+def test_loads_of_rigid_parts_are_the_closed_form(method, record):
     """W = i (f_p + k0 i s) + (m_t + m_rod + J/a^2 + i^2 m_v) s'' Omega^2, drive torque W s'."""
     parts, omega = pushrod_parts(segments=0, coil_masses=0), turning(1600.0)
     parts.valve.damping_ratio = 0.0
@@ -57,7 +54,7 @@ def test_loads_of_rigid_parts_are_the_closed_form(
         record("Multibody", quantity, error, 0.0, "closed form", tolerance=2e-7)
 
 
-def test_joints_of_the_train_leave_what_is_elastic() -> None:
+def test_joints_of_the_train_leave_what_is_elastic():
     """On a driven cam a rigid train keeps the freedoms of its coils; an elastic pushrod adds five."""
     assert pushrod_train(pushrod_parts(segments=0), 1.0).freedoms == 2
     assert pushrod_train(pushrod_parts(segments=4), 1.0).freedoms == 2 + 5
@@ -68,9 +65,7 @@ def test_joints_of_the_train_leave_what_is_elastic() -> None:
     [(4, (504.12796, 1008.78230, 2334.309)), (16, (504.12793, 1008.78222, 2332.77579))],
     ids=["4 segments", "exact rod"],
 )
-def test_natural_frequencies_of_the_train_on_a_resting_cam(
-    segments: int, expected: tuple[float, ...], record: Callable[..., None]
-) -> None:
+def test_natural_frequencies_of_the_train_on_a_resting_cam(segments, expected, record):
     """Of the reduced constrained equations; sixteen segments are 1/16 as far from the exact rod as four."""
     mechanism = pushrod_train(pushrod_parts(segments=segments), 0.0)
     found = find_frequencies(mechanism, find_rest(mechanism))
@@ -89,7 +84,7 @@ def loaded_train(speed_rpm: float) -> Mechanism:
 
 @pytest.mark.long
 @pytest.mark.parametrize("speed_rpm", [1000.0, 1600.0])
-def test_loads_of_the_train_on_an_elastic_pushrod(speed_rpm: float, record: Callable[..., None]) -> None:
+def test_loads_of_the_train_on_an_elastic_pushrod(speed_rpm, record):
     mechanism, turn = loaded_train(speed_rpm), 60.0 / speed_rpm
     times = np.append(0.0, np.linspace(REVOLUTIONS - 1, REVOLUTIONS, POINTS) * turn)
     # At 1e-8 single loads between IDA's steps are off by up to 2e-4.

@@ -44,7 +44,7 @@ def crank(angle: float, begin: float) -> Mechanism:
 
 
 @pytest.mark.parametrize("angle", [1.5, 3.0, -2.5])
-def test_a_drive_finds_its_angle_or_says_that_the_start_is_too_far(angle: float) -> None:
+def test_a_drive_finds_its_angle_or_says_that_the_start_is_too_far(angle):
     """From a start within 90 degrees the place is r (cos, sin); a half turn off is no solution."""
     found = crank(angle, 0.7 * angle).start().q[:2]
     np.testing.assert_allclose(found, RADIUS * np.array([math.cos(angle), math.sin(angle)]), atol=1e-12)
@@ -65,9 +65,7 @@ def test_a_drive_finds_its_angle_or_says_that_the_start_is_too_far(angle: float)
         ((10.0, 0.0, 0.0), "redundant constraints: other: turning"),
     ],
 )
-def test_drives_that_contradict_each_other_are_named(
-    motion: tuple[float, float, float], message: str
-) -> None:
+def test_drives_that_contradict_each_other_are_named(motion, message):
     drives = (prescribed_rotation(name, "ground", "ball", *m) for name, m in (
         ("drive", (10.0,)), ("other", motion)
     ))  # fmt: skip
@@ -98,7 +96,7 @@ def parallelogram(angle: float, speed: float = 10.0, arm: float = 0.1, rod: floa
 
 
 @pytest.mark.long
-def test_a_change_point_is_refused_with_the_joint_and_the_angle() -> None:
+def test_a_change_point_is_refused_with_the_joint_and_the_angle():
     """At pi; before it the cranks stay parallel."""
     angle = 2.9
     times = np.linspace(0.0, 0.95 * (math.pi - angle) / 10.0, 5)
@@ -109,7 +107,7 @@ def test_a_change_point_is_refused_with_the_joint_and_the_angle() -> None:
         solve_projected(parallelogram(angle), np.array([0.0, 0.4]))
 
 
-def test_lengths_of_axes_make_no_difference() -> None:
+def test_lengths_of_axes_make_no_difference():
     """The load under a weight is m g."""
     contact = plane_contact("floor", "ground", "ball", normal=(0.0, 2.0, 0.0))
     mechanism = Mechanism([ball()], [contact], gravity=GRAVITY)
@@ -141,7 +139,7 @@ def test_lengths_of_axes_make_no_difference() -> None:
         (lambda: prescribed_rotation("d", "ground", "ball", math.nan), "joint d: .*must be finite"),
     ],
 )
-def test_mistakes_are_named(make, message: str) -> None:
+def test_mistakes_are_named(make, message):
     with pytest.raises(ModelError, match=message):
         make()
 
@@ -169,7 +167,7 @@ ROD = {"youngs_modulus": 207e9, "area": 5e-5, "length": 0.2}
         ),
     ],
 )  # fmt: skip
-def test_values_out_of_range_are_named(make, thing: str, names: list[str], wrong: float) -> None:
+def test_values_out_of_range_are_named(make, thing, names, wrong):
     for name in names:
         with pytest.raises(ModelError, match=f"^{thing}: {name} = .*: must be .*; give it in SI units$"):
             make(**{name: wrong})
@@ -182,7 +180,7 @@ def test_values_out_of_range_are_named(make, thing: str, names: list[str], wrong
         (lambda: shaft(poissons_ratio=0.6), r"poissons_ratio = 0\.6: must be above -1 and not above 0\.5"),
     ],
 )
-def test_units_other_than_si_are_found(make, told: str) -> None:
+def test_units_other_than_si_are_found(make, told):
     with pytest.raises(ModelError, match=told):
         make()
 
@@ -197,6 +195,6 @@ def test_units_other_than_si_are_found(make, told: str) -> None:
         ([0.0, 1.0], math.nan, "tolerance = nan: must be from"),
     ],
 )
-def test_times_and_tolerances_are_checked(solve, times, tolerance: float, message: str) -> None:
+def test_times_and_tolerances_are_checked(solve, times, tolerance, message):
     with pytest.raises(ModelError, match=message):
         solve(Mechanism([ball()], [], gravity=GRAVITY), times, tolerance)

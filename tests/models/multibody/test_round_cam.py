@@ -1,7 +1,6 @@
 """Rollers and points on cams as constraints: motion, loads and their work, against independent numbers."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -45,7 +44,7 @@ def train(degrees: float, radius: float = RADIUS, lifted: float = 0.0, guide_z: 
 
 
 @pytest.mark.parametrize("degrees", ROLLER)
-def test_a_roller_moves_as_the_envelope_of_its_cam(degrees: float, record: Callable[..., None]) -> None:
+def test_a_roller_moves_as_the_envelope_of_its_cam(degrees, record):
     """Its load W has the component m y'' along the guide, W tan D across, and the drive's torque W y'."""
     lift, first, second, pressure_angle = ROLLER[degrees]
     mechanism = train(degrees, lifted=1e-3 * lift + 1e-4)
@@ -64,7 +63,7 @@ def test_a_roller_moves_as_the_envelope_of_its_cam(degrees: float, record: Calla
     assert math.degrees(math.atan(abs(across / along))) == pytest.approx(abs(pressure_angle), abs=1e-7)
 
 
-def test_both_methods_follow_a_roller_whose_drive_gives_its_energy() -> None:
+def test_both_methods_follow_a_roller_whose_drive_gives_its_energy():
     """The drive's power is m y' y''."""
     times = np.linspace(0.0, 2.0 * math.pi / SPEED, 181)
     one, other = (method(train(0.0), times, 1e-9) for method in (solve_ida, solve_projected))
@@ -75,7 +74,7 @@ def test_both_methods_follow_a_roller_whose_drive_gives_its_energy() -> None:
     np.testing.assert_allclose(one.multiplier("drive")[:, 0] * SPEED, kinetic, atol=1e-7 * np.max(kinetic))
 
 
-def test_a_point_stays_on_the_curve_and_a_spring_presses_a_roller() -> None:
+def test_a_point_stays_on_the_curve_and_a_spring_presses_a_roller():
     """A point is at the cam's radius; a contact spring of a stiff roller has the load of the constraint."""
     point = train(0.0, radius=0.0).start()
     assert point.q[7] == pytest.approx(BASE, abs=1e-14)
@@ -91,7 +90,7 @@ def test_a_point_stays_on_the_curve_and_a_spring_presses_a_roller() -> None:
     assert pressed.evaluate(0.0, start.q, start.v).load[0] == pytest.approx(10.0 * cosine, rel=1e-3)
 
 
-def test_a_round_follower_has_no_film_and_no_negative_radius() -> None:
+def test_a_round_follower_has_no_film_and_no_negative_radius():
     contact, oil = train(0.0).joints[-1], Layout(ContactParameters).defaults()
     with pytest.raises(ModelError, match="contact contact: a round follower has no oil film here"):
         LubricatedCam(contact, oil)

@@ -33,7 +33,7 @@ OTHER = {
 
 
 @pytest.fixture(scope="module")
-def component() -> Component:
+def component():
     return multibody_valve_train()
 
 
@@ -76,7 +76,7 @@ def _read_states(component: Component, train: Mechanism, angle: float) -> Vector
 
 @pytest.mark.plain
 @pytest.mark.parametrize("flexible", [0.0, 1.0])
-def test_accelerations_and_loads_are_those_of_the_mechanism(component: Component, flexible: float) -> None:
+def test_accelerations_and_loads_are_those_of_the_mechanism(component, flexible):
     """Cholesky's factors of J M^-1 J^T in kernels against the whole matrix, for a train of other numbers."""
     train, p, x, u = begin(component, flexible, 2.1)
     dx, y = np.zeros_like(x), np.zeros(component.outputs.size)
@@ -99,7 +99,7 @@ def test_accelerations_and_loads_are_those_of_the_mechanism(component: Component
 
 
 @pytest.mark.plain
-def test_stored_energy_changes_by_the_powers(component: Component) -> None:
+def test_stored_energy_changes_by_the_powers(component):
     """dE/dt = source - loss + drive torque times speed, where the cam's radius is constant."""
     p = component.parameters.vector({"flexible": 1.0})
     random = np.random.default_rng(1)
@@ -117,7 +117,7 @@ def test_stored_energy_changes_by_the_powers(component: Component) -> None:
     component.flat_output(0.0, x, u, p, y)
     torque = y[component.outputs.index("drive_torque")]
 
-    def store(h: float) -> float:
+    def store(h):
         component.flat_energy(0.0, x + h * dx, u + h * du, p, e)
         return float(e[0])
 
@@ -128,7 +128,7 @@ def test_stored_energy_changes_by_the_powers(component: Component) -> None:
     assert slope == pytest.approx(e[2] - e[1] + torque * 90.0, rel=1e-6, abs=1e-6)
 
 
-def test_damping_of_a_beam_by_blocks_is_that_by_modes() -> None:
+def test_damping_of_a_beam_by_blocks_is_that_by_modes():
     k, c = np.zeros((6, 6)), np.zeros((6, 6))
     fill_beam_stiffness(0.1, 0.02, 207e9, 0.3, 10.0 / 9.0, k)
     masses = np.array([0.4, 0.4, 0.4, 3e-4, 1.4e-4, 1.4e-4])
@@ -136,7 +136,7 @@ def test_damping_of_a_beam_by_blocks_is_that_by_modes() -> None:
     np.testing.assert_allclose(c, modal_damping(k, masses, 0.02), rtol=1e-12, atol=1e-12 * c.max())
 
 
-def test_a_number_of_spring_masses_out_of_range_is_refused() -> None:
+def test_a_number_of_spring_masses_out_of_range_is_refused():
     with pytest.raises(ValueError, match="coil_masses = 11: must be from 1 to 10"):
         multibody_valve_train(coil_masses=11)
 
@@ -164,7 +164,7 @@ def couple(speed_rpm: float) -> System:
 
 
 @pytest.mark.parametrize("share", [1e-5, 0.99, 1.01])
-def test_a_valve_too_light_for_its_contact_is_refused(component: Component, share: float) -> None:
+def test_a_valve_too_light_for_its_contact_is_refused(component, share):
     """c/m <= 1e7 1/s with c = 920 N s/m (330 N/450 N)."""
     least = 920.0 * 330.0 / 450.0 / 1e7
     faults = component.parameter_faults(component.parameters.vector({"valve_mass": share * least}))
@@ -176,9 +176,7 @@ def test_a_valve_too_light_for_its_contact_is_refused(component: Component, shar
 
 @pytest.mark.plain
 @pytest.mark.parametrize("flexible", [0.0, 1.0])
-def test_a_start_that_its_joints_do_not_allow_is_named_with_the_joint(
-    component: Component, flexible: float
-) -> None:
+def test_a_start_that_its_joints_do_not_allow_is_named_with_the_joint(component, flexible):
     """Sliding along its guide, bending and turning of the cam on an elastic shaft are free."""
     p = component.parameters.vector({"flexible": flexible})
     u = component.inputs.vector({"drive_angle": 0.7, "drive_speed": 100.0, "film_thickness": FILM})
@@ -203,7 +201,7 @@ def test_a_start_that_its_joints_do_not_allow_is_named_with_the_joint(
 
 
 @pytest.mark.long
-def test_multipliers_and_minimal_model_move_alike_on_the_film() -> None:
+def test_multipliers_and_minimal_model_move_alike_on_the_film():
     """K's coupling, load one way and film the other, against the components, both solved whole."""
     times = np.linspace(0.0, 0.06, 3001)
     one, other = (

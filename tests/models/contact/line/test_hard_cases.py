@@ -39,9 +39,7 @@ def whole(contact: Contact) -> None:
     ],
 )
 @pytest.mark.parametrize("steps_before", [0, 3])
-def test_inputs_that_make_no_sense_end_the_step_and_leave_no_trace(
-    name: str, value: float, steps_before: int
-) -> None:
+def test_inputs_that_make_no_sense_end_the_step_and_leave_no_trace(name, value, steps_before):
     """The state stays, to the last bit, and what follows is what would have followed without."""
     given_load = name == "applied_load"
     sound = LOADED if given_load else RUNNING
@@ -57,7 +55,7 @@ def test_inputs_that_make_no_sense_end_the_step_and_leave_no_trace(
     assert np.array_equal(tried.x, spared.x)
 
 
-def test_an_input_outside_its_range_is_named() -> None:
+def test_an_input_outside_its_range_is_named():
     """At the start of a step or at its end; not what is as it should be."""
     component = Contact().component
     U = component.input_polynomial()
@@ -68,7 +66,7 @@ def test_an_input_outside_its_range_is_named() -> None:
 
 
 @pytest.mark.parametrize("step", [1e-6, pytest.param(1e-3, marks=pytest.mark.long)])
-def test_a_contact_opens_and_closes_ten_times(step: float) -> None:
+def test_a_contact_opens_and_closes_ten_times(step):
     """By 50 um, in forty steps each time: without load the film is the gap between the bodies."""
     contact, period = Contact(), 40.0 * step
     inputs = {**RUNNING, "approach": lambda t: -24e-6 + 26e-6 * math.cos(2.0 * math.pi * t / period)}
@@ -88,7 +86,7 @@ def test_a_contact_opens_and_closes_ten_times(step: float) -> None:
 
 
 @pytest.mark.parametrize("drive", [RUNNING, LOADED], ids=["approach", "load"])
-def test_entrainment_stops_for_long_and_starts_again(drive: dict[str, float]) -> None:
+def test_entrainment_stops_for_long_and_starts_again(drive):
     """At rest nothing is drawn in: the film only thins, and never vanishes; afterwards it recovers."""
     contact = Contact(load_is_given=float("applied_load" in drive))
     for _ in range(50):
@@ -108,7 +106,7 @@ def test_entrainment_stops_for_long_and_starts_again(drive: dict[str, float]) ->
 
 
 @pytest.mark.parametrize("drive", [RUNNING, LOADED], ids=["approach", "load"])
-def test_macro_steps_of_any_length_give_one_motion(drive: dict[str, float]) -> None:
+def test_macro_steps_of_any_length_give_one_motion(drive):
     """Lines over 1 ms are the same inputs in 1000, 100, 10 steps and one; entrainment reverses in the middle.
 
     A macro step is also the longest micro-step, so that errors are those of `field_tolerance` 1e-5, some
@@ -129,7 +127,7 @@ def test_macro_steps_of_any_length_give_one_motion(drive: dict[str, float]) -> N
 
 
 @pytest.mark.parametrize("step", [1e-2, 1.0])
-def test_a_start_far_from_balance_is_made_in_one_long_step(step: float) -> None:
+def test_a_start_far_from_balance_is_made_in_one_long_step(step):
     """A uniform film that is squeezed at rest: as in a hundred steps that grow as the film settles."""
     at_rest = {**RUNNING, "approach": 0.0, "entraining_velocity": 0.0}
     once, often = Contact(), Contact()
@@ -143,7 +141,7 @@ def test_a_start_far_from_balance_is_made_in_one_long_step(step: float) -> None:
         assert once[name] == pytest.approx(often[name], rel=5e-3)
 
 
-def test_an_open_contact_at_rest_stays_open_whatever_its_gap() -> None:
+def test_an_open_contact_at_rest_stays_open_whatever_its_gap():
     """Nothing flows but rounding."""
     random = np.random.default_rng(0)
     for _ in range(20):
@@ -172,7 +170,7 @@ def jumped(form: float, before: float, after: float, length: float, **parameters
 
 @pytest.mark.parametrize(("before", "after"), JUMPS_OF_LOAD)
 @pytest.mark.parametrize("length", [1e-6, 1e-4])
-def test_jumps_of_a_given_load_are_made(before: float, after: float, length: float) -> None:
+def test_jumps_of_a_given_load_are_made(before, after, length):
     """Whatever steps the error control takes: a hundredth of the tolerance gives the same film."""
     found = jumped(1.0, before, after, length)
     fine = jumped(1.0, before, after, length, field_tolerance=1e-6)
@@ -180,7 +178,7 @@ def test_jumps_of_a_given_load_are_made(before: float, after: float, length: flo
     assert found["film_thickness"] == pytest.approx(fine["film_thickness"], rel=1e-2)
 
 
-def test_the_oil_under_a_falling_load_stays_where_it_is() -> None:
+def test_the_oil_under_a_falling_load_stays_where_it_is():
     """In no time no oil flows: under a load that falls at once the bodies part, but not in the middle,
     where pressure is left and the film is the old one."""
     loaded = jumped(1.0, 500.0, 500.0, 1e-9)
@@ -191,7 +189,7 @@ def test_the_oil_under_a_falling_load_stays_where_it_is() -> None:
     np.testing.assert_allclose(relieved.field("film")[pressed], loaded.field("film")[pressed], rtol=0.06)
 
 
-def test_a_load_below_the_floor_is_shown_as_what_it_is() -> None:
+def test_a_load_below_the_floor_is_shown_as_what_it_is():
     """The film is that of the floor; of load, pressure and friction there is the share that the load is."""
     shown = {}
     drive = {"entraining_velocity": 1.0, "sliding_velocity": 0.5, "radius_of_curvature": RADIUS}
@@ -207,7 +205,7 @@ def test_a_load_below_the_floor_is_shown_as_what_it_is() -> None:
 
 
 @pytest.mark.parametrize(("opening", "length"), [(20e-6, 1e-6), (1e-6, 1e-7)])
-def test_a_contact_torn_open_carries_no_load(opening: float, length: float) -> None:
+def test_a_contact_torn_open_carries_no_load(opening, length):
     """Cavities have no oil that could be squeezed: what load there is comes from entrainment, less than
     Martin's load of rigid bodies."""
     contact = jumped(0.0, 0.3e-6, -opening, length)
@@ -216,7 +214,7 @@ def test_a_contact_torn_open_carries_no_load(opening: float, length: float) -> N
 
 
 @pytest.mark.parametrize("form", [0.0, pytest.param(1.0, marks=pytest.mark.long)], ids=["approach", "load"])
-def test_jumps_are_survived_or_refused_without_a_trace(form: float) -> None:
+def test_jumps_are_survived_or_refused_without_a_trace(form):
     """Of all inputs at once, as no mechanism makes them."""
     random, refused = np.random.default_rng(5), 0
     contact = Contact(load_is_given=form)
@@ -291,10 +289,10 @@ walks = st.lists(
 
 @pytest.mark.long
 @pytest.mark.parametrize(("nodes", "examples"), [(51, 10), (101, 30), (301, 10), (701, 3)])
-def test_random_walks_are_made_step_by_step(nodes: int, examples: int) -> None:
+def test_random_walks_are_made_step_by_step(nodes, examples):
     @settings(max_examples=examples)
     @given(walks, st.sampled_from([0.0, 1.0]), st.floats(5e-3, 0.2), st.sampled_from([0.0, 5e6]))
-    def walk(steps: list[tuple[float, ...]], form: float, viscosity: float, eyring_stress: float) -> None:
+    def walk(steps, form, viscosity, eyring_stress):
         walked(steps, form, nodes, viscosity=viscosity, eyring_stress=eyring_stress)
 
     walk()
