@@ -30,7 +30,7 @@ def build_traction(p: Any) -> Traction:
     """The laws of friction of a contact's parameters."""
     return Traction(
         p.limiting_shear_stress, p.limiting_shear_coefficient, p.boundary_friction_coefficient,
-        p.boundary_shear_stress,
+        p.boundary_shear_stress, 0.0,
     )  # fmt: skip
 
 
