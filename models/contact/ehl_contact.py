@@ -22,11 +22,12 @@ from .films import FILMS, film_by_number
 from .films.groups import groups
 from .hertz import elastic_energy, load_and_deflection, maximum_pressure, pair_compliance
 from .inlet_heating import thermal_reduction
-from .mixed_lubrication import fill_surface_outputs
+from .mixed_lubrication import fill_surface_outputs, heat_contact
 from .records import (
     BONDS,
     ContactInputs,
     FilmThickness,
+    HeatParameters,
     SharedOutputs,
     SharedParameters,
     feedthrough_of_load,
@@ -50,7 +51,7 @@ FILM_IS_DRY = float(list(FILMS).index("dry"))
 
 
 @dataclass
-class ContactParameters(SharedParameters):
+class ContactParameters(HeatParameters, SharedParameters):
     """Defaults: the set `kushwaha2000`; damping ratio 0.05 of the 6.7 kHz contact mode at 450 N."""
 
     film_model: float = Quantity("1", "film thickness formula", choices=tuple(FILMS)).default()
@@ -70,6 +71,9 @@ class ContactParameters(SharedParameters):
     oil_conductivity: float = Quantity(
         "W/m.K", "heat conductivity k of the oil", nominal=0.1, positive=True
     ).default(0.14)
+    film_heating: float = Quantity(
+        "1", "heat of shear in the film thins the oil there", boolean=True
+    ).default()
 
 
 @dataclass
@@ -90,6 +94,12 @@ class ContactOutputs(SharedOutputs):
     thermal_reduction: float = Quantity("1", "share phi_T of the film that heat in the inlet leaves").default(
         1.0
     )
+    surface_temperature_rise: float = Quantity(
+        "K", "mean rise of the surfaces over the oil's temperature, with film_heating", nominal=10.0
+    ).default()
+    film_temperature_rise: float = Quantity(
+        "K", "mean rise of the film over the oil's temperature, with film_heating", nominal=10.0
+    ).default()
 
 
 class Contact(NamedTuple):
@@ -162,7 +172,13 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
     y.steady_film_thickness = c.steady_film
     y.deflection = c.deflection
     load = max(0.0, c.load)
-    fill_surface_outputs(load, c.film, c.compliance, p.film_model, u, p, y)
+    mixed = fill_surface_outputs(load, c.film, c.compliance, p.film_model, u, p, y)
+    y.surface_temperature_rise = y.film_temperature_rise = 0.0
+    if p.film_heating != 0.0 and load > 0.0:
+        hot = heat_contact(load, y.half_width, mixed, u, p)
+        y.surface_temperature_rise, y.film_temperature_rise = hot.surface_rise, hot.film_rise
+        y.viscous_friction = hot.viscous
+        y.friction_force = hot.viscous + y.boundary_friction
     y.damping_margin = c.damping_margin
     y.separated = 1.0 if c.load <= 0.0 else 0.0
     g = groups(math.pi / c.compliance, load, speed, radius, p.length, p.viscosity, p.pressure_viscosity)
@@ -211,6 +227,8 @@ def ehl_contact() -> Component:
             "load_in_range": surfaces,
             "speed_in_range": ("entraining_velocity", "radius_of_curvature"),
             "thermal_reduction": rated,
+            "surface_temperature_rise": inputs.names,
+            "film_temperature_rise": inputs.names,
         },
         bonds=BONDS,
         event_indicators=("deflection", "damping_margin"),

@@ -29,10 +29,10 @@ from .load_sharing import Sharing
 from .rheology import fluid_stress, limited_stress
 
 # Gauss-Legendre points for the angle in x = b sin(angle), where a Hertzian contact's integrand is smooth.
-_POINTS = 12
-_LEGENDRE, _WEIGHTS = np.polynomial.legendre.leggauss(_POINTS)
-_COSINES = np.cos(0.25 * math.pi * (_LEGENDRE + 1.0))
-_WEIGHTS = 0.25 * math.pi * _WEIGHTS * _COSINES
+POINTS = 12
+_LEGENDRE, WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
+COSINES = np.cos(0.25 * math.pi * (_LEGENDRE + 1.0))
+WEIGHTS = 0.25 * math.pi * WEIGHTS * COSINES
 
 
 class Traction(NamedTuple):
@@ -74,8 +74,8 @@ def viscous_friction(
 ) -> float:  # fmt: skip
     """Integral of tau over a Hertzian pressure and a film of one thickness (N)."""
     total = 0.0
-    for i in range(_POINTS):
-        total += _WEIGHTS[i] * shear_stress(maximum_pressure * _COSINES[i], velocity, film, fluid, traction)
+    for i in range(POINTS):
+        total += WEIGHTS[i] * shear_stress(maximum_pressure * COSINES[i], velocity, film, fluid, traction)
     return 2.0 * half_width * length * total
 
 

@@ -19,6 +19,8 @@ from ..plausible import (
 )
 from .fluid import VISCOSITY_LAWS
 from .hertz import ELASTIC_LIMIT
+from .oils import COLDEST, HOTTEST
+from .rheology import LIMITING_LAWS
 
 # Larger values are slips of the unit. A line contact (m) is no longer than the largest rollers. SAE J300 lets
 # an engine's oil be no thicker (Pa.s) where it is cranked in the cold (grade 25W). Two coarsely turned
@@ -53,6 +55,14 @@ def _micrometres(meaning: str, nominal: float = 1e-6) -> Quantity:
 
 def _force(meaning: str) -> Quantity:
     return Quantity("N", meaning, nominal=10.0)
+
+
+def _conductivity(body: str) -> Quantity:
+    return Quantity("W/m.K", f"heat conductivity of body {body}", nominal=10.0, positive=True)
+
+
+def _heat_capacity(body: str) -> Quantity:
+    return Quantity("J/m3.K", f"heat capacity rho c of body {body}", nominal=1e6, positive=True)
 
 
 @dataclass
@@ -115,6 +125,23 @@ class SharedParameters:
     boundary_shear_stress: float = _shear_stress("shear stress tau_b of real contact besides").default()
     limiting_shear_stress: float = _shear_stress("limiting shear stress tau_L0 at no pressure").default(2e6)
     limiting_shear_coefficient: float = _coefficient("growth gamma of the limit with pressure").default(0.07)
+    limiting_law: float = Quantity(
+        "1", "how the film's stress meets the limit", choices=LIMITING_LAWS
+    ).default()
+
+
+@dataclass
+class HeatParameters:
+    """The oil's temperature and how bodies conduct heat. Defaults: bearing steel, an engine's hot oil."""
+
+    oil_temperature: float = Quantity(
+        "K", "temperature T_0 of the oil, at which it has its viscosity", nominal=300.0, minimum=COLDEST,
+        maximum=HOTTEST,
+    ).default(363.15)  # fmt: skip
+    conductivity_1: float = _conductivity("1 (cam)").default(46.0)
+    heat_capacity_1: float = _heat_capacity("1 (cam)").default(3.6e6)
+    conductivity_2: float = _conductivity("2 (follower)").default(46.0)
+    heat_capacity_2: float = _heat_capacity("2 (follower)").default(3.6e6)
 
 
 # m, about the size of an atom: a thinner film is none.

@@ -34,6 +34,13 @@ class Thermal(NamedTuple):
     temperature_viscosity: float
 
 
+class Thinned(NamedTuple):
+    """What a rise of temperature does to ln(eta) at no pressure, and its derivative by the rise (1/K)."""
+
+    value: float
+    slope: float
+
+
 class LogViscosity(NamedTuple):
     """ln(eta/eta0), and its derivatives by pressure (1/Pa) and temperature (1/K)."""
 
@@ -43,23 +50,32 @@ class LogViscosity(NamedTuple):
 
 
 @kernel
+def thin_by_heat(rise: float, viscosity: float, thermal: Thermal) -> Thinned:
+    """c (theta^-S - 1) at T = T_0 + rise (K), above 138 K."""
+    c = max(math.log(viscosity) + _ROELANDS_LOG, _LEAST_LOG)
+    above = thermal.temperature - _POLE
+    theta = 1.0 + rise / above
+    left = theta ** (-thermal.temperature_viscosity * above / c)
+    return Thinned(c * (left - 1.0), -thermal.temperature_viscosity * left / theta)
+
+
+@kernel
+def pressed_share(pressure: float, fluid: Lubricant) -> float:
+    """(1 + p/p_r)^z, by which heat thins oil under the pressure p >= 0 (Pa) more than without."""
+    if fluid.viscosity_law == ROELANDS:
+        return (1.0 + pressure / fluid.roelands_pressure) ** fluid.roelands_exponent
+    return 1.0
+
+
+@kernel
 def hot_log_viscosity(pressure: float, rise: float, fluid: Lubricant, thermal: Thermal) -> LogViscosity:
     """At the pressure p >= 0 (Pa) and T = T_0 + rise (K), above 138 K; without rise as `log_viscosity`."""
     cold, by_pressure = log_viscosity(pressure, fluid)
-    c = max(math.log(fluid.viscosity) + _ROELANDS_LOG, _LEAST_LOG)
-    exponent = thermal.temperature_viscosity * (thermal.temperature - _POLE) / c
-    theta = 1.0 + rise / (thermal.temperature - _POLE)
-    left = theta**-exponent
-    pressed, pressed_slope = 1.0, 0.0
+    thinned, share = thin_by_heat(rise, fluid.viscosity, thermal), pressed_share(pressure, fluid)
     if fluid.viscosity_law == ROELANDS:
-        more = 1.0 + pressure / fluid.roelands_pressure
-        pressed = more**fluid.roelands_exponent
-        pressed_slope = fluid.roelands_exponent * pressed / (more * fluid.roelands_pressure)
-    return LogViscosity(
-        cold + c * pressed * (left - 1.0),
-        by_pressure + c * pressed_slope * (left - 1.0),
-        -thermal.temperature_viscosity * pressed * left / theta,
-    )
+        more = pressure + fluid.roelands_pressure
+        by_pressure += thinned.value * fluid.roelands_exponent * share / more
+    return LogViscosity(cold + thinned.value * share, by_pressure, thinned.slope * share)
 
 
 @kernel
@@ -76,3 +92,14 @@ def limited_stress(stress: float, limit: float, limiting_law: float) -> float:
     if limiting_law == GRADUAL and limit > 0.0:
         return -limit * math.expm1(-stress / limit)
     return min(stress, limit)
+
+
+@kernel
+def stress_slope(newtonian: float, eyring_stress: float, limit: float, limiting_law: float) -> float:
+    """d tau/d ln(eta) (Pa) of the limited stress of the fluid."""
+    stress, slope = fluid_stress(newtonian, eyring_stress), newtonian
+    if eyring_stress > 0.0:
+        slope = newtonian / math.sqrt(1.0 + (newtonian / eyring_stress) ** 2)
+    if limiting_law == GRADUAL and limit > 0.0:
+        return slope * math.exp(-stress / limit)
+    return slope if stress < limit else 0.0

@@ -94,7 +94,9 @@ def evaluate(table: Mapping[str, Any]) -> tuple[float, dict[str, WithUnit]]:
         state = evaluate_oil(oil, temperature)
     except ValueError as error:
         raise Faults(("temperature", f" = {in_celsius(temperature)}: {error}")) from None
-    numbers = {**state._asdict(), "roelands_pressure": ROELANDS_PRESSURE}
+    numbers = {
+        **state._asdict(), "roelands_pressure": ROELANDS_PRESSURE, "oil_temperature": temperature
+    }  # fmt: skip
     return temperature, {name: WithUnit(value) for name, value in numbers.items()}
 
 
