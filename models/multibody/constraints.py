@@ -158,28 +158,6 @@ def follow_cam(e: Evaluation, out: Rows, k: int, row: Any, curve: Curve) -> floa
 
 
 @kernel
-def roll_on_cam(e: Evaluation, out: Rows, k: int, row: Any, psi: float, curve: Curve) -> float:
-    """C = R0 + s(psi) + r - n d: a circle of radius r about P_j on the cam i, n(psi) their common normal.
-
-    n = cos(psi) a - sin(psi) a2, and psi makes C least: s' = t d, t = dn/dpsi. So C has the gradient of a
-    normal that is fixed in the cam; psi' = -w/(rho + r), w = -t d' as the cam sees it. Returns psi'.
-    """
-    first, second = carry(e, row.i, row.a), carry(e, row.i, row.a2)
-    arm_i, arm_j = carry(e, row.i, row.p_i), carry(e, row.j, row.p_j)
-    d = differ(point_at(e, row.j, arm_j), point_at(e, row.i, arm_i))
-    c, s = math.cos(psi), math.sin(psi)
-    n = subtract(scale(c, first.value), scale(s, second.value))
-    w = s * rate_of_product(first, d) + c * rate_of_product(second, d)
-    ahead = dot(n, d.value)
-    across = curve.lift.dds + ahead  # rho + r where they touch
-    put(out, k, 0, n, cross(add(arm_i.value, d.value), n))
-    put(out, k, 1, scale(-1.0, n), cross(n, arm_j.value))
-    out.value[k] = curve.base_radius + curve.lift.s + row.offset - ahead
-    out.gamma[k] = c * second_of_product(first, d) - s * second_of_product(second, d) + w * w / across
-    return -w / across
-
-
-@kernel
 def lift_end(psi: float, row: Any) -> Lift:
     """s(psi) of a lever's end: an involute, which keeps its lever ratio, or a round pad at the end of an arm.
 

@@ -5,8 +5,7 @@ from typing import Any
 
 from ..compile.kernel import kernel
 from ..core.quantities import Vector
-from .constraints import constrain, follow_cam
-from .curves import make_curves
+from .constraints import Curve, constrain, find_cam_angle, follow_cam, lift_end
 from .loads import load_field, load_spring, press
 from .lubrication import lubricate
 from .pattern import Pattern
@@ -24,7 +23,14 @@ FILM = 1e-6
 def make_evaluate(lift: Any) -> Any:
     """The kernel evaluate(t, q, v, film, tables, evaluation); `lift` is the kernel of cam profiles."""
 
-    find_profile, touch_curve = make_curves(lift)
+    @kernel
+    def find_profile(e: Evaluation, row: Any, tables: Tables) -> Curve:
+        """Of a cam, or of a lever's end."""
+        psi = find_cam_angle(e, row)
+        if row.kind == FLAT_CAM:
+            cam = tables.cams[row.cam]
+            return Curve(cam.base_radius, lift(psi, cam))
+        return Curve(row.offset, lift_end(psi, row))
 
     @kernel
     def evaluate(t: float, q: Vector, v: Vector, film: Vector, tables: Tables, e: Evaluation) -> None:
@@ -37,7 +43,7 @@ def make_evaluate(lift: Any) -> Any:
             if row.kind < FLAT_CAM:
                 constrain(t, e, e.held, k, row)
             else:
-                touch_curve(e, e.held, k, row, tables)
+                follow_cam(e, e.held, k, row, find_profile(e, row, tables))
         films = film.shape[0]
         for k in range(films):
             row = tables.touches[k]
@@ -49,7 +55,7 @@ def make_evaluate(lift: Any) -> Any:
             if row.kind < FLAT_CAM:
                 constrain(t, e, e.touch, k, row)
             else:
-                touch_curve(e, e.touch, k, row, tables)
+                follow_cam(e, e.touch, k, row, find_profile(e, row, tables))
             press(e, k, tables.presses[k - films])
         for k in range(tables.springs.shape[0]):
             load_spring(e, tables.springs[k])

@@ -11,7 +11,6 @@ from .beams import fill_beam_stiffness
 from .bodies import ORIGIN, Point
 from .joints import Joint
 from .ranges import check_values
-from .tables import ROUND_CAM
 
 # Axes of an element of a shaft along z: x of K (33) and Q (2) along the shaft.
 ALONG_SHAFT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
@@ -50,10 +49,6 @@ class LubricatedCam:
 
     def __post_init__(self) -> None:
         check_values(f"contact {self.name}", film=self.film)
-        if self.contact.constraints[0].fields["kind"] == ROUND_CAM:
-            raise ModelError(
-                f"contact {self.name}: a round follower has no oil film here: take flat_cam or ContactSpring"
-            )
 
     @property
     def name(self) -> str:

@@ -15,7 +15,7 @@ from ..core.errors import ModelError
 from ..core.quantities import Vector
 from .bodies import ORIGIN, Point, Y, Z, find_direction, make_axes
 from .ranges import check_values
-from .tables import AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD, PERPENDICULAR, ROUND_CAM
+from .tables import AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD, PERPENDICULAR
 
 AXES = ("first axis", "second axis", "third axis")
 
@@ -184,30 +184,6 @@ def flat_cam(
     fields = {
         "kind": FLAT_CAM, **_lie_across(axis, foot), "b": find_direction(normal),
         "p_i": at_cam, "p_j": at_follower,
-    }  # fmt: skip
-    return Joint(name, cam, follower, [Constraint("contact", fields)], at_cam, at_follower, cam=profile)
-
-
-def round_cam(
-    name: str,
-    cam: str,
-    follower: str,
-    profile: Any,
-    radius: float,
-    *,
-    at_cam: Point = ORIGIN,
-    at_follower: Point = ORIGIN,
-    axis: Point = Z,
-    foot: Point = Y,
-) -> Joint:
-    """A roller, round pad or point (radius 0, m) stays on a cam: 1 constraint. Its multiplier is the load W.
-
-    Its centre is at `at_follower`. The cam is that of `flat_cam`, whose curve must be convex.
-    """
-    check_values(f"joint {name}", radius=radius)
-    fields = {
-        "kind": ROUND_CAM, **_lie_across(axis, foot),
-        "p_i": at_cam, "p_j": at_follower, "offset": radius,
     }  # fmt: skip
     return Joint(name, cam, follower, [Constraint("contact", fields)], at_cam, at_follower, cam=profile)
 

@@ -7,7 +7,7 @@ import numpy as np
 from ..core.quantities import Vector
 
 # Kinds of scalar constraints.
-PERPENDICULAR, AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD, ROUND_CAM = range(7)
+PERPENDICULAR, AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD = range(6)
 
 # One scalar constraint between the bodies i and j. `a` and the point p_i are fixed in i, `b` and p_j in j.
 ROW = np.dtype(
@@ -20,7 +20,7 @@ ROW = np.dtype(
         ("b", "f8", 3),
         ("p_i", "f8", 3),
         ("p_j", "f8", 3),
-        ("offset", "f8"),  # of AHEAD; base radius of LEVER and PAD; radius on a ROUND_CAM (m)
+        ("offset", "f8"),  # of AHEAD; base radius of LEVER and PAD (m)
         ("angle", "f8"),  # of DRIVEN at t = 0 (rad), with its speed and acceleration
         ("speed", "f8"),
         ("acceleration", "f8"),
