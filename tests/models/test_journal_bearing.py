@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, root
@@ -224,6 +224,7 @@ def test_a_heavy_load_never_whirls():
 
 @settings(max_examples=60, deadline=None)
 @given(st.floats(0.0, 1.05), ANGLES, st.floats(0.0, 3e-5), ANGLES, st.floats(-300.0, 300.0), ANGLES)
+@example(1.0, 0.7, 1e-5, 2.0, 100.0, 1.0)  # pressed into the bush
 def test_all_directions_are_equal(ratio, angle, stretch, direction, speed, turn):
     """Turning the journal and its axis turns the force and the motion, and nothing else."""
 
