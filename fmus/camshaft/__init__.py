@@ -41,14 +41,7 @@ STIMULUS = Stimulus(
     step_size=1e-4,
     interval=2e-3,
     outputs=(
-        "cam_angle",
-        "surface_position",
-        "surface_velocity",
-        "radius_of_curvature",
-        "entraining_velocity",
-        "sliding_velocity",
-        "contact_offset",
-        "drive_torque",
-        "next_event",
+        "cam_angle", "surface_position", "surface_velocity", "radius_of_curvature", "entraining_velocity",
+        "sliding_velocity", "contact_offset", "drive_torque", "next_event",
     ),
-)
+)  # fmt: skip

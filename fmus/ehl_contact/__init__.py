@@ -48,14 +48,7 @@ STIMULUS = Stimulus(
     step_size=1e-5,
     interval=1e-3,
     outputs=(
-        "load",
-        "film_thickness",
-        "squeeze_velocity",
-        "steady_film_thickness",
-        "maximum_pressure",
-        "friction_force",
-        "viscous_friction",
-        "asperity_load",
-        "damping_margin",
+        "load", "film_thickness", "squeeze_velocity", "steady_film_thickness", "maximum_pressure",
+        "friction_force", "viscous_friction", "asperity_load", "damping_margin",
     ),
-)
+)  # fmt: skip

@@ -48,15 +48,7 @@ STIMULUS = Stimulus(
     step_size=1e-4,
     interval=2e-3,
     outputs=(
-        "rotation",
-        "pivot_position",
-        "tip_position",
-        "tip_velocity",
-        "tip_sliding_velocity",
-        "overlap",
-        "sliding_velocity",
-        "cam_torque",
-        "ratio",
-        "support_force",
+        "rotation", "pivot_position", "tip_position", "tip_velocity", "tip_sliding_velocity", "overlap",
+        "sliding_velocity", "cam_torque", "ratio", "support_force",
     ),
-)
+)  # fmt: skip

@@ -26,14 +26,7 @@ STIMULUS = Stimulus(
     step_size=1e-5,
     interval=6e-4,
     outputs=(
-        "crank_angle",
-        "crank_speed",
-        "piston_velocity",
-        "piston_offset",
-        "piston_tilt",
-        "lower_front_force",
-        "pin_force_along",
-        "impact_count",
-        "impact_loss",
+        "crank_angle", "crank_speed", "piston_velocity", "piston_offset", "piston_tilt", "lower_front_force",
+        "pin_force_along", "impact_count", "impact_loss",
     ),
-)
+)  # fmt: skip

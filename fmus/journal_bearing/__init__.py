@@ -53,15 +53,7 @@ STIMULUS = Stimulus(
     step_size=1e-5,
     interval=8e-4,
     outputs=(
-        "force_x",
-        "force_y",
-        "friction_torque",
-        "load",
-        "eccentricity_ratio",
-        "minimum_film_thickness",
-        "film_ratio",
-        "maximum_pressure",
-        "asperity_load",
-        "power_loss",
+        "force_x", "force_y", "friction_torque", "load", "eccentricity_ratio", "minimum_film_thickness",
+        "film_ratio", "maximum_pressure", "asperity_load", "power_loss",
     ),
-)
+)  # fmt: skip

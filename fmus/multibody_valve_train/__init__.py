@@ -37,15 +37,7 @@ STIMULUS = Stimulus(
     step_size=1e-5,
     interval=5e-4,
     outputs=(
-        "load",
-        "elastic_load",
-        "deflection",
-        "guide_moment",
-        "position",
-        "velocity",
-        "spring_force",
-        "entraining_velocity",
-        "drive_torque",
-        "cam_lift",
+        "load", "elastic_load", "deflection", "guide_moment", "position", "velocity", "spring_force",
+        "entraining_velocity", "drive_torque", "cam_lift",
     ),
-)
+)  # fmt: skip

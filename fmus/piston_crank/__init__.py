@@ -33,14 +33,7 @@ STIMULUS = Stimulus(
     step_size=1e-5,
     interval=7e-4,
     outputs=(
-        "piston_offset",
-        "piston_tilt",
-        "piston_tilt_rate",
-        "lower_front_force",
-        "wall_friction_force",
-        "pin_force_along",
-        "impact_count",
-        "impact_loss",
-        "crank_torque",
+        "piston_offset", "piston_tilt", "piston_tilt_rate", "lower_front_force", "wall_friction_force",
+        "pin_force_along", "impact_count", "impact_loss", "crank_torque",
     ),
-)
+)  # fmt: skip

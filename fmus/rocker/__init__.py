@@ -38,13 +38,7 @@ STIMULUS = Stimulus(
     step_size=1e-4,
     interval=4e-4,
     outputs=(
-        "rotation",
-        "rod_position",
-        "rod_velocity",
-        "tip_position",
-        "tip_velocity",
-        "tip_entraining_velocity",
-        "tip_sliding_velocity",
-        "pivot_force",
+        "rotation", "rod_position", "rod_velocity", "tip_position", "tip_velocity", "tip_entraining_velocity",
+        "tip_sliding_velocity", "pivot_force",
     ),
-)
+)  # fmt: skip

@@ -43,14 +43,7 @@ STIMULUS = Stimulus(
     step_size=1e-4,
     interval=2e-3,
     outputs=(
-        "psi",
-        "psi_rate",
-        "piston_offset",
-        "crank_torque",
-        "impact_count",
-        "upper_wall_impulse",
-        "lower_wall_impulse",
-        "last_impact_time",
-        "last_impact_velocity",
+        "psi", "psi_rate", "piston_offset", "crank_torque", "impact_count", "upper_wall_impulse",
+        "lower_wall_impulse", "last_impact_time", "last_impact_velocity",
     ),
-)
+)  # fmt: skip

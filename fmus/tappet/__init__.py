@@ -42,14 +42,7 @@ STIMULUS = Stimulus(
     step_size=1e-4,
     interval=2e-3,
     outputs=(
-        "position",
-        "velocity",
-        "overlap",
-        "overlap_rate",
-        "entraining_velocity",
-        "sliding_velocity",
-        "radius_of_curvature",
-        "cam_torque",
-        "next_event",
+        "position", "velocity", "overlap", "overlap_rate", "entraining_velocity", "sliding_velocity",
+        "radius_of_curvature", "cam_torque", "next_event",
     ),
-)
+)  # fmt: skip
