@@ -69,35 +69,35 @@ def cam(psi: float) -> tuple[float, float, float]:
     return LIFT * (a / RISE - math.sin(turned) / (2.0 * math.pi)), math.copysign(first, before_nose), second
 
 
-def approach_of(load: float, radius: float, compliance: float) -> float:
+def approach_of(load: float, radius: float) -> float:
     """Elastic deflection under a load: K (6), (7), (9)."""
-    b = math.sqrt(4.0 * load * radius * compliance / (math.pi * LENGTH))
+    b = math.sqrt(4.0 * load * radius * COMPLIANCE / (math.pi * LENGTH))
     p0 = 2.0 * load / (math.pi * b * LENGTH)
-    return b * p0 * compliance * (math.log(2.0 * LENGTH / b) + 0.5)
+    return b * p0 * COMPLIANCE * (math.log(2.0 * LENGTH / b) + 0.5)
 
 
-def hertz_load(delta: float, radius: float, compliance: float) -> float:
+def hertz_load(delta: float, radius: float) -> float:
     """The load of a deflection, by Newton's method from within a factor of two."""
     if delta <= 0.0:
         return 0.0
     low, high = 0.0, 1.0
-    while approach_of(high, radius, compliance) < delta:
+    while approach_of(high, radius) < delta:
         low, high = high, 2.0 * high
     load = 0.5 * (low + high)
     for _ in range(60):
-        b = math.sqrt(4.0 * load * radius * compliance / (math.pi * LENGTH))
+        b = math.sqrt(4.0 * load * radius * COMPLIANCE / (math.pi * LENGTH))
         # d delta/dW = 2 compliance ln(2 L/b) / (pi L), as b grows with the root of W.
-        slope = 2.0 * compliance * math.log(2.0 * LENGTH / b) / (math.pi * LENGTH)
-        step = (delta - approach_of(load, radius, compliance)) / slope
+        slope = 2.0 * COMPLIANCE * math.log(2.0 * LENGTH / b) / (math.pi * LENGTH)
+        step = (delta - approach_of(load, radius)) / slope
         load += step
         if abs(step) < 1e-14 * load:
             break
     return load
 
 
-def steady_film(load: float, velocity: float, radius: float, compliance: float) -> float:
+def steady_film(load: float, velocity: float, radius: float) -> float:
     """K (10) without squeeze, its load exponent as printed, with E = pi / compliance."""
-    modulus = math.pi / compliance
+    modulus = math.pi / COMPLIANCE
     w = load / (modulus * radius * LENGTH)
     u = VISCOSITY * velocity / (modulus * radius)
     g = PRESSURE_VISCOSITY * modulus
@@ -125,19 +125,10 @@ BENDING, BENDING_DAMPING = bending_matrices()
 
 @dataclass(frozen=True)
 class Train:
-    """A valve train at a constant cam speed (rad/s): on a rigid or a flexible shaft, with a film or dry.
-
-    Both bodies have `stiffness` times the modulus of steel, and the contact damping grows with its root.
-    """
+    """A valve train with a film at a constant cam speed (rad/s), on a rigid or a flexible shaft."""
 
     speed: float
     flexible: bool = False
-    lubricated: bool = True
-    stiffness: float = 1.0
-
-    @property
-    def compliance(self) -> float:
-        return COMPLIANCE / self.stiffness
 
     def angle(self, t: float, x: list[float]) -> float:
         return self.speed * t + x[7] - 0.5 * x[11] * x[15]
@@ -148,17 +139,13 @@ class Train:
         omega = self.speed + x[8] - 0.5 * (x[12] * x[15] + x[11] * x[16])
         radius = BASE + s + dds
         delta = s + x[9] - x[0] + x[6]
-        elastic = hertz_load(delta, radius, self.compliance)
-        film_rate = 0.0
-        if self.lubricated:
-            u = abs(0.5 * omega * (BASE + s + 2.0 * dds) + 0.5 * x[14])
-            if u > 0.0:
-                film_rate = (
-                    -u / SQUEEZE * math.log(x[6] / steady_film(max(elastic, 1.0), u, radius, self.compliance))
-                )
+        elastic = hertz_load(delta, radius)
+        u = abs(0.5 * omega * (BASE + s + 2.0 * dds) + 0.5 * x[14])
+        film_rate = (
+            -u / SQUEEZE * math.log(x[6] / steady_film(max(elastic, 1.0), u, radius)) if u > 0.0 else 0.0
+        )
         delta_rate = ds * omega + x[10] - x[1] + film_rate
-        damping = DAMPING * math.sqrt(self.stiffness) / REFERENCE_LOAD
-        return elastic * max(0.0, 1.0 + damping * delta_rate), film_rate, ds
+        return elastic * max(0.0, 1.0 + DAMPING / REFERENCE_LOAD * delta_rate), film_rate, ds
 
     def rates(self, t: float, x: list[float]) -> list[float]:
         """Newton's and Lagrange's laws: K (40)-(42) and (33) with their signs set right, film by K (10)."""
@@ -216,21 +203,10 @@ class Train:
         """Near rest on the base circle: the preload carried, the coils undeformed."""
         turning = np.array(BENDING) - 1j * self.speed * np.array(BENDING_DAMPING)
         bend, slope = np.linalg.solve(turning, [-1j * PRELOAD, 0.0]) if self.flexible else (0j, 0j)
-        film = (
-            steady_film(PRELOAD, 0.5 * self.speed * BASE, BASE, self.compliance) if self.lubricated else 0.0
-        )
-        position = bend.imag + film - approach_of(PRELOAD, BASE, self.compliance)
-        numbers = [
-            float(bend.imag),
-            0.0,
-            float(slope.imag),
-            0.0,
-            float(bend.real),
-            0.0,
-            float(slope.real),
-            0.0,
-        ]
-        return [position, 0.0, 0.0, 0.0, 0.0, 0.0, film, 0.0, 0.0, *numbers]
+        film = steady_film(PRELOAD, 0.5 * self.speed * BASE, BASE)
+        position = bend.imag + film - approach_of(PRELOAD, BASE)
+        numbers = [bend.imag, 0.0, slope.imag, 0.0, bend.real, 0.0, slope.real, 0.0]
+        return [position, 0.0, 0.0, 0.0, 0.0, 0.0, film, 0.0, 0.0, *map(float, numbers)]
 
 
 def runge_kutta(
@@ -251,46 +227,3 @@ def runge_kutta(
         x = moved(step / 6.0, [a + 2.0 * (b + c) + d for a, b, c, d in zip(k1, k2, k3, k4, strict=True)])
         states.append(x)
     return states
-
-
-def adherence(speed: float, turns: int, samples: int) -> tuple[np.ndarray, list[float]]:
-    """Loads over the last turn of a dry follower held on a rigid cam, and the coils' state at its start.
-
-    y3 = s, so that only the coils move, and W = m3 s'' w^2 + f_p + the force of the first segment.
-    """
-
-    def end_force(t: float, x: list[float]) -> float:
-        s, ds, _ = cam(speed * t)
-        return END * (s - x[0]) + PROPORTION * END * (ds * speed - x[1])
-
-    def rates(t: float, x: list[float]) -> list[float]:
-        first = end_force(t, x)
-        second = MIDDLE * (x[0] - x[2]) + PROPORTION * MIDDLE * (x[1] - x[3])
-        third = END * x[2] + PROPORTION * END * x[3]
-        return [x[1], (first - second) / COIL_MASS, x[3], (second - third) / COIL_MASS]
-
-    step, begin = 2.0 * math.pi / speed / samples, (turns - 1) * samples
-    states = runge_kutta(rates, [0.0] * 4, 0.0, step, turns * samples)[begin:]
-    times = step * (begin + np.arange(samples + 1))
-    loads = [
-        VALVE_MASS * cam(speed * t)[2] * speed**2 + PRELOAD + end_force(t, x)
-        for t, x in zip(times, states, strict=True)
-    ]
-    return np.array(loads), states[0]
-
-
-def compliant_difference(
-    speed: float, turns: int, samples: int, substeps: int, stiffness: float = 1.0
-) -> float:
-    """By how much a dry contact's compliance changes its steady load: rms over the rms about the mean.
-
-    The compliant train starts with the held one's coils; three turns later only its own steady state is left.
-    """
-    held, coils = adherence(speed, turns, samples)
-    train = Train(speed, lubricated=False, stiffness=stiffness)
-    x = [-approach_of(held[0], BASE, train.compliance), 0.0, *coils, *[0.0] * 11]
-    step = 2.0 * math.pi / speed / (samples * substeps)
-    last = runge_kutta(train.rates, x, 0.0, step, 3 * samples * substeps)[2 * samples * substeps :: substeps]
-    times = step * substeps * np.arange(samples + 1)
-    loads = np.array([train.contact(t, x)[0] for t, x in zip(times, last, strict=True)])
-    return float(np.sqrt(np.mean((loads - held) ** 2) / np.var(held)))

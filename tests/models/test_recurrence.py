@@ -25,7 +25,6 @@ from models.slider_crank.motions.transients import (
     Transients,
     draw_starts,
     fit_escape_time,
-    measure_transients,
 )
 
 
@@ -156,16 +155,6 @@ def test_starts_are_between_the_walls_and_repeat_with_their_seed():
     assert np.all(np.abs(starts) <= [0.01, 0.1])
     assert np.abs(starts).max(axis=0) == pytest.approx([0.01, 0.1], rel=0.02)
     np.testing.assert_array_equal(starts, draw_starts(machine, 1000, seed=3))
-
-
-@pytest.mark.long
-def test_transient_chaos_of_the_thesis_does_not_depend_on_the_workers():
-    machine = Machine(damping=0.075, gap=0.01, form="as_published")
-    starts = draw_starts(machine, 40)
-    one, two = (measure_transients(machine, starts, 4000, workers) for workers in (1, 2))
-    np.testing.assert_array_equal(one.lengths, two.lengths)
-    assert one.settled.all()
-    assert one.lengths.max() > 100
 
 
 THESIS = "as_published"

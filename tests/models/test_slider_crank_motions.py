@@ -5,11 +5,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 from models.core.quantities import Vector
 from models.slider_crank import equations as eq
-from models.slider_crank import forms
 from models.slider_crank.forms import wall_rate
 from models.slider_crank.motions.classification import CHAOTIC, TRANSIENT_CHAOS, classify
 from models.slider_crank.motions.machine import FORMS, Machine, Motion
@@ -17,7 +15,6 @@ from models.slider_crank.motions.portrait import Portrait, trace_portrait
 from models.slider_crank.motions.transients import (
     Transients,
     draw_starts,
-    fit_escape_time,
     measure_transients,
 )
 
@@ -64,15 +61,6 @@ def test_lyapunov_exponents(damping: float, gap: float, reference: float, record
     assert found.largest == pytest.approx(reference, abs=0.02 * abs(reference) + 4.0 * found.uncertainty)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(("damping", "gap", "reference"), EXPONENTS)
-def test_lyapunov_exponents_long(damping: float, gap: float, reference: float, record) -> None:
-    """Within 2 %, at a standard error of 0.2 %."""
-    found = Motion(published(damping, gap)).skip(200).exponents(200_000)
-    quantity = f"largest Lyapunov exponent (1/rad), λ = {damping:g}, ρ = {gap:g}"
-    record("Slider-crank", quantity, found.largest, reference, "independent integration", relative=0.02)
-
-
 def test_periodic_orbit_has_half_the_sum() -> None:
     """(0.05, 0.015): its multipliers are complex, so both exponents are half of the exact sum."""
     found = Motion(published(0.05, 0.015)).skip(200).exponents(1000)
@@ -110,18 +98,6 @@ def test_chaos_that_ends() -> None:
     assert found.settled.all()
     assert 3 in found.periods
     assert found.lengths.max() > 60
-
-
-@pytest.mark.long
-def test_chaos_that_ends_after_thousands_of_cycles() -> None:
-    # Mean escape 2500 cycles: 1e5 are passed with probability e^-40.
-    found = find_transients(published(0.025, 0.01), 100_000)
-    assert set(found.periods) == {1}
-    fit = fit_escape_time(found)
-    assert fit is not None
-    assert fit.mean > 1000.0
-    # Kolmogorov and Smirnov at 24 escapes: 0.33 is passed with probability 1 %.
-    assert fit.distance < 0.33
 
 
 def test_the_threshold_of_the_thesis_ends_chaos_that_goes_on() -> None:
@@ -207,50 +183,3 @@ def test_constant_speed_form_is_f_2_13(sign: float, record) -> None:
     found = eq.flight_acceleration(tau, 1.0, 0.0, psi, rate, m)
     quantity = "acceleration of the rod at constant speed"
     record("Slider-crank", quantity, found, expected, "Farahanchi (1991), (2.13)", relative=1e-14)
-
-
-def test_impact_is_f_2_17() -> None:
-    tau, psi, rate, e = 2.2, 0.013, 0.05, 0.9
-    big2 = 1.0 - XI**2 * math.sin(tau) ** 2
-    expected = (1 + e) * XI**2 * math.sin(tau) * math.cos(tau) / big2 * psi - e * rate
-    assert eq.rebound(rate, eq.wall_rate(tau, 1.0, psi, XI), e) == pytest.approx(expected, rel=1e-14)
-
-
-def published_lower_force(tau: float, damping: float, gap: float) -> float:
-    """F (2.29) as printed, not linear in psi, on the linear wall (2.15); times a positive factor."""
-    d = 1e-4
-    phi = lambda t: math.asin(XI * math.sin(t))  # noqa: E731
-    psi = lambda t: -gap / math.cos(phi(t))  # noqa: E731
-    first = lambda f: (f(tau + d) - f(tau - d)) / (2.0 * d)  # noqa: E731
-    second = lambda f: (f(tau + d) - 2.0 * f(tau) + f(tau - d)) / d**2  # noqa: E731
-    swing = second(phi) - second(psi)
-    return (
-        -(1.0 + ALPHA / 2.0) * XI * math.sin(tau + phi(tau) - psi(tau))
-        - (1.0 + ALPHA / 4.0) * swing
-        + BETA * (second(phi) + second(psi))
-        - damping * (1.0 + first(phi) - first(psi))
-    )
-
-
-def test_interval_of_lower_wall_sliding_in_f_2_7(record) -> None:
-    """lambda = 0.267, rho = 0.02: 4.957 < theta < 5.151 by F's own (2.29).
-
-    Linear in psi, as the motion itself is, it is 4.953 to 5.154 (see the regions): a difference O(psi^2).
-    """
-    ends = [brentq(published_lower_force, a, b, args=(0.267, 0.02)) for a, b in ((4.8, 5.05), (5.05, 5.3))]
-    for name, end, stated in (("beginning", ends[0], 4.957), ("end", ends[1], 5.151)):
-        quantity = f"crank angle at the {name} of sliding on the lower wall (rad)"
-        record("Slider-crank", quantity, end, stated, "Farahanchi (1991), 2.7", tolerance=1e-3)
-
-
-@pytest.mark.parametrize(("corrected", "threshold"), [(False, 0.2669), (True, 0.1196)])
-def test_threshold_of_permanent_sliding_on_the_upper_wall(corrected: bool, threshold: float, record) -> None:
-    angles = np.linspace(0.0, 2.0 * math.pi, 2001)
-
-    def least(damping: float) -> float:
-        m = eq.thesis_mechanism(damping, corrected)
-        return min(forms.constraint_force(forms.CORRECTED, t, 1.0, 0.0, 0.0, m) for t in angles)
-
-    found, form = brentq(least, 0.01, 0.5), "corrected" if corrected else "as published"
-    quantity = f"friction λ from which the slider rests on the upper wall, {form}"
-    record("Slider-crank", quantity, found, threshold, "independent evaluation", tolerance=5e-5)

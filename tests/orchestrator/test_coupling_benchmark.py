@@ -71,15 +71,6 @@ def test_samples_fall_on_every_macro_step(name):
     assert problem.times[-1] == pytest.approx(problem.duration)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(("extrapolation", "order"), [("hold", 1), ("linear", 2), ("quadratic", 3)])
-def test_the_slope_of_a_line_is_the_order_of_its_signals(quarter_car, files, extrapolation, order):
-    """Within 0.15 between 1 and 0.5 ms, where the next term of the error is a few per cent."""
-    method = Method("gauss_seidel", extrapolation)
-    coarse, fine = (measure_method(quarter_car, files, method, h) for h in (1e-3, 5e-4))
-    assert np.log2(coarse.error / fine.error) == pytest.approx(order, abs=0.15)
-
-
 def test_calls_are_steps_of_all_instances_repeated_ones_too(quarter_car, files):
     step = 1e-3
     steps = round(quarter_car.duration / step)

@@ -24,7 +24,6 @@ from .coupled import run_coupled, start_from, with_start
 
 DURATION = 8e-3
 SAMPLES = 100
-COMPARED = ("contact.load", "contact.film_thickness")
 
 
 @pytest.fixture(scope="module")
@@ -83,20 +82,6 @@ def test_order_of_convergence_of_the_contact_load(
     slope, quantity = np.log2(coarse / fine), f"{case}: relative RMS error of the load, {step / 2e-6:g} µs"
     record("Coupling", f"{case}: order", slope, order, "order of the signals", tolerance=0.1)
     record("Coupling", quantity, fine, 0.0, "monolithic solution", tolerance=ceiling)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("master", "step"), [(GaussSeidel("quadratic"), 5e-7), (Iterated("quadratic", 1e-11), 2e-6)], ids=str
-)
-@pytest.mark.parametrize("name", COMPARED)
-def test_a_hundred_thousandth_is_reachable_by_smaller_steps_or_iteration(
-    valve_train, reference, master, step, name, record
-):
-    found = error(valve_train, reference, master, step, name)
-    case = f"valve train, {type(master).__name__}, quadratic inputs, {1e6 * step:g} µs"
-    quantity = f"{case}: relative RMS error of {name}"
-    record("Coupling", quantity, found, 0.0, "monolithic solution", tolerance=1e-5)
 
 
 LARGE = 4e-5  # 1.7 rad of the 6.7 kHz contact mode per step

@@ -4,12 +4,9 @@ import numpy as np
 import pytest
 
 from models.contact.analysis.line.line_contact import moes_contact
-from reproduction import load_publication
 from reproduction.films.formulas import FORMULAS, compute_asymptotes, find_regime
 from reproduction.films.numerical import list_heights
 from reproduction.films.runs import Runs
-from reproduction.films.samples import draw_sample
-from reproduction.films.statements import CLAIMS
 
 
 @pytest.fixture(scope="module")
@@ -33,16 +30,6 @@ def test_bloks_film_is_the_rigid_piezoviscous_asymptote():
     h = 1.66 * (fluid.pressure_viscosity * fluid.viscosity * contact.velocity / contact.radius) ** (2.0 / 3.0)
     H = h * contact.radius / contact.film_scale
     assert compute_asymptotes(1.0, 8.0)["rigid-piezoviscous"] == pytest.approx(H, rel=5e-3)
-
-
-@pytest.mark.long
-def test_samples_are_reproducible_and_in_range(runs):
-    again = draw_sample(5, 1)
-    np.testing.assert_array_equal(again.load, runs.sample.load)
-    assert runs.sample.load.min() >= 0.34e-6
-    assert runs.sample.load.max() <= 0.56e-5
-    assert np.all(runs.sample.squeeze <= 0.0)
-    assert all(film is not None for film in (*runs.sample.steady, *runs.sample.squeezed))
 
 
 def test_closing_bodies_have_thicker_films(runs):
@@ -102,20 +89,3 @@ def test_the_transient_film_lags_behind_the_steady_one(runs):
     falling, growing = (cycle.at(angle) for angle in (135.0, 225.0))
     ratio = cycle.ratio("steady minimum")
     assert ratio[falling] < 1.0 < ratio[growing]
-
-
-@pytest.mark.long
-def test_every_formula_is_judged(runs):
-    statements = [claim.judge(runs) for claim in CLAIMS]
-    assert {f"cycle-{formula.name}" for formula in FORMULAS} <= {statement.key for statement in statements}
-    # All sentences find their numbers.
-    page = load_publication("films").format_page(runs, statements)
-    assert "nan" not in page
-    assert "inf" not in page.replace("infl", "")
-
-
-@pytest.mark.long
-def test_every_figure_is_drawn(runs, tmp_path):
-    source = load_publication("films")
-    source.draw(runs, tmp_path)
-    assert all((tmp_path / figure.file).stat().st_size > 0 for figure in source.figures)

@@ -26,11 +26,15 @@ from .names import EVERY
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_it_equals_the_component(name, fmi3_files, isolated, tmp_path):
-    """Outputs, their rates and energies; also between steps, and with steps of changing size."""
+@pytest.mark.parametrize(("files", "kind"), [("native_files", "Instance"), ("fmi3_files", "Instance3")])
+def test_native_fmu_equals_component(name, files, kind, request, isolated, tmp_path, record):
+    """Outputs, their rates and energies, of both versions; also between steps, and with steps of changing
+    size."""
     reference = Reference(name)
     plan = schedule(reference.component, STEPS, STEP)
-    assert replay(isolated, fmi3_files[name], plan, tmp_path, "Instance3") == expected_of(reference, plan)
+    found = replay(isolated, request.getfixturevalue(files)[name], plan, tmp_path, kind)
+    quantity = "outputs, rates and energies of native FMUs"
+    record("FMUs", quantity, found, expected_of(reference, plan), "component in process", tolerance=0)
 
 
 @pytest.mark.long
