@@ -136,6 +136,7 @@ RULES: Mapping[str, Rule] = {
     "tanh": _unary(lambda code, r, a: code.subtract("1.0", code.times(r, r))),
     "asinh": _unary(lambda code, r, a: code.over("1.0", _root_of_one_and(code, "+", a))),
     "exp": _unary(lambda code, r, a: r),
+    "expm1": _unary(lambda code, r, a: code.add("1.0", r)),
     "log": _unary(lambda code, r, a: code.over("1.0", a)),
     "erf": _unary(lambda code, r, a: _bell(code, a)),
     "erfc": _unary(lambda code, r, a: code.negative(_bell(code, a))),

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from scipy.optimize import brentq
 
 from models.contact.analysis.bearing.steady import SIDES, solve_steady
 
@@ -57,4 +58,23 @@ def test_a_bearing_with_two_grooves_yields_as_lunds_and_thomsens(
         "grooves of 20 deg at 90 deg to the load; band: 0.5 %, 0.5 deg, coefficients 3 %",
         "Lund and Thomsen (1978), ASME",
         "motions of the shaft meet these coefficients, which decide its stability",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("sommerfeld", "eps"), [(5.3, 0.03), (4.3, 0.04)])
+def test_a_rotor_in_two_grooved_bearings_whirls_as_nicholas_computed(sommerfeld, eps, published) -> None:
+    """A rigid rotor: w^2 = K/g, with K = (Kxx Byy + Kyy Bxx - Kxy Byx - Kyx Bxy)/(Bxx + Byy) and the whirl
+    ratio's square g = ((Kxx - K) (Kyy - K) - Kxy Kyx)/(Bxx Byy - Bxy Byx)."""
+    ours = brentq(lambda x: solve_steady(x, 1.0, SIDES).sommerfeld - sommerfeld, 0.01, 0.1, xtol=1e-4)
+    found = solve_steady(ours, 1.0, SIDES)
+    (kxx, kxy), (kyx, kyy) = found.stiffness
+    (bxx, bxy), (byx, byy) = found.damping
+    k = (kxx * byy + kyy * bxx - kxy * byx - kyx * bxy) / (bxx + byy)
+    whirl = ((kxx - k) * (kyy - k) - kxy * kyx) / (bxx * byy - bxy * byx)
+    compare(
+        published, f"two axial grooves, L/D 1, S {sommerfeld:g}",
+        (("eps", ours, eps, 0.005), ("threshold of whirl omega sqrt(c/g)", math.sqrt(k / whirl), 2.1, 0.05)),
+        "grooves of 20 deg at 90 deg to the load, 8000 r/min; band: half a unit of the last digit",
+        "Nicholas, Barrett and Leader (1980), J. Mechanical Design 102, 344, in ROSS's tests",
+        "above it a rigid rotor whirls in its bearings",
     )  # fmt: skip

@@ -31,7 +31,7 @@ STENCIL = ((1.0, 45.0 / 60.0), (2.0, -9.0 / 60.0), (3.0, 1.0 / 60.0))
 # make films so thin that rates bend within their own differences.
 GIVEN: dict[str, dict[str, float]] = {
     "valve_spring": {"seat_stiffness": 1e7, "seat_damping": 100.0},
-    "ehl_contact": {"inlet_heating": 1.0},
+    "ehl_contact": {"inlet_heating": 1.0, "film_heating": 1.0},
     "journal_bearing": {"radial_clearance": 40e-6},
 }
 # What the best of these differences leaves of terms of higher order.
