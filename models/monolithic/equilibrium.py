@@ -1,6 +1,7 @@
 """A consistent static start: the state in which everything that can rest is at rest."""
 
 import numpy as np
+from scipy.integrate import BDF
 from scipy.optimize import least_squares, root
 
 from ..core.evaluation import Evaluation, Interpreted
@@ -10,9 +11,13 @@ from ..core.system import ModelError, System
 # The Newton step that remains, in nominal sizes, at which an equilibrium counts as found.
 CLOSE = 1e-9
 POLISHING_STEPS = 4
+# Newton's steps only halve the distance where a force begins at a contact that just touches.
+SLOW_STEPS = 40
 # Of pseudo-transient continuation: the first step (s), its growth, the largest change in a step in nominal
 # sizes, the number of steps. The last ones are longer than any motion.
 FIRST_STEP, GROWTH, FARTHEST, SETTLING_STEPS = 1e-5, 1.5, 30.0, 100
+# Of the motion to the rest while the cam stands: its duration (s), tolerance and most steps.
+DURATION, ROUGH, MOST_STEPS = 1.0, 1e-4, 50_000
 # The velocity of a lift is that of its change in this time (s), in which no cam turns noticeably.
 SHORT = 1e-7
 # A follower (m/s) that is at rest.
@@ -35,9 +40,8 @@ def equilibrium(system: System, t: float = 0.0) -> Vector:
         return system.x0.copy()
     found = rest.solve()
     if not rest.is_close(found):
-        what = f"no equilibrium found at t = {t:g} s: {rest.worst(found)}."
-        moving = (f"{line}." for line in list_moving_cams(system, t, rest.state(np.zeros_like(found))))
-        raise ModelError(" ".join([what, *moving, *implausible(system)]))
+        what = f"no equilibrium found at t = {t:g} s: {rest.worst(found)}"
+        raise ModelError("; ".join([what, *rest.list_moving_cams(), *implausible(system)]))
     return rest.state(found)
 
 
@@ -133,21 +137,49 @@ class _Rest:
         found = self.polish(found)
         if not self.is_close(found):
             settled = self.polish(self.settle())
-            found = settled if self.is_close(settled) else found
+            found = settled if self.is_close(settled) else self.approach(found)
+        if not self.is_close(found) and not self.list_moving_cams():
+            found = self.approach(self.wait())
         return found
+
+    def list_moving_cams(self) -> list[str]:
+        return list_moving_cams(self.system, self.t, self.x0)
 
     def polish(self, scaled: Vector) -> Vector:
         for _ in range(POLISHING_STEPS):
             scaled = scaled - self.newton_step(scaled)
         return np.asarray(scaled)
 
+    def approach(self, scaled: Vector) -> Vector:
+        """Newton's steps until it is close, and on to rounding."""
+        for _ in range(SLOW_STEPS):
+            if self.is_close(scaled):
+                break
+            scaled = scaled - self.newton_step(scaled)
+        return self.polish(scaled)
+
+    def wait(self) -> Vector:
+        """Where the motion itself leads from the start: no contact that opens and closes misleads it."""
+        motion = BDF(
+            lambda _, scaled: self.residual(scaled) * self.scale / self.sizes(scaled),
+            0.0, np.zeros(self.index.size), DURATION, rtol=ROUGH, atol=1e-2 * ROUGH,
+        )  # fmt: skip
+        for _ in range(MOST_STEPS):
+            if motion.status != "running":
+                break
+            motion.step()
+        return np.asarray(motion.y)
+
+    def sizes(self, scaled: Vector) -> Vector:
+        """Of the states, by which the scaled ones change."""
+        return np.where(self.positive, self.state(scaled), self.system.state.nominal)[self.index]
+
     def settle(self) -> Vector:
         """Where implicit steps that grow lead from the start: pseudo-transient continuation (Kelley and Keyes
         1998), for what Newton's method overshoots, such as a journal that sinks in its bearing."""
         scaled, step = np.zeros(self.index.size), FIRST_STEP
         for _ in range(SETTLING_STEPS):
-            sizes = np.where(self.positive, self.state(scaled), self.system.state.nominal)[self.index]
-            speeds = self.scale / sizes
+            speeds = self.scale / self.sizes(scaled)
             left = np.eye(scaled.size) / step - speeds[:, None] * self.jacobian(scaled)
             change = np.linalg.lstsq(left, speeds * self.residual(scaled), rcond=None)[0]
             if np.max(np.abs(change)) > FARTHEST:
