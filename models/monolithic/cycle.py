@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.quantities import Vector
-from ..core.system import System
+from ..core.system import ModelError, System
 from .cvode import Cvode
 from .march import march
 from .problem import SystemProblem
@@ -20,8 +21,8 @@ MOST_PERIODS = 60
 # The progress of a search is that of its least change in so many periods, after those in which it settles.
 # Subharmonic and chaotic motions have no cycle of this period.
 PATIENCE, SETTLING = 15, 5
-# Periods that Anderson's method combines.
-MEMORY = 6
+# Periods that Anderson's method combines, and those that only settle before.
+MEMORY, SETTLED = 6, 3
 
 
 @dataclass(frozen=True)
@@ -64,9 +65,10 @@ def find_cycle(
     """The cycle of that period (s), from the state `start` (default: the system's start).
 
     Each period begins at time 0 with the states `turning` at their starts. All others go on from where the
-    last period ended, extrapolated by Anderson's method. Where that does not settle in `most_periods`, or
-    would not at its rate, the last period is returned. `tolerance` is the integrator's, over
-    nominal + |value|. ModelError if a method fails.
+    last period ended, extrapolated by Anderson's method; where that leads to a state from which nothing can
+    move, from the end itself. Where it does not settle in `most_periods`, or would not at its rate, the
+    period of the least change is returned. `tolerance` is the integrator's, over nominal + |value|.
+    ModelError if a method fails.
     """
     problem = SystemProblem(system)
     times = np.linspace(0.0, period, samples + 1)
@@ -75,20 +77,35 @@ def find_cycle(
     scaling = _Scaling(system, held)
     x = np.array(system.x0 if start is None else start, dtype=np.float64)
     x[held] = system.x0[held]
-    begun, ended, changes = list[Vector](), list[Vector](), list[float]()
-    for periods in range(1, most_periods + 1):
-        # Stops at samples take most of the time of a period: only the last one makes them.
-        end = _move(problem, x, times, times[[0, -1]], tolerance)[-1, :n]
+    begun, ended, found = list[Vector](), list[Vector](), list[_Period]()
+    while len(found) < most_periods:
+        try:
+            # Stops at samples take most of the time of a period: only the last one makes them.
+            end = _move(problem, x, times, times[[0, -1]], tolerance)[-1, :n]
+        except ModelError:
+            if len(begun) < SETTLED:
+                raise
+            x = scaling.state(ended[-1], x)
+            begun, ended = [], []
+            continue
         change = np.abs(end - x)[~held] / (system.state.nominal + np.abs(x))[~held]
-        changes.append(float(np.max(change, initial=0.0)))
-        if changes[-1] <= STEADY or periods == most_periods or is_hopeless(changes, most_periods):
+        found.append(_Period(x, end.copy(), float(np.max(change, initial=0.0))))
+        changes = [period.change for period in found]
+        if changes[-1] <= STEADY or is_hopeless(changes, most_periods):
             break
         begun.append(scaling.flat(x))
         ended.append(scaling.flat(end))
         x = scaling.state(_extrapolate(begun[-MEMORY:], ended[-MEMORY:]), x)
-    states = _move(problem, x, times, times, tolerance)
+    best = found[int(np.argmin(changes))]
+    states = _move(problem, best.begin, times, times, tolerance)
     inputs, outputs, _ = observe(problem, times, states)
-    return Cycle(system, times, inputs, outputs, end.copy(), changes[-1], periods)
+    return Cycle(system, times, inputs, outputs, best.end, best.change, len(found))
+
+
+class _Period(NamedTuple):
+    begin: Vector
+    end: Vector
+    change: float
 
 
 def is_hopeless(changes: Sequence[float], most_periods: int = MOST_PERIODS) -> bool:
@@ -135,10 +152,10 @@ class _Scaling:
 def _extrapolate(begun: Sequence[Vector], ended: Sequence[Vector]) -> Vector:
     """Anderson's method: the combination of the last periods whose change would be least.
 
-    The first two periods only settle; a combination that is larger than the last change is not believed.
+    The first periods only settle; a combination that is larger than the last change is not believed.
     """
     change = ended[-1] - begun[-1]
-    if len(begun) < 3:
+    if len(begun) < SETTLED:
         return ended[-1]
     changes = np.array([e - b for b, e in zip(begun, ended, strict=True)])
     shares = np.linalg.lstsq(np.diff(changes, axis=0).T, change, rcond=1e-6)[0]

@@ -2,7 +2,8 @@
 
 The bodies compress the chamber by x = lower - upper position. The oil in it is compressed by the volume
 w = A x - q, where q has left by the plunger's clearance (laminar, concentric) and come back through the check
-valve. The pressure p over the supply's follows from w; the force on both bodies is A p + F_spring.
+valve. The pressure p over the supply's follows from w; the force on both bodies is A p + F_spring. A valve
+that floats lets the adjuster pump itself up in each cycle, until the retainer stops its plunger.
 """
 
 import math
@@ -66,6 +67,12 @@ class LashAdjusterParameters:
     spring_force: float = Quantity("N", "force of the plunger's spring", nominal=10.0, minimum=0.0).default(
         20.0
     )
+    travel: float = Quantity(
+        "m", "extension at which the retainer stops the plunger", nominal=1e-3, minimum=0.0, display_unit="mm"
+    ).default(2e-3)
+    retainer_stiffness: float = Quantity(
+        "N/m", "stiffness of the retainer", nominal=1e7, minimum=0.0, display_unit="N/mm"
+    ).default(1e7)
 
 
 @dataclass
@@ -142,6 +149,11 @@ def chamber_pressure(x: LashAdjusterState, u: EndMotions, p: LashAdjusterParamet
 
 
 @kernel
+def overtravel(u: EndMotions, p: LashAdjusterParameters) -> float:
+    return max(0.0, u.upper_position - u.lower_position - p.travel)
+
+
+@kernel
 def valve_flow(pressure: float, p: LashAdjusterParameters) -> float:
     return p.valve_conductance * max(0.0, -pressure - p.valve_opening_pressure)
 
@@ -160,7 +172,7 @@ def output(
 ) -> None:
     pressure = chamber_pressure(x, u, p)
     y.pressure = pressure
-    y.force = plunger_area(p) * pressure + p.spring_force
+    y.force = plunger_area(p) * pressure + p.spring_force - p.retainer_stiffness * overtravel(u, p)
     y.extension = u.upper_position - u.lower_position
     y.leak_flow = leak_conductance(p) * pressure
     y.valve_flow = valve_flow(pressure, p)
@@ -182,14 +194,15 @@ def energy(t: float, x: LashAdjusterState, u: EndMotions, p: LashAdjusterParamet
         ratio = (supply / absolute) ** (1.0 / n)
         bent = math.log(absolute / supply) if n == 1.0 else (1.0 - absolute / supply * ratio) / (1.0 - n)
         stored += a * supply * (bent - (1.0 - ratio))
-    e[0] = p.chamber_volume * stored + p.spring_force * (u.lower_position - u.upper_position)
+    retained = 0.5 * p.retainer_stiffness * overtravel(u, p) ** 2
+    e[0] = p.chamber_volume * stored + p.spring_force * (u.lower_position - u.upper_position) + retained
     e[1] = pressure * (leak_conductance(p) * pressure - valve_flow(pressure, p))
     e[2] = 0.0
 
 
 @counts_energies
 def lash_adjuster() -> Component:
-    """A p + F_spring between two bodies; dq/dt = G p - K max(0, -p - p_valve)."""
+    """A p + F_spring, less the retainer's pull, between two bodies; dq/dt = G p - K max(0, -p - p_valve)."""
     places = ("lower_position", "upper_position")
     return Component(
         tolerance=FINE_TOLERANCE,

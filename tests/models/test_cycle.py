@@ -8,9 +8,11 @@ import pytest
 
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
+from models.monolithic import cycle as cycle_module
 from models.monolithic.cycle import (
     MOST_PERIODS,
     PATIENCE,
+    SETTLED,
     SETTLING,
     STEADY,
     TOLERANCE,
@@ -124,6 +126,38 @@ def test_a_motion_that_does_not_settle_is_returned_as_such():
     assert cycle.change > STEADY
     with pytest.raises(KeyError, match=r"contact\.weight"):
         cycle["contact.weight"]
+
+
+@pytest.fixture
+def misled(monkeypatch):
+    """A search whose extrapolation multiplies the states by a factor."""
+    extrapolate = cycle_module._extrapolate
+
+    def mislead(factor):
+        monkeypatch.setattr(
+            cycle_module,
+            "_extrapolate",
+            lambda begun, ended: factor * ended[-1] if len(begun) >= SETTLED else extrapolate(begun, ended),
+        )
+
+    return mislead
+
+
+def test_of_a_motion_that_does_not_settle_the_period_of_the_least_change_is_returned(misled):
+    system = valve_train(3000.0)
+    start = equilibrium(system)
+    misled(0.9)
+    found = find_cycle(system, turn(3000.0), TURNING, start, most_periods=SETTLED + 2)
+    settled = find_cycle(system, turn(3000.0), TURNING, start, most_periods=SETTLED)
+    assert not found.steady
+    assert found.periods == SETTLED + 2
+    assert found.change == settled.change
+    np.testing.assert_array_equal(found.outputs, settled.outputs)
+
+
+def test_where_extrapolation_leads_to_no_motion_the_search_goes_on_without(misled):
+    misled(np.nan)
+    assert cycle_at(1000.0).steady
 
 
 def test_a_search_that_makes_no_progress_ends_early():

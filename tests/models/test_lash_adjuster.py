@@ -70,6 +70,14 @@ def test_tangent_stiffness_of_oil_with_air(record):
         record("Train", quantity, tangent, expected, EVALUATION, tolerance=2e-3 * expected)
 
 
+@pytest.mark.parametrize("extension", [1.9e-3, 2.1e-3])
+def test_the_retainer_stops_the_plunger_at_its_travel(extension):
+    """k (e - travel) less force beyond it, none before."""
+    loose = outputs_of(ADJUSTER, {"travel": 1.0}, {}, {"upper_position": extension})["force"]
+    pull = loose - outputs_of(ADJUSTER, {"travel": 2e-3}, {}, {"upper_position": extension})["force"]
+    assert pull == pytest.approx(1e7 * max(0.0, extension - 2e-3), rel=1e-9)
+
+
 def test_oil_without_air_is_torn_at_no_absolute_pressure():
     pulled = outputs_of(ADJUSTER, {}, {}, {"lower_position": -1e-5})
     assert pulled["cavitates"] == 1.0

@@ -209,7 +209,7 @@ def describe_unsteady(table: xarray.Dataset) -> Iterator[str]:
         f"{float(worst['speed']) * RPM:.0f} r/min, where a period still changes the motion by "
         f"{100.0 * float(worst['change']):.2g} % after {int(worst['periods'])} periods "
         f"(steady: {100.0 * STEADY:g} %). Such a motion may be subharmonic or chaotic; its numbers are "
-        "of its last period"
+        "of the period that changes it least"
     )
 
 
