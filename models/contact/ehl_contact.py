@@ -33,6 +33,7 @@ from .records import (
     feedthrough_of_load,
 )
 from .relaxation import SQUEEZE_CONSTANT, relaxation_rate
+from .rolling import rolling_friction
 
 # Ranges of the groups in the regression behind K (10) (K Table 3), with E = pi / compliance.
 TABLE_3 = {
@@ -99,6 +100,9 @@ class ContactOutputs(SharedOutputs):
     ).default()
     film_temperature_rise: float = Quantity(
         "K", "mean rise of the film over the oil's temperature, with film_heating", nominal=10.0
+    ).default()
+    rolling_friction: float = Quantity(
+        "N", "drag F_R of the oil on each surface, with the sign of the entraining velocity"
     ).default()
 
 
@@ -188,6 +192,13 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
     y.load_in_range = inside(g.load, W_LOW, W_HIGH)
     y.speed_in_range = inside(g.speed, U_LOW, U_HIGH)
     y.thermal_reduction = c.thermal_reduction
+    heat = p.temperature_viscosity * p.viscosity * speed**2 / p.oil_conductivity if p.inlet_heating else 0.0
+    y.rolling_friction = 0.0
+    if p.film_model != FILM_IS_DRY:
+        y.rolling_friction = rolling_friction(
+            load, u.entraining_velocity, radius, p.length, c.compliance, p.viscosity, p.pressure_viscosity,
+            heat,
+        )  # fmt: skip
 
 
 @kernel
@@ -210,7 +221,7 @@ def ehl_contact() -> Component:
     return Component(
         name="ehl_contact",
         description="Elastohydrodynamic finite line contact: load and film thickness",
-        roles=(roles.Contact(),),
+        roles=(roles.Contact(), roles.RollingContact()),
         parameters=Layout(ContactParameters),
         state=Layout(ContactState),
         inputs=inputs,
@@ -229,6 +240,7 @@ def ehl_contact() -> Component:
             "thermal_reduction": rated,
             "surface_temperature_rise": inputs.names,
             "film_temperature_rise": inputs.names,
+            "rolling_friction": surfaces,
         },
         bonds=BONDS,
         event_indicators=("deflection", "damping_margin"),

@@ -5,8 +5,8 @@ tau_0 (Johnson and Tevaarwerk 1977), and at most by a limiting stress:
 
     tau = eta u_s/h   or   tau = tau_0 asinh(eta u_s/(tau_0 h)),   |tau| <= tau_L0 + gamma p
 
-The asperities add mu_b W_a + tau_b A_c (real area A_c). Isothermal; only sliding resists, the pressure flow's
-rolling friction is left out.
+The asperities add mu_b W_a + tau_b A_c (real area A_c). Isothermal; only sliding resists here, `rolling`
+has the pressure flow's part.
 """
 
 import math

@@ -86,6 +86,12 @@ class Contact(Role):
     )  # fmt: skip
 
 
+class RollingContact(Role):
+    """A contact with a rolling friction of both its surfaces. Input: `entraining_velocity`."""
+
+    outputs = ("rolling_friction",)
+
+
 class Valve(Role):
     """Opens and lands. Parameter: `seat_stiffness`."""
 
@@ -125,6 +131,22 @@ class Pivot(Role):
     """A joint with friction."""
 
     outputs = ("power_loss",)
+
+
+class Guide(Role):
+    """A guide with friction along it, or a follower's spin in it."""
+
+    outputs: ClassVar[Sequence[str]] = ("power_loss",)
+
+
+class Spin(Guide):
+    """A tappet's spin in its bore, between cam and contact. Input: `sliding_velocity` without spin."""
+
+    outputs = ("contact_sliding", "power_loss")
+
+
+class Oiled(Role):
+    """Has the `viscosity` of an oil among its parameters, and is no contact, bearing or adjuster."""
 
 
 class Surface(Role):

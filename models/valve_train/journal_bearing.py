@@ -14,7 +14,7 @@ the mean gap of the rough surfaces (Patir and Cheng 1978), which vanishes under 
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from ..compile.kernel import kernel
 from ..contact.asperities import APART, Asperities, mean_gap
@@ -48,7 +48,7 @@ Displacement = Annotated[
 
 
 @dataclass
-class JournalBearingParameters:
+class PlainBearingParameters:
     """Defaults: a bearing of a camshaft, 25 mm, with hot engine oil."""
 
     diameter: float = Quantity(
@@ -71,9 +71,6 @@ class JournalBearingParameters:
     film_model: float = Quantity(
         "1", "Ocvirk's film, too thick in wide bearings, or Reynolds' equation", choices=("short", "finite")
     ).default(FINITE)
-    support_stiffness: float = Quantity(
-        "N/m", "radial stiffness of bush and housing", nominal=1e8, positive=True, plausible=SEAT_STIFFNESS
-    ).default(2e8)
     roughness: float = Quantity(
         "m", "composite rms roughness", nominal=1e-7, positive=True, display_unit="um"
     ).default(0.4e-6)
@@ -93,6 +90,13 @@ class JournalBearingParameters:
     boundary_friction_coefficient: float = Quantity(
         "1", "friction coefficient of asperities", nominal=0.1, minimum=0.0
     ).default(0.1)
+
+
+@dataclass
+class JournalBearingParameters(PlainBearingParameters):
+    support_stiffness: float = Quantity(
+        "N/m", "radial stiffness of bush and housing", nominal=1e8, positive=True, plausible=SEAT_STIFFNESS
+    ).default(2e8)
 
 
 @dataclass
@@ -155,13 +159,13 @@ class Motion(NamedTuple):
 
 
 @kernel
-def film_impedance(p: JournalBearingParameters) -> float:
+def film_impedance(p: PlainBearingParameters) -> float:
     """mu R L^3/c^3 (N s/m)."""
     return p.viscosity * 0.5 * p.diameter * (p.width / p.radial_clearance) ** 3
 
 
 @kernel
-def find_film(x: JournalBearingState, p: JournalBearingParameters) -> Film:
+def find_film(x: Any, p: PlainBearingParameters) -> Film:
     """h = c - |e| while the surfaces are apart, else their mean gap."""
     e = math.sqrt(x.eccentricity_x**2 + x.eccentricity_y**2)
     separation = (p.radial_clearance - e) / p.roughness
@@ -176,7 +180,7 @@ def find_film(x: JournalBearingState, p: JournalBearingParameters) -> Film:
 
 
 @kernel
-def shear_film(film: Film, p: JournalBearingParameters) -> float:
+def shear_film(film: Film, p: PlainBearingParameters) -> float:
     """Torque of a film all round over the speed, 2 pi mu R^3 L/(c sqrt(1 - eps^2))."""
     radius, square = 0.5 * p.diameter, 1.0 - film.eps.x**2 - film.eps.y**2
     return 2.0 * math.pi * p.viscosity * radius**3 * p.width / (p.radial_clearance * math.sqrt(square))
@@ -192,7 +196,7 @@ def rub(film: Film, u: JournalBearingInputs, p: JournalBearingParameters) -> flo
 
 
 @kernel
-def squeeze_film(force: Squeeze, film: Film, p: JournalBearingParameters) -> Squeeze:
+def squeeze_film(force: Squeeze, film: Film, p: PlainBearingParameters) -> Squeeze:
     """mu R L^3/c^3 u."""
     if p.film_model == SHORT:
         return find_squeeze(force, film.eps)
@@ -200,7 +204,7 @@ def squeeze_film(force: Squeeze, film: Film, p: JournalBearingParameters) -> Squ
 
 
 @kernel
-def press_film(force: Squeeze, film: Film, p: JournalBearingParameters) -> float:
+def press_film(force: Squeeze, film: Film, p: PlainBearingParameters) -> float:
     """The highest pressure times c^3/(3/2 mu L^2) and mu R L^3/c^3."""
     if p.film_model == SHORT:
         return highest_pressure(find_squeeze(force, film.eps), film.eps)
@@ -283,21 +287,19 @@ def energy(
 
 
 @kernel
-def is_short(p: JournalBearingParameters, numbers: Vector) -> bool:
+def is_short(p: PlainBearingParameters, numbers: Vector) -> bool:
     numbers[0], numbers[1] = 1e3 * p.width, 1e3 * p.diameter
     return p.width <= p.diameter
 
 
 @kernel
-def is_smooth(p: JournalBearingParameters, numbers: Vector) -> bool:
+def is_smooth(p: PlainBearingParameters, numbers: Vector) -> bool:
     numbers[0], numbers[1] = 1e6 * p.roughness, 1e6 * ROUGHEST * p.radial_clearance
     return p.roughness <= ROUGHEST * p.radial_clearance
 
 
 @kernel
-def is_inside(
-    x: JournalBearingState, u: JournalBearingInputs, p: JournalBearingParameters, numbers: Vector
-) -> bool:
+def is_inside(x: Any, u: Any, p: PlainBearingParameters, numbers: Vector) -> bool:
     farthest = p.radial_clearance + OVERLAP * p.roughness
     numbers[0], numbers[1], numbers[2] = 1e6 * x.eccentricity_x, 1e6 * x.eccentricity_y, 1e6 * farthest
     return x.eccentricity_x**2 + x.eccentricity_y**2 < farthest**2

@@ -5,6 +5,7 @@ T + c omega.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from ..compile.kernel import kernel
 from ..core import roles
@@ -14,6 +15,13 @@ from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import PART_LENGTH
 from .slider import Slip, find_slip, lost_power
+
+TwistStiffness = Annotated[
+    float, Quantity("N.m/rad", "stiffness k of the sticking surfaces", nominal=1e3, positive=True)
+]
+RelaxationTime = Annotated[
+    float, Quantity("s", "damping of their twist over the stiffness, tau", nominal=1e-5, positive=True)
+]
 
 
 @dataclass
@@ -37,12 +45,8 @@ class PivotFrictionParameters:
     viscous_coefficient: float = Quantity(
         "N.m.s", "viscous friction c over speed", nominal=1e-3, minimum=0.0
     ).default()
-    sticking_stiffness: float = Quantity(
-        "N.m/rad", "stiffness k of the sticking surfaces", nominal=1e3, positive=True
-    ).default(5e3)
-    relaxation_time: float = Quantity(
-        "s", "damping of their twist over the stiffness, tau", nominal=1e-5, positive=True
-    ).default(3e-5)
+    sticking_stiffness: TwistStiffness = 5e3
+    relaxation_time: RelaxationTime = 3e-5
 
 
 @dataclass

@@ -3,10 +3,10 @@
 It is the moving surface of a `pad` of tappet or finger, with the surface speed r omega. omega is the spin
 about the body that carries the pin, v the surface speed at which nothing would slide:
 
-    J (omega - beta')' = r T - T_p - c omega
+    J (omega - beta')' = r T - T_p - c omega - r F_R
 
 The traction T sticks and slides as a `slider` with the slip v - r omega and the limit mu W. beta' is the
-rotation of the carrier against the spin, T_p + c omega the friction of the pin.
+rotation of the carrier against the spin, T_p + c omega the friction of the pin, F_R the rolling friction.
 """
 
 from dataclasses import dataclass
@@ -56,6 +56,9 @@ class RollerInputs:
     pin_torque: float = Quantity(
         "N.m", "further friction T_p of the pin, against the spin", nominal=0.01
     ).default()
+    rolling_friction: float = Quantity(
+        "N", "rolling friction F_R of the contact, against its motion", nominal=1.0
+    ).default()
     rotation_rate: float = Quantity(
         "rad/s", "rotation beta' of the carrier, against the spin", nominal=10.0
     ).default()
@@ -87,8 +90,9 @@ def find_creep(x: RollerState, u: RollerInputs, p: RollerParameters) -> Slip:
 
 @kernel
 def braking_torque(x: RollerState, u: RollerInputs, p: RollerParameters) -> float:
-    """T_p + c omega."""
-    return u.pin_torque + p.pin_damping * (x.absolute_spin + u.rotation_rate)
+    """T_p + c omega + r F_R."""
+    pin = u.pin_torque + p.pin_damping * (x.absolute_spin + u.rotation_rate)
+    return pin + p.radius * u.rolling_friction
 
 
 @kernel
@@ -145,12 +149,13 @@ def roller() -> Component:
             "traction": surfaces,
             "traction_margin": surfaces,
             "slip": surfaces,
-            "carrier_torque": (*surfaces, "pin_torque"),
+            "carrier_torque": (*surfaces, "pin_torque", "rolling_friction"),
             "power_loss": surfaces,
         },
         bonds=(
             PowerBond("traction", "rolling_velocity", +1),
             PowerBond("pin_torque", "spin", -1),
+            PowerBond("rolling_friction", "surface_speed", -1),
             PowerBond("carrier_torque", "rotation_rate", +1),
         ),
         event_indicators=("traction_margin",),

@@ -88,6 +88,9 @@ class TappetState:
 @dataclass
 class TappetInputs(CamInputs):
     load: float = Quantity("N", "force of the train on the follower", nominal=500.0).default()
+    guide_friction: float = Quantity(
+        "N", "friction of the guide against the velocity", nominal=10.0
+    ).default()
 
 
 @dataclass
@@ -95,6 +98,9 @@ class TappetOutputs(TappetState, CamOutputs):
     acceleration: float = Quantity("m/s2", "acceleration of the follower", nominal=1e3).default()
     side_force: float = Quantity(
         "N", "force of the follower on its guide along axis_x", nominal=100.0
+    ).default()
+    side_moment: float = Quantity(
+        "N.m", "moment of load and friction about the face, or the centre of roller or pad", nominal=1.0
     ).default()
 
 
@@ -114,8 +120,8 @@ def overlap(k: CamContact, cam: Lift, x: TappetState, u: TappetInputs) -> Overla
 
 @kernel
 def accelerate(k: CamContact, x: TappetState, u: TappetInputs, p: Any) -> float:
-    """m y'' = W n_y - load - c y', and of a sliding follower the friction F t_y."""
-    force = u.cam_load * k.normal_y - u.load - p.guide_damping * x.velocity
+    """m y'' = W n_y - load - F_g - c y', and of a sliding follower the friction F t_y."""
+    force = u.cam_load * k.normal_y - u.load - p.guide_damping * x.velocity - u.guide_friction
     if p.follower != ROLLER:
         force += u.cam_friction * k.normal_x
     return force / p.mass
@@ -163,6 +169,11 @@ def make_motion(profile: CamProfile) -> tuple[Any, Any]:
         if p.follower != ROLLER:
             y.side_force -= u.cam_friction * k.normal_y
         along = k.arm + cam.s * k.normal_x
+        y.side_moment = 0.0
+        if p.follower == FLAT:
+            y.side_moment = -along * u.cam_load / k.normal_y
+        elif p.follower == PAD:
+            y.side_moment = p.follower_radius * u.cam_friction
         y.contact_offset = along if p.follower == FLAT else -p.follower_radius * y.pressure_angle
         y.profile_angle = angle
         y.cam_lift = cam.s
@@ -190,8 +201,17 @@ def tappet(table_points: int = 0) -> Component:
         derivative=derivative,
         output=output,
         energy=energy,
-        feedthrough={**CAM_FEEDTHROUGH, "acceleration": (*FORCES, "load"), "side_force": FORCES},
-        bonds=(*CAM_BONDS, PowerBond("load", "velocity", -1)),
+        feedthrough={
+            **CAM_FEEDTHROUGH,
+            "acceleration": (*FORCES, "load", "guide_friction"),
+            "side_force": FORCES,
+            "side_moment": FORCES,
+        },
+        bonds=(
+            *CAM_BONDS,
+            PowerBond("load", "velocity", -1),
+            PowerBond("guide_friction", "velocity", -1),
+        ),
         requirements=(PATH_IS_NEAR, *profile.requirements, require_contact(profile, touch)),
         structure=sizes,
         # Where the entrainment reverses, film formulas have a kink: they know |u|.

@@ -52,6 +52,9 @@ class ValveInputs:
     gas_force: float = Quantity(
         "N", "force of the gas on the valve's head, closing it", nominal=500.0
     ).default()
+    guide_friction: float = Quantity(
+        "N", "friction of the guide against the velocity", nominal=10.0
+    ).default()
 
 
 @dataclass
@@ -69,7 +72,7 @@ def accelerate(x: ValveState, u: ValveInputs, p: ValveParameters) -> float:
     force = u.load - u.gas_force + seat_force(p, x.position, x.velocity) - p.guide_damping * x.velocity
     for i in range(u.spring_force.size):
         force -= u.spring_force[i]
-    return force / p.mass
+    return (force - u.guide_friction) / p.mass
 
 
 @kernel
@@ -102,7 +105,7 @@ def energy(t: float, x: ValveState, u: ValveInputs, p: ValveParameters, e: Vecto
 
 @counts_energies
 def valve(springs: int = 1) -> Component:
-    """m y'' = load - sum of the springs' forces - gas force + seat force - c y'."""
+    """m y'' = load - sum of the springs' forces - gas force + seat force - F_g - c y'."""
     check_sizes(springs=springs)
     sizes = {"springs": springs}
     inputs = Layout(ValveInputs, sizes)
@@ -123,6 +126,7 @@ def valve(springs: int = 1) -> Component:
         bonds=(
             PowerBond("load", "velocity", +1),
             PowerBond("gas_force", "velocity", -1),
+            PowerBond("guide_friction", "velocity", -1),
             *(PowerBond(force, "velocity", -1) for force in forces),
         ),
         structure=sizes,

@@ -85,6 +85,9 @@ class ValveSpringInputs:
     gas_force: float = Quantity(
         "N", "force of the gas on the valve's head, closing it", nominal=500.0
     ).default()
+    guide_friction: float = Quantity(
+        "N", "friction of the guide against the velocity", nominal=10.0
+    ).default()
 
 
 @dataclass
@@ -179,7 +182,7 @@ def segment_energy(p: ValveSpringParameters, share: float, compression: float) -
 def valve_spring(coil_masses: int = 2) -> Component:
     """Valve and spring with `coil_masses` coil masses.
 
-    m3 y3'' = W - f_p - f_gas - [k_e (y3-y5) + c_e (y3'-y5')] + seat force, and for every coil mass
+    m3 y3'' = W - f_p - f_gas - [k_e (y3-y5) + c_e (y3'-y5')] + seat force - F_g, and for every coil mass
     m y'' = (force of the segment above) - (force of the segment below); the last segment ends on the
     fixed head. W is the input `load`.
     """
@@ -202,7 +205,8 @@ def valve_spring(coil_masses: int = 2) -> Component:
     @kernel
     def acceleration(x: ValveSpringState, u: ValveSpringInputs, p: ValveSpringParameters) -> float:
         seat = seat_force(p, x.position, x.velocity)
-        return (u.load - u.gas_force - p.preload - spring_on_follower(p, x) + seat) / p.valve_mass
+        force = u.load - u.gas_force - p.preload - spring_on_follower(p, x) + seat
+        return (force - u.guide_friction) / p.valve_mass
 
     @kernel
     def derivative(
@@ -271,8 +275,12 @@ def valve_spring(coil_masses: int = 2) -> Component:
         derivative=derivative,
         output=output,
         energy=energy,
-        feedthrough={"acceleration": ("load", "gas_force")},
-        bonds=(PowerBond("load", "velocity", +1), PowerBond("gas_force", "velocity", -1)),
+        feedthrough={"acceleration": ("load", "gas_force", "guide_friction")},
+        bonds=(
+            PowerBond("load", "velocity", +1),
+            PowerBond("gas_force", "velocity", -1),
+            PowerBond("guide_friction", "velocity", -1),
+        ),
         requirements=(LASH_NEEDS_A_SEAT,),
         structure=sizes,
         event_indicators=("seat_dip", "least_gap"),

@@ -350,6 +350,12 @@ ADJUSTER: Mapping[str, Figure] = {
         _largest("extension"),
     ),
 }
+ROLLING: Mapping[str, Figure] = {
+    "rolling_power": (
+        Quantity("W", "mean power of the rolling friction"),
+        lambda c: Found(c.mean(c["rolling_friction"] * 2.0 * c["entraining_velocity"])),
+    ),
+}
 LOSS: Mapping[str, Figure] = {"friction_power": (Quantity("W", "mean friction power"), _mean("power_loss"))}
 ROLLER: Mapping[str, Figure] = {
     "largest_slip": (Quantity("m/s", "largest velocity by which the roller slides"), _slip),
@@ -377,9 +383,11 @@ TABLES: Mapping[type[roles.Role], Mapping[str, Figure]] = {
     roles.Adjuster: ADJUSTER,
     roles.Bearing: BEARING,
     roles.Pivot: LOSS,
+    roles.Guide: LOSS,
     roles.Roller: ROLLER,
     roles.Surface: LOSS,
     roles.Contact: CONTACT,
+    roles.RollingContact: ROLLING,
 }
 
 

@@ -26,7 +26,7 @@ RANGES = (
     ("density_15", 1.0, "kg/m3", 600.0, 1300.0),
 )
 # Parts with the viscosity of an oil.
-OILED = (roles.Contact, roles.Bearing, roles.Adjuster)
+OILED = (roles.Contact, roles.Bearing, roles.Adjuster, roles.Oiled)
 
 
 class OilSheet(Table):

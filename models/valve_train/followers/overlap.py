@@ -57,6 +57,9 @@ class CamInputs:
     axis_velocity_y: float = Quantity("m/s", "rate of axis_y", nominal=0.1).default()
     cam_load: float = Quantity("N", "load W of the cam on the follower", nominal=500.0).default()
     cam_friction: float = Quantity("N", "friction on the cam against its sliding", nominal=10.0).default()
+    rolling_friction: float = Quantity(
+        "N", "rolling friction F_R of each surface, with the sign of the entraining velocity", nominal=10.0
+    ).default()
     surface_speed: float = Quantity(
         "m/s", "speed of a pad's surface along its body: of a roller that may slip"
     ).default()
@@ -74,6 +77,9 @@ class CamOutputs:
     sliding_velocity: float = Quantity("m/s", "velocity of cam over follower surface").default()
     rolling_velocity: float = Quantity(
         "m/s", "surface_speed at which nothing would slide; 0 where nothing can"
+    ).default()
+    rolling_speed: float = Quantity(
+        "m/s", "velocities of both surfaces past the contact, without that of a roller that may slip"
     ).default()
     surface_velocity: float = Quantity("m/s", "surface_speed of a pad; 0 for a roller without slip").default()
     radius_of_curvature: float = Quantity(
@@ -104,6 +110,7 @@ ANGLE = ("cam_angle",)
 PLACE = ("cam_angle", "axis_x", "axis_y")
 MOTION = (*PLACE, "cam_speed", "axis_velocity_x", "axis_velocity_y")
 FORCES = (*PLACE, "cam_load", "cam_friction")
+TORQUES = (*FORCES, "rolling_friction")
 
 CAM_FEEDTHROUGH = {
     "overlap": PLACE,
@@ -111,13 +118,14 @@ CAM_FEEDTHROUGH = {
     "entraining_velocity": (*ANGLE, "cam_speed", "surface_speed"),
     "sliding_velocity": (*MOTION, "surface_speed"),
     "rolling_velocity": MOTION,
+    "rolling_speed": (*ANGLE, "cam_speed"),
     "surface_velocity": ("surface_speed",),
     "radius_of_curvature": ANGLE,
     "pressure_angle": ANGLE,
     "cam_radius": ANGLE,
     "contact_offset": ANGLE,
     "profile_angle": ANGLE,
-    "cam_torque": FORCES,
+    "cam_torque": TORQUES,
     "cam_force_x": FORCES,
     "cam_force_y": FORCES,
     "cam_lift": ANGLE,
@@ -128,6 +136,7 @@ CAM_BONDS = (
     PowerBond("cam_load", "overlap_rate", -1),
     PowerBond("cam_friction", "sliding_velocity", -1),
     PowerBond("cam_friction", "surface_velocity", -1),
+    PowerBond("rolling_friction", "rolling_speed", -1),
     PowerBond("cam_torque", "cam_speed", +1),
     PowerBond("cam_force_x", "axis_velocity_x", -1),
     PowerBond("cam_force_y", "axis_velocity_y", -1),
@@ -175,11 +184,12 @@ def show_cam(k: CamContact, o: Overlap, arc_curvature: float, rolls: bool, u: An
     y.rolling_velocity = 0.0 if rolls else o.sliding
     y.sliding_velocity = y.rolling_velocity - y.surface_velocity
     follower_rate = k.cam_rate if rolls else k.follower_rate
+    y.rolling_speed = u.cam_speed * (k.cam_rate + follower_rate)
     y.entraining_velocity = 0.5 * u.cam_speed * (k.cam_rate + follower_rate) + 0.5 * y.surface_velocity
     y.radius_of_curvature = 1.0 / (1.0 / k.radius + arc_curvature)
     y.pressure_angle = math.atan2(k.normal_x, k.normal_y)
     y.cam_radius = k.radius
-    y.cam_torque = u.cam_load * o.by_angle
+    y.cam_torque = u.cam_load * o.by_angle + u.rolling_friction * (k.cam_rate + follower_rate)
     y.cam_force_x = -u.cam_load * k.normal_x
     y.cam_force_y = -u.cam_load * k.normal_y
     if not rolls:

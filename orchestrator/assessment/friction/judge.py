@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from models.core.quantities import Vector
-from models.core.roles import Cam
+from models.core.roles import Cam, Contact, Spin
 
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, ScenarioError, parse_ends
@@ -46,7 +46,8 @@ def judge_friction(
     for name in [contact] if contact else list(cams):
         role = scenario.components[cams[name]].resolve().find_role(Cam)
         assert role
-        cycle = last_revolution(name, *_read(folder, name, cams[name], role))
+        sliding = _list_sources(scenario)[f"{name}.sliding_velocity"]
+        cycle = last_revolution(name, *_read(folder, name, cams[name], role, sliding))
         worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
         found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
     return scenario, found
@@ -77,20 +78,31 @@ def _load_scenario(folder: Path) -> Scenario:
 
 
 def find_cams(scenario: Scenario) -> dict[str, str]:
-    """The cam of each contact: what drives its sliding velocity and has an angle of its own."""
-    found = {}
-    for source, target in map(parse_ends, scenario.connections):
-        cam, contact = source.split(".")[0], target.split(".")[0]
-        sliding = source.endswith(".sliding_velocity") and target.endswith(".sliding_velocity")
-        if sliding and scenario.components[cam].resolve().has_role(Cam):
+    """The cam of each contact: what drives its sliding velocity and has an angle of its own, directly or by
+    the spin of its tappet."""
+    sources, found = _list_sources(scenario), {}
+    for target, source in sources.items():
+        contact, _, variable = target.partition(".")
+        if variable != "sliding_velocity" or not scenario.components[contact].resolve().has_role(Contact):
+            continue
+        if scenario.components[source.split(".")[0]].resolve().has_role(Spin):
+            source = sources.get(f"{source.split('.')[0]}.sliding_velocity", source)
+        cam, _, variable = source.partition(".")
+        if variable == "sliding_velocity" and scenario.components[cam].resolve().has_role(Cam):
             found[contact] = cam
     return found
 
 
-def _read(folder: Path, contact: str, cam: str, role: Cam) -> tuple[Vector, Mapping[str, Vector]]:
+def _list_sources(scenario: Scenario) -> dict[str, str]:
+    return {target: source for source, target in map(parse_ends, scenario.connections)}
+
+
+def _read(
+    folder: Path, contact: str, cam: str, role: Cam, sliding: str
+) -> tuple[Vector, Mapping[str, Vector]]:
     called = {"cam_angle": role.angle, "radius_of_curvature": role.radius_of_curvature}
     wanted = {name: f"{contact}.{name}" for name in OF_CONTACT}
-    wanted |= {name: f"{cam}.{called.get(name, name)}" for name in OF_CAM}
+    wanted |= {name: f"{cam}.{called.get(name, name)}" for name in OF_CAM} | {"sliding_velocity": sliding}
     with open_result(folder) as result:
         group = result["coupled"].ds
         if wanted["cam_speed"] not in group:  # an input of a follower

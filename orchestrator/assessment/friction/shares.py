@@ -1,7 +1,7 @@
 """The friction of a whole system by shares, which are named by what a part does in its train."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,58 +15,66 @@ from ...errors import Words
 from ...scenario.display import format_number
 from ..figures_of_merit import Motion, Part, measure
 
-POWER = "friction_power"
-CONTACT, TIP, SLIP = "cam contact", "valve tip", "roller slip"
-PIN, PIVOT, BEARING = "roller pin", "lever pivot", "camshaft bearing"
-SHARES = (CONTACT, SLIP, PIN, PIVOT, TIP, BEARING)
-# The share of a joint by the role of the part on which it acts; of none of these it is a bearing.
+POWER, ROLLING_POWER = "friction_power", "rolling_power"
+CONTACT, ROLLING, SLIP, TIP = "cam contact", "rolling", "roller slip", "valve tip"
+PIN, PIVOT, BORE, GUIDE = "roller pin", "lever pivot", "tappet bore", "valve guide"
+BEARING = "camshaft bearing"
+SHARES = (CONTACT, ROLLING, SLIP, PIN, PIVOT, TIP, BORE, GUIDE, BEARING)
+# The share of a joint or guide by the role of the part on which it acts; of none of these it is a bearing.
 JOINTS: Mapping[type[roles.Role], str] = {
     roles.Roller: PIN,
     roles.PivotedFollower: PIVOT,
     roles.Rocker: PIVOT,
+    roles.TranslatingFollower: BORE,
+    roles.Valve: GUIDE,
 }
 
 
 @dataclass(frozen=True)
 class Loss:
-    """A part that loses power to friction: its share, and whether its friction acts on the motion."""
+    """A part that loses power to friction: its figure, its share, and whether it acts on the motion."""
 
     part: str
     share: str
     acts: bool = True
+    figure: str = POWER
 
 
 def list_losses(system: System) -> list[Loss]:
-    """The parts with friction, each once, in the order of their shares."""
-    found = [loss for name in system.instances if (loss := _find_loss(system, name))]
+    """All losses to friction, in the order of their shares."""
+    found = [loss for name in system.instances for loss in _find_losses(system, name)]
     return sorted(found, key=lambda loss: SHARES.index(loss.share))
 
 
-def _find_loss(system: System, name: str) -> Loss | None:
+def _find_losses(system: System, name: str) -> Iterator[Loss]:
     component = system.instances[name].component
     if component.has_role(roles.Roller):
-        return Loss(name, SLIP)
-    if component.has_role(roles.Surface):
-        return Loss(name, _name_place(system, name))
-    if component.has_role(roles.Contact):
-        if any(
+        yield Loss(name, SLIP)
+    elif component.has_role(roles.Surface):
+        yield Loss(name, _name_place(system, name))
+    elif component.has_role(roles.Contact):
+        place = _name_place(system, name)
+        if not any(
             other.component.has_role(roles.Surface) and _gives(system, name, "load", part)
             for part, other in system.instances.items()
         ):
-            return None
-        return Loss(name, _name_place(system, name), _drives(system, name, "friction_force"))
-    if component.has_role(roles.Pivot, roles.Bearing):
-        return Loss(name, _name_joint(system, name))
-    return None
+            yield Loss(name, place, _drives(system, name, "friction_force"))
+        if place == CONTACT and component.has_role(roles.RollingContact):
+            yield Loss(name, ROLLING, _drives(system, name, "rolling_friction"), ROLLING_POWER)
+    elif component.has_role(roles.Pivot, roles.Bearing, roles.Guide):
+        yield Loss(name, _name_joint(system, name))
 
 
 def _name_place(system: System, name: str) -> str:
     """Under a cam, or of a lever on its valve."""
+    under = (roles.Cam, roles.FlatFollower, roles.Spin)
+    velocities = ("sliding_velocity", "rolling_velocity")
     cams = (
-        connection.source.variable == "sliding_velocity"
-        and system.instances[connection.source.instance].component.has_role(roles.Cam, roles.FlatFollower)
+        system.instances[connection.source.instance].component.has_role(*under)
         for connection in system.connections
-        if (connection.target.instance, connection.target.variable) == (name, "sliding_velocity")
+        if connection.target.instance == name
+        and connection.target.variable in velocities
+        and connection.source.variable in (*velocities, "contact_sliding")
     )
     return CONTACT if any(cams) else TIP
 
@@ -95,10 +103,10 @@ def _drives(system: System, name: str, variable: str) -> bool:
 
 @dataclass(frozen=True)
 class Losses:
-    """Mean powers (W) of a motion by part, that of its drives, and the mean speed of these (rad/s)."""
+    """Mean powers (W) of a motion by part and figure, that of its drives, and their mean speed (rad/s)."""
 
     losses: Sequence[Loss]
-    powers: Mapping[str, float]
+    powers: Mapping[tuple[str, str], float]
     drive: float
     speed: float
 
@@ -106,24 +114,27 @@ class Losses:
     def shares(self) -> dict[str, float]:
         """Power of each share (W)."""
         return {
-            share: sum(self.powers[loss.part] for loss in self.losses if loss.share == share)
+            share: self._add(loss for loss in self.losses if loss.share == share)
             for share in SHARES
             if any(loss.share == share for loss in self.losses)
         }
 
     @property
     def total(self) -> float:
-        return sum(self.powers[loss.part] for loss in self.losses)
+        return self._add(self.losses)
 
     @property
     def rest(self) -> float:
         """What the drives give besides: to dampers of springs, seats and contacts, and to what they drive."""
-        return self.drive - sum(self.powers[loss.part] for loss in self.losses if loss.acts)
+        return self.drive - self._add(loss for loss in self.losses if loss.acts)
+
+    def _add(self, losses: Iterable[Loss]) -> float:
+        return sum(self.powers[loss.part, loss.figure] for loss in losses)
 
 
 def measure_losses(motion: Motion) -> Losses:
     """Means over the rows of a motion."""
-    powers = {part: found.value for part, figure, _, found in measure(motion) if figure == POWER}
+    powers = {(part, figure): found.value for part, figure, _, found in measure(motion)}
     drives = [
         Part(motion, name)
         for name, instance in motion.system.instances.items()
@@ -163,7 +174,7 @@ def tabulate_losses(found: Losses) -> Table:
 
 def remark_losses(found: Losses, motion: Motion) -> Iterator[Words]:
     """What the shares leave out."""
-    if idle := [loss.part for loss in found.losses if not loss.acts]:
+    if idle := [f"{loss.part} ({loss.share})" for loss in found.losses if not loss.acts]:
         yield f"{', '.join(idle)}: no connection takes the friction to the motion, which does not feel it"
     for loss in found.losses:
         if loss.share == CONTACT and not np.any(Part(motion, loss.part)["sliding_velocity"]):

@@ -57,6 +57,12 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"roughness": 5e-6},
         {"eccentricity_x": 21e-6, "eccentricity_y": -21e-6},
     ),
+    "pin_bearing": (
+        {"width": 30e-3},
+        {"roughness": 5e-6},
+        {"face_gap": 1e-4, "face_radius": 3e-3},
+        {"eccentricity_x": 15e-6, "eccentricity_y": -15e-6},
+    ),
     "finger": (
         {"inertia": 1e-6},
         {"cam_arm": -28e-3},

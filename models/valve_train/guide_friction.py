@@ -1,0 +1,164 @@
+"""Friction along a guide, of a valve's stem or a tappet in its bore: dry under the side load, and shear.
+
+The guide of length L begins at the distance a from the place where the side force S acts, about which the
+moment M turns. It presses with its two ends:
+
+    N_2 = (M - S a)/L,    N_1 = S - N_2
+
+The dry friction has the limit mu (|N_1| + |N_2|), and sticks (see `slider`). The oil in the clearance c is
+sheared as in a bearing without load (Petroff 1883): F_v = pi mu d L v/c.
+"""
+
+import math
+from dataclasses import dataclass
+
+from ..compile.kernel import kernel
+from ..core import roles
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
+from ..plausible import CAM_RADIUS, PART_LENGTH, PLAY, VISCOSITY
+from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, lost_power
+
+
+@dataclass
+class GuideFrictionParameters:
+    """Defaults: the stem of a valve in its guide, mixed lubrication."""
+
+    length: float = Quantity(
+        "m", "length L of the guide", nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH
+    ).default(40e-3)
+    diameter: float = Quantity(
+        "m", "diameter d of stem or tappet", nominal=1e-2, positive=True, display_unit="mm",
+        plausible=CAM_RADIUS,
+    ).default(6e-3)  # fmt: skip
+    radial_clearance: float = Quantity(
+        "m", "radial clearance c in the guide", nominal=1e-5, positive=True, display_unit="um", plausible=PLAY
+    ).default(20e-6)
+    overhang: float = Quantity(
+        "m", "distance a of the guide from the side force; negative: the force acts inside", nominal=1e-2,
+        display_unit="mm",
+    ).default(20e-3)  # fmt: skip
+    viscosity: float = Quantity(
+        "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
+    ).default(0.01)
+    friction_coefficient: float = Quantity(
+        "1", "Coulomb's coefficient of friction mu", nominal=0.1, minimum=0.0
+    ).default(0.1)
+    sticking_stiffness: StickingStiffness = 1e6
+    relaxation_time: RelaxationTime = 3e-5
+
+
+@dataclass
+class GuideFrictionState:
+    creep: Creep = 0.0
+
+
+@dataclass
+class GuideFrictionInputs:
+    velocity: float = Quantity("m/s", "velocity v in the guide").default()
+    side_force: float = Quantity("N", "force S on the guide", nominal=100.0).default()
+    side_moment: float = Quantity("N.m", "moment M about the place of that force", nominal=1.0).default()
+
+
+@dataclass
+class GuideFrictionOutputs:
+    friction_force: float = Quantity("N", "friction against the velocity", nominal=10.0).default()
+    viscous_friction: float = Quantity("N", "its share F_v of the oil", nominal=1.0).default()
+    near_load: float = Quantity("N", "load N_1 on the guide's near end", nominal=100.0).default()
+    far_load: float = Quantity("N", "load N_2 on its far end", nominal=100.0).default()
+    sticking_margin: float = Quantity(
+        "N", "limit less what sticking would take; negative: it slides", nominal=10.0
+    ).default()
+    power_loss: float = Quantity("W", "power lost to friction").default()
+
+
+@kernel
+def far_load(u: GuideFrictionInputs, p: GuideFrictionParameters) -> float:
+    """N_2 = (M - S a)/L."""
+    return (u.side_moment - u.side_force * p.overhang) / p.length
+
+
+@kernel
+def sliding_limit(u: GuideFrictionInputs, p: GuideFrictionParameters) -> float:
+    """mu (|N_1| + |N_2|)."""
+    far = far_load(u, p)
+    return p.friction_coefficient * (abs(u.side_force - far) + abs(far))
+
+
+@kernel
+def shear_oil(p: GuideFrictionParameters) -> float:
+    """pi mu d L/c."""
+    return math.pi * p.viscosity * p.diameter * p.length / p.radial_clearance
+
+
+@kernel
+def find_creep(x: GuideFrictionState, u: GuideFrictionInputs, p: GuideFrictionParameters) -> Slip:
+    return find_slip(x.creep, u.velocity, sliding_limit(u, p), p.sticking_stiffness, p.relaxation_time)
+
+
+@kernel
+def lost_to_friction(slip: Slip, u: GuideFrictionInputs, p: GuideFrictionParameters) -> float:
+    return lost_power(slip, p.sticking_stiffness, p.relaxation_time) + shear_oil(p) * u.velocity**2
+
+
+@kernel
+def derivative(
+    t: float, x: GuideFrictionState, u: GuideFrictionInputs, p: GuideFrictionParameters,
+    dx: GuideFrictionState,
+) -> None:  # fmt: skip
+    dx.creep = find_creep(x, u, p).rate
+
+
+@kernel
+def output(
+    t: float, x: GuideFrictionState, u: GuideFrictionInputs, p: GuideFrictionParameters,
+    y: GuideFrictionOutputs,
+) -> None:  # fmt: skip
+    slip = find_creep(x, u, p)
+    y.viscous_friction = shear_oil(p) * u.velocity
+    y.friction_force = slip.transmitted + y.viscous_friction
+    y.far_load = far_load(u, p)
+    y.near_load = u.side_force - y.far_load
+    y.sticking_margin = sliding_limit(u, p) - abs(slip.sticking)
+    y.power_loss = lost_to_friction(slip, u, p)
+
+
+@kernel
+def energy(
+    t: float, x: GuideFrictionState, u: GuideFrictionInputs, p: GuideFrictionParameters, e: Vector
+) -> None:
+    e[0] = 0.5 * p.sticking_stiffness * x.creep**2
+    e[1] = lost_to_friction(find_creep(x, u, p), u, p)
+    e[2] = 0.0
+
+
+@counts_energies
+def guide_friction() -> Component:
+    """Dry friction of at most mu (|N_1| + |N_2|), and pi mu d L v/c."""
+    moving = GuideFrictionInputs.__dataclass_fields__.keys()
+    sides = ("side_force", "side_moment")
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="guide_friction",
+        description="Friction of a valve's or tappet's guide",
+        roles=(roles.Guide(), roles.Oiled()),
+        parameters=Layout(GuideFrictionParameters),
+        state=Layout(GuideFrictionState),
+        inputs=Layout(GuideFrictionInputs),
+        outputs=Layout(GuideFrictionOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "friction_force": tuple(moving),
+            "viscous_friction": ("velocity",),
+            "near_load": sides,
+            "far_load": sides,
+            "sticking_margin": tuple(moving),
+            "power_loss": tuple(moving),
+        },
+        bonds=(PowerBond("friction_force", "velocity", +1),),
+        event_indicators=("sticking_margin",),
+    )

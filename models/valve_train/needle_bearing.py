@@ -1,0 +1,136 @@
+"""Needle bearing of a roller on its pin, or of a lever: friction by Palmgren.
+
+Palmgren (1959), Ball and Roller Bearing Engineering, 3rd ed., with M in N mm, the mean diameter d_m in mm,
+the oil's kinematic viscosity nu in mm2/s and the speed n in r/min:
+
+    M = M_0 + f_1 F d_m,    M_0 = 1e-7 f_0 (nu n)^(2/3) d_m^3,    at least 160e-7 f_0 d_m^3
+
+What does not depend on the speed, the load's share and the least M_0, is dry friction that sticks (`slider`).
+"""
+
+import math
+from dataclasses import dataclass
+
+from ..compile.kernel import kernel
+from ..core import roles
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
+from ..plausible import CAM_RADIUS, VISCOSITY
+from .pivot_friction import (
+    PivotFrictionInputs,
+    PivotFrictionOutputs,
+    PivotFrictionState,
+    RelaxationTime,
+    TwistStiffness,
+)
+from .slider import Slip, find_slip, lost_power
+
+# nu n (mm2/s r/min) below which M_0 is constant: 2000^(2/3) = 159.
+_SLOW = 160.0**1.5
+_RPM = 30.0 / math.pi
+
+
+@dataclass
+class NeedleBearingParameters:
+    """Defaults: caged needles in a roller of 18 mm, hot engine oil. f_0 and f_1 are in catalogues."""
+
+    mean_diameter: float = Quantity(
+        "m", "mean diameter d_m of the needles' circle", nominal=1e-2, positive=True, display_unit="mm",
+        plausible=CAM_RADIUS,
+    ).default(10e-3)  # fmt: skip
+    viscosity: float = Quantity(
+        "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
+    ).default(0.01)
+    density: float = Quantity("kg/m3", "density of the oil", nominal=1e3, positive=True).default(800.0)
+    viscous_factor: float = Quantity("1", "bearing factor f_0", nominal=5.0, minimum=0.0).default(5.0)
+    load_factor: float = Quantity("1", "bearing factor f_1", nominal=1e-3, minimum=0.0).default(5e-4)
+    sticking_stiffness: TwistStiffness = 50.0
+    relaxation_time: RelaxationTime = 3e-5
+
+
+@kernel
+def viscous_torque(rate: float, p: NeedleBearingParameters) -> float:
+    """M_0 beyond its least value (N m), with the sign of the speed."""
+    product = 1e6 * p.viscosity / p.density * abs(rate) * _RPM
+    if product <= _SLOW:
+        return 0.0
+    torque = 1e-10 * p.viscous_factor * (product ** (2.0 / 3.0) - 160.0) * (1e3 * p.mean_diameter) ** 3
+    return math.copysign(torque, rate)
+
+
+@kernel
+def sliding_torque(u: PivotFrictionInputs, p: NeedleBearingParameters) -> float:
+    """f_1 F d_m and the least M_0 (N m)."""
+    least = 160e-10 * p.viscous_factor * (1e3 * p.mean_diameter) ** 3
+    return p.load_factor * abs(u.load) * p.mean_diameter + least
+
+
+@kernel
+def find_twist(x: PivotFrictionState, u: PivotFrictionInputs, p: NeedleBearingParameters) -> Slip:
+    return find_slip(x.twist, u.rotation_rate, sliding_torque(u, p), p.sticking_stiffness, p.relaxation_time)
+
+
+@kernel
+def lost_to_friction(slip: Slip, u: PivotFrictionInputs, p: NeedleBearingParameters) -> float:
+    dry = lost_power(slip, p.sticking_stiffness, p.relaxation_time)
+    return dry + viscous_torque(u.rotation_rate, p) * u.rotation_rate
+
+
+@kernel
+def derivative(
+    t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: NeedleBearingParameters,
+    dx: PivotFrictionState,
+) -> None:  # fmt: skip
+    dx.twist = find_twist(x, u, p).rate
+
+
+@kernel
+def output(
+    t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: NeedleBearingParameters,
+    y: PivotFrictionOutputs,
+) -> None:  # fmt: skip
+    twist = find_twist(x, u, p)
+    y.friction_torque = twist.transmitted + viscous_torque(u.rotation_rate, p)
+    y.sliding_torque = sliding_torque(u, p)
+    y.sticking_margin = y.sliding_torque - abs(twist.sticking)
+    y.sliding_rate = twist.sliding
+    y.power_loss = lost_to_friction(twist, u, p)
+
+
+@kernel
+def energy(
+    t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: NeedleBearingParameters, e: Vector
+) -> None:
+    e[0] = 0.5 * p.sticking_stiffness * x.twist**2
+    e[1] = lost_to_friction(find_twist(x, u, p), u, p)
+    e[2] = 0.0
+
+
+@counts_energies
+def needle_bearing() -> Component:
+    """M = 1e-7 f_0 (nu n)^(2/3) d_m^3 + f_1 F d_m (N mm)."""
+    turning = ("rotation_rate", "load")
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="needle_bearing",
+        description="Friction of a needle bearing of a roller or lever",
+        roles=(roles.Pivot(), roles.Oiled()),
+        parameters=Layout(NeedleBearingParameters),
+        state=Layout(PivotFrictionState),
+        inputs=Layout(PivotFrictionInputs),
+        outputs=Layout(PivotFrictionOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "friction_torque": turning,
+            "sliding_torque": ("load",),
+            "sticking_margin": turning,
+            "sliding_rate": turning,
+            "power_loss": turning,
+        },
+        bonds=(PowerBond("friction_torque", "rotation_rate", +1),),
+        event_indicators=("sticking_margin",),
+    )

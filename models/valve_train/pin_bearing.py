@@ -1,0 +1,220 @@
+"""Plain bearing of a roller on its pin, or of a lever on its shaft, under a given load.
+
+The film is that of `journal_bearing`. Here the load W along x is given, and the body that carries it does not
+feel how far the pin sinks:
+
+    mu R L^3/c^3 A u = W - N e/|e|,    e' = u + omega/2 k x e
+    T = 2 pi mu R^3 L omega/(c sqrt(1 - eps^2)) + (force x e)/2 + T_N + T_F
+
+Without load T is Petroff's. T_N is the dry friction of the asperities that carry N, with the limit mu_b N R,
+which sticks (see `slider`). T_F shears the oil in the gaps h_F at both end faces of the roller:
+
+    T_F = pi mu omega (R_F^4 - R^4)/h_F
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
+
+from ..compile.kernel import kernel
+from ..contact.short_bearing import Squeeze
+from ..core import roles
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
+from ..core.requirements import Requirement
+from ..plausible import CAM_RADIUS, PART_LENGTH, PLAY
+from .journal_bearing import (
+    IS_INSIDE,
+    REQUIREMENTS,
+    Film,
+    JournalBearingState,
+    PlainBearingParameters,
+    film_impedance,
+    find_film,
+    press_film,
+    shear_film,
+    squeeze_film,
+)
+from .pivot_friction import RelaxationTime, TwistStiffness
+from .slider import Slip, find_slip, lost_power
+
+Length = Annotated[
+    float, Quantity("m", "width of the bearing", nominal=1e-2, positive=True, display_unit="mm",
+                    plausible=PART_LENGTH)
+]  # fmt: skip
+Diameter = Annotated[
+    float, Quantity("m", "diameter of the pin", nominal=1e-2, positive=True, display_unit="mm",
+                    plausible=CAM_RADIUS)
+]  # fmt: skip
+Clearance = Annotated[
+    float, Quantity("m", "radius of the bush less that of the pin", nominal=1e-5, positive=True,
+                    display_unit="um", plausible=PLAY)
+]  # fmt: skip
+
+
+@dataclass
+class PinBearingParameters(PlainBearingParameters):
+    """Defaults: the bronze pin of a roller finger, with hot engine oil."""
+
+    diameter: Diameter = 8e-3
+    width: Length = 8e-3
+    radial_clearance: Clearance = 15e-6
+    sticking_stiffness: TwistStiffness = 50.0
+    relaxation_time: RelaxationTime = 3e-5
+    face_radius: float = Quantity(
+        "m", "outer radius R_F of the end faces", nominal=1e-2, positive=True, display_unit="mm",
+        plausible=CAM_RADIUS,
+    ).default(7e-3)  # fmt: skip
+    face_gap: float = Quantity(
+        "m", "gap h_F at each end face; 0: no faces", nominal=1e-4, minimum=0.0, display_unit="mm"
+    ).default()
+
+
+@dataclass
+class PinBearingState(JournalBearingState):
+    twist: float = Quantity("rad", "elastic twist of the asperities", nominal=1e-4).default()
+
+
+@dataclass
+class PinBearingInputs:
+    rotation_rate: float = Quantity(
+        "rad/s", "speed omega of roller or lever on the pin", nominal=100.0, display_unit="rpm"
+    ).default()
+    applied_load: float = Quantity("N", "load W of the bearing", nominal=500.0).default()
+
+
+@dataclass
+class PinBearingOutputs:
+    friction_torque: float = Quantity("N.m", "torque T against the rotation", nominal=0.1).default()
+    load: float = Quantity("N", "load W of the bearing", nominal=500.0).default()
+    eccentricity_ratio: float = Quantity("1", "eccentricity over the radial clearance").default()
+    minimum_film_thickness: float = Quantity(
+        "m", "least thickness of the film", nominal=1e-6, display_unit="um"
+    ).default()
+    film_ratio: float = Quantity("1", "least film over roughness").default()
+    maximum_pressure: float = Quantity(
+        "Pa", "highest pressure of the film", nominal=1e6, display_unit="MPa"
+    ).default()
+    asperity_load: float = Quantity("N", "load N on the asperities", nominal=500.0).default()
+    asperity_torque: float = Quantity("N.m", "share T_N of the asperities", nominal=0.1).default()
+    sticking_margin: float = Quantity(
+        "N.m", "limit of T_N less what sticking would take; negative: it slides", nominal=0.1
+    ).default()
+    power_loss: float = Quantity("W", "power T omega that friction takes from the rotation").default()
+
+
+class Motion(NamedTuple):
+    """Force on the film (N), the squeeze u (m/s), friction of asperities, and the whole torque (N m)."""
+
+    force: Squeeze
+    squeeze: Squeeze
+    rubbed: Slip
+    torque: float
+
+
+@kernel
+def shear_oil(film: Film, p: PinBearingParameters) -> float:
+    """Torque over speed of the film all round, and of the end faces."""
+    faces = 0.0
+    if p.face_gap > 0.0:
+        faces = math.pi * p.viscosity * (p.face_radius**4 - (0.5 * p.diameter) ** 4) / p.face_gap
+    return shear_film(film, p) + faces
+
+
+@kernel
+def move_film(film: Film, x: PinBearingState, u: PinBearingInputs, p: PinBearingParameters) -> Motion:
+    load = film.asperities.load
+    pressed = load / film.eccentricity if load > 0.0 else 0.0
+    force = Squeeze(u.applied_load - pressed * x.eccentricity_x, -pressed * x.eccentricity_y)
+    unit, impedance = squeeze_film(force, film, p), film_impedance(p)
+    limit = p.boundary_friction_coefficient * load * 0.5 * p.diameter
+    rubbed = find_slip(x.twist, u.rotation_rate, limit, p.sticking_stiffness, p.relaxation_time)
+    by_pressure = 0.5 * (force.x * x.eccentricity_y - force.y * x.eccentricity_x)
+    torque = shear_oil(film, p) * u.rotation_rate + by_pressure + rubbed.transmitted
+    return Motion(force, Squeeze(unit.x / impedance, unit.y / impedance), rubbed, torque)
+
+
+@kernel
+def derivative(
+    t: float, x: PinBearingState, u: PinBearingInputs, p: PinBearingParameters, dx: PinBearingState
+) -> None:
+    motion = move_film(find_film(x, p), x, u, p)
+    dx.eccentricity_x = motion.squeeze.x - 0.5 * u.rotation_rate * x.eccentricity_y
+    dx.eccentricity_y = motion.squeeze.y + 0.5 * u.rotation_rate * x.eccentricity_x
+    dx.twist = motion.rubbed.rate
+
+
+@kernel
+def output(
+    t: float, x: PinBearingState, u: PinBearingInputs, p: PinBearingParameters, y: PinBearingOutputs
+) -> None:
+    film = find_film(x, p)
+    motion = move_film(film, x, u, p)
+    y.friction_torque = motion.torque
+    y.load = u.applied_load
+    y.eccentricity_ratio = film.eccentricity / p.radial_clearance
+    y.minimum_film_thickness = film.thinnest
+    y.film_ratio = film.thinnest / p.roughness
+    scale = 1.5 * p.viscosity * p.width**2 / (p.radial_clearance**3 * film_impedance(p))
+    y.maximum_pressure = scale * press_film(motion.force, film, p)
+    y.asperity_load = film.asperities.load
+    y.asperity_torque = motion.rubbed.transmitted
+    limit = p.boundary_friction_coefficient * film.asperities.load * 0.5 * p.diameter
+    y.sticking_margin = limit - abs(motion.rubbed.sticking)
+    y.power_loss = motion.torque * u.rotation_rate
+
+
+@kernel
+def energy(t: float, x: PinBearingState, u: PinBearingInputs, p: PinBearingParameters, e: Vector) -> None:
+    """Source: the load on the sinking pin."""
+    film = find_film(x, p)
+    motion = move_film(film, x, u, p)
+    e[0] = film.asperities.energy + 0.5 * p.sticking_stiffness * x.twist**2
+    e[1] = motion.force.x * motion.squeeze.x + motion.force.y * motion.squeeze.y
+    e[1] += shear_oil(film, p) * u.rotation_rate**2
+    e[1] += lost_power(motion.rubbed, p.sticking_stiffness, p.relaxation_time)
+    e[2] = u.applied_load * (motion.squeeze.x - 0.5 * u.rotation_rate * x.eccentricity_y)
+
+
+@kernel
+def faces_are_outside(p: PinBearingParameters, numbers: Vector) -> bool:
+    numbers[0], numbers[1] = 1e3 * p.face_radius, 0.5e3 * p.diameter
+    return p.face_gap == 0.0 or p.face_radius > 0.5 * p.diameter
+
+
+FACES_ARE_OUTSIDE = Requirement(
+    faces_are_outside, "face_radius = {0:g} mm: must be > {1:g} mm, half of the pin's diameter"
+)
+
+
+@counts_energies
+def pin_bearing() -> Component:
+    """T = 2 pi mu R^3 L omega/(c sqrt(1 - eps^2)) + (force x e)/2 + T_N + T_F under a given load."""
+    turning = ("rotation_rate", "applied_load")
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="pin_bearing",
+        description="Plain bearing of a roller or lever under a given load",
+        roles=(roles.Bearing(),),
+        parameters=Layout(PinBearingParameters),
+        state=Layout(PinBearingState),
+        inputs=Layout(PinBearingInputs),
+        outputs=Layout(PinBearingOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "friction_torque": turning,
+            "load": ("applied_load",),
+            "maximum_pressure": ("applied_load",),
+            "asperity_torque": ("rotation_rate",),
+            "sticking_margin": ("rotation_rate",),
+            "power_loss": turning,
+        },
+        bonds=(PowerBond("friction_torque", "rotation_rate", +1),),
+        requirements=(*REQUIREMENTS, FACES_ARE_OUTSIDE),
+        start_requirements=(IS_INSIDE,),
+        event_indicators=("sticking_margin",),
+    )

@@ -1,0 +1,171 @@
+"""Spin of a flat tappet about its axis: its cam stands off the axis by e and turns it, its bore brakes it.
+
+Along the contact line of length L the cam slides over the tappet with the velocity v, which has at the
+distance z from the tappet's axis, e - L/2 <= z <= e + L/2, the parts
+
+    v_x = u_s - Omega z along the sliding,    v_z = Omega x along the line
+
+where u_s is the sliding without spin, x the contact's offset along the tappet and Omega the spin. The
+friction F of the contact is spread evenly and acts along v, so that the means over the line are
+
+    F_x = F <v_x/|v|>,    T = F <(z v_x - x v_z)/|v|>,    J Omega' = T - 2 pi mu R^3 L_b Omega/c
+
+The contact slides with <|v|>: F_x u_s = F <|v|> + T Omega, no power is lost between them. The bore is sheared
+as a bearing without load (Petroff 1883). With x = 0, and nothing that brakes, Omega = u_s/sqrt(e^2 + L^2/4).
+"""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..compile.kernel import kernel
+from ..core import roles
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
+from ..plausible import CAM_RADIUS, OFFSET, PART_LENGTH, PLAY, VISCOSITY
+
+# Gauss-Legendre points along the line.
+_PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_PLACES, _WEIGHTS = 0.5 * _PLACES, 0.5 * _WEIGHTS
+
+
+@dataclass
+class TappetSpinParameters:
+    """Defaults: a bucket of 30 mm in its bore, with hot engine oil."""
+
+    axial_offset: float = Quantity(
+        "m", "offset e of the cam's middle from the tappet's axis, along the camshaft", nominal=1e-3,
+        display_unit="mm", plausible=OFFSET,
+    ).default()  # fmt: skip
+    length: float = Quantity(
+        "m", "length L of the contact line", nominal=1e-2, positive=True, display_unit="mm",
+        plausible=PART_LENGTH,
+    ).default(12e-3)  # fmt: skip
+    inertia: float = Quantity(
+        "kg.m2", "moment of inertia J about the axis", nominal=1e-5, positive=True
+    ).default(7e-6)
+    diameter: float = Quantity(
+        "m", "diameter 2 R of the tappet", nominal=1e-2, positive=True, display_unit="mm",
+        plausible=CAM_RADIUS,
+    ).default(30e-3)  # fmt: skip
+    bore_length: float = Quantity(
+        "m", "length L_b of the bore", nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH
+    ).default(25e-3)
+    radial_clearance: float = Quantity(
+        "m", "radial clearance c in the bore", nominal=1e-5, positive=True, display_unit="um", plausible=PLAY
+    ).default(20e-6)
+    viscosity: float = Quantity(
+        "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
+    ).default(0.01)
+
+
+@dataclass
+class TappetSpinState:
+    spin: float = Quantity("rad/s", "spin Omega", nominal=100.0, display_unit="rpm").default()
+
+
+@dataclass
+class TappetSpinInputs:
+    sliding_velocity: float = Quantity("m/s", "sliding u_s of the cam over the tappet without spin").default()
+    contact_offset: float = Quantity(
+        "m", "offset x of the contact along the tappet", nominal=1e-2, display_unit="mm"
+    ).default()
+    friction_force: float = Quantity("N", "friction F of the contact", nominal=10.0).default()
+
+
+@dataclass
+class TappetSpinOutputs(TappetSpinState):
+    contact_sliding: float = Quantity(
+        "m/s", "mean sliding <|v|> of the contact, with the sign of u_s"
+    ).default()
+    cam_friction: float = Quantity("N", "friction F_x on the cam against its sliding", nominal=10.0).default()
+    spin_torque: float = Quantity("N.m", "torque T of the cam", nominal=0.01).default()
+    bore_torque: float = Quantity("N.m", "torque of the bore against the spin", nominal=0.01).default()
+    power_loss: float = Quantity("W", "power lost in the bore").default()
+
+
+class Traction(NamedTuple):
+    """Means over the line: <|v|> (m/s), <v_x/|v|>, and the torque over the friction (m)."""
+
+    sliding: float
+    along: float
+    arm: float
+
+
+@kernel
+def find_traction(x: TappetSpinState, u: TappetSpinInputs, p: TappetSpinParameters) -> Traction:
+    sliding = along = arm = 0.0
+    across = x.spin * u.contact_offset
+    for i in range(len(_PLACES)):
+        z = p.axial_offset + p.length * _PLACES[i]
+        ahead = u.sliding_velocity - x.spin * z
+        speed = math.sqrt(ahead * ahead + across * across)
+        if speed > 0.0:
+            sliding += _WEIGHTS[i] * speed
+            along += _WEIGHTS[i] * ahead / speed
+            arm += _WEIGHTS[i] * (z * ahead - u.contact_offset * across) / speed
+    return Traction(sliding, along, arm)
+
+
+@kernel
+def brake(p: TappetSpinParameters) -> float:
+    """2 pi mu R^3 L_b/c."""
+    return 2.0 * math.pi * p.viscosity * (0.5 * p.diameter) ** 3 * p.bore_length / p.radial_clearance
+
+
+@kernel
+def derivative(
+    t: float, x: TappetSpinState, u: TappetSpinInputs, p: TappetSpinParameters, dx: TappetSpinState
+) -> None:
+    torque = abs(u.friction_force) * find_traction(x, u, p).arm
+    dx.spin = (torque - brake(p) * x.spin) / p.inertia
+
+
+@kernel
+def output(
+    t: float, x: TappetSpinState, u: TappetSpinInputs, p: TappetSpinParameters, y: TappetSpinOutputs
+) -> None:
+    traction = find_traction(x, u, p)
+    y.spin = x.spin
+    y.contact_sliding = math.copysign(traction.sliding, u.sliding_velocity)
+    y.cam_friction = abs(u.friction_force) * traction.along
+    y.spin_torque = abs(u.friction_force) * traction.arm
+    y.bore_torque = brake(p) * x.spin
+    y.power_loss = brake(p) * x.spin**2
+
+
+@kernel
+def energy(t: float, x: TappetSpinState, u: TappetSpinInputs, p: TappetSpinParameters, e: Vector) -> None:
+    """Source: less what the contact loses, F <|v|>."""
+    e[0] = 0.5 * p.inertia * x.spin**2
+    e[1] = brake(p) * x.spin**2
+    e[2] = -abs(u.friction_force) * find_traction(x, u, p).sliding
+
+
+@counts_energies
+def tappet_spin() -> Component:
+    """J Omega' = F <(z v_x - x v_z)/|v|> - 2 pi mu R^3 L_b Omega/c."""
+    places = ("sliding_velocity", "contact_offset")
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="tappet_spin",
+        description="Spin of a flat tappet about its axis",
+        roles=(roles.Spin(), roles.Oiled()),
+        parameters=Layout(TappetSpinParameters),
+        state=Layout(TappetSpinState),
+        inputs=Layout(TappetSpinInputs),
+        outputs=Layout(TappetSpinOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "contact_sliding": places,
+            "cam_friction": (*places, "friction_force"),
+            "spin_torque": (*places, "friction_force"),
+        },
+        bonds=(PowerBond("cam_friction", "sliding_velocity", +1),),
+    )
