@@ -15,18 +15,9 @@ TESTS = Path(__file__).parent
 PAGE = TESTS.parent / "docs" / "validation.md"
 LIMITS = TESTS / "known_limits.toml"
 SUBJECTS = (
-    "Cam",
-    "Spring",
-    "Train",
-    "Contact",
-    "Film",
-    "Field",
-    "Slider-crank",
-    "Multibody",
-    "Coupling",
-    "FMUs",
+    "Cam", "Spring", "Train", "Contact", "Film", "Field", "Slider-crank", "Multibody", "Coupling", "FMUs",
     "Tools",
-)
+)  # fmt: skip
 COLUMNS = ("quantity", "computed", "reference", "difference", "tolerance", "source", "test")
 INTRODUCTION = """# Validation manual
 

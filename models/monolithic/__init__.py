@@ -6,12 +6,6 @@ from .problem import Event, check_ode, check_solvable
 from .reference import LONGEST_STEP, Reference, solve
 
 __all__ = [
-    "LONGEST_STEP",
-    "EnergyBalance",
-    "Event",
-    "Reference",
-    "check_ode",
-    "check_solvable",
-    "equilibrium",
+    "LONGEST_STEP", "EnergyBalance", "Event", "Reference", "check_ode", "check_solvable", "equilibrium",
     "solve",
-]
+]  # fmt: skip

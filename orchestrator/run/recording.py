@@ -66,14 +66,8 @@ class ResultRecorder:
             self._coupled.append(time, outputs())
         if self._count:
             self._step[:] = (
-                step.length,
-                step.iterations,
-                step.rejected,
-                step.error,
-                step.source,
-                step.reason,
-                step.parts,
-            )
+                step.length, step.iterations, step.rejected, step.error, step.source, step.reason, step.parts,
+            )  # fmt: skip
             self._steps.append(time, self._step)
         self._count += 1
         # Both at once: of a process that is killed, the groups end together.

@@ -10,19 +10,7 @@ from .scenario import EnergyTable, Scenario, ScenarioError, build_scenario, find
 from .step_control_table import CONVERGED
 
 __all__ = [
-    "BUILT_KINDS",
-    "CONVERGED",
-    "DURATIONS",
-    "ComponentTable",
-    "EnergyTable",
-    "Line",
-    "MasterTable",
-    "Scenario",
-    "ScenarioError",
-    "Written",
-    "build_scenario",
-    "find_tables",
-    "list_messages",
-    "parse_ends",
+    "BUILT_KINDS", "CONVERGED", "DURATIONS", "ComponentTable", "EnergyTable", "Line", "MasterTable",
+    "Scenario", "ScenarioError", "Written", "build_scenario", "find_tables", "list_messages", "parse_ends",
     "parse_line",
-]
+]  # fmt: skip

@@ -34,54 +34,22 @@ CRANK_BEGINNINGS = (
     *("kampi", "krank", "korb", "wału", "klik", "колен", "крив", "クランク", "曲轴", "曲軸", "크랭크"),
 )
 CAM_WORDS = (
-    "cam",
-    "degcam",
-    "nw",
-    "came",
-    "camme",
-    "leva",
-    "levas",
-    "nok",
-    "kam",
-    "カム",
-    "凸轮",
-    "凸輪",
-    "캠",
-)
+    "cam", "degcam", "nw", "came", "camme", "leva", "levas", "nok", "kam", "カム", "凸轮", "凸輪", "캠",
+)  # fmt: skip
 CAM_BEGINNINGS = (
     *(
-        "camsh",
-        "camang",
-        "camdeg",
-        "nocken",
-        "nokken",
-        "kamaks",
-        "kamvink",
-        "knast",
-        "krzywk",
-        "vačk",
+        "camsh", "camang", "camdeg", "nocken", "nokken", "kamaks", "kamvink", "knast", "krzywk", "vačk",
         "кулач",
     ),
-)
+)  # fmt: skip
 GERMAN = ("winkel", "hub", "kurbel", "nocken", "ventil", "drehwinkel")
 ANGLE_NAMES = (
     *(
-        "angle",
-        "winkel",
-        "degree",
-        "deg",
-        "°",
-        "grad",
-        "theta",
-        "phi",
-        "φ",
-        "θ",
-        "ángulo",
-        "angulo",
+        "angle", "winkel", "degree", "deg", "°", "grad", "theta", "phi", "φ", "θ", "ángulo", "angulo",
         "angolo",
     ),
     *("hoek", "vinkel", "kąt", "угол", "rotation", "position"),
-)
+)  # fmt: skip
 
 
 class Column(NamedTuple):

@@ -13,21 +13,10 @@ from .protocol import Stepper
 from .refined import RefinedSteps
 
 __all__ = [
-    "INDICATORS",
-    "JUDGES",
-    "REASONS",
-    "STOP",
-    "ControlledSteps",
-    "FixedSteps",
-    "ForwardSteps",
-    "RefinedSteps",
-    "Step",
-    "StepControl",
-    "Stepper",
-    "check_estimator",
-    "control_steps",
+    "INDICATORS", "JUDGES", "REASONS", "STOP", "ControlledSteps", "FixedSteps", "ForwardSteps",
+    "RefinedSteps", "Step", "StepControl", "Stepper", "check_estimator", "control_steps",
     "list_event_outputs",
-]
+]  # fmt: skip
 
 
 def check_estimator(name: str, master: Master) -> None:

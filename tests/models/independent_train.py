@@ -26,33 +26,16 @@ END, MIDDLE = 8.0 / 3.0 * RATE, 4.0 * RATE
 PROPORTION = 2.0 * SPRING_RATIO / (2.0 * math.pi * SURGE)
 
 STATES = (
-    "valve_spring.position",
-    "valve_spring.velocity",
-    "valve_spring.coil_position[1]",
-    "valve_spring.coil_velocity[1]",
-    "valve_spring.coil_position[2]",
-    "valve_spring.coil_velocity[2]",
-    "contact.film_thickness",
-    "camshaft.twist",
-    "camshaft.twist_rate",
-    "camshaft.bending",
-    "camshaft.bending_rate",
-    "camshaft.slope",
-    "camshaft.slope_rate",
-    "camshaft.bending_across",
-    "camshaft.bending_across_rate",
-    "camshaft.slope_across",
-    "camshaft.slope_across_rate",
-)
+    "valve_spring.position", "valve_spring.velocity", "valve_spring.coil_position[1]",
+    "valve_spring.coil_velocity[1]", "valve_spring.coil_position[2]", "valve_spring.coil_velocity[2]",
+    "contact.film_thickness", "camshaft.twist", "camshaft.twist_rate", "camshaft.bending",
+    "camshaft.bending_rate", "camshaft.slope", "camshaft.slope_rate", "camshaft.bending_across",
+    "camshaft.bending_across_rate", "camshaft.slope_across", "camshaft.slope_across_rate",
+)  # fmt: skip
 OUTPUTS = (
-    "contact.load",
-    "contact.film_thickness",
-    "valve_spring.position",
-    "valve_spring.coil_position[1]",
-    "valve_spring.coil_position[2]",
-    "camshaft.surface_position",
-    "camshaft.drive_torque",
-)
+    "contact.load", "contact.film_thickness", "valve_spring.position", "valve_spring.coil_position[1]",
+    "valve_spring.coil_position[2]", "camshaft.surface_position", "camshaft.drive_torque",
+)  # fmt: skip
 
 
 def cam(psi: float) -> tuple[float, float, float]:

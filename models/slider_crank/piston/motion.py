@@ -43,15 +43,9 @@ from .mechanics import (
 
 # Outputs that depend on all inputs that set forces in motion.
 FORCED_OUTPUTS = (
-    "upper_front_force",
-    "upper_rear_force",
-    "lower_front_force",
-    "lower_rear_force",
-    "wall_friction_force",
-    "pin_force_along",
-    "pin_force_across",
-    "friction_power",
-)
+    "upper_front_force", "upper_rear_force", "lower_front_force", "lower_rear_force", "wall_friction_force",
+    "pin_force_along", "pin_force_across", "friction_power",
+)  # fmt: skip
 
 
 class Place(NamedTuple):

@@ -7,17 +7,6 @@ from .suggestions import RULES, suggestions
 from .text import brief, full
 
 __all__ = [
-    "RULES",
-    "Diagnosis",
-    "Facts",
-    "Interval",
-    "Limit",
-    "Share",
-    "Steps",
-    "brief",
-    "diagnose_steps",
-    "full",
-    "read_steps",
-    "read_written_steps",
-    "suggestions",
-]
+    "RULES", "Diagnosis", "Facts", "Interval", "Limit", "Share", "Steps", "brief", "diagnose_steps", "full",
+    "read_steps", "read_written_steps", "suggestions",
+]  # fmt: skip

@@ -20,14 +20,9 @@ STANDING = 1e-6
 BINS = 720
 
 OF_CONTACT = (
-    "load",
-    "asperity_load",
-    "friction_force",
-    "viscous_friction",
-    "boundary_friction",
-    "half_width",
+    "load", "asperity_load", "friction_force", "viscous_friction", "boundary_friction", "half_width",
     "film_ratio",
-)
+)  # fmt: skip
 OF_CAM = (
     *("cam_angle", "cam_speed", "sliding_velocity", "entraining_velocity", "radius_of_curvature"),
     *("contact_offset", "cam_lift"),

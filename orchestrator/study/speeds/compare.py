@@ -22,15 +22,9 @@ from .sweep import parse_speed, read_table
 RPM = 30.0 / math.pi
 # Numbers of which the least is the worst; of the others it is the largest.
 LEAST_IS_WORST = (
-    "least_load",
-    "least_film",
-    "least_film_ratio",
-    "spring_margin",
-    "least_gap",
-    "largest_lift",
-    "lift_area",
+    "least_load", "least_film", "least_film_ratio", "spring_margin", "least_gap", "largest_lift", "lift_area",
     "least_torque",
-)
+)  # fmt: skip
 # Numbers that are neither good nor bad.
 LEFT_OUT = ("change", "periods", "least_load_angle")
 

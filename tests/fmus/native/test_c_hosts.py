@@ -20,13 +20,9 @@ from .programs import TOKEN, library_in, needs_sanitizers, run, sanitizing_compi
 
 LIVES = 5_000
 VALGRIND = [
-    "valgrind",
-    "-q",
-    "--error-exitcode=9",
-    "--leak-check=full",
-    "--show-leak-kinds=all",
+    "valgrind", "-q", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=all",
     "--errors-for-leak-kinds=all",
-]
+]  # fmt: skip
 # Step size; an input, and base and swing of what it is given; the first and last of the outputs to compare.
 # The first has states, the second formulas alone, the third looks for events inside steps.
 HOSTED = {

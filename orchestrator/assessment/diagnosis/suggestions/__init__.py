@@ -13,21 +13,9 @@ from .step_length import chatter, discards, discontinuity, longest, rough, sugge
 Rule = Callable[[Facts], str | None]
 
 RULES: list[Rule] = [
-    stiff_connection,
-    smaller_part,
-    higher_degree,
-    suggest_held_inputs,
-    uneven_work,
-    convergence,
-    many_iterations,
-    suggest_longer_start,
-    longest,
-    discontinuity,
-    rough,
-    discards,
-    chatter,
-    costly_estimator,
-]
+    stiff_connection, smaller_part, higher_degree, suggest_held_inputs, uneven_work, convergence,
+    many_iterations, suggest_longer_start, longest, discontinuity, rough, discards, chatter, costly_estimator,
+]  # fmt: skip
 
 
 def suggestions(facts: Facts) -> list[str]:
