@@ -25,25 +25,18 @@ class FlywheelParameters:
         "rad/s", "prescribed speed before the ramp", nominal=100.0, display_unit="rpm", plausible=SPEED
     ).default(1000.0 * math.pi / 30.0)
     final_speed: float = Quantity(
-        "rad/s",
-        "prescribed speed after the ramp",
-        nominal=100.0,
-        display_unit="rpm",
-        same_as="initial_speed",
-        plausible=SPEED,
-    ).default(1000.0 * math.pi / 30.0)
+        "rad/s", "prescribed speed after the ramp",
+        nominal=100.0, display_unit="rpm", same_as="initial_speed", plausible=SPEED,
+    ).default(1000.0 * math.pi / 30.0)  # fmt: skip
     ramp_start: float = Quantity("s", "time at which the ramp begins", plausible=RAMP).default()
     ramp_duration: float = Quantity("s", "length of the ramp", positive=True, plausible=RAMP).default(1.0)
     ramp_shape: float = Quantity(
         "1", "linear in time, or smooth (3 r^2 - 2 r^3)", choices=("linear", "smooth")
     ).default(LINEAR)
     throw: Vector = Quantity(
-        "rad",
-        "angle by which a crank throw lags the shaft",
-        display_unit="deg",
-        size="throws",
-        plausible=ANGLE,
-    ).per_element()
+        "rad", "angle by which a crank throw lags the shaft",
+        display_unit="deg", size="throws", plausible=ANGLE,
+    ).per_element()  # fmt: skip
 
 
 @dataclass

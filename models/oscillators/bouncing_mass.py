@@ -69,11 +69,9 @@ class SpringStopOutputs:
         "m", "compression c of the stop; negative: the gap", nominal=1e-2, display_unit="mm"
     ).default()
     contact_margin: float = Quantity(
-        "m",
-        "lesser of c and c - d y'/k: the stop pushes where it is positive",
-        nominal=1e-2,
-        display_unit="mm",
-    ).default()
+        "m", "lesser of c and c - d y'/k: the stop pushes where it is positive",
+        nominal=1e-2, display_unit="mm",
+    ).default()  # fmt: skip
     impulse: float = Quantity("N.s", "integral of the force").default()
 
 

@@ -40,13 +40,9 @@ class SliderCrankParameters:
         "m", "crank radius r", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH
     ).default(THESIS_XI * _ROD_LENGTH)
     rod_length: float = Quantity(
-        "m",
-        "length l of the connecting rod",
-        nominal=0.1,
-        positive=True,
-        display_unit="mm",
-        plausible=PART_LENGTH,
-    ).default(_ROD_LENGTH)
+        "m", "length l of the connecting rod",
+        nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH,
+    ).default(_ROD_LENGTH)  # fmt: skip
     rod_mass: float = Quantity(
         "kg", "mass m of the connecting rod, centre in its middle", minimum=0.0, plausible=PART_MASS
     ).default(THESIS_ALPHA * _PISTON_MASS)
@@ -60,36 +56,23 @@ class SliderCrankParameters:
         "N.m.s", "friction moment c2 of the crank pin per relative speed", nominal=0.1, minimum=0.0
     ).default(_FRICTION)
     clearance: float = Quantity(
-        "m",
-        "travel d - r* from the centre to either wall",
-        nominal=1e-3,
-        minimum=0.0,
-        display_unit="mm",
-        plausible=PLAY,
-    ).default(_CLEARANCE)
+        "m", "travel d - r* from the centre to either wall",
+        nominal=1e-3, minimum=0.0, display_unit="mm", plausible=PLAY,
+    ).default(_CLEARANCE)  # fmt: skip
     restitution: float = Quantity("1", "coefficient of restitution e", minimum=0.0, maximum=1.0).default(0.9)
     # F used 0.005; chatter ends by itself without it (see `slider_crank`).
     sliding_threshold: float = Quantity(
-        "1",
-        "rebound rate of psi per crank speed, relative to the wall, below which a pressed slider slides",
-        nominal=1e-3,
-        minimum=0.0,
-    ).default()
+        "1", "rebound rate of psi per crank speed, relative to the wall, below which a pressed slider slides",
+        nominal=1e-3, minimum=0.0,
+    ).default()  # fmt: skip
     film_lag: float = Quantity(
-        "s",
-        "time constant of walls that follow their films: T^2 h'' + 2 T h' + h = film thickness",
-        nominal=1e-5,
-        positive=True,
-        display_unit="us",
-    ).default(FILM_LAG)
+        "s", "time constant of walls that follow their films: T^2 h'' + 2 T h' + h = film thickness",
+        nominal=1e-5, positive=True, display_unit="us",
+    ).default(FILM_LAG)  # fmt: skip
     roller_radius: float = Quantity(
-        "m",
-        "radius r* of the roller on the liner",
-        nominal=0.1,
-        positive=True,
-        display_unit="mm",
-        plausible=PART_LENGTH,
-    ).default(0.040)
+        "m", "radius r* of the roller on the liner",
+        nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH,
+    ).default(0.040)  # fmt: skip
 
 
 WallMode = Annotated[

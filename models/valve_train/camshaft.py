@@ -64,13 +64,9 @@ class ShaftParameters:
         "kg.m2", "moment of inertia about a diameter", nominal=1e-4, positive=True
     ).default(1.42e-4)
     shaft_length: float = Quantity(
-        "m",
-        "length l of the field element",
-        nominal=0.1,
-        positive=True,
-        display_unit="mm",
-        plausible=PART_LENGTH,
-    ).default(0.1)
+        "m", "length l of the field element",
+        nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH,
+    ).default(0.1)  # fmt: skip
     shaft_diameter: float = Quantity(
         "m", "diameter of the shaft", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
     ).default(0.02)
@@ -108,11 +104,9 @@ class CamshaftState:
     slope: float = Quantity("rad", "slope of the shaft at the cam", nominal=1e-3).default()
     slope_rate: float = Quantity("rad/s", "rate of the slope at the cam").default()
     bending_across: float = Quantity(
-        "m",
-        "cam axis displacement across the follower's path, against the cam's surface",
-        nominal=1e-5,
-        display_unit="um",
-    ).default()
+        "m", "cam axis displacement across the follower's path, against the cam's surface",
+        nominal=1e-5, display_unit="um",
+    ).default()  # fmt: skip
     bending_across_rate: float = Quantity(
         "m/s", "its rate, the axis's drift along the follower", nominal=1e-2
     ).default()

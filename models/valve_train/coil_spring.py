@@ -29,13 +29,9 @@ class CoilSpringParameters:
     damping_ratio: SurgeDamping = 0.02
     preload: float = Quantity("N", "force f_p at position zero", nominal=300.0, minimum=0.0).default(330.0)
     gap: Vector = Quantity(
-        "m",
-        "compression of a segment at which its coils close, from the moving end",
-        nominal=1e-3,
-        display_unit="mm",
-        positive=True,
-        size="segments",
-    ).per_element(2e-3)
+        "m", "compression of a segment at which its coils close, from the moving end",
+        nominal=1e-3, display_unit="mm", positive=True, size="segments",
+    ).per_element(2e-3)  # fmt: skip
     stop_stiffness: float = Quantity(
         "N/m", "stiffness of closed coils", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS
     ).default(5e6)

@@ -66,12 +66,9 @@ class LeverParameters(TipParameters):
         "rad", "angle by which that line falls, valve closed", display_unit="deg", plausible=LEVER_ANGLE
     ).default(math.radians(8.0))
     valve_arm: float = Quantity(
-        "m",
-        "distance from the pivot to the centre of the pad on the valve; the sign of cam_arm",
-        nominal=1e-2,
-        display_unit="mm",
-        plausible=PART_LENGTH,
-    ).default(40e-3)
+        "m", "distance from the pivot to the centre of the pad on the valve; the sign of cam_arm",
+        nominal=1e-2, display_unit="mm", plausible=PART_LENGTH,
+    ).default(40e-3)  # fmt: skip
     valve_angle: float = Quantity(
         "rad", "angle by which that line falls further", display_unit="deg", plausible=LEVER_ANGLE
     ).default(math.radians(2.0))
@@ -82,18 +79,13 @@ class LeverParameters(TipParameters):
         "kg.m2", "moment of inertia about the pivot", nominal=1e-5, positive=True
     ).default(3e-5)
     mass_arm: float = Quantity(
-        "m",
-        "distance from the pivot to the centre of mass, on the line to roller or pad",
-        nominal=1e-2,
-        display_unit="mm",
-    ).default(18e-3)
+        "m", "distance from the pivot to the centre of mass, on the line to roller or pad",
+        nominal=1e-2, display_unit="mm",
+    ).default(18e-3)  # fmt: skip
     pivot_stiffness: float = Quantity(
-        "N/m",
-        "stiffness of the pivot's support; 0: a lash adjuster bears it",
-        nominal=1e8,
-        minimum=0.0,
-        plausible=SEAT_STIFFNESS,
-    ).default()
+        "N/m", "stiffness of the pivot's support; 0: a lash adjuster bears it",
+        nominal=1e8, minimum=0.0, plausible=SEAT_STIFFNESS,
+    ).default()  # fmt: skip
     pivot_damping: float = Quantity(
         "N.s/m", "damping of the pivot's support", nominal=1e2, minimum=0.0
     ).default()

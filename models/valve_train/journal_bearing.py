@@ -58,13 +58,9 @@ class PlainBearingParameters:
         "m", "width of the bearing", nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH
     ).default(12e-3)
     radial_clearance: float = Quantity(
-        "m",
-        "radius of the bush less that of the journal",
-        nominal=1e-5,
-        positive=True,
-        display_unit="um",
-        plausible=PLAY,
-    ).default(25e-6)
+        "m", "radius of the bush less that of the journal",
+        nominal=1e-5, positive=True, display_unit="um", plausible=PLAY,
+    ).default(25e-6)  # fmt: skip
     viscosity: float = Quantity(
         "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
     ).default(0.01)
@@ -81,12 +77,9 @@ class PlainBearingParameters:
         "1", "rms over radius of asperities", nominal=1e-3, positive=True
     ).default(1e-3)
     contact_modulus: float = Quantity(
-        "Pa",
-        "modulus E of the contact, 1/E = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
-        nominal=1e11,
-        positive=True,
-        plausible=YOUNGS_MODULUS,
-    ).default(58e9)
+        "Pa", "modulus E of the contact, 1/E = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
+        nominal=1e11, positive=True, plausible=YOUNGS_MODULUS,
+    ).default(58e9)  # fmt: skip
     boundary_friction_coefficient: float = Quantity(
         "1", "friction coefficient of asperities", nominal=0.1, minimum=0.0
     ).default(0.1)

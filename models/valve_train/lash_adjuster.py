@@ -42,13 +42,9 @@ class LashAdjusterParameters:
         1.4
     )
     supply_pressure: float = Quantity(
-        "Pa",
-        "absolute pressure of the oil supply",
-        nominal=1e5,
-        positive=True,
-        display_unit="MPa",
-        plausible=GAS_PRESSURE,
-    ).default(5e5)
+        "Pa", "absolute pressure of the oil supply",
+        nominal=1e5, positive=True, display_unit="MPa", plausible=GAS_PRESSURE,
+    ).default(5e5)  # fmt: skip
     leak_clearance: float = Quantity(
         "m", "radial clearance of the plunger", nominal=1e-6, minimum=0.0, display_unit="um", plausible=PLAY
     ).default(6e-6)

@@ -32,13 +32,9 @@ class PivotFrictionParameters:
         "1", "Coulomb's coefficient of friction mu", nominal=0.1, minimum=0.0
     ).default(0.1)
     radius: float = Quantity(
-        "m",
-        "radius of the pivot's pin or ball",
-        nominal=1e-2,
-        positive=True,
-        display_unit="mm",
-        plausible=PART_LENGTH,
-    ).default(8e-3)
+        "m", "radius of the pivot's pin or ball",
+        nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH,
+    ).default(8e-3)  # fmt: skip
     preload_torque: float = Quantity(
         "N.m", "limit T_0 of the dry friction without load", nominal=0.1, minimum=0.0
     ).default()

@@ -28,24 +28,16 @@ class RockerParameters(TipParameters):
     """Angles are those of the closed valve. An arm at angle zero is normal to the motion of its end."""
 
     rod_arm: float = Quantity(
-        "m",
-        "distance from the pivot to the pushrod's end",
-        nominal=1e-2,
-        positive=True,
-        display_unit="mm",
-        plausible=PART_LENGTH,
-    ).default(32e-3)
+        "m", "distance from the pivot to the pushrod's end",
+        nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH,
+    ).default(32e-3)  # fmt: skip
     rod_angle: float = Quantity(
         "rad", "angle by which the pushrod's arm falls", display_unit="deg", plausible=LEVER_ANGLE
     ).default()
     valve_arm: float = Quantity(
-        "m",
-        "distance from the pivot to the centre of the pad",
-        nominal=1e-2,
-        positive=True,
-        display_unit="mm",
-        plausible=PART_LENGTH,
-    ).default(40e-3)
+        "m", "distance from the pivot to the centre of the pad",
+        nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH,
+    ).default(40e-3)  # fmt: skip
     valve_angle: float = Quantity(
         "rad", "angle by which the valve's arm falls", display_unit="deg", plausible=LEVER_ANGLE
     ).default()

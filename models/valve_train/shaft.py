@@ -38,23 +38,18 @@ class ShaftParameters:
         "kg.m2", "modal inertia of a mode of torsion", nominal=1e-4, positive=True, size="torsion_modes"
     ).per_element(3e-4)
     torsion_share: Vector = Quantity(
-        "kg.m2",
-        "part of a mode of torsion in turning the whole shaft, phi^T M 1",
-        nominal=1e-4,
-        size="torsion_modes",
-    ).per_element(3e-4)
+        "kg.m2", "part of a mode of torsion in turning the whole shaft, phi^T M 1",
+        nominal=1e-4, size="torsion_modes",
+    ).per_element(3e-4)  # fmt: skip
     torsion_shape: Vector = Quantity(
         "1",
         "twist at the cams in a mode of torsion: all cams in the first mode, then in the second ...",
         size="torsion_shapes",
     ).per_element(1.0)
     bending_frequency: Vector = Quantity(
-        "Hz",
-        "frequency of a mode of bending; 0: rigid motion",
-        nominal=1e3,
-        minimum=0.0,
-        size="bending_modes",
-    ).per_element(540.0)
+        "Hz", "frequency of a mode of bending; 0: rigid motion",
+        nominal=1e3, minimum=0.0, size="bending_modes",
+    ).per_element(540.0)  # fmt: skip
     bending_damping: Vector = Quantity(
         "1", "damping ratio of a mode of bending", nominal=0.01, minimum=0.0, size="bending_modes"
     ).per_element(0.02)
@@ -70,12 +65,9 @@ class ShaftParameters:
         "kg", "gyroscopic coupling of two modes of bending, row by row", size="bending_pairs"
     ).per_element()
     direction: Vector = Quantity(
-        "rad",
-        "direction of a cam's follower, anticlockwise from y",
-        display_unit="deg",
-        size="cams",
-        plausible=ANGLE,
-    ).per_element()
+        "rad", "direction of a cam's follower, anticlockwise from y",
+        display_unit="deg", size="cams", plausible=ANGLE,
+    ).per_element()  # fmt: skip
 
 
 @dataclass

@@ -45,20 +45,13 @@ class FollowerParameters:
     follower: float = Quantity("1", "surface on the cam", choices=("flat", "roller", "pad")).default(FLAT)
     follower_radius: FollowerRadius = 10e-3
     offset: float = Quantity(
-        "m",
-        "offset of the path of roller or pad from the cam's axis, along axis_x",
-        nominal=1e-3,
-        display_unit="mm",
-        plausible=OFFSET,
-    ).default()
+        "m", "offset of the path of roller or pad from the cam's axis, along axis_x",
+        nominal=1e-3, display_unit="mm", plausible=OFFSET,
+    ).default()  # fmt: skip
     tilt: float = Quantity(
-        "rad",
-        "tilt of a flat face: of its normal from the path towards axis_x",
-        nominal=0.1,
-        minimum=-1.0,
-        maximum=1.0,
-        display_unit="deg",
-    ).default()
+        "rad", "tilt of a flat face: of its normal from the path towards axis_x",
+        nominal=0.1, minimum=-1.0, maximum=1.0, display_unit="deg",
+    ).default()  # fmt: skip
     mass: float = Quantity(
         "kg", "mass of the follower", nominal=0.1, positive=True, plausible=PART_MASS
     ).default(0.1)

@@ -15,12 +15,9 @@ from .valve_spring import seat_force
 @dataclass
 class ValveParameters:
     mass: float = Quantity(
-        "kg",
-        "mass of valve, retainer and what moves with them",
-        nominal=0.1,
-        positive=True,
-        plausible=VALVE_MASS,
-    ).default(0.1)
+        "kg", "mass of valve, retainer and what moves with them",
+        nominal=0.1, positive=True, plausible=VALVE_MASS,
+    ).default(0.1)  # fmt: skip
     lash: float = Quantity(
         "m", "position at which the valve sits on its seat", nominal=1e-4, display_unit="mm", plausible=LASH
     ).default()

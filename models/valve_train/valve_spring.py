@@ -40,12 +40,9 @@ class ValveSpringParameters:
     damping_ratio: SurgeDamping = 0.02
     preload: float = Quantity("N", "spring force f_p at zero lift", nominal=300.0, minimum=0.0).default(330.0)
     lash: float = Quantity(
-        "m",
-        "follower position at which the valve sits on its seat",
-        nominal=1e-4,
-        display_unit="mm",
-        plausible=LASH,
-    ).default()
+        "m", "follower position at which the valve sits on its seat",
+        nominal=1e-4, display_unit="mm", plausible=LASH,
+    ).default()  # fmt: skip
     seat_stiffness: float = Quantity(
         "N/m", "stiffness of the valve seat; 0: no seat", nominal=1e7, minimum=0.0, plausible=SEAT_STIFFNESS
     ).default()
@@ -53,13 +50,9 @@ class ValveSpringParameters:
         "N.s/m", "damping of the valve seat while touching", nominal=1e2, minimum=0.0
     ).default()
     clash_clearance: float = Quantity(
-        "m",
-        "travel after which all coils touch",
-        nominal=1e-2,
-        positive=True,
-        display_unit="mm",
-        plausible=CAM_LIFT,
-    ).default(0.02)
+        "m", "travel after which all coils touch",
+        nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_LIFT,
+    ).default(0.02)  # fmt: skip
     clash_stiffness: float = Quantity(
         "N/m", "added rate between coils that touch", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS
     ).default()

@@ -44,25 +44,16 @@ class CylinderParameters:
         0.25 * math.pi * 0.086**2
     )
     crankcase_pressure: float = Quantity(
-        "Pa",
-        "pressure under the piston",
-        nominal=1e5,
-        minimum=0.0,
-        display_unit="kPa",
-        plausible=GAS_PRESSURE,
-    ).default(100e3)
+        "Pa", "pressure under the piston",
+        nominal=1e5, minimum=0.0, display_unit="kPa", plausible=GAS_PRESSURE,
+    ).default(100e3)  # fmt: skip
     firing_angle: float = Quantity(
         "rad", "crank angle of the firing dead centre", display_unit="deg", plausible=ANGLE
     ).default()
     valve_area: Vector = Quantity(
-        "m2",
-        "area of a valve's head",
-        nominal=1e-3,
-        positive=True,
-        display_unit="mm2",
-        plausible=AREA,
-        size="valves",
-    ).per_element(0.25 * math.pi * 0.030**2)
+        "m2", "area of a valve's head",
+        nominal=1e-3, positive=True, display_unit="mm2", plausible=AREA, size="valves",
+    ).per_element(0.25 * math.pi * 0.030**2)  # fmt: skip
 
 
 @dataclass
@@ -73,21 +64,13 @@ class CylinderGasParameters(CylinderParameters):
         "1", "largest over smallest volume", nominal=10.0, minimum=1.1
     ).default(10.0)
     intake_pressure: float = Quantity(
-        "Pa",
-        "pressure in the intake stroke",
-        nominal=1e5,
-        positive=True,
-        display_unit="kPa",
-        plausible=GAS_PRESSURE,
-    ).default(95e3)
+        "Pa", "pressure in the intake stroke",
+        nominal=1e5, positive=True, display_unit="kPa", plausible=GAS_PRESSURE,
+    ).default(95e3)  # fmt: skip
     exhaust_pressure: float = Quantity(
-        "Pa",
-        "pressure in the exhaust stroke",
-        nominal=1e5,
-        positive=True,
-        display_unit="kPa",
-        plausible=GAS_PRESSURE,
-    ).default(108e3)
+        "Pa", "pressure in the exhaust stroke",
+        nominal=1e5, positive=True, display_unit="kPa", plausible=GAS_PRESSURE,
+    ).default(108e3)  # fmt: skip
     compression_exponent: float = Quantity(
         "1", "polytropic exponent n_c of the compression", minimum=1.0
     ).default(1.3)

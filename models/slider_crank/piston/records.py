@@ -64,12 +64,9 @@ class PistonParameters:
         0.55
     )
     rod_centre: float = Quantity(
-        "m",
-        "distance of the rod's centre of mass from the crank pin",
-        nominal=0.1,
-        minimum=0.0,
-        display_unit="mm",
-    ).default(0.042)
+        "m", "distance of the rod's centre of mass from the crank pin",
+        nominal=0.1, minimum=0.0, display_unit="mm",
+    ).default(0.042)  # fmt: skip
     rod_inertia: float = Quantity(
         "kg.m2", "inertia of the rod about its centre of mass", nominal=1e-3, minimum=0.0
     ).default(2.0e-3)
@@ -80,53 +77,32 @@ class PistonParameters:
         "kg.m2", "inertia of the piston about its centre of mass", nominal=1e-4, positive=True
     ).default(3.5e-4)
     half_length: float = Quantity(
-        "m",
-        "half the length of the skirt; 0: a roller, which touches each wall at one point",
-        nominal=0.1,
-        minimum=0.0,
-        display_unit="mm",
-        plausible=PART_LENGTH,
-    ).default(0.025)
+        "m", "half the length of the skirt; 0: a roller, which touches each wall at one point",
+        nominal=0.1, minimum=0.0, display_unit="mm", plausible=PART_LENGTH,
+    ).default(0.025)  # fmt: skip
     half_height: float = Quantity(
-        "m",
-        "half the width of the piston across the bore",
-        nominal=0.1,
-        minimum=0.0,
-        display_unit="mm",
-        plausible=PART_LENGTH,
-    ).default(0.5 * _BORE)
+        "m", "half the width of the piston across the bore",
+        nominal=0.1, minimum=0.0, display_unit="mm", plausible=PART_LENGTH,
+    ).default(0.5 * _BORE)  # fmt: skip
     clearance: float = Quantity(
-        "m",
-        "play of the middle piston to either wall",
-        nominal=1e-4,
-        minimum=1e-7,
-        display_unit="um",
-        plausible=PLAY,
-    ).default(40e-6)
+        "m", "play of the middle piston to either wall",
+        nominal=1e-4, minimum=1e-7, display_unit="um", plausible=PLAY,
+    ).default(40e-6)  # fmt: skip
     pin_height: float = Quantity(
         "m", "pin ahead of the skirt's middle, along", nominal=1e-2, display_unit="mm", plausible=OFFSET
     ).default(4e-3)
     pin_offset: float = Quantity(
-        "m",
-        "pin above the piston's middle line (to the upper wall)",
-        nominal=1e-3,
-        display_unit="mm",
-        plausible=OFFSET,
-    ).default()
+        "m", "pin above the piston's middle line (to the upper wall)",
+        nominal=1e-3, display_unit="mm", plausible=OFFSET,
+    ).default()  # fmt: skip
     mass_height: float = Quantity(
-        "m",
-        "centre of mass ahead of the skirt's middle, along",
-        nominal=1e-2,
-        display_unit="mm",
-        plausible=OFFSET,
-    ).default(8e-3)
+        "m", "centre of mass ahead of the skirt's middle, along",
+        nominal=1e-2, display_unit="mm", plausible=OFFSET,
+    ).default(8e-3)  # fmt: skip
     mass_offset: float = Quantity(
-        "m",
-        "centre of mass above the piston's middle line",
-        nominal=1e-3,
-        display_unit="mm",
-        plausible=OFFSET,
-    ).default()
+        "m", "centre of mass above the piston's middle line",
+        nominal=1e-3, display_unit="mm", plausible=OFFSET,
+    ).default()  # fmt: skip
     crank_pin_friction: float = Quantity(
         "N.m.s", "friction moment of the crank pin per relative speed", nominal=1e-2, minimum=0.0
     ).default(1e-2)
@@ -139,11 +115,9 @@ class PistonParameters:
     # A piston passes 1 mm/s within a microsecond of its dead centre, so that this rounding off moves
     # nothing visible, and a piston at rest creeps instead of sticking.
     creep_velocity: float = Quantity(
-        "m/s",
-        "sliding velocity below which lasting friction falls to zero (as tanh)",
-        nominal=1e-3,
-        positive=True,
-    ).default(1e-3)
+        "m/s", "sliding velocity below which lasting friction falls to zero (as tanh)",
+        nominal=1e-3, positive=True,
+    ).default(1e-3)  # fmt: skip
     restitution: float = Quantity(
         "1", "coefficient of restitution e normal to the walls", minimum=0.0, maximum=1.0
     ).default(0.3)
@@ -283,11 +257,9 @@ class PistonOutputs:
         "N.s", "lower wall's impulses and integral of its forces: differences give means"
     ).default()
     corner_impact_count: Vector = Quantity(
-        "1",
-        "impacts of a corner (upper front, upper rear, lower front, lower rear)",
-        count=True,
-        size="corners",
-    ).per_element()
+        "1", "impacts of a corner (upper front, upper rear, lower front, lower rear)",
+        count=True, size="corners",
+    ).per_element()  # fmt: skip
     corner_impact_impulse: Vector = Quantity(
         "N.s", "sum of the normal impulses on a corner", size="corners"
     ).per_element()

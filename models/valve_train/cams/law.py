@@ -24,13 +24,9 @@ class RiseParameters:
 
     law: float = Quantity("1", "law of rise and fall", choices=tuple(RISES)).default()
     lift: float = Quantity(
-        "m",
-        "lift S of the law, without ramps",
-        nominal=1e-2,
-        positive=True,
-        display_unit="mm",
-        plausible=CAM_LIFT,
-    ).default(8e-3)
+        "m", "lift S of the law, without ramps",
+        nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_LIFT,
+    ).default(8e-3)  # fmt: skip
     base_radius: float = Quantity(
         "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
     ).default(2.610272395869072 * 8e-3)

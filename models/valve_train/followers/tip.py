@@ -16,13 +16,9 @@ from ...plausible import CURVATURE
 @dataclass
 class TipParameters:
     tip_radius: float = Quantity(
-        "m",
-        "radius of the lever's pad on the valve",
-        nominal=1e-2,
-        positive=True,
-        display_unit="mm",
-        plausible=CURVATURE,
-    ).default(10e-3)
+        "m", "radius of the lever's pad on the valve",
+        nominal=1e-2, positive=True, display_unit="mm", plausible=CURVATURE,
+    ).default(10e-3)  # fmt: skip
 
 
 @dataclass
