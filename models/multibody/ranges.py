@@ -32,8 +32,6 @@ RANGES = {
     "radius": Allowed(0.0, 100.0, "m", with_low=True),
     "film": Allowed(0.0, 1e-2, "m"),
     "mass": Allowed(0.0, math.inf, "kg", with_low=True),
-    "transverse": Allowed(0.0, math.inf, "kg m2", with_low=True),
-    "polar": Allowed(0.0, math.inf, "kg m2", with_low=True),
     "youngs_modulus": Allowed(1e5, 1e13, "Pa"),
     "poissons_ratio": Allowed(-1.0, 0.5, ""),
     "density": Allowed(10.0, 1e5, "kg/m3"),
