@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from models.multibody.ida import solve_ida
-from models.multibody.linear import find_frequencies, find_rest
-from models.multibody.mechanism import Mechanism
+from models.multibody.linear import find_frequencies
 from models.multibody.pushrod_train import CAM, DRIVE, PIVOT, ROD_END, SEAT, TIP, pushrod_train
 from models.valve_train.cams.law import law_lift
 
@@ -16,11 +15,6 @@ from .trains import pushrod_parts
 
 RATIO, MASS, ROD_MASS, INERTIA, ARM = 1.25, 0.1, 7850.0 * 50e-6 * 0.2, 6e-5, 32e-3
 EVALUATION = "independent evaluation"
-# Loads at the cam and at the valve (N), least and largest over a turn.
-LOADS = {1000.0: (410.582, 851.34, 328.996, 680.544), 1600.0: (404.055, 857.199, 325.440, 683.573)}
-REVOLUTIONS = 6
-# Vibrations of 504 Hz between two instants: 1e-5 of the loads.
-POINTS = 5761
 
 
 def turning(speed_rpm: float) -> float:
@@ -68,30 +62,8 @@ def test_joints_of_the_train_leave_what_is_elastic():
 def test_natural_frequencies_of_the_train_on_a_resting_cam(segments, expected, record):
     """Of the reduced constrained equations; sixteen segments are 1/16 as far from the exact rod as four."""
     mechanism = pushrod_train(pushrod_parts(segments=segments), 0.0)
-    found = find_frequencies(mechanism, find_rest(mechanism))
+    found = find_frequencies(mechanism, mechanism.start())
     for i, (value, wanted) in enumerate(zip(found, expected, strict=False)):
         quantity = f"pushrod of {segments} segments: natural frequency {i + 1} (Hz)"
         tolerance = 1e-6 if segments == 4 else 6e-5
         record("Multibody", quantity, value, wanted, EVALUATION, tolerance=tolerance * wanted)
-
-
-def loaded_train(speed_rpm: float) -> Mechanism:
-    """With 330 N at the resting valve: the preload makes up for the pushrod's compression."""
-    first = pushrod_train(pushrod_parts(), turning(speed_rpm))
-    resting = find_rest(first).multipliers[first.find_rows(TIP)][0]
-    return pushrod_train(pushrod_parts(preload=660.0 - resting), turning(speed_rpm))
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("speed_rpm", [1000.0, 1600.0])
-def test_loads_of_the_train_on_an_elastic_pushrod(speed_rpm, record):
-    mechanism, turn = loaded_train(speed_rpm), 60.0 / speed_rpm
-    times = np.append(0.0, np.linspace(REVOLUTIONS - 1, REVOLUTIONS, POINTS) * turn)
-    # At 1e-8 single loads between IDA's steps are off by up to 2e-4.
-    motion = solve_ida(mechanism, times, 1e-9, find_rest(mechanism))
-    found = [f(motion.load(contact)[1:]) for contact in (CAM, TIP) for f in (np.min, np.max)]
-    names = ("least cam load", "largest cam load", "least valve load", "largest valve load")
-    for name, value, expected in zip(names, found, LOADS[speed_rpm], strict=True):
-        quantity = f"elastic pushrod train at {speed_rpm:g} r/min: {name} (N)"
-        # Its two evaluations, by Fourier series and in time, agree to 4e-5.
-        record("Multibody", quantity, value, expected, EVALUATION, tolerance=4e-5 * expected)
