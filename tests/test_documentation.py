@@ -32,7 +32,8 @@ PAGE = (DOCS / "reference" / "scenarios.md").read_text(encoding="utf-8")
 CODE = re.findall(r"```\w*\n(.+?)```|`([^`\n]+)`", PAGE, re.DOTALL)
 PAGES = (
     "tutorials/first-valve-train", "how-to/build-a-valve-train", "how-to/use-your-own-cam",
-    "how-to/write-a-scenario", "how-to/film-friction-wear", "how-to/choose-an-oil", "reference/scenarios",
+    "how-to/write-a-scenario", "how-to/choose-a-film", "how-to/film-friction-wear", "how-to/choose-an-oil",
+    "reference/scenarios",
 )  # fmt: skip
 EXAMPLES = [
     example
