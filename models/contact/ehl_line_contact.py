@@ -16,6 +16,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Layout, Quantity
+from ..core.requirements import Requirement
 from .films import FILMS, moes_venner
 from .fluid import DENSITY_LAWS
 from .hertz import half_width, load_and_deflection, pair_compliance
@@ -31,6 +32,8 @@ from .relaxation import SQUEEZE_CONSTANT, relaxation_rate
 # 1e-11, much closer than `line.newton` promises (1e-6 of the pressure): less would only take time.
 LEAST_FIELD_TOLERANCE = 1e-9
 NODES = 301
+# A layer (m) that fills any gap.
+FLOODED = 1.0
 # Before the field begins, asperities and film share the load by this formula.
 MOES_VENNER = float(list(FILMS).index("moes_venner"))
 
@@ -43,6 +46,14 @@ class LineContactParameters(SharedParameters):
     field_tolerance: float = Quantity(
         "1", "error of load and film per micro-step", minimum=LEAST_FIELD_TOLERANCE, maximum=0.1
     ).default(1e-4)
+    oil_supply: float = Quantity(
+        "m",
+        "layer of oil that enters (structure mass_conserving = 1); 1 m: flooded",
+        nominal=1e-6,
+        minimum=0.0,
+        maximum=FLOODED,
+        display_unit="um",
+    ).default(FLOODED)
 
 
 @dataclass
@@ -105,11 +116,29 @@ def output(t: float, x: Any, u: ContactInputs, p: LineContactParameters, y: Line
     y.separated = 1.0 if y.load <= 0.0 else 0.0
 
 
+@kernel
+def is_flooded(p: LineContactParameters, numbers: Any) -> bool:
+    numbers[0] = p.oil_supply
+    return p.oil_supply >= FLOODED
+
+
+FLOODED_ALWAYS = Requirement(
+    is_flooded,
+    "oil_supply = {0:g} m: must be 1 (flooded) where cavities refill as if full; set mass_conserving = 1 in "
+    "the structure",
+)
+
+
 @counts_energies
-def ehl_line_contact(nodes: int = NODES) -> Component:
-    """The lubricated line contact with a pressure field of so many nodes; ValueError if they cannot be."""
+def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0) -> Component:
+    """The lubricated line contact with a pressure field of so many nodes; ValueError if they cannot be.
+
+    mass_conserving = 1: cavities keep their oil (see `line.cavities`).
+    """
+    if mass_conserving not in (0, 1):
+        raise ValueError(f"mass_conserving = {mass_conserving}: must be 0 or 1")
     inputs = Layout(ContactInputs)
-    state = field_layout(nodes)
+    state = field_layout(nodes, nodes * mass_conserving)
     surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
     rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
     return Component(
@@ -128,8 +157,9 @@ def ehl_line_contact(nodes: int = NODES) -> Component:
             "steady_film_thickness": rated,
             "squeeze_velocity": rated,
         },
+        requirements=() if mass_conserving else (FLOODED_ALWAYS,),
         bonds=BONDS,
-        structure={"nodes": nodes},
+        structure={"nodes": nodes, "mass_conserving": mass_conserving},
         advance_maker=make_field_advance,
         extra_work=field_work_size(state.size, inputs.size, nodes),
         implicit_maker=implicit_field,

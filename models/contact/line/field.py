@@ -54,6 +54,7 @@ def make_field_advance(component: Component) -> Any:
     nodes, n = component.structure["nodes"], component.state.size
     X, P = component.state.dtype, component.parameters.dtype
     INPUTS, m = component.inputs.dtype, component.inputs.size
+    filled = component.state.sizes["filled"]
     solver, radius = workspace_size(nodes), component.inputs.index("radius_of_curvature")
     sampled, sample = component.sample is not None, component.sample or _nothing
 
@@ -73,6 +74,7 @@ def make_field_advance(component: Component) -> Any:
         state.curvature_rate = -_slope(U, at, radius) / given.radius_of_curvature**2
         copy(state.pressure, w.p_middle)
         copy(state.film, w.h_middle)
+        copy(state.filling, w.filling_middle[:filled])
         observe(state, given, parameters, build_bodies(parameters), w)
         sample((1.0 - GAMMA) * length, t, at, middle, U, u, p, work)
 
@@ -101,15 +103,16 @@ def make_field_advance(component: Component) -> Any:
             # Not a small rest at the end: rates are differences over the last lengths.
             last = s + micro >= h
             length = h - s if last else min(micro, 0.5 * (h - s))
+            copy(w.filling[:filled], state.filling)
             taylor(U, s, u)
-            at_start = read_drives(given, parameters, state.rigid_approach)
+            at_start = read_drives(given, parameters, state.rigid_approach, filled)
             taylor(U, s + 0.5 * length, u)
             new_scale = next_scale(state, given.radius_of_curvature, length, bodies)
             taylor(U, s + GAMMA * length, u)
             foretold = state.rigid_approach + GAMMA * length * state.approach_rate
-            at_middle = read_drives(given, parameters, foretold)
+            at_middle = read_drives(given, parameters, foretold, filled)
             taylor(U, s + length, u)
-            at_end = read_drives(given, parameters, state.rigid_approach)
+            at_end = read_drives(given, parameters, state.rigid_approach, filled)
             result = step(
                 pressure, film, slope, state.grid_scale, new_scale, length,
                 at_start, at_middle, at_end, parameters.field_tolerance, bodies, fluid, w,
@@ -141,6 +144,7 @@ def make_field_advance(component: Component) -> Any:
                 state.grid_scale, state.rigid_approach = result.scale, result.approach
                 copy(state.pressure, pressure)
                 copy(state.film, film)
+                copy(state.filling, w.filling[:filled])
                 observe(state, given, parameters, bodies, w)
                 if sampled:
                     sample(length if jumped_over else GAMMA * length, t, s + length, x, U, u, p, work)

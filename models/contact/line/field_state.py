@@ -14,6 +14,7 @@ from ..friction import profile_friction
 from ..hertz import deflection, find_load, maximum_pressure, pair_compliance
 from ..mixed_lubrication import build_surfaces, build_traction
 from ..records import FilmThickness
+from .cavities import start_filling
 from .differences import INSTANTS, append_instant, estimate_rate, estimate_second_derivative, restart
 from .grid import check_nodes
 from .mixed import Bodies, fill_total, film_of, mean_plane_gap
@@ -27,8 +28,8 @@ FOLLOWED = 7
 _LOAD, _FILM, _LEAST, _PRESSURE, _ASPERITIES, _SHEAR, _BOUNDARY = range(FOLLOWED)
 
 
-def field_layout(nodes: int) -> Layout:
-    """The state of a contact with a field of so many nodes."""
+def field_layout(nodes: int, filled: int) -> Layout:
+    """The state of a contact with a field of so many nodes, `filled` of which know how full they are."""
     check_nodes(nodes)
 
     @dataclass
@@ -61,6 +62,9 @@ def field_layout(nodes: int) -> Layout:
         slope: Any = Quantity(
             "Pa/s", "rate of pressure in the last step", nominal=1e12, internal=True, size="nodes"
         ).per_element()
+        filling: Any = Quantity(
+            "1", "oil over what fills the gap, over the nodes", internal=True, size="filled"
+        ).per_element(1.0)
 
         history: Any = Quantity(
             "1", "divided differences of what outputs show (SI)", internal=True, size="history"
@@ -68,7 +72,7 @@ def field_layout(nodes: int) -> Layout:
         ages: Any = Quantity("s", "ages of the instants in history", internal=True, size="ages").per_element()
         waited: float = Quantity("s", "time since the last of them", internal=True).default()
 
-    sizes = {"nodes": nodes, "history": INSTANTS * FOLLOWED, "ages": INSTANTS - 1}
+    sizes = {"nodes": nodes, "filled": filled, "history": INSTANTS * FOLLOWED, "ages": INSTANTS - 1}
     return Layout(FieldState, sizes)
 
 
@@ -80,12 +84,14 @@ def build_bodies(p: Any) -> Bodies:
 
 
 @kernel
-def read_drives(u: Any, p: Any, approach: float) -> Drives:
-    """What the inputs ask for; `approach` is the guess where the load is given.
+def read_drives(u: Any, p: Any, approach: float, filled: int) -> Drives:
+    """What the inputs ask for; `approach` is the guess where the load is given, `filled` that of the state.
 
     A load is at least film_load_floor: without any, the bodies would part at once, however far.
     """
-    flow = Flow(u.entraining_velocity, u.sliding_velocity, u.radius_of_curvature)
+    flow = Flow(
+        u.entraining_velocity, u.sliding_velocity, u.radius_of_curvature, p.oil_supply if filled else -1.0
+    )
     if p.load_is_given != 0.0:
         return Drives(flow, approach, max(u.applied_load, p.film_load_floor) / p.length)
     return Drives(flow, u.approach - u.retreat, -1.0)
@@ -151,6 +157,7 @@ def clear(dx: Any) -> None:
     dx.pressure[:] = 0.0
     dx.film[:] = 0.0
     dx.slope[:] = 0.0
+    dx.filling[:] = 0.0
     dx.history[:] = 0.0
     dx.ages[:] = 0.0
 
@@ -213,4 +220,5 @@ def begin_state(x: Any, u: Any, p: Any, w: Workspace) -> None:
     """Begin the field of a state that has none."""
     begun = begin(x.film_thickness, u, p, w.X, x.pressure, x.film)
     x.grid_scale, x.rigid_approach = begun.grid_scale, begun.rigid_approach
+    start_filling(x.pressure, x.film, p.oil_supply, x.filling)
     observe(x, u, p, build_bodies(p), w)

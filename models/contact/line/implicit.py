@@ -11,11 +11,12 @@ from ...compile.kernel import kernel, record_of
 from ...core.implicit import ImplicitSteps
 from ...core.integrator import NOT_CONVERGED, OK, copy
 from ..fluid import build_lubricant
+from .cavities import fill_partly
 from .field_state import begin_state, build_bodies, observe, read_drives
 from .mixed import fill_total
 from .newton import FilmProblem, forget_factors, integrate_pressure, newton
 from .reynolds import properties
-from .transient import GRID_TIME, aimed_scale, central, masses
+from .transient import GRID_TIME, aimed_scale, central, end_filling, masses
 from .workspace import workspace_in, workspace_size
 
 # Behind the masses.
@@ -25,6 +26,7 @@ _SCALE, _FILM, _CURVATURE, _APPROACH = range(4)
 def implicit_field(component: Any) -> ImplicitSteps:
     """Implicit steps of an ehl_line_contact."""
     nodes = component.structure["nodes"]
+    filled = component.state.sizes["filled"]
     solver = workspace_size(nodes)
     X, U, P = component.state.dtype, component.inputs.dtype, component.parameters.dtype
 
@@ -41,6 +43,8 @@ def implicit_field(component: Any) -> ImplicitSteps:
         state, constants = record_of(x, X), record_of(p, P)
         w = workspace_in(work, nodes)
         properties(state.pressure, state.film, build_lubricant(constants, constants.density_law), w.nodes)
+        if filled:
+            fill_partly(state.pressure, state.filling, w.nodes)
         masses(state.grid_scale, w, q[:nodes])
         rest = q[nodes:]
         rest[_SCALE], rest[_FILM] = state.grid_scale, state.film_thickness
@@ -56,7 +60,7 @@ def implicit_field(component: Any) -> ImplicitSteps:
         copy(film, state.film)
         bodies, fluid = build_bodies(constants), build_lubricant(constants, constants.density_law)
         before = base[nodes:]
-        drives = read_drives(given, constants, state.rigid_approach)
+        drives = read_drives(given, constants, state.rigid_approach, filled)
         fill_total(pressure, film, bodies, w.mixed.total)
         load = integrate_pressure(w.mixed.total, w.weight, state.grid_scale)
         wanted = aimed_scale(state.grid_scale, load, central(film), drives.flow.radius, bodies)
@@ -69,6 +73,9 @@ def implicit_field(component: Any) -> ImplicitSteps:
         copy(state.film, film)
         if found.error != 0.0:
             return NOT_CONVERGED
+        if filled:
+            end_filling(pressure, film, scale, interval, drives.flow, w)
+            copy(state.filling, w.filling)
         state.grid_scale, state.rigid_approach = scale, found.approach
         observe(state, given, constants, bodies, w)
         state.film_rate = (state.film_thickness - before[_FILM]) / interval

@@ -13,9 +13,10 @@ from typing import Any
 from ...compile.kernel import kernel
 from ...core.integrator import copy
 from ..fluid import Lubricant
+from .cavities import keeps_oil
 from .mixed import Bodies
 from .newton import FilmProblem, forget_factors
-from .transient import Drives, FilmStep, error_of, masses, solve_robustly
+from .transient import Drives, FilmStep, end_filling, error_of, masses, solve_robustly
 from .workspace import Workspace
 
 
@@ -32,10 +33,13 @@ def jump_step(
     copy(h, w.h_start)
     copy(w.mixed.total, w.mixed.total_start)
     forget_factors(w)
+    w.nodes.share[:] = 1.0
     problem = FilmProblem(new_scale, (new_scale - scale) / time_step, end.flow, end.line_load, time_step)
     found = solve_robustly(p, h, end.approach, problem, bodies, fluid, w.mass_start, w)
     if found.error != 0.0:
         return FilmStep(found.approach, new_scale, math.inf, found.approach)
+    if keeps_oil(end.flow):
+        end_filling(p, h, new_scale, time_step, end.flow, w)
     masses(new_scale, w, w.estimate)
     for i in range(p.shape[0]):
         slope[i] = 0.0

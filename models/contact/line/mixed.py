@@ -18,8 +18,9 @@ from ..asperities import APART, below, find_separation, gap_at, mean_gap, pressu
 # A cavitated node whose asperities press less than this share of the highest pressure counts as open: a
 # thousandth of what Newton's method leaves.
 OPEN_SHARE = 1e-9
-# The sides of a node for the Jacobian: the balance, no pressure at all, or that of asperities alone.
-BALANCED, FREE, TOUCHING = 0.0, 1.0, 2.0
+# The sides of a node for the Jacobian: the balance, no pressure at all, or that of asperities alone; the
+# balance where oil comes out of a cavity that keeps it, next to the node or one node before.
+BALANCED, FREE, TOUCHING, FED, FED_BEFORE = 0.0, 1.0, 2.0, 3.0, 4.0
 # An iteration may bring mean planes nearer by this many roughnesses: p_a then grows less than tenfold where
 # it matters.
 NEARER = 1.0
@@ -101,6 +102,12 @@ def fluid_pressure(p: Any, fixed: Any, m: Mixed) -> None:
 def is_open(asperities: float, highest: float) -> bool:
     """A cavitated node counts as without pressure."""
     return asperities <= OPEN_SHARE * highest
+
+
+@kernel
+def is_balanced_side(side: float) -> bool:
+    """The node has pressure, which follows from its balance."""
+    return side != FREE and side != TOUCHING
 
 
 @kernel

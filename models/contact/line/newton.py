@@ -2,7 +2,8 @@
 
 Newton's method on the balance of `reynolds` with the complementarity p >= 0 by active sets: a node whose
 pressure falls below zero cavitates, a cavitated node whose balance says that oil piles up gets pressure
-again. As that is seen only next to the pressurised film, more nodes join when it moves on (1, 2, 4, ...).
+again; where cavities keep their oil (see `cavities`), one whose gap does not hold it. As that is seen only
+next to the pressurised film, more nodes join when it moves on (1, 2, 4, ...).
 Between rough surfaces the unknown is the total pressure (see `mixed`).
 The factors of the Jacobian are used until convergence is slow or many nodes have changed sides (see
 `woodbury`).
@@ -14,6 +15,7 @@ from typing import Any, NamedTuple
 from ...compile.kernel import kernel
 from ..elimination import add_rows
 from ..fluid import Lubricant
+from .cavities import Ways, feed_rows, find_ways, hold_layers, keeps_oil, move_layers, room_left
 from .hierarchical import BAND, Jacobian
 from .mixed import FREE, NEARER, Bodies, couple_asperities, fill_sides, fluid_pressure, is_open, touch
 from .reynolds import Flow, balance, cell, properties
@@ -218,6 +220,23 @@ def is_balanced(problem: FilmProblem, w: Workspace) -> bool:
 
 
 @kernel
+def find_balance(p: Any, h: Any, problem: FilmProblem, fluid: Lubricant, old: Any, w: Workspace) -> None:
+    """w.residual with its derivatives; where cavities keep their oil, with the layers that balance them."""
+    properties(p, h, fluid, w.nodes)
+    if keeps_oil(problem.drive):
+        hold_layers(h, w.fixed, problem.drive, w.oil, w.nodes)
+    balance(
+        w.X, problem.scale, problem.scale_rate, p, h, w.nodes, problem.drive, fluid, old,
+        problem.time_step, w.residual, w.A, w.B,
+    )  # fmt: skip
+    if keeps_oil(problem.drive):
+        ways = Ways(w.by_near, w.by_far)
+        find_ways(w.X, problem.scale_rate, problem.drive, w.nodes.filled, w.nodes.share, ways)
+        per_time = problem.scale / problem.time_step
+        move_layers(w.X, per_time, w.fixed, ways, w.residual, w.nodes, w.oil, w.solution[0])
+
+
+@kernel
 def newton(
     p: Any, h: Any, approach: float, problem: FilmProblem, bodies: Bodies, fluid: Lubricant, old: Any,
     w: Workspace,
@@ -260,24 +279,34 @@ def newton(
                         p[i] = max(q[i] - w.mixed.asperities[i], 0.0)
         if not smallest(h) > 0.0:
             return FilmSolution(approach, math.inf, iteration)
-        properties(p, h, fluid, w.nodes)
-        balance(
-            w.X, problem.scale, problem.scale_rate, p, h, w.nodes, problem.drive, fluid, old,
-            problem.time_step, w.residual, w.A, w.B,
-        )  # fmt: skip
-        for i in range(n):
-            if abs(w.residual[i]) <= ROUNDING * old[i] / problem.time_step:
-                w.residual[i] = 0.0
-        changed, hasty = update_sides(w.change, w.fixed, w.residual, w.recent, reach)
+        find_balance(p, h, problem, fluid, old, w)
+        if keeps_oil(problem.drive):
+            room_left(h, w.oil, ROUNDING, w.right)
+            changed, hasty = update_sides(w.change, w.fixed, w.right, w.recent, reach)
+            if changed > 0:
+                find_balance(p, h, problem, fluid, old, w)
+        else:
+            for i in range(n):
+                if abs(w.residual[i]) <= ROUNDING * old[i] / problem.time_step:
+                    w.residual[i] = 0.0
+            changed, hasty = update_sides(w.change, w.fixed, w.residual, w.recent, reach)
         most = last // 2 if hasty else most + 1
         last, reach = reach, min(max(1, 2 * reach) if changed > 0 and not hasty else 0, most)
         for i in range(n):
             w.right[i], sides[i] = -w.residual[i], w.fixed[i]
         if rough:
             fill_sides(p, w.fixed, highest, w.mixed)
+        if keeps_oil(problem.drive):
+            ways = Ways(w.by_near, w.by_far)
+            feed_rows(w.X, problem.scale / problem.time_step, w.fixed, ways, w.A, w.B, sides)
+        if rough:
             couple_asperities(w.A, w.B, w.mixed, w.right)
         if left <= 1.0 and changed == 0:
-            return FilmSolution(approach, 0.0 if is_balanced(problem, w) else math.inf, iteration)
+            if is_balanced(problem, w):
+                return FilmSolution(approach, 0.0, iteration)
+            # The steep pressure where oil fills the gap again takes corrections that are small elsewhere.
+            if not keeps_oil(problem.drive):
+                return FilmSolution(approach, math.inf, iteration)
         if slow or not correct_factors(sides, w.hierarchy, w.exchange):
             factorise_anew(J, sides, w.hierarchy, w.exchange)
         fill_right_side(w)

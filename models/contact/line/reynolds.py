@@ -21,16 +21,24 @@ _SMALL = 1e-3
 
 
 class Flow(NamedTuple):
-    """What drives the film at an instant: SI units, `sliding` for shear thinning only."""
+    """What drives the film at an instant: SI units, `sliding` for shear thinning only.
+
+    `supply`: the layer of oil that enters (m) if cavities keep their oil; negative: they refill as if full.
+    """
 
     velocity: float
     sliding: float
     radius: float
+    supply: float = -1.0
 
 
 class Nodes(NamedTuple):
     """Fields over the nodes and their derivatives, filled by `properties`: mass = rho h and its derivative
-    by p; flow = rho h^3/12 with derivatives by p and h; ln(eta/eta0), its derivative, and eta0/eta."""
+    by p; rho, that by h (0 in cavities that keep their oil); flow = rho h^3/12 with derivatives by p and h;
+    ln(eta/eta0), its derivative, and eta0/eta.
+
+    Not filled there: the filling, and `share`, a factor of the flow through the face behind the node, both 1
+    but for cavities that keep their oil; that flow (m2/s), which `balance` fills."""
 
     mass: Any
     mass_p: Any
@@ -41,6 +49,9 @@ class Nodes(NamedTuple):
     log_eta: Any
     log_eta_p: Any
     fluidity: Any
+    filled: Any
+    share: Any
+    through: Any
 
 
 @kernel
@@ -79,6 +90,33 @@ def cell(X: Any, i: int) -> float:
     return 0.5 * (X[i + 1] - X[i - 1])
 
 
+class Carried(NamedTuple):
+    """What surfaces carry through a face, velocity ((1 + reach) mass[near] - reach mass[far]) (m2/s, to the
+    right positive): the node upstream of it and the one before that."""
+
+    near: int
+    far: int
+    velocity: float
+    reach: float
+
+
+@kernel
+def carried(X: Any, i: int, scale_rate: float, drive: Flow, filled: Any) -> Carried:
+    """Through the face between nodes i and i + 1. The extrapolation fades with the filling of both nodes, by
+    which no layer becomes negative."""
+    n = X.shape[0]
+    face = 0.5 * (X[i] + X[i + 1])
+    velocity = drive.velocity - scale_rate * face
+    near = i + 1 if velocity < 0.0 else i
+    far = near + 1 if velocity < 0.0 else near - 1
+    reach = 0.0
+    if 0 <= far < n:
+        reach = (face - X[near]) / (X[near] - X[far]) * (filled[near] * filled[far])
+    else:
+        far = near
+    return Carried(near, far, velocity, reach)
+
+
 @kernel
 def balance(
     X: Any, scale: float, scale_rate: float, p: Any, h: Any, f: Nodes, drive: Flow, fluid: Lubricant,
@@ -102,17 +140,7 @@ def balance(
         A[2, i] = f.mass_p[i] * c * per_time
         B[2, i] = f.rho[i] * c * per_time
     for i in range(n - 1):
-        face = 0.5 * (X[i] + X[i + 1])
-        velocity = drive.velocity - scale_rate * face
-        # Upstream nodes: the near one and the one behind it.
-        step = 1 if velocity < 0.0 else -1
-        near = i + 1 if velocity < 0.0 else i
-        far = near + step
-        reach = 0.0
-        if 0 <= far < n:
-            reach = (face - X[near]) / (X[near] - X[far])
-        else:
-            far = near
+        near, far, velocity, reach = carried(X, i, scale_rate, drive, f.filled)
         length = scale * (X[i + 1] - X[i])
         gradient = (p[i + 1] - p[i]) / length
         mean, by_first, by_second = mean_fluidity(
@@ -133,6 +161,7 @@ def balance(
         )
         flow = 0.5 * (f.flow[i] + f.flow[i + 1])
         q = velocity * ((1.0 + reach) * f.mass[near] - reach * f.mass[far]) - flow * mean * gradient
+        f.through[i] = f.share[i] * q
         by_gradient = flow * mean * shear / length
         p_first = by_gradient - (0.5 * f.flow_p[i] * mean + flow * by_first * f.log_eta_p[i]) * gradient
         p_second = -by_gradient - (
@@ -144,14 +173,14 @@ def balance(
             row = i + side
             if row == 0 or row == n - 1:
                 continue
-            sign = 1.0 if side == 0 else -1.0
+            sign = f.share[i] if side == 0 else -f.share[i]
             residual[row] += sign * q
-            carried = sign * velocity * (1.0 + reach)
-            A[near - row + 2, row] += carried * f.mass_p[near]
-            B[near - row + 2, row] += carried * f.rho[near]
-            carried = -sign * velocity * reach
-            A[far - row + 2, row] += carried * f.mass_p[far]
-            B[far - row + 2, row] += carried * f.rho[far]
+            share = sign * velocity * (1.0 + reach)
+            A[near - row + 2, row] += share * f.mass_p[near]
+            B[near - row + 2, row] += share * f.rho[near]
+            share = -sign * velocity * reach
+            A[far - row + 2, row] += share * f.mass_p[far]
+            B[far - row + 2, row] += share * f.rho[far]
             A[i - row + 2, row] += sign * p_first
             A[i - row + 3, row] += sign * p_second
             B[i - row + 2, row] += sign * h_first

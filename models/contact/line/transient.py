@@ -18,8 +18,9 @@ from ...core.integrator import copy
 from ..asperities import pressure_under
 from ..fluid import Lubricant
 from ..hertz import deflection, find_load, half_width, maximum_pressure
+from .cavities import drain_at_the_end, fill_partly, fill_share, keeps_oil, settle
 from .hierarchical import BAND, Jacobian
-from .mixed import BALANCED, FREE, Bodies, fill_total, film_of, mean_plane_gap
+from .mixed import FREE, Bodies, fill_total, film_of, is_balanced_side, mean_plane_gap
 from .newton import (
     FilmProblem,
     FilmSolution,
@@ -189,6 +190,12 @@ def masses(scale: float, w: Workspace, out: Any) -> None:
 
 
 @kernel
+def second_base(start: float, middle: float) -> float:
+    """What the second stage's implicit step begins from."""
+    return start + (1.0 - GAMMA) / GAMMA * (middle - start)
+
+
+@kernel
 def estimate(
     p: Any, h: Any, scale: float, time_step: float, given: bool, bodies: Bodies, w: Workspace
 ) -> float:  # fmt: skip
@@ -196,8 +203,8 @@ def estimate(
     masses(scale, w, w.estimate)
     for i in range(p.shape[0]):
         first = (w.mass_middle[i] - w.mass_start[i]) / GAMMA
-        last = (w.estimate[i] - w.base[i]) / GAMMA
-        wet = w.mixed.sides[i] == BALANCED and w.p_start[i] > 0.0
+        last = (w.estimate[i] - second_base(w.mass_start[i], w.mass_middle[i])) / GAMMA
+        wet = is_balanced_side(w.mixed.sides[i]) and w.p_start[i] > 0.0
         at_start = -w.rate_start[i] * time_step if wet else first
         w.estimate[i] = _ERROR_START * at_start + _ERROR_MIDDLE * first + _ERROR_END * last
     return error_of(p, h, scale, GAMMA * time_step, given, bodies, w)
@@ -213,7 +220,7 @@ def error_of(
     factor, offset = deflection_factors(scale, bodies)
     for i in range(n):
         w.solution[0, i], w.solution[1, i] = 0.0, 0.0
-        if w.mixed.sides[i] == BALANCED:
+        if is_balanced_side(w.mixed.sides[i]):
             w.solution[0, i] = w.estimate[i] / interval
         if w.mixed.sides[i] != FREE:
             for k in range(BAND):
@@ -259,6 +266,14 @@ def solve_robustly(
 
 
 @kernel
+def end_filling(p: Any, h: Any, scale: float, interval: float, drive: Flow, w: Workspace) -> None:
+    """w.filling at the end of an implicit step of that `interval` (s)."""
+    masses(scale, w, w.estimate)
+    settle(w.estimate, interval, w.residual)
+    fill_share(w.estimate, p, h, w.X, scale, drive, w.nodes.rho, w.filling)
+
+
+@kernel
 def predict_approach(start: float, middle: float) -> float:
     """A guess of the approach (m) at a step's end, from its start and its first stage."""
     return start + (middle - start) / GAMMA
@@ -273,6 +288,7 @@ def step(
     and is renewed.
 
     Unless the error is at most 1 they must not be used (the start is in w.p_start, w.h_start, w.slope_start).
+    Where cavities keep their oil, w.filling likewise.
     `start`, `middle`, `end`: Drives at 0, GAMMA and 1 of the step; their approach is the guess where the
     load is given.
     """
@@ -282,6 +298,10 @@ def step(
     for i in range(n):
         w.p_start[i], w.h_start[i], w.slope_start[i] = p[i], h[i], slope[i]
     properties(p, h, fluid, w.nodes)
+    conserving = keeps_oil(start.flow)
+    if conserving:
+        w.nodes.share[:] = 1.0
+        fill_partly(p, w.filling, w.nodes)
     masses(scale, w, w.mass_start)
     # The rate at the start is what flows in.
     balance(
@@ -299,11 +319,17 @@ def step(
     if found.error != 0.0:
         return FilmStep(found.approach, half_scale, math.inf, found.approach)
     masses(half_scale, w, w.mass_middle)
+    if conserving:
+        settle(w.mass_middle, GAMMA * time_step, w.residual)
+        fill_share(w.mass_middle, p, h, w.X, half_scale, middle.flow, w.nodes.rho, w.filling_middle)
     copy(w.p_middle, p)
     copy(w.h_middle, h)
     middle_approach = found.approach
     for i in range(n):
-        w.base[i] = w.mass_start[i] + (1.0 - GAMMA) / GAMMA * (w.mass_middle[i] - w.mass_start[i])
+        w.base[i] = second_base(w.mass_start[i], w.mass_middle[i])
+    if conserving:
+        drain_at_the_end(p, (1.0 - GAMMA) * time_step, 1.0 / GAMMA, w.base, w.nodes.share, w.nodes.through)
+    for i in range(n):
         if w.base[i] < 0.0:
             # The film shrinks too much within the step: cavities would balance less than nothing.
             return FilmStep(found.approach, half_scale, math.inf, found.approach)
@@ -319,6 +345,9 @@ def step(
     found = solve_robustly(p, h, guess, problem, bodies, fluid, w.base, w)
     if found.error != 0.0:
         return FilmStep(found.approach, new_scale, math.inf, middle_approach)
+    if conserving:
+        end_filling(p, h, new_scale, GAMMA * time_step, end.flow, w)
+        w.nodes.share[:] = 1.0
     for i in range(n):
         slope[i] = (q[i] - q_start[i]) / time_step
     error = estimate(p, h, new_scale, time_step, given, bodies, w)

@@ -15,7 +15,7 @@ from .woodbury import SIDES, Exchange, exchange_in, exchange_size
 
 FIELDS = len(Nodes._fields)
 # Vectors besides the grid's two and the properties: those listed in Workspace after `nodes`.
-_VECTORS = 16
+_VECTORS = 21
 # Of Mixed.
 _MIXED = 8
 # Says that grid and matrix are filled.
@@ -49,6 +49,11 @@ class Workspace(NamedTuple):
     change: Any
     film_change: Any
     recent: Any
+    oil: Any
+    filling: Any
+    filling_middle: Any
+    by_near: Any
+    by_far: Any
     hierarchy: Hierarchy
     exchange: Exchange
     mixed: Mixed
@@ -57,7 +62,7 @@ class Workspace(NamedTuple):
 @kernel
 def nodes_in(f: Any) -> Nodes:
     """The first FIELDS rows of f."""
-    return Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8])
+    return Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9], f[10], f[11])
 
 
 def workspace_size(n: int) -> int:
@@ -91,8 +96,11 @@ def workspace_in(work: Any, n: int) -> Workspace:
     k += exchange_size(n)
     f, v = fields, fields[FIELDS:]
     nodes = nodes_in(f)
+    nodes.filled[:] = 1.0
+    nodes.share[:] = 1.0
     mixed = Mixed(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7])
     return Workspace(
         X, weight, D, nodes, v[0], v[13], A, B, v[1], solution, v[2], v[3], v[4], v[5], v[6], v[7],
-        v[8], v[9], v[10], v[11], v[12], v[14], v[15], hierarchy_in(work[k:], n), exchange, mixed,
+        v[8], v[9], v[10], v[11], v[12], v[14], v[15], v[16], v[17], v[18],
+        v[19], v[20], hierarchy_in(work[k:], n), exchange, mixed,
     )  # fmt: skip
