@@ -138,7 +138,8 @@ def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0) -> Component:
     if mass_conserving not in (0, 1):
         raise ValueError(f"mass_conserving = {mass_conserving}: must be 0 or 1")
     inputs = Layout(ContactInputs)
-    state = field_layout(nodes, nodes * mass_conserving)
+    filled = nodes * mass_conserving
+    state = field_layout(nodes, filled)
     surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
     rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
     return Component(
@@ -151,7 +152,7 @@ def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0) -> Component:
         outputs=Layout(LineContactOutputs),
         derivative=derivative,
         output=output,
-        energy=make_field_energy(nodes),
+        energy=make_field_energy(nodes, filled),
         feedthrough={
             **feedthrough_of_load(inputs, surfaces),
             "steady_film_thickness": rated,

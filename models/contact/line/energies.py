@@ -37,6 +37,7 @@ from ...core.component import DISSIPATED_POWER, SOURCE_POWER, STORED
 from ...core.integrator import copy
 from ..asperities import below, pressure_under
 from ..fluid import Lubricant, build_lubricant, density_ratio, enthalpy
+from .cavities import fill_partly, start_filling
 from .field_state import begin, build_bodies
 from .grid import node_positions
 from .hierarchical import BAND
@@ -123,7 +124,9 @@ def flow_powers(
     pressure, film, none, residual = room[0], room[1], room[2], room[3]
     for i in range(n):
         pressure[i], film[i], none[i] = x.pressure[i], x.film[i], 0.0
+        f.filled[i], f.share[i] = 1.0, 1.0
     properties(pressure, film, fluid, f)
+    fill_partly(pressure, x.filling, f)
     lost, left = 0.0, 0.0
     for driven in range(2):
         velocity = u.entraining_velocity if driven == 1 else 0.0
@@ -150,9 +153,10 @@ class SolvedFilm(NamedTuple):
     approach_rate: float
     curvature: float
     curvature_rate: float
+    filling: Any
 
 
-def make_field_energy(nodes: int) -> Any:
+def make_field_energy(nodes: int, filled: int) -> Any:
     """energy(t, x, u, p, e) of records, as `Component.energy`, also of a field that is to begin."""
     X = node_positions(nodes)
 
@@ -172,15 +176,19 @@ def make_field_energy(nodes: int) -> Any:
 
     @kernel
     def field_energy(t: float, x: Any, u: Any, p: Any, e: Any) -> None:
-        pressure, film = np.empty(nodes), np.empty(nodes)
+        pressure, film, filling = np.empty(nodes), np.empty(nodes), np.empty(filled)
         if x.grid_scale == 0.0:
             begun = begin(x.film_thickness, u, p, X, pressure, film)
+            start_filling(pressure, film, p.oil_supply, filling)
             scale, approach, curvature = begun.grid_scale, begun.rigid_approach, 1.0 / u.radius_of_curvature
         else:
             copy(pressure, x.pressure)
             copy(film, x.film)
+            copy(filling, x.filling)
             scale, approach, curvature = x.grid_scale, x.rigid_approach, x.curvature
-        found = SolvedFilm(pressure, film, scale, approach, x.approach_rate, curvature, x.curvature_rate)
+        found = SolvedFilm(
+            pressure, film, scale, approach, x.approach_rate, curvature, x.curvature_rate, filling
+        )
         solved_energy(found, x, u, p, e)
 
     return field_energy

@@ -161,8 +161,8 @@ def test_a_flooded_contact_that_runs_steadily_is_that_of_refilling_cavities() ->
 
 
 def test_a_contact_that_parted_has_no_load_before_it_comes_back_to_its_oil() -> None:
-    """Within 1 um above a plane, it parts to 4 um and closes. At 1.5 um it lacks oil; where cavities refill as
-    if full, they bear it up. Layers blur a little where the grid moves: measured 0.13 N against 48 N."""
+    """Within 1 um above a plane, it parts to 4 um and closes. At 1.5 um it lacks oil; cavities that
+    refill as if full bear it up. Layers blur a little where the grid moves: measured 0.13 N against 48 N."""
     for contact, least, most in ((Conserving(oil_supply=20e-6), 0.0, 0.5), (Contact(), 40.0, 60.0)):
         for _ in range(30):
             assert contact.step(2e-5, approach=-1e-6, entraining_velocity=0.0) == OK
