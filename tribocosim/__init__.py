@@ -32,11 +32,12 @@ if TYPE_CHECKING:
     from .api import speeds as speeds
     from .api import study as study
     from .api import validate_fmu as validate_fmu
+    from .api import wear as wear
 
 __all__ = [
     "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "build_scenario_fmus",
     "cam", "compare", "compare_fmu", "execute", "fmu_info", "load", "open", "plan", "report", "resume",
-    "run", "scenarios", "session", "speeds", "study", "validate_fmu",
+    "run", "scenarios", "session", "speeds", "study", "validate_fmu", "wear",
 ]  # fmt: skip
 
 

@@ -177,6 +177,36 @@ def study(
             return found.load()
 
 
+def wear(
+    scenario: Scenario | str | Path,
+    until: str = "0.127 mm",
+    *,
+    wear_coefficient: str = "1e-18,1e-16",
+    speed: str | None = None,
+    contact: str | None = None,
+    tolerance: float = 0.01,
+    out: str | Path | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xarray.Dataset:
+    """How a valve train's cam wears until it has lost the depth `until`, as the command `wear` finds it.
+
+    The attribute `answer` says it in words, with the fewest and the most cycles by the `wear_coefficient`
+    (m2/N: one, or the least and the largest). Ages are steps of the wear, with depths over cam angle and
+    follower. `tolerance` is the extrapolation's error as a part of the depth; `error` is estimated (m).
+    `out` keeps table, worn lift table and figure; what was stopped goes on there.
+    """
+    check_study_packages()
+    from orchestrator.study.wear.run import parse_asked
+    from orchestrator.study.wear.run import wear as wear_cam
+
+    if not isinstance(scenario, Scenario):
+        scenario = load(scenario)
+    asked = parse_asked(until, wear_coefficient, tolerance, contact, speed)
+    with _open_folder(out, "wear") as folder:
+        return wear_cam(scenario.content, asked, folder, SilentReporter(progress), overwrite)
+
+
 @contextmanager
 def _open_folder(out: str | Path | None, name: str) -> Iterator[Path]:
     """`out`, or one that is deleted afterwards."""

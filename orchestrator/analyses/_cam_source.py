@@ -7,6 +7,7 @@ from models.core.system import suggestion
 from models.valve_train.cams.rises import RISES
 
 from ..errors import MistakeError, Option, one_of
+from ..scenario.cams import name_follower
 from ..scenario.component_table import ComponentTable
 from ..scenario.files import find, list_shipped, load, read_contents
 from ..scenario.values import to_value
@@ -45,7 +46,7 @@ def _read_scenario(source: str, component: str | None) -> dict[str, Any]:
     if name not in cams:
         raise MistakeError((Option("component", name), f": {one_of(cams, name)}"))
     values = _list_values(cams[name])
-    follower = _name_follower(values)
+    follower = name_follower(values)
     wanted = {*list_law_parameters(), *TABLE_EVENT, *FIELDS[follower]}
     found = {key: value for key, value in values.items() if key in wanted} | {"follower": follower}
     if "law" in values:
@@ -65,10 +66,3 @@ def _list_values(table: ComponentTable) -> dict[str, Any]:
     if "base_radius" not in values:
         return {}
     return {"radius" if name == "follower_radius" else name: value for name, value in values.items()}
-
-
-def _name_follower(values: dict[str, Any]) -> str:
-    """The camshaft's is flat, the tappet names its own."""
-    if "rolls" in values:
-        return "finger_roller" if values["rolls"] else "finger_pad"
-    return str(values.get("follower", "flat"))

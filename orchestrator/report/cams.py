@@ -1,18 +1,15 @@
 """Cams and their followers, drawn."""
 
 import math
-from typing import get_type_hints
 
 import numpy as np
 
 from models.core.quantities import Vector
-from models.valve_train.cams.law import LAW
-from models.valve_train.cams.table import TABLE
-from models.valve_train.followers.shape import FOLLOWERS, sample_angles, trace_shape
+from models.valve_train.followers.shape import sample_angles, trace_shape
 
+from ..scenario.cams import read_cam
 from ..scenario.component_table import ComponentTable
-from ..scenario.values import to_numbers
-from .sketch import CIRCLE, MM, Parts, Sketch, get_numbers
+from .sketch import CIRCLE, MM, Parts, Sketch
 
 # Points of a cam's contour.
 CONTOUR = 240
@@ -20,9 +17,9 @@ CONTOUR = 240
 PLATE = 3.0
 
 
-def draw_cam(sketch: Sketch, parts: Parts, name: str, follower: str, angle: str) -> float:
+def draw_cam(sketch: Sketch, parts: Parts, name: str, angle: str) -> float:
     """The contour of a cam about the origin, and the width of the follower (mm) that it needs."""
-    x, y = trace_contour(parts.tables[name], follower)
+    x, y = trace_contour(parts.tables[name])
     cam = sketch.frame(turn=[(angle, 1.0)])
     sketch.polygon("cam", cam, [(MM * a, MM * b) for a, b in zip(x, y, strict=True)], f"cam of {name}")
     sketch.circle("pin", cam, 0.0, 0.0, 0.3 * MM * float(np.min(np.hypot(x, y))), "shaft")
@@ -30,16 +27,10 @@ def draw_cam(sketch: Sketch, parts: Parts, name: str, follower: str, angle: str)
     return 2.2 * MM * float(np.max(np.hypot(x, y)) - np.min(np.hypot(x, y))) + 18.0
 
 
-def trace_contour(table: ComponentTable, follower: str) -> tuple[Vector, Vector]:
+def trace_contour(table: ComponentTable) -> tuple[Vector, Vector]:
     """The contour of a component's cam (m), at the cam angle zero."""
-    layout = table.resolve().parameters
-    record = layout.view(layout.vector(to_numbers(layout, table.parameters)))
-    profile = TABLE if table.structure.get("table_points") else LAW
-    kind = FOLLOWERS[follower]
-    values = get_numbers(table)
-    own = {**values, "radius": values.get("follower_radius", 0.0)}
-    geometry = kind.geometry(**{key: own[key] for key in get_type_hints(kind.geometry) if key in own})
-    shape = trace_shape(sample_angles(CONTOUR), lambda a: profile.lift(a, record), kind, geometry)
+    cam = read_cam(table)
+    shape = trace_shape(sample_angles(CONTOUR), cam.lift, cam.follower, cam.geometry)
     return shape.x, shape.y
 
 

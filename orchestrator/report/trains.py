@@ -17,7 +17,7 @@ def sketch_direct(parts: Parts, cam: str) -> Sketch | None:
     if not parts.has(f"{valve}.position") or not parts.has(f"{cam}.cam_angle"):
         return None
     sketch = Sketch(f"valve train of {cam}", mirrored=True)
-    width = draw_cam(sketch, parts, cam, "flat", f"{cam}.cam_angle")
+    width = draw_cam(sketch, parts, cam, f"{cam}.cam_angle")
     top = MM * parts.numbers(cam)["base_radius"]
     moving = sketch.frame(shift=[(f"{valve}.position", 0.0, MM)])
     draw_bucket(sketch, moving, top, width, valve)
@@ -36,7 +36,7 @@ def sketch_tappet(parts: Parts, tappet: str) -> Sketch | None:
     sketch = Sketch(f"valve train of {tappet}", mirrored=not parts.has_role(rocker, roles.Rocker))
     p = parts.numbers(tappet)
     follower = ("flat", "roller", "pad")[int(p["follower"])]
-    width = draw_cam(sketch, parts, tappet, follower, f"{tappet}.profile_angle")
+    width = draw_cam(sketch, parts, tappet, f"{tappet}.profile_angle")
     base, radius, offset = MM * p["base_radius"], MM * p["follower_radius"], MM * p["offset"]
     moving = sketch.frame(shift=[(f"{tappet}.position", 0.0, MM)])
     contacts = parts.list_driven(f"{tappet}.entraining_velocity")
@@ -72,8 +72,7 @@ def sketch_finger(parts: Parts, finger: str) -> Sketch | None:
         return None
     sketch = Sketch(f"valve train of {finger}", mirrored=True)
     p = parts.numbers(finger)
-    follower = "finger_roller" if p["rolls"] else "finger_pad"
-    draw_cam(sketch, parts, finger, follower, f"{finger}.profile_angle")
+    draw_cam(sketch, parts, finger, f"{finger}.profile_angle")
     base, radius, arm = MM * p["base_radius"], MM * p["follower_radius"], MM * p["cam_arm"]
     x = -arm * math.cos(p["pivot_angle"])
     y = base + radius + arm * math.sin(p["pivot_angle"])

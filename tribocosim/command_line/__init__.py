@@ -22,6 +22,7 @@ from .scenarios import list_scenarios
 from .speeds import run_speeds
 from .ssp import ssp_export, ssp_import
 from .study import run_study
+from .wear import run_wear
 
 app = typer.Typer(
     help="Co-simulation of valve train and slider-crank tribodynamics, compared with a monolithic reference.",
@@ -41,6 +42,7 @@ app.command("cam")(draw_cam)
 app.command("speeds")(run_speeds)
 app.command("compare")(compare_sweeps)
 app.command("study")(run_study)
+app.command("wear")(run_wear)
 
 fmus = typer.Typer(help="Build, inspect and check FMUs.", no_args_is_help=True)
 fmus.command("build")(fmu_build)

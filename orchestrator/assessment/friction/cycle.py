@@ -51,6 +51,13 @@ class Cycle:
         return float(angle[-1] - angle[0])
 
     @property
+    def arc(self) -> Vector:
+        """By what the contact moves along the cam's contour per cam angle (m), u/omega + u_s/(2 omega): rho
+        under a flat follower, under an arc rho times the turn of the normal in the cam per cam angle."""
+        moved = np.abs(self["entraining_velocity"] + 0.5 * self["sliding_velocity"]) / self["cam_speed"]
+        return np.asarray(np.maximum(moved, STANDING * np.abs(self["radius_of_curvature"])))
+
+    @property
     def power(self) -> Vector:
         """Friction power F u_s (W)."""
         return np.asarray(self["friction_force"] * self["sliding_velocity"])
@@ -139,10 +146,7 @@ def wear(cycle: Cycle, load: str, coefficient: float, length: float) -> Wear:
     rubbed = cycle[load] * np.abs(cycle["sliding_velocity"]) * trapezoidal(cycle.time)
     dose, width = rubbed / length, cycle["half_width"]
     edges = np.linspace(0.0, TURN, BINS + 1)
-    # The arc of the cam per cam angle. The contact moves over the cam at u + u_s/2: under a flat follower rho
-    # omega, under an arc rho omega times the turn of the normal in the cam per cam angle.
-    moved = np.abs(cycle["entraining_velocity"] + 0.5 * cycle["sliding_velocity"]) / cycle["cam_speed"]
-    arc = np.maximum(moved, STANDING * np.abs(cycle["radius_of_curvature"]))
+    arc = cycle.arc
     cam = worn_depth(edges, np.mod(cycle["cam_angle"], TURN), width / arc, dose / arc, TURN)
     offset = cycle["contact_offset"]
     reach = float(width.max()) or 1e-6

@@ -44,10 +44,7 @@ def judge_friction(
     values = list_parameters(scenario)
     found = []
     for name in [contact] if contact else list(cams):
-        role = scenario.components[cams[name]].resolve().find_role(Cam)
-        assert role
-        sliding = _list_sources(scenario)[f"{name}.sliding_velocity"]
-        cycle = last_revolution(name, *_read(folder, name, cams[name], role, sliding))
+        cycle = last_revolution(name, *_read(folder, list_columns(scenario, name, cams[name])))
         worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
         found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
     return scenario, found
@@ -97,12 +94,17 @@ def _list_sources(scenario: Scenario) -> dict[str, str]:
     return {target: source for source, target in map(parse_ends, scenario.connections)}
 
 
-def _read(
-    folder: Path, contact: str, cam: str, role: Cam, sliding: str
-) -> tuple[Vector, Mapping[str, Vector]]:
+def list_columns(scenario: Scenario, contact: str, cam: str) -> dict[str, str]:
+    """The variables of OF_CONTACT and OF_CAM as "instance.variable"; the sliding is that of the contact."""
+    role = scenario.components[cam].resolve().find_role(Cam)
+    assert role
     called = {"cam_angle": role.angle, "radius_of_curvature": role.radius_of_curvature}
-    wanted = {name: f"{contact}.{name}" for name in OF_CONTACT}
-    wanted |= {name: f"{cam}.{called.get(name, name)}" for name in OF_CAM} | {"sliding_velocity": sliding}
+    found = {name: f"{contact}.{name}" for name in OF_CONTACT}
+    found |= {name: f"{cam}.{called.get(name, name)}" for name in OF_CAM}
+    return found | {"sliding_velocity": _list_sources(scenario)[f"{contact}.sliding_velocity"]}
+
+
+def _read(folder: Path, wanted: dict[str, str]) -> tuple[Vector, Mapping[str, Vector]]:
     with open_result(folder) as result:
         group = result["coupled"].ds
         if wanted["cam_speed"] not in group:  # an input of a follower

@@ -1,0 +1,172 @@
+"""A valve train whose cam wears: its steady cycle, and what that wears off over the wear coefficient."""
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from models.contact.wear import trapezoidal, worn_depth
+from models.core.quantities import Vector
+from models.core.system import System
+from models.monolithic.cycle import Cycle, find_cycle
+from models.valve_train.worn_cam import EDGES, PLACES, FreshCam, choose_filter, sample_cam, smooth
+
+from ...assessment.figures_of_merit import CONTACT, Part
+from ...assessment.friction.cycle import TURN, last_revolution
+from ...assessment.friction.cycle import Cycle as Revolution
+from ...assessment.friction.judge import find_cams, list_columns
+from ...assessment.trains import parameter_of
+from ...errors import MistakeError, Option, one_of
+from ...scenario import Scenario, build_scenario
+from ...scenario.cams import read_cam
+from ...scenario.lift_table import replace_law
+from ...scenario.system import list_parameters
+from ..speeds.subject import SAMPLES, SpeedSubject, count_turns, find_flywheel, to_motion
+
+# Rows of a state, at PLACES: depth of the cam along its normal, and loss of lift.
+CAM, LOSS = range(2)
+# Places along the follower reach so far beyond the contact's path, as a part of it: for the contact's width.
+MARGIN = 0.1
+FIGURES = ("peak_pressure", "largest_load", "least_film", "lost")
+
+
+@dataclass(frozen=True)
+class Rubbed:
+    """What a cycle wears off over the wear coefficient.
+
+    `rate` are the rows of a state, `follower` the depth along it (all N/m). `work` is the load times the
+    sliding distance (N m), `distance` the latter (m). `numbers` are those of FIGURES and the largest change
+    over the cycle; `end` is its last state.
+    """
+
+    rate: Vector
+    follower: Vector
+    work: float
+    distance: float
+    numbers: Mapping[str, float]
+    end: Vector
+
+
+@dataclass(frozen=True)
+class WearingTrain:
+    """The contact that wears, its cam, and the system with a table of the cam's lift.
+
+    `period` is that of its cycle (s), `limit` the depth (m) to which the cam wears.
+    """
+
+    scenario: Scenario
+    system: System
+    flywheel: str
+    contact: str
+    cam: str
+    fresh: FreshCam
+    period: float
+    limit: float
+
+    @property
+    def load(self) -> str:
+        """The load that wears: that of the asperities, of smooth surfaces all of it."""
+        return "asperity_load" if self.parameter("roughness") > 0.0 else "load"
+
+    def parameter(self, name: str) -> float:
+        """Of the contact."""
+        return parameter_of(self.system.instances[self.contact], name)
+
+    @cached_property
+    def unworn(self) -> Cycle:
+        return self.simulate(np.zeros(PLACES.size))
+
+    @cached_property
+    def along(self) -> Vector:
+        """Edges of the places along the follower (m)."""
+        offset = self.unworn[f"{self.cam}.contact_offset"]
+        beyond = MARGIN * float(np.ptp(offset)) + float(self.unworn[f"{self.contact}.half_width"].max())
+        return np.linspace(offset.min() - beyond, offset.max() + beyond, PLACES.size + 1)
+
+    def simulate(self, loss: Vector, start: Vector | None = None) -> Cycle:
+        """The steady cycle with these losses of lift (m) at PLACES; ModelError where there is none."""
+        instances = dict(self.system.instances)
+        own = instances[self.cam]
+        points = self.fresh.wear_off(loss).parameters()
+        instances[self.cam] = replace(own, parameters={**own.parameters, **points})
+        worn = self.system.with_instances(instances)
+        return find_cycle(worn, self.period, [f"{self.flywheel}.angle"], start, SAMPLES)
+
+    def revolve(self, cycle: Cycle) -> Revolution:
+        """The last turn of the cam in a cycle."""
+        columns = list_columns(self.scenario, self.contact, self.cam)
+        values = {name: cycle[place] for name, place in columns.items() if place in known(cycle)}
+        values.setdefault("cam_speed", np.gradient(values["cam_angle"], cycle.times))
+        return last_revolution(self.contact, cycle.times, values)
+
+    @cached_property
+    def filter(self) -> float:
+        """Standard deviation (rad) by which wear is smoothed."""
+        return choose_filter(self.limit, self.fresh.arc)
+
+    @cached_property
+    def turn(self) -> float:
+        """Time of a turn of the cam (s)."""
+        return float(np.ptp(self.revolve(self.unworn).time))
+
+    def rub(self, cycle: Cycle, filter: float = 0.0) -> Rubbed:
+        """Archard's law for the last turn of the cam in a cycle; with a `filter` (rad) for the own."""
+        turn = self.revolve(cycle)
+        distance = np.abs(turn["sliding_velocity"]) * trapezoidal(turn.time)
+        work = turn[self.load] * distance
+        dose, angle, half = work / self.parameter("length"), turn["cam_angle"] % TURN, turn["half_width"]
+        worn = worn_depth(EDGES, angle, half / turn.arc, dose, TURN)
+        width, arc = filter or self.filter, np.interp(PLACES, angle, turn.arc, period=TURN)
+        cam = smooth(worn, width) / smooth(arc, width)
+        follower = worn_depth(self.along, turn["contact_offset"], half, dose)
+        part = Part(to_motion(cycle, self.flywheel), self.contact)
+        numbers = {name: CONTACT[name][1](part).value for name in FIGURES} | {"change": cycle.change}
+        rate = np.array([cam, cam / self.fresh.overlap_by_lift])
+        return Rubbed(rate, follower, float(work.sum()), float(distance.sum()), numbers, cycle.end)
+
+
+def known(cycle: Cycle) -> set[str]:
+    """Names of all that a cycle has."""
+    return {*cycle.system.outputs.names, *cycle.system.inputs.names}
+
+
+def open_train(
+    tables: Mapping[str, Any], contact: str | None, speed: float | None, limit: float
+) -> WearingTrain:
+    """The train of a scenario, at its own speed or another one of the flywheel (rad/s).
+
+    MistakeError or ModelError for a scenario without a contact that slides on a cam.
+    """
+    scenario = build_scenario(copy.deepcopy(dict(tables)))
+    cams = find_cams(scenario)
+    if not cams:
+        raise MistakeError(
+            f"{scenario.name}: no contact slides on a cam; give a scenario with a cam's contact"
+        )
+    if contact is None and len(cams) > 1:
+        raise MistakeError(
+            f"{scenario.name}: the contacts {', '.join(cams)} slide on cams", ("choose ", Option("contact"))
+        )
+    name = contact or next(iter(cams))
+    if name not in cams:
+        raise MistakeError((Option("contact", name), f": {one_of(cams, name)} (those that slide on a cam)"))
+    flywheel = find_flywheel(scenario)
+    fresh = sample_cam(read_cam(scenario.components[cams[name]]))
+    subject = SpeedSubject(put_points(tables, cams[name], fresh), flywheel)
+    turned = speed or list_parameters(scenario)[f"{flywheel}.initial_speed"]
+    system = subject.system_at(turned)
+    period = count_turns(system) * TURN / turned
+    return WearingTrain(scenario, system, flywheel, name, cams[name], fresh, period, limit)
+
+
+def put_points(tables: Mapping[str, Any], cam: str, fresh: FreshCam) -> dict[str, Any]:
+    """The tables with points in place of the cam's law, table or segments, and of its ramps."""
+    changed = copy.deepcopy(dict(tables))
+    table = changed["components"][cam]
+    replace_law(table, "points")
+    table["structure"] = {**table.get("structure", {}), "table_points": fresh.points.angle.size}
+    table["parameters"] = {**table.get("parameters", {}), **fresh.points.parameters(), "ramp_height": 0.0}
+    return changed

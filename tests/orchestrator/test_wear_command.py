@@ -1,0 +1,207 @@
+"""tribocosim wear: closed form of a circular cam, what a cycle wears off, continuation, refusals."""
+
+import csv
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+import tribocosim
+from models.core.remedies import find_actions
+from models.valve_train.cams.table import TURN
+from models.valve_train.worn_cam import PLACES, SPACING, sample_cam, smooth
+from orchestrator.errors import MistakeError, Option
+from orchestrator.scenario import build_scenario
+from orchestrator.scenario.cams import read_cam
+from orchestrator.scenario.files import load, read_changed
+from orchestrator.study.wear.report import Interval, describe_place, to_text
+from orchestrator.study.wear.run import parse_asked, parse_interval
+from orchestrator.study.wear.train import CAM, WearingTrain, open_train, put_points
+
+from .commands import called, said
+
+RADIUS, ECCENTRICITY, LENGTH = 25e-3, 5e-3, 12e-3
+PRELOAD, DEPTH = 330.0, 0.3e-3
+
+
+def list_settings(folder: Path) -> list[str]:
+    """A round cam out of its centre, slow, dry and smooth, under a soft spring: a load of 330 to 332 N."""
+    rows = (f"{a}, {1e3 * ECCENTRICITY * (1.0 - math.cos(math.radians(a))):.7f}\n" for a in range(360))
+    table = folder / "circle.csv"
+    table.write_text("cam angle [deg], lift [mm]\n" + "".join(rows))
+    return [
+        f"components.camshaft.lift_table={table}",
+        "components.camshaft.parameters.base_radius=20 mm",
+        "components.flywheel.parameters.initial_speed=200 rpm",
+        "components.valve_spring.parameters.spring_rate=100",
+        "components.contact.parameters.roughness=0.0",
+        "components.contact.parameters.film_model=dry",
+    ]
+
+
+@pytest.fixture(scope="module")
+def circle(tmp_path_factory: pytest.TempPathFactory) -> WearingTrain:
+    settings = list_settings(tmp_path_factory.mktemp("circle"))
+    return open_train(read_changed("valve-train", settings), None, None, DEPTH)
+
+
+@pytest.fixture(scope="module")
+def worn(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], str]:
+    """The command's arguments, and what it prints."""
+    folder = tmp_path_factory.mktemp("worn")
+    changed = [word for text in list_settings(folder) for word in ("--set", text)]
+    arguments = ["wear", "valve-train", *changed, "--until", "0.3 mm", "--tolerance", "0.05", "--out",
+                 str(folder / "out")]  # fmt: skip
+    done = called(*arguments)
+    assert done.returncode == 0, done.stderr
+    return arguments, done.stdout
+
+
+def test_a_circular_cam_wears_as_its_closed_form(circle: WearingTrain) -> None:
+    """k (W/L) p/rho a cycle, with p = R0 + s = R - e cos psi and rho = R. Spring and inertia change the load
+    by 0.2 %, the filter of 5.9 deg takes 0.5 % of the wave, e/R of the depth."""
+    found = circle.rub(circle.unworn)
+    closed = PRELOAD / LENGTH * (RADIUS - ECCENTRICITY * np.cos(PLACES)) / RADIUS
+    np.testing.assert_allclose(found.rate[CAM], closed, rtol=5e-3)
+    assert found.distance == pytest.approx(TURN * RADIUS, rel=1e-6)
+
+
+def test_both_bodies_lose_load_times_sliding_distance(circle: WearingTrain) -> None:
+    """Depth times arc times length, of the cam as the filter sees its arc."""
+    found = circle.rub(circle.unworn)
+    arc = smooth(circle.fresh.arc, circle.filter)
+    assert float(found.rate[CAM] @ arc) * SPACING * LENGTH == pytest.approx(found.work, rel=1e-5)
+    along = np.diff(circle.along)
+    assert float(found.follower @ along) * LENGTH == pytest.approx(found.work, rel=1e-12)
+
+
+def test_a_worn_circle_is_the_smaller_circle(worn: tuple[list[str], str]) -> None:
+    """It shrinks about the cam's axis: after the dose X by w X p/R, w = W/L, also with the worn cam in the
+    motion. Each body loses k W times the distance 2 pi R (1 - w X/2R)."""
+    arguments, text = worn
+    with xarray.open_dataset(Path(arguments[-1]) / "wear.nc", engine="h5netcdf") as found:
+        dose, line_load = found["dose"].values, PRELOAD / LENGTH
+        closed = line_load * dose[-1] * (RADIUS - ECCENTRICITY * np.cos(PLACES)) / RADIUS
+        np.testing.assert_allclose(found["depth"].values[-1], closed, rtol=1e-2)
+        assert float(found["deepest"][-1]) == pytest.approx(DEPTH, rel=1e-9)
+        # Most at the nose, by p/R = 1.2.
+        assert dose[-1] == pytest.approx(DEPTH / (1.2 * line_load), rel=1e-2)
+        assert found.attrs["simulated_cycles"] <= 50
+        assert found.attrs["error"] <= 0.05 * DEPTH
+        shrunk = 1.0 - 0.5 * line_load * dose[-1] / RADIUS
+        volume = PRELOAD * dose[-1] * TURN * RADIUS * shrunk
+        assert float(found["volume"][-1]) == pytest.approx(volume, rel=5e-3)
+        # Both ends of the interval of coefficients, 1e-18 to 1e-16 m2/N.
+        assert float(found["most_cycles"][-1] / found["fewest_cycles"][-1]) == pytest.approx(100.0, rel=1e-12)
+        assert float(found["fewest_cycles"][-1]) * 1e-16 == pytest.approx(dose[-1], rel=1e-12)
+        low, high = (to_text(float(found[name][-1])) for name in ("fewest_cycles", "most_cycles"))
+    answer = next(line for line in text.splitlines() if " after " in line)
+    assert answer.startswith(f"0.3 mm at the nose after {low} to {high} cycles")
+    assert "200 r/min of the cam" in answer
+
+
+def test_the_worn_lift_is_a_table_that_scenarios_read(worn: tuple[list[str], str]) -> None:
+    folder = Path(worn[0][-1])
+    with xarray.open_dataset(folder / "wear.nc", engine="h5netcdf") as found:
+        loss = found["loss"].values[-1]
+    cam = read_cam(load("valve-train", [
+        f"components.camshaft.lift_table={folder / 'worn-cam.csv'}",
+        "components.camshaft.parameters.base_radius=20 mm",
+    ]).components["camshaft"])  # fmt: skip
+    read = np.array([cam.lift(angle).s for angle in PLACES])
+    # The table has seven digits of a millimetre.
+    np.testing.assert_allclose(read, ECCENTRICITY * (1.0 - np.cos(PLACES)) - loss, atol=2e-9)
+    rows = list(csv.DictReader((folder / "wear.csv").read_text("utf-8").splitlines()))
+    assert float(rows[-1]["deepest [m]"]) == pytest.approx(DEPTH, rel=1e-9)
+    assert (folder / "wear.png").stat().st_size > 10_000
+
+
+def test_the_same_command_simulates_nothing_twice(worn: tuple[list[str], str]) -> None:
+    arguments, text = worn
+    folder = Path(arguments[-1])
+    assert "already holds a result" in said(called(*arguments))
+    before = {file.name: file.stat().st_mtime_ns for file in (folder / "cycles").iterdir()}
+    (folder / "wear.nc").unlink()  # as after an interruption
+    (folder / "wear.csv").unlink()
+    (folder / "wear.png").unlink()
+    again = called(*arguments)
+    assert again.stdout.splitlines()[1:] == [line for line in text.splitlines()[1:] if "% done" not in line]
+    assert {file.name: file.stat().st_mtime_ns for file in (folder / "cycles").iterdir()} == before
+
+
+def test_the_points_of_a_law_are_the_law() -> None:
+    """A scenario's cam with ramps, between its points too: the shortest wave of s'' has 72 of them."""
+    cam = read_cam(load("seat-and-lash").components["camshaft"])
+    fresh = sample_cam(cam)
+    assert fresh.points.angle.size == PLACES.size
+    tables = put_points(read_changed("seat-and-lash"), "camshaft", fresh)
+    through = read_cam(build_scenario(tables).components["camshaft"])
+    for angle in np.linspace(0.0, TURN, 1237):
+        law, table = cam.lift(angle), through.lift(angle)
+        assert table.s == pytest.approx(law.s, abs=1e-10)
+        assert table.dds == pytest.approx(law.dds, abs=1e-5)
+
+
+def test_without_wear_there_is_no_limit_and_cycles_scale_with_the_coefficient() -> None:
+    assert Interval(0.0, 1e-17).cycles(1e-9) == (1e8, math.inf)
+    once, twice = Interval(1e-18, 1e-16).cycles(1e-9), Interval(2e-18, 2e-16).cycles(1e-9)
+    assert once == pytest.approx([2.0 * value for value in twice])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "option"),
+    [
+        ({"until": "0.127"}, Option("until", "0.127 mm")),
+        ({"until": "0.127 kg"}, Option("until")),
+        ({"until": "-1 mm"}, Option("until")),
+        ({"until": "1 mm", "tolerance": 0.0}, Option("tolerance", 0.0)),
+        ({"until": "1 mm", "coefficient": "1e-16,1e-18"}, Option("wear_coefficient", "1e-16,1e-18")),
+        ({"until": "1 mm", "coefficient": "0"}, Option("wear_coefficient", "0")),
+        ({"until": "1 mm", "coefficient": "1 mm"}, Option("wear_coefficient", "1 mm")),
+        ({"until": "1 mm", "speed": "1000 mm"}, Option("speed")),
+    ],
+)
+def test_mistakes_name_the_option(arguments: dict[str, Any], option: Option) -> None:
+    with pytest.raises(MistakeError) as caught:
+        parse_asked(**arguments)
+    assert option in find_actions(caught.value)
+
+
+def test_a_coefficient_may_be_one_number_or_have_a_unit() -> None:
+    assert parse_interval("1e-17") == Interval(1e-17, 1e-17)
+    found = parse_interval("1e-9 mm3/(N*m), 1e-7 mm3/(N*m)")
+    assert (found.low, found.high) == pytest.approx((1e-18, 1e-16))
+
+
+def test_scenarios_that_cannot_wear_are_refused_in_one_sentence(tmp_path: Path) -> None:
+    for scenario, words in {
+        "slider-crank": "no contact slides on a cam",
+        "pushrod-engine": "choose --contact",
+        "valve-train": "or less",
+    }.items():
+        done = called("wear", scenario, "--until", "3 mm", "--out", str(tmp_path / "out"))
+        assert done.returncode == 2
+        assert words in said(done)
+        assert not (tmp_path / "out").exists()
+
+
+def test_where_on_the_cam() -> None:
+    assert describe_place(math.radians(181.0)) == "at the nose"
+    assert describe_place(math.radians(155.6)) == "24 deg before the nose"
+    assert describe_place(math.radians(200.0)) == "20 deg after the nose"
+
+
+@pytest.mark.long
+def test_wear_where_the_film_reverses_needs_few_cycles(tmp_path: Path) -> None:
+    """The direct train wears beside its reversals, where the film is thinnest; the worn cam moves them."""
+    found = tribocosim.wear("valve-train", "0.127 mm", out=tmp_path / "out")
+    assert found.attrs["simulated_cycles"] <= 50
+    assert found.attrs["error"] <= 0.01 * 0.127e-3
+    assert not found.attrs["fault"]
+    fine = tribocosim.wear("valve-train", "0.127 mm", tolerance=0.002)
+    change = float(found["dose"][-1] / fine["dose"][-1]) - 1.0
+    # The estimate bounds what a finer tolerance changes.
+    assert abs(change) <= found.attrs["error"] / 0.127e-3
