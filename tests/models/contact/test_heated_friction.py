@@ -98,7 +98,7 @@ def test_without_pressure_in_the_viscosity_the_rise_solves_one_equation(us, h):
 
 
 @pytest.mark.parametrize(("peclet", "error"), [(0.1, 0.15), (3.0, 0.1), (30.0, 0.01), (300.0, 0.001)])
-def test_a_body_that_passes_is_jaegers_half_space_under_a_band(peclet, error):
+def test_a_body_that_passes_is_jaegers_half_space_under_a_band(peclet, error, record):
     """The mean rise by his integral of K0, Pe = U b/(2 chi), q b/(pi k) = 1. In between both limits add up as
     squares, as Tian and Kennedy (1994) join them. Slow, the length L = 50 b limits the rise, and his band is
     as long as it likes."""
@@ -113,7 +113,9 @@ def test_a_body_that_passes_is_jaegers_half_space_under_a_band(peclet, error):
     nodes, weights = np.polynomial.legendre.leggauss(8)
     mean = 0.5 * sum(w * rise(x) for x, w in zip(nodes, weights, strict=True))
     found = conductance(STEEL, 2.0 * peclet * STEEL.conductivity / STEEL.capacity / B, B, 50.0 * B)
-    assert found == pytest.approx(math.pi * STEEL.conductivity / (B * mean), rel=error)
+    exact = math.pi * STEEL.conductivity / (B * mean)
+    quantity = f"conductance of a surface under a moving band, U b/(2 chi) = {peclet:g} (W/m2K)"
+    record("Film", quantity, found, exact, "Jaeger (1942), quadrature", relative=error)
 
 
 def test_a_standing_body_is_a_half_space_under_a_slender_rectangle():
