@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 __all__ = [
     "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "build_scenario_fmus",
     "cam", "compare", "compare_fmu", "execute", "fmu_info", "load", "open", "plan", "report", "resume",
-    "run", "scenarios", "session", "speeds", "study", "validate_fmu", "wear",
+    "run", "scenarios", "sensitivities", "session", "speeds", "study", "validate_fmu", "wear",
 ]  # fmt: skip
 
 

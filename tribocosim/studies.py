@@ -135,6 +135,34 @@ def speeds(
     return found.table.assign_attrs(attributes)
 
 
+def sensitivities(
+    scenario: Scenario | str | Path,
+    speed: str,
+    parameters: Sequence[str] = (),
+    *,
+    out: str | Path | None = None,
+    workers: int | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xarray.Dataset:
+    """How the figures of merit of the steady cycle at `speed` change with `parameters`, over (figure,
+    parameter): `elasticity`, the relative change over that of the parameter, and its `error`.
+
+    Parameters are called "component.parameter", or "speed"; by default they are the speed and all continuous
+    ones that are not zero. `out` keeps the cycles in a folder; a call that was stopped goes on there.
+    """
+    check_study_packages()
+    from orchestrator.study.run import Where
+    from orchestrator.study.speeds.sensitivities import find_sensitivities
+    from orchestrator.study.speeds.sweep import parse_speed
+
+    content = (scenario if isinstance(scenario, Scenario) else load(scenario)).content
+    with _open_folder(out, "sensitivities") as folder:
+        where, reporter = Where(workers=workers), SilentReporter(progress)
+        at = parse_speed("speed", speed)
+        return find_sensitivities(content, at, parameters, folder, where, reporter, overwrite)
+
+
 def study(
     tables: Mapping[str, Any] | str | Path,
     scenario: Scenario | None = None,

@@ -61,14 +61,15 @@ def find_cycle(
     samples: int = 720,
     most_periods: int = MOST_PERIODS,
     tolerance: float = TOLERANCE,
+    steady: float = STEADY,
 ) -> Cycle:
     """The cycle of that period (s), from the state `start` (default: the system's start).
 
     Each period begins at time 0 with the states `turning` at their starts. All others go on from where the
     last period ended, extrapolated by Anderson's method; where that leads to a state from which nothing can
-    move, from the end itself. Where it does not settle in `most_periods`, or would not at its rate, the
-    period of the least change is returned. `tolerance` is the integrator's, over nominal + |value|.
-    ModelError if a method fails.
+    move, from the end itself, until a period changes no state by more than `steady`. Where it does not settle
+    in `most_periods`, or would not at its rate, the period of the least change is returned. `tolerance` is
+    the integrator's, over nominal + |value|. ModelError if a method fails.
     """
     problem = SystemProblem(system)
     times = np.linspace(0.0, period, samples + 1)
@@ -91,7 +92,7 @@ def find_cycle(
         change = np.abs(end - x)[~held] / (system.state.nominal + np.abs(x))[~held]
         found.append(_Period(x, end.copy(), float(np.max(change, initial=0.0))))
         changes = [period.change for period in found]
-        if changes[-1] <= STEADY or is_hopeless(changes, most_periods):
+        if changes[-1] <= steady or is_hopeless(changes, most_periods, steady):
             break
         begun.append(scaling.flat(x))
         ended.append(scaling.flat(end))
@@ -108,12 +109,12 @@ class _Period(NamedTuple):
     change: float
 
 
-def is_hopeless(changes: Sequence[float], most_periods: int = MOST_PERIODS) -> bool:
+def is_hopeless(changes: Sequence[float], most_periods: int = MOST_PERIODS, steady: float = STEADY) -> bool:
     """Whether PATIENCE periods did not halve the least change and at that rate `most_periods` are too few."""
     before, last = changes[SETTLING:-PATIENCE], changes[-PATIENCE:]
     if not before:
         return False
-    ratio, wanted = min(last) / min(before), STEADY / min(last)
+    ratio, wanted = min(last) / min(before), steady / min(last)
     left = (most_periods - len(changes)) / PATIENCE
     return ratio > 0.5 and ratio**left > wanted
 

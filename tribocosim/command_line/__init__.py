@@ -19,6 +19,7 @@ from .masters import run_masters
 from .report import write_page
 from .run import resume_run, run_scenario
 from .scenarios import list_scenarios
+from .sensitivities import run_sensitivities
 from .speeds import run_speeds
 from .ssp import ssp_export, ssp_import
 from .study import run_study
@@ -40,6 +41,7 @@ app.command("analyse")(run_analysis)
 app.command("masters")(run_masters)
 app.command("cam")(draw_cam)
 app.command("speeds")(run_speeds)
+app.command("sensitivities")(run_sensitivities)
 app.command("compare")(compare_sweeps)
 app.command("study")(run_study)
 app.command("wear")(run_wear)

@@ -1,0 +1,33 @@
+"""What moves a train's figures of merit: bars for the parameters, the longest first."""
+
+import numpy as np
+import xarray
+from matplotlib.figure import Figure
+
+from .style import COUPLED, REFERENCE, add_title, create_subplots
+
+# Bars of a panel, and panels in a row.
+MOST_BARS, COLUMNS = 8, 2
+
+
+def draw_tornado(dataset: xarray.Dataset, title: str) -> Figure:
+    """A panel for each figure: its change in % for 1 % more of each parameter; red where it falls."""
+    count = dataset.sizes["figure"]
+    rows = -(-count // COLUMNS)
+    size = (10.0, 0.6 + 2.3 * rows)
+    figure, axes = create_subplots(rows, COLUMNS, figsize=size, squeeze=False)
+    add_title(figure, f"{title}: change in % for 1 % more of a parameter")
+    panels = list(axes.flat)
+    for panel in panels[count:]:
+        panel.remove()
+    for panel, name in zip(panels, dataset["figure"].values, strict=False):
+        values = np.nan_to_num(dataset["elasticity"].sel(figure=name).values)
+        order = np.argsort(-np.abs(values), kind="stable")[:MOST_BARS][::-1]
+        colours = [COUPLED if values[k] >= 0.0 else REFERENCE for k in order]
+        panel.barh([str(dataset["parameter"].values[k]) for k in order], values[order], color=colours)
+        panel.axvline(0.0, color="black", linewidth=0.8)
+        panel.grid(axis="y", visible=False)
+        part, _, number = str(name).rpartition(".")
+        panel.set_title(f"{part}: {number.replace('_', ' ')}")
+        panel.margins(x=0.1)
+    return figure

@@ -1,0 +1,249 @@
+"""How the figures of merit of a steady cycle change with parameters: differences of whole cycles.
+
+For a share h of the parameter, D(h) = (g(1 + h) - g(1 - h))/(2 h) is the change of a figure g, and
+(4 D(h) - D(2 h))/3 has an error of order h^4. Its distance from D(h) is published with it: it is large where
+a figure is not smooth, as at the loss of contact.
+"""
+
+import copy
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+from rich.table import Column, Table
+
+from models.core.quantities import Quantity, Vector
+from models.monolithic.cycle import find_cycle
+
+from ...analyses import Parameter, Result
+from ...assessment.figures_of_merit import measure
+from ...errors import MistakeError, Option, one_of
+from ...plots.sensitivities import draw_tornado
+from ...plots.style import save_figure
+from ...reporter import Reporter
+from ...scenario import Scenario, build_scenario
+from ...scenario.display import format_number
+from ...scenario.files import put, to_full_toml
+from ...scenario.system import list_parameters
+from ...scenario.values import Value
+from ..files import Plan, parse_study
+from ..points import expand_points
+from ..run import Where, run
+from ..store import DONE
+from .subject import SAMPLES, STEADY, SpeedSubject, count_turns, describe_numbers, find_flywheel, to_motion
+
+# Of a parameter; of the solver; of a cycle. At a tenth of this share the noise of figures, 1e-7, makes errors
+# of 1e-3; at ten times of it contacts' vibrations end in another phase.
+SHARE, TOLERANCE, CLOSED = 1e-3, 1e-11, 1e-9
+SHARES = (-2.0, -1.0, 1.0, 2.0)
+CASE = Parameter(0.0, "1", "number of the cycle: the first is that of the scenario itself")
+SPEED = "speed"
+CYCLES, TABLE, FIGURE = "cycles.zarr", "sensitivities.csv", "sensitivities.png"
+# A difference of more than this of itself between both steps is told.
+DOUBTFUL = 0.05
+# An elasticity below this is none.
+LEAST = 1e-3
+# Rows of the table that is printed, and the figures that are its columns.
+SHOWN = 12
+MAIN = (
+    "least_load", "spring_margin", "peak_pressure", "least_film", "seating_velocity", "surge_force",
+    "friction_power", "largest_torque",
+)  # fmt: skip
+RPM = 30.0 / math.pi
+
+
+@dataclass(frozen=True)
+class SensitivitySubject:
+    """The tables of a scenario, its flywheel, the speed (rad/s) and the parameters, "component.name"."""
+
+    tables: Mapping[str, Any]
+    flywheel: str
+    speed: float
+    parameters: tuple[str, ...]
+
+    @property
+    def scenario(self) -> Scenario:
+        return build_scenario(copy.deepcopy(dict(self.tables)))
+
+    @property
+    def results(self) -> Mapping[str, Result]:
+        return {**describe_numbers(self.scenario), **STEADY}
+
+    def resolve(self, name: str, value: Value) -> Value:
+        return CASE.check_value(name, value)
+
+    def describe(self, name: str) -> Result:
+        return Result(CASE.unit, CASE.description)
+
+    @property
+    def default_figure(self) -> Sequence[str]:
+        return ()
+
+    def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
+        return []
+
+    def content(self) -> str:
+        cycles = {"speed": self.speed, "parameters": self.parameters, "share": SHARE}
+        return json.dumps(cycles) + to_full_toml(self.scenario)
+
+    def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
+        subject, speed = self.find_case(round(float(values["case"])))
+        system = subject.system_at(speed)
+        period = count_turns(system) * 2.0 * math.pi / speed
+        turning = [f"{self.flywheel}.angle"]
+        cycle = find_cycle(system, period, turning, samples=SAMPLES, tolerance=TOLERANCE, steady=CLOSED)
+        motion = to_motion(cycle, self.flywheel)
+        found = {f"{part}.{name}": value.value for part, name, _, value in measure(motion)}
+        return found | {"change": cycle.change, "periods": float(cycle.periods)}
+
+    def find_case(self, case: int) -> tuple[SpeedSubject, float]:
+        """The scenario and the speed (rad/s) of a cycle."""
+        tables, speed = copy.deepcopy(dict(self.tables)), self.speed
+        if case:
+            which, step = divmod(case - 1, len(SHARES))
+            name, factor = self.parameters[which], 1.0 + SHARE * SHARES[step]
+            if name == SPEED:
+                speed *= factor
+            else:
+                component, _, parameter = name.partition(".")
+                value = list_parameters(self.scenario)[name] * factor
+                put(tables, f"components.{component}.parameters.{parameter}", value)
+        return SpeedSubject(tables, self.flywheel), speed
+
+
+def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) -> tuple[str, ...]:
+    """The parameters "component.name" that `wanted` names; by default the speed and all continuous ones that
+    are not zero, but the drive's. MistakeError for one that cannot be varied."""
+    values, quantities = list_parameters(scenario), _list_quantities(scenario)
+    varied = [name for name, value in values.items() if value != 0.0 and not quantities[name].jumps]
+    if not wanted:
+        return (SPEED, *(name for name in varied if not name.startswith(f"{flywheel}.")))
+    found = []
+    for text in wanted:
+        name = text.removeprefix("components.").replace(".parameters.", ".")
+        if name != SPEED and name not in varied:
+            if name not in values:
+                raise MistakeError((Option("parameter", text), f": {one_of([SPEED, *varied], name)}"))
+            why = (
+                "has no values in between"
+                if quantities[name].jumps
+                else "is zero, of which there is no share"
+            )
+            raise MistakeError((Option("parameter", text), f": {why}; {one_of([SPEED, *varied], '')}"))
+        found.append(name)
+    return tuple(dict.fromkeys(found))
+
+
+def _list_quantities(scenario: Scenario) -> dict[str, Quantity]:
+    return {
+        f"{name}.{field.name}": field.quantity
+        for name, table in scenario.components.items()
+        for field in table.resolve().parameters.fields
+    }
+
+
+def differentiate(table: Mapping[str, Vector], count: int) -> dict[str, tuple[Vector, Vector]]:
+    """By figure its elasticities dg/g over dp/p (count,), and how far both steps' differ; without those of a
+    figure that is zero or unknown. `table` has the values of every case."""
+    found = {}
+    for name, values in table.items():
+        cases = (
+            values[1:].reshape(count, len(SHARES)) / values[0] if values[0] else np.full((count, 4), np.nan)
+        )
+        near = (cases[:, 2] - cases[:, 1]) / (2.0 * SHARE)
+        far = (cases[:, 3] - cases[:, 0]) / (4.0 * SHARE)
+        elasticity = (4.0 * near - far) / 3.0
+        if np.isfinite(elasticity).any():
+            found[name] = elasticity, np.abs(elasticity - near)
+    return found
+
+
+def find_sensitivities(
+    tables: Mapping[str, Any],
+    speed: float,
+    wanted: Sequence[str],
+    out: Path,
+    where: Where,
+    reporter: Reporter,
+    overwrite: bool = False,
+) -> xarray.Dataset:
+    """The elasticities of all figures of the cycle at `speed` (rad/s), with their errors, over (figure,
+    parameter); the cycles are kept in the folder `out`. MistakeError before anything is computed."""
+    scenario = build_scenario(copy.deepcopy(dict(tables)))
+    flywheel = find_flywheel(scenario)
+    parameters = choose_parameters(scenario, flywheel, wanted)
+    subject = SensitivitySubject(tables, flywheel, speed, parameters)
+    last = len(parameters) * len(SHARES)
+    axis = {"start": 0.0, "stop": float(last), "count": last + 1}
+    study = parse_study(
+        {
+            "name": scenario.name,
+            "description": f"{scenario.name}: cycles beside that at {speed:.6g} rad/s",
+            "scenario": scenario.name,
+            "points": {"kind": "grid", "axes": {"case": axis}},
+        }
+    )
+    plan = Plan(study, subject, expand_points(study.points, subject.resolve))
+    status = run(plan, out / CYCLES, where, reporter, overwrite)
+    with xarray.open_zarr(out / CYCLES) as stored:
+        cycles = stored.load()
+    values = {
+        name: np.where(cycles["status"].values == DONE, cycles[name].values, np.nan)
+        for name in subject.results
+        if name not in STEADY and not name.endswith("_angle")
+    }
+    found = differentiate(values, len(parameters))
+    return xarray.Dataset(
+        {
+            "elasticity": (("figure", "parameter"), np.array([one for one, _ in found.values()])),
+            "error": (("figure", "parameter"), np.array([error for _, error in found.values()])),
+            "value": ("figure", np.array([values[name][0] for name in found])),
+        },
+        {"figure": list(found), "parameter": list(parameters)},
+        {"speed": speed, "status": status},
+    )
+
+
+def select_figures(dataset: xarray.Dataset) -> list[str]:
+    """What is printed and drawn: each number in MAIN of the first part that has it, contacts first."""
+    names = [str(name) for name in dataset["figure"].values]
+    found = []
+    for figure in MAIN:
+        having = [name for name in names if name.rpartition(".")[2] == figure]
+        contacts = [name for name in having if f"{name.rpartition('.')[0]}.least_load" in names]
+        found += (contacts or having)[:1]
+    return found
+
+
+def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Reporter) -> None:
+    """Print the largest elasticities of the main figures, and write all to a table, those to a figure."""
+    main = dataset.sel(figure=select_figures(dataset))
+    largest = np.nanmax(np.abs(main["elasticity"].values), axis=0, initial=0.0)
+    order = np.argsort(-largest, kind="stable")[:SHOWN]
+    results = describe_numbers(scenario)
+    at = f"{scenario.name} at {RPM * dataset.attrs['speed']:.0f} r/min"
+    title = f"{at}: change in % for 1 % more of a parameter; ~ where both steps differ by more than 5 %"
+    heads = (str(name).rpartition(".")[2].replace("_", " ") for name in main["figure"].values)
+    shown = Table(Column("parameter", no_wrap=True), *heads, title=title, title_justify="left", padding=0)
+    for k in order:
+        cells = zip(main["elasticity"].values[:, k], main["error"].values[:, k], strict=True)
+        shown.add_row(str(main["parameter"].values[k]), *(_cell(one, error) for one, error in cells))
+    reporter.console.print(shown)
+    frame = dataset["elasticity"].to_pandas()
+    frame.insert(0, "value", dataset["value"].values)
+    frame.insert(1, "unit", [results[name].unit for name in dataset["figure"].values])
+    frame.to_csv(out / TABLE)
+    save_figure(lambda: draw_tornado(main.isel(parameter=order), at), out / FIGURE)
+    reporter.line(f"results in {out}: {TABLE}, {FIGURE}")
+
+
+def _cell(elasticity: float, error: float) -> str:
+    if not math.isfinite(elasticity):
+        return "–"
+    doubtful = error > DOUBTFUL * max(abs(elasticity), LEAST)
+    return f"{'~' if doubtful else ''}{format_number(elasticity, 3)}"

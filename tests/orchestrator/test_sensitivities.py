@@ -1,0 +1,108 @@
+"""tribocosim sensitivities: elasticities of a steady cycle's figures of merit."""
+
+import math
+
+import numpy as np
+import pytest
+
+from orchestrator.errors import MistakeError
+from orchestrator.scenario.files import load, read_changed
+from orchestrator.study.speeds import sensitivities
+from orchestrator.study.speeds.sensitivities import (
+    SHARE,
+    SHARES,
+    SensitivitySubject,
+    choose_parameters,
+    differentiate,
+)
+
+from .commands import called, said
+
+DRY = ("components.contact.parameters.film_model=dry",)
+# Of the parameters that move a dry train: exponents of the kilogram in their units.
+WITH_MASS = {
+    "valve_spring.preload": 1.0,
+    "valve_spring.spring_rate": 1.0,
+    "valve_spring.valve_mass": 1.0,
+    "contact.youngs_modulus_1": 1.0,
+    "contact.youngs_modulus_2": 1.0,
+}
+
+
+def test_a_power_law_has_its_exponent_and_an_error_of_fourth_order():
+    factors = 1.0 + SHARE * np.array([0.0, *SHARES])
+    found = differentiate({"power": 7.0 * factors**2.5, "none": 0.0 * factors}, 1)
+    elasticity, error = found["power"]
+    # The term of order h^4 is 2.5 1.5 0.5 0.5 1.5 / 30 h^4 = 5e-14; rounding over h is 2e-13.
+    assert elasticity == pytest.approx([2.5], abs=1e-12)
+    assert error == pytest.approx([2.5 * 1.5 * 0.5 / 6.0 * SHARE**2], rel=1e-3)
+    assert "none" not in found
+    corner = differentiate({"corner": 1.0 + np.maximum(factors - 1.0 - 0.5 * SHARE, 0.0)}, 1)["corner"]
+    assert corner[1] > 0.05 * corner[0]
+
+
+def test_more_of_every_mass_makes_as_much_more_of_every_force(monkeypatch, record):
+    """In other units of mass a train moves alike: a figure's elasticities to all parameters with the kilogram
+    in their unit add up to the kilogram's exponent in its own.
+
+    Noise and the fourth order's error leave 8e-5, of the largest load, in which the contact vibrates.
+    """
+    monkeypatch.setattr(sensitivities, "SAMPLES", 720)
+    subject = SensitivitySubject(
+        read_changed("valve-train", DRY), "flywheel", 2000.0 * math.pi / 30.0, tuple(WITH_MASS)
+    )
+    cases = [subject.evaluate({"case": float(k)}) for k in range(1 + len(SHARES) * len(WITH_MASS))]
+    table = {name: np.array([case[name] for case in cases], dtype=float) for name in subject.results}
+    found = {name: one[0] for name, one in differentiate(table, len(WITH_MASS)).items()}
+    exponents = np.array(list(WITH_MASS.values()))
+    expected = {
+        "contact.least_load": 1.0,
+        "contact.largest_load": 1.0,
+        "contact.peak_pressure": 1.0,
+        "valve_spring.surge_force": 1.0,
+        "valve_spring.spring_margin": 0.0,
+        "valve_spring.largest_lift": 0.0,
+        "flywheel.largest_torque": 1.0,
+    }
+    sums = np.array([found[name] @ exponents for name in expected])
+    quantity, source = "elasticities to all masses, forces and moduli, sum", "dimensional analysis"
+    record("Train", quantity, sums, list(expected.values()), source, tolerance=3e-4)
+
+
+def test_parameters_are_named_as_in_a_scenario_and_refused_where_they_cannot_vary():
+    train = load("valve-train")
+    every = choose_parameters(train, "flywheel", [])
+    assert {"speed", "valve_spring.preload", "contact.viscosity"} <= set(every)
+    assert not any(name.startswith("flywheel.") for name in every)
+    path = "components.valve_spring.parameters.preload"
+    assert choose_parameters(train, "flywheel", [path, "speed", path]) == ("valve_spring.preload", "speed")
+    for wrong, why in (
+        ("valve_spring.lash", "is zero"),
+        ("camshaft.law", "no values in between"),
+        ("valve_spring.preloads", "did you mean valve_spring.preload"),
+    ):
+        with pytest.raises(MistakeError, match=why):
+            choose_parameters(train, "flywheel", [wrong])
+
+
+def test_the_command_prints_what_moves_a_train_and_leaves_table_and_figure(tmp_path):
+    done = called(
+        "sensitivities", "valve-train", "--speed", "2000 rpm", "--parameter", "valve_spring.preload",
+        "--workers", "1", "--out", str(tmp_path / "found"), "--set", *DRY,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "valve_spring.preload" in done.stdout
+    head, *rows = (tmp_path / "found" / "sensitivities.csv").read_text("utf-8").splitlines()
+    assert head == "figure,value,unit,valve_spring.preload"
+    by_figure = {row.split(",")[0]: row.split(",") for row in rows}
+    # The spring's force is its preload and what lift and surge add, which the preload hardly changes.
+    _, force, unit, elasticity = by_figure["valve_spring.largest_spring_force"]
+    assert unit == "N"
+    assert float(elasticity) == pytest.approx(330.0 / float(force), rel=1e-4)
+    assert (tmp_path / "found" / "sensitivities.png").stat().st_size > 10_000
+
+
+def test_a_mistake_is_one_sentence():
+    done = called("sensitivities", "valve-train", "--speed", "2000")
+    assert done.returncode == 2
+    assert "speed" in said(done)

@@ -1,0 +1,68 @@
+"""tribocosim sensitivities."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..packages import check_study_packages
+from .completion import ScenarioName
+from .error_report import report_errors
+from .json_output import Json, build_reporter, print_json
+
+
+@report_errors
+def run_sensitivities(
+    scenario: ScenarioName,
+    speed: Annotated[str, typer.Option(metavar="SPEED", help="Speed of the flywheel.")],
+    parameter: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="COMPONENT.PARAMETER",
+            help="Vary this parameter, or the speed; repeat for several.",
+            show_default="speed and all continuous parameters that are not zero",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-sensitivities")
+    ] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one a core")
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the results and start over.")
+    ] = False,
+    as_json: Json = False,
+) -> int:
+    """Find which parameters move the figures of merit of a valve train's steady cycle, and by how much.
+
+    The same command continues an interrupted one. Exit status 0: all cycles found, 1: some failed, 2: a
+    mistake in the scenario or the command, 130: interrupted.
+    """
+    check_study_packages()
+    from orchestrator.scenario import build_scenario
+    from orchestrator.scenario.files import read_changed
+    from orchestrator.study.run import Where
+    from orchestrator.study.speeds.sensitivities import find_sensitivities, publish
+    from orchestrator.study.speeds.sweep import parse_speed
+
+    tables = read_changed(scenario, set_ or [])
+    checked = build_scenario(tables)
+    folder = out or Path("results") / f"{checked.name}-sensitivities"
+    reporter = build_reporter(as_json)
+    found = find_sensitivities(
+        tables,
+        parse_speed("speed", speed),
+        parameter or [],
+        folder,
+        Where(workers=workers),
+        reporter,
+        overwrite,
+    )
+    publish(found, checked, folder, reporter)
+    if as_json:
+        print_json(found.to_dict())
+    return int(found.attrs["status"])
