@@ -1,6 +1,6 @@
 """The process between a run and an FMU. Standard library only: run as a script it starts at once.
 
-Usage: keeper.py SERVER MEMORY_MB, with the module whose `main` serves the FMU and its limit of memory (empty:
+Usage: keeper.py SERVER MEMORY_MB, with the module whose `main` serves the FMU and its limit of memory (0:
 none). An FMU that ends its parent ends this process and not the run. What the FMU has started goes with it:
 its group of processes, and on Linux those that have left the group too.
 """
@@ -17,8 +17,8 @@ DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
 ADOPT_ORPHANS = 36  # PR_SET_CHILD_SUBREAPER
 
 
-def main() -> None:
-    server, memory_mb = sys.argv[1:]
+def keep(server: str, memory_mb: str) -> None:
+    """This process becomes the keeper, and a copy of it that of the FMU."""
     if hasattr(os, "fork"):
         tie_to_parent(signal.SIGTERM)
         _set_process(ADOPT_ORPHANS, 1)
@@ -26,10 +26,9 @@ def main() -> None:
             _keep(kept)
         os.setpgid(0, 0)
         tie_to_parent(signal.SIGKILL)
-    if memory_mb:
+    if limit := int(memory_mb) * 1_000_000:
         import resource  # which Windows lacks
 
-        limit = int(memory_mb) * 1_000_000
         resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
     importlib.import_module(server).main()
 
@@ -79,4 +78,4 @@ def _end_adopted() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    keep(*sys.argv[1:])

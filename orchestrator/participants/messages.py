@@ -12,6 +12,7 @@ HEAD = struct.Struct("=8scQ")
 MARK = b"tribocos"
 LARGEST = 1 << 30  # bytes of a message
 CHUNK = 1 << 20  # bytes that are reserved before they have come
+SMALL = 1 << 12  # bytes that are read at once: most messages
 TIMES = struct.Struct("=dd")  # begin and length of a step (s)
 
 
@@ -24,24 +25,33 @@ def send(pipe: Any, kind: bytes, *parts: bytes) -> None:
 
 
 def receive(pipe: Any, limit: float | None = None) -> tuple[bytes, bytes]:
-    """Read the next message from an unbuffered pipe.
+    """Read the next message from an unbuffered pipe, on which another one comes only after an answer.
 
     EOFError if it is closed, TimeoutError if the message has not come within `limit` (s), ValueError if it is
     none, or too large.
     """
     end = None if limit is None else clock.monotonic() + limit
-    mark, kind, size = HEAD.unpack(_read(pipe, HEAD.size, end))
+    found = _read(pipe, HEAD.size, SMALL, end)
+    mark, kind, size = HEAD.unpack_from(found)
     if mark != MARK or size > LARGEST:
         raise ValueError(f"a message of {size} bytes" if mark == MARK else "no message")
-    return kind, _read(pipe, size, end)
+    content = found[HEAD.size :]
+    if len(content) < size:
+        content += _read(pipe, size - len(content), CHUNK, end)
+    if len(content) > size:
+        raise ValueError("more than a message")
+    return kind, content
 
 
-def _read(pipe: Any, size: int, end: float | None) -> bytes:
+def _read(pipe: Any, least: int, most: int, end: float | None) -> bytes:
+    """At least so many bytes, with not more than `most` at a time."""
     found = bytearray()
-    while len(found) < size:
+    while len(found) < least:
         if end is not None:
             _wait(pipe, end)
-        more = pipe.read(min(size - len(found), CHUNK))
+        more: bytes = pipe.read(most)
+        if len(more) >= least:
+            return more
         if not more:
             raise EOFError
         found += more

@@ -26,6 +26,7 @@ from ..errors import (
     StalledError,
     Words,
 )
+from .forked import Forked
 from .messages import CALL, FAILED, receive, send
 from .opened_fmu import FmuSettings
 
@@ -190,16 +191,18 @@ def _describe_status(status: int | None) -> str:
         return f"by signal {-status}"
 
 
-def _start_process(server: str, memory_mb: int | None) -> subprocess.Popen[bytes]:
+def _start_process(server: str, memory_mb: int | None) -> subprocess.Popen[bytes] | Forked:
     """Start it by its keeper, in a session of its own: Ctrl-C is for the run only."""
     path = os.pathsep.join(filter(None, [*sys.path, os.environ.get("PYTHONPATH", "")]))
-    keeper = Path(__file__).with_name("keeper.py")
+    given, environment = (server, str(memory_mb or 0)), {**os.environ, "PYTHONPATH": path}
+    if sys.platform == "linux":
+        return Forked(*given, environment)
     return subprocess.Popen(
-        [sys.executable, "-P", str(keeper), server, "" if memory_mb is None else str(memory_mb)],
+        [sys.executable, "-P", str(Path(__file__).with_name("keeper.py")), *given],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         bufsize=0,
-        env={**os.environ, "PYTHONPATH": path},
+        env=environment,
         start_new_session=True,
         creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
     )

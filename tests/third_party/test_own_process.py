@@ -1,9 +1,16 @@
 """The process of a third-party FMU."""
 
+import contextlib
+import os
 import subprocess
 import sys
 
+import psutil
 import pytest
+
+from orchestrator.errors import LostParticipantError
+from orchestrator.participants.in_own_process import InOwnProcess
+from orchestrator.participants.opened_fmu import FmuSettings
 
 from .c_fmus import fmu
 from .runs import CASES
@@ -39,3 +46,54 @@ def test_the_process_of_an_fmu_imports_no_compiler(version, tmp_path):
     command = [sys.executable, "-c", SERVED, str(path), str(tmp_path / "unpacked")]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     assert not NEEDLESS & set(done.stdout.split())
+
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere each process is started")
+
+
+@contextlib.contextmanager
+def opened(path, number):
+    with contextlib.ExitStack() as stack:
+        yield [
+            stack.enter_context(contextlib.closing(InOwnProcess("mass", path, FmuSettings(["position"]))))
+            for _ in range(number)
+        ]
+
+
+def find_origin():
+    """The process from which those of FMUs are forked."""
+    (one,) = (c for c in psutil.Process().children() if "fork_server.py" in " ".join(c.cmdline()))
+    return one
+
+
+@linux
+def test_all_fmus_are_forked_from_one_process_that_has_imported(tmp_path):
+    """Each has a session and a keeper of its own; another environment gives another origin."""
+    path = fmu("sprung", 2, tmp_path)
+    with opened(path, 3):
+        keepers = find_origin().children()
+        assert len(keepers) == 3
+        assert {os.getsid(keeper.pid) for keeper in keepers} == {keeper.pid for keeper in keepers}
+        keepers[0].children()[0].kill()
+    origin = find_origin()
+    with opened(path, 1):
+        assert find_origin() == origin
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("LD_LIBRARY_PATH", str(tmp_path))
+        with opened(path, 1):
+            assert find_origin() != origin
+            assert not origin.is_running()
+
+
+@linux
+def test_where_the_origin_is_killed_its_fmus_end_and_others_come_from_another(tmp_path):
+    path = fmu("sprung", 2, tmp_path)
+    with opened(path, 1) as (lost,):
+        origin = find_origin()
+        forked = origin.children(recursive=True)
+        origin.kill()
+        assert len(psutil.wait_procs(forked, 60.0)[0]) == 2
+        with pytest.raises(LostParticipantError, match="its process ended by SIGKILL in the call initialise"):
+            lost.initialise(0.0, 1.0)
+        with opened(path, 1) as (other,):
+            other.initialise(0.0, 1.0)
