@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from .api import resume as resume
     from .api import run as run
     from .api import scenarios as scenarios
+    from .api import sensitivities as sensitivities
     from .api import session as session
     from .api import speeds as speeds
     from .api import study as study
