@@ -113,15 +113,21 @@ class Reporter:
             self.line(text)
         with progress, announce_compilation(COMPILING, self._compiling):
             task = progress.add_task(text, total=1.0)
-            begun = told = clock.monotonic()
+            told = clock.monotonic()
+            begun: tuple[float, float] | None = None  # the share that a run begins with, and when
 
             def show(share: float) -> None:
-                nonlocal told
-                progress.update(task, completed=share)
+                nonlocal told, begun
                 now = clock.monotonic()
+                if begun is None:
+                    begun = share, now
+                    progress.reset(task)
+                progress.update(task, completed=share)
                 if not live and now - told > TOLD_EVERY_S and share < 1.0:
                     told = now
-                    self.line(f"{text}: {100.0 * share:.0f} % done{estimate_left(share, now - begun)}")
+                    before, then = begun
+                    left = estimate_left((share - before) / (1.0 - before), now - then)
+                    self.line(f"{text}: {100.0 * share:.0f} % done{left}")
 
             yield Bar(show, stop_time)
 

@@ -25,9 +25,13 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Imported modules are a million objects that stay; looking for garbage among them costs a tenth of a run.
     gc.set_threshold(50_000, 20, 20)
-    from .command_line import main as run
+    try:
+        from .command_line import main as run
 
-    run()
+        run()
+    except KeyboardInterrupt:  # while modules are imported; a command tells of it itself
+        print("tribocosim: interrupted", file=sys.stderr)
+        sys.exit(130)
 
 
 if __name__ == "__main__":

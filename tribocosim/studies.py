@@ -80,18 +80,22 @@ def compare(
     at: str | None = None,
     lost: bool = False,
 ) -> dict[str, Any]:
-    """Two designs side by side, from the folders of their sweeps over speed, as the command `compare` does.
+    """Two designs side by side, from the folders of their sweeps or runs, as the command `compare` does.
 
     The worst is taken from the speed `low` to `high`, or `at` one, where both keep contact, or also where it
     is `lost`. `worst` has by number its unit, and of each design the worst value, its speed (r/min) and,
     where it has one, its cam angle (degrees); `separation` and `second_separation` are those of each design.
-    `figure` is a file for both over speed.
+    `figure` is a file for both over speed. Of the folders of two runs, `merits` has the figures of merit of
+    both, each with its angle (degrees) and time (ms), and `figure` is one of both valve trains over the angle.
     """
     check_study_packages()
+    from orchestrator.study.run_overlay import compare_runs, is_run
     from orchestrator.study.speeds.compare import compare as compare_sweeps
     from orchestrator.study.speeds.compare import parse_choice
 
     file = None if figure is None else Path(figure)
+    if is_run(Path(first)) or is_run(Path(second)):
+        return compare_runs(Path(first), Path(second), file, SilentReporter())
     choice = parse_choice(low, high, at, lost)
     return compare_sweeps(Path(first), Path(second), file, SilentReporter(), choice)
 

@@ -130,12 +130,14 @@ def _draw_curves(axes: Axes, scale: float, names: list[str], table: xarray.Datas
 
 
 def _shade_lost(axes: Axes, table: xarray.Dataset, separation: float | None) -> None:
-    """From the separation, which is marked; without it from half-way between computed speeds."""
+    """From the separation, which is marked, or half-way between computed speeds."""
     rpm, lost = RPM * table["speed"].values, find_lost(table)
     edges = np.concatenate([rpm[:1], 0.5 * (rpm[1:] + rpm[:-1]), rpm[-1:]])
+    if separation is not None and 0 < (after := int(np.searchsorted(rpm, separation))) < rpm.size:
+        edges[after] = separation
     for low, high, one in zip(edges[:-1], edges[1:], lost, strict=True):
         if one:
-            axes.axvspan(max(low, separation or low), high, color=MUTED, alpha=0.2, lw=0.0)
+            axes.axvspan(low, high, color=MUTED, alpha=0.2, lw=0.0)
     if separation:
         axes.axvline(separation, color=MUTED, lw=1.0, ls=(0, (3, 2)))
 

@@ -150,7 +150,10 @@ def _write_report(folder: Path, reporter: Reporter) -> None:
 
 def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:
     """The engineering result, the verdict, the largest error, and where the report is."""
-    for line in summary.tell():
+    told = list(summary.tell())
+    if told and not summary.complete:
+        reporter.line("the run is incomplete; of what it recorded:")
+    for line in told:
         reporter.line(line)
     if summary.witness:
         reporter.console.print(_tabulate_witness(summary.witness))

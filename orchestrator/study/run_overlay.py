@@ -1,9 +1,12 @@
-"""Two runs of a valve train in one figure."""
+"""Two runs side by side: their figures of merit, and their valve trains in one figure."""
 
+import csv
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import xarray
+from rich.table import Table
 
 from ..errors import Command, MistakeError, Option
 from ..plots import valve_train
@@ -12,14 +15,63 @@ from ..plots.style import save_figure
 from ..reporter import Reporter
 from ..scenario.files import load
 from ..scenario.system import build_system
-from ..store.output_folder import RESULT, SCENARIO
+from ..store.output_folder import MERITS, RESULT, SCENARIO, STORE
+from .speeds.compare import label
 
 
 def is_run(folder: Path) -> bool:
     return (folder / RESULT).is_file()
 
 
-def overlay(first: Path, second: Path, out: Path, reporter: Reporter) -> Path:
+def compare_runs(first: Path, second: Path, out: Path | None, reporter: Reporter) -> dict[str, Any]:
+    """Print the figures of merit that both runs have, and draw both in the file `out`.
+
+    Returns what is printed, by "part: figure", and the figure. MistakeError where one is no run.
+    """
+    for folder, other in ((first, second), (second, first)):
+        if (folder / STORE).exists():
+            raise MistakeError(
+                f"{folder}: is a sweep over speed, and {other} a run; compare two sweeps, or two runs"
+            )
+    names = label(first, second)
+    drawn = overlay(first, second, out, names) if out else None
+    tables = {name: read_merits(folder) for name, folder in zip(names, (first, second), strict=True)}
+    one, other_one = tables.values()
+    shown = Table("figure of merit", "unit", *names)
+    merits: dict[str, Any] = {}
+    for figure in (figure for figure in one if figure in other_one):
+        rows = {name: table[figure] for name, table in tables.items()}
+        unit = one[figure]["unit"] or "1"
+        shown.add_row(figure, unit, *map(_describe_merit, rows.values()))
+        merits[figure] = {"unit": unit, **{name: _to_numbers(row) for name, row in rows.items()}}
+    reporter.console.print(shown)
+    if drawn:
+        reporter.line(f"figure: {drawn}")
+    return {"merits": merits, "figure": drawn}
+
+
+def read_merits(folder: Path) -> dict[str, dict[str, str]]:
+    """The rows of a run's table by "part: figure"; none where it has no table."""
+    path = folder / MERITS
+    if not path.is_file():
+        return {}
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        return {f"{row['part']}: {row['figure of merit']}": row for row in csv.DictReader(file)}
+
+
+def _describe_merit(row: dict[str, str]) -> str:
+    """Its value, and the angle at which it stands, or the time."""
+    if row["angle [deg]"]:
+        return f"{row['value']} at {float(row['angle [deg]']):.1f}°"
+    return f"{row['value']} at {row['time [ms]']} ms" if row["time [ms]"] else row["value"]
+
+
+def _to_numbers(row: dict[str, str]) -> dict[str, float | None]:
+    heads = {"value": "value", "angle_deg": "angle [deg]", "time_ms": "time [ms]"}
+    return {name: float(row[head]) if row[head] else None for name, head in heads.items()}
+
+
+def overlay(first: Path, second: Path, out: Path, names: tuple[str, str]) -> Path:
     """Draw the design-review figure of the first run with the second one beneath it; MistakeError where the
     second has no such train."""
     one, other = map(read_run, (first, second))
@@ -29,14 +81,10 @@ def overlay(first: Path, second: Path, out: Path, reporter: Reporter) -> Path:
     wanted = [name for name in one.coupled if name.split(".")[0] in parts]
     if missing := [name for name in wanted if name not in other.coupled]:
         raise MistakeError(f"{second}: has no {missing[0]}, which {first} has; compare runs of one train")
-    same = first.name == second.name
-    names = (f"{first.name} (1)", f"{second.name} (2)") if same else (first.name, second.name)
     both = replace(
         one, title=" and ".join(names), names=names, reference=other.coupled, reference_time=other.time
     )
-    path = save_figure(lambda: valve_train.draw(both), out)
-    reporter.line(f"figure: {path}")
-    return path
+    return save_figure(lambda: valve_train.draw(both), out)
 
 
 def read_run(folder: Path) -> FigureData:

@@ -177,8 +177,9 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path):
         process.wait(2.0)
     except subprocess.TimeoutExpired:
         process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=60)
+    printed, errors = process.communicate(timeout=60)
     assert process.returncode == 130, errors
+    assert printed.index("the run is incomplete") < printed.index("contact: load")
     assert errors.startswith("tribocosim: incomplete: interrupted")
     assert f"tribocosim resume {out} " in errors
     summary = json.loads((out / "summary.json").read_text())
@@ -315,6 +316,17 @@ def test_no_help_has_words_that_are_swallowed_as_markup():
     texts = list(helps(typer.main.get_command(app)))
     assert len(texts) > 50
     assert [text for text in texts if "[" in text] == []
+
+
+def test_ctrl_c_while_modules_are_imported_has_no_traceback():
+    """Modules are found in `sys.modules`: here one whose command is interrupted."""
+    code = (
+        "import sys, types, signal; stub = types.ModuleType('tribocosim.command_line');"
+        "stub.main = lambda: signal.raise_signal(signal.SIGINT);"
+        "sys.modules[stub.__name__] = stub; from tribocosim.__main__ import main; main()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "tribocosim: interrupted\n")
 
 
 def test_importing_the_command_line_imports_nothing_slow():

@@ -41,6 +41,10 @@ def test_an_fmu_is_renewed_and_another_one_replaced_with_a_word(tmp_path):
     file.write_bytes(b"of another tool")
     assert said(called(*build)) == f"tribocosim: {file}: replaced a different file of this name"
     assert zipfile.is_zipfile(file)
+    train = ("fmu", "build", "--scenario", "two-masses", "--whole", "--out", str(tmp_path / "train.fmu"))
+    assert not called(*train).stderr
+    other = called(*train, "--set", "components.first.parameters.mass=2")
+    assert said(other) == f"tribocosim: {tmp_path / 'train.fmu'}: replaced a different file of this name"
 
 
 def test_the_build_of_a_native_fmu_says_what_it_waits_for(tmp_path, monkeypatch):

@@ -260,7 +260,15 @@ def test_two_runs_lie_over_each_other_with_their_names(tmp_path):
         tribocosim.run(tribocosim.load("valve-train").with_(own), tmp_path / name)
     one, other = (run_overlay.read_run(tmp_path / name) for name in ("soft", "stiff"))
     folders = [str(tmp_path / name) for name in ("soft", "stiff")]
-    assert called("compare", *folders, "--out", str(tmp_path / "both")).returncode == 0
+    done = called("compare", *folders, "--out", str(tmp_path / "both"))
+    assert done.returncode == 0
+    (row,) = (line for line in done.stdout.splitlines() if "contact: largest load" in line)
+    assert " at " in row
+    assert [float(cell.split()[0]) for cell in row.split("│")[3:5]] == pytest.approx(
+        [one.coupled["contact.load"].max(), other.coupled["contact.load"].max()], rel=1e-3
+    )
+    again = called("compare", *folders[::-1], "--out", str(tmp_path / "both"))
+    assert "both.png: replaced a different file of this name" in again.stderr
     assert (tmp_path / "both.png").stat().st_size > 10_000
     refused = called("compare", *folders, "--out", str(tmp_path / "both.txt"))
     assert refused.returncode == 2

@@ -7,12 +7,14 @@ import pytest
 import xarray
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.patches import Rectangle
 
 import tribocosim
 from models.catalogue import CATALOGUE
 from orchestrator.errors import MistakeError
 from orchestrator.plots.speeds import draw_summary, find_orders
 from orchestrator.scenario.files import load, read_changed
+from orchestrator.store.output_folder import RESULT, STORE
 from orchestrator.study.speeds import separation
 from orchestrator.study.speeds.compare import Choice, find_worst, parse_choice, select_speeds
 from orchestrator.study.speeds.separation import (
@@ -188,6 +190,23 @@ def test_panels_are_scaled_by_the_speeds_with_contact():
     assert 610.0 < drawn.get_ylim()[1] < 7e3
 
 
+@pytest.mark.parametrize("separation", [None, 1150.0, 1450.0])
+def test_contact_is_lost_from_the_marked_speed_on(separation):
+    """From the separation, also where it is nearer to the speed before; else from half-way."""
+    table = xarray.Dataset(
+        {
+            "contact.largest_load": ("speed", [600.0, 610.0, 9e3, 9e3]),
+            "contact.lost": ("speed", [0.0, 0.0, 0.1, 0.1]),
+        },
+        {"speed": np.array([500.0, 1000.0, 1500.0, 2000.0]) / RPM},
+    )
+    drawn = draw_summary({"train": table}, {"train": separation}).axes[0]
+    shaded = [patch for patch in drawn.patches if isinstance(patch, Rectangle)]
+    begins = min(patch.get_x() for patch in shaded)
+    assert begins == pytest.approx(separation or 1250.0)
+    assert max(patch.get_x() + patch.get_width() for patch in shaded) == pytest.approx(2000.0)
+
+
 def test_the_worst_of_the_area_under_the_lift_is_the_least():
     table = xarray.Dataset({"valve.lift_area": ("speed", [2e-3, 1e-3])}, {"speed": np.array([1.0, 2.0])})
     found = find_worst(table, "valve.lift_area", 1e3)
@@ -220,6 +239,19 @@ def test_a_folder_without_a_sweep_is_named(tmp_path):
     done = called("compare", str(tmp_path), str(tmp_path))
     assert done.returncode == 2
     assert "holds no finished sweep" in said(done)
+
+
+def test_a_run_and_a_sweep_are_not_compared(tmp_path):
+    run, sweep = tmp_path / "run", tmp_path / "sweep"
+    (sweep / STORE).mkdir(parents=True)
+    run.mkdir()
+    (run / RESULT).touch()
+    for folders in ((run, sweep), (sweep, run)):
+        done = called("compare", *map(str, folders))
+        assert done.returncode == 2
+        assert said(done).endswith(
+            f"{sweep}: is a sweep over speed, and {run} a run; compare two sweeps, or two runs"
+        )
 
 
 @pytest.mark.parametrize(

@@ -2,14 +2,17 @@
 
 import signal
 from contextlib import suppress
+from io import StringIO
 
 import numpy as np
 import pytest
 import xarray
+from rich.console import Console
 
 from orchestrator.errors import MistakeError
 from orchestrator.plots.speeds import PANELS
 from orchestrator.plots.variants import draw_variants
+from orchestrator.reporter import Reporter
 from orchestrator.scenario.display import format_number
 from orchestrator.study.speeds.compare import Choice, select_speeds
 from orchestrator.study.speeds.sweep import Swept, select_columns
@@ -58,6 +61,16 @@ def test_a_number_that_only_a_later_design_has_has_its_column():
     _, rows = tabulate({"one": one, "other": with_power})
     assert [row["seating"] for row in rows] == ["–", "40"]
     assert draw_variants({"one": one.table, "other": with_power.table}).axes[1].get_title() == PANELS[3][0]
+
+
+def test_every_design_has_its_whole_name_in_a_narrow_table(tmp_path):
+    labels = [f"lash=0.{i}5 mm" for i in range(4)]
+    said = StringIO()
+    reporter = Reporter(Console(file=said, width=80))
+    designs = {Variant(label, ()): {} for label in labels}
+    sweep_variants(designs, tmp_path, reporter, lambda tables, folder: make_swept(400.0, 1e9))
+    (head,) = (line for line in said.getvalue().splitlines() if "worst" in line)
+    assert all(label in head for label in labels)
 
 
 def test_an_interrupted_sweep_leaves_out_the_designs_that_follow(tmp_path):

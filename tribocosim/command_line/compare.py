@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from ..messages import tell_replaced
 from ..packages import check_study_packages
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
@@ -33,26 +34,27 @@ def compare_sweeps(  # options of a command
 ) -> None:
     """Compare two designs over speed: worst value of each number, separation speed, and a figure.
 
-    The worst is taken over the speeds at which both keep contact. Of two runs: their valve trains over the
-    angle in one figure.
+    The worst is taken over the speeds at which both keep contact. Of two runs: their figures of merit with
+    angle or time, and their valve trains over the angle in one figure.
     """
     check_study_packages()
     from orchestrator.errors import MistakeError, Option
-    from orchestrator.study.run_overlay import is_run, overlay
+    from orchestrator.study.run_overlay import compare_runs, is_run
     from orchestrator.study.speeds.compare import compare, parse_choice
 
     if out.suffix.lower() not in ("", ".png"):
         raise MistakeError((Option("out", out), f": must be a PNG file, such as {out.with_suffix('.png')}"))
     out = out.with_suffix(".png")
+    reporter = build_reporter(as_json)
     if is_run(first) or is_run(second):
         for name, given in (("from", low), ("to", high), ("at", at), ("lost", lost or None)):
             if given is not None:
                 raise MistakeError((Option(name, given), ": only for two sweeps over speed"))
-        path = overlay(first, second, out, build_reporter(as_json))
-        if as_json:
-            print_json({"figure": path})
-        return
-    choice = parse_choice(low, high, at, lost)
-    found = compare(first, second, out, build_reporter(as_json), choice)
+        with tell_replaced([out]):
+            found = compare_runs(first, second, out, reporter)
+    else:
+        choice = parse_choice(low, high, at, lost)
+        with tell_replaced([out]):
+            found = compare(first, second, out, reporter, choice)
     if as_json:
         print_json(found)

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..messages import say, show
+from ..messages import say, show, tell_replaced
 from .completion import complete_component
 from .error_report import report_errors
 from .json_output import Json, print_json
@@ -77,7 +77,7 @@ def fmu_build(  # noqa: PLR0913  # options of a command
     found = check_options(names, options)
     check_place(out, found)
     for name in found:
-        with _report_replacement(name, out), _show_progress(name, native) as progress:
+        with tell_replaced(_list_fmus(out)), _show_progress(name, native) as progress:
             show(build_file(name, out, options, progress))
 
 
@@ -101,7 +101,7 @@ def _build_of_scenario(  # noqa: PLR0913  # options of a command
 
     if structure:
         raise MistakeError((Option("structure"), ": a scenario's components have its sizes"))
-    with _show_progress(scenario, native) as progress:
+    with tell_replaced(_list_fmus(out)), _show_progress(scenario, native) as progress:
         files = build_scenario_fmus(
             Scenario(read_changed(scenario, changes)), out, components=names or (), whole=whole,
             outside=outside or (), native=native, platforms=platform or (), fmi=fmi, progress=progress,
@@ -129,22 +129,8 @@ def _check_without_scenario(changes: list[str] | None, whole: bool, outside: lis
             )
 
 
-@contextmanager
-def _report_replacement(name: str, out: Path) -> Iterator[None]:
-    """Report files that were replaced by different ones."""
-    before = {file: file.read_bytes() for file in _list_files(name, out)}
-    yield
-    for file, content in before.items():
-        if file.read_bytes() != content:
-            say(f"{file}: replaced a different file of this name")
-
-
-def _list_files(name: str, out: Path) -> Sequence[Path]:
-    """The existing FMUs of a component."""
-    from models.catalogue import identify
-
-    files = [out] if out.suffix == ".fmu" else out.glob(f"{identify(name)}*.fmu")
-    return [file for file in files if file.is_file()]
+def _list_fmus(out: Path) -> Sequence[Path]:
+    return [out] if out.suffix == ".fmu" else list(out.glob("*.fmu"))
 
 
 @contextmanager

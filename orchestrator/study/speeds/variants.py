@@ -138,9 +138,11 @@ def _report(swept: Mapping[str, Swept], out: Path, reporter: Reporter) -> None:
         reporter.line("the designs have no speed in common at which a cycle was found: no table of all")
         return
     speeds, rows = tabulate(swept)
-    shown = Table(*rows[0], title=f"Worst from {speeds}", title_justify="left")
+    shown = Table("worst", title=f"Worst from {speeds}", title_justify="left")
     for row in rows:
-        shown.add_row(*row.values())
+        shown.add_column(row["design"], overflow="fold")
+    for head in list(rows[0])[1:]:
+        shown.add_row(head, *(row[head] for row in rows))
     reporter.console.print(shown)
     with (out / TABLE).open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, list(rows[0]))
