@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from orchestrator.errors import MistakeError
 from orchestrator.scenario import build_scenario
-from orchestrator.scenario.files import find, list_shipped, put, read_contents, resolve_paths
+from orchestrator.scenario.files import change, find, list_shipped, read_contents, resolve_paths
 
 if TYPE_CHECKING:
     from orchestrator.scenario import Scenario as CheckedScenario
@@ -49,7 +49,7 @@ class Scenario:
             )
         content = copy.deepcopy(dict(self.content))
         for path, value in {**(changes or {}), **more}.items():
-            put(content, path, value)
+            change(content, path, value)
         resolve_paths(content, Path.cwd())
         return Scenario(content)
 

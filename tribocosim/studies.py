@@ -86,7 +86,7 @@ def compare(
     is `lost`. `worst` has by number its unit, and of each design the worst value, its speed (r/min) and,
     where it has one, its cam angle (degrees); `separation` and `second_separation` are those of each design.
     `figure` is a file for both over speed. Of the folders of two runs, `merits` has the figures of merit of
-    both, each with its angle (degrees) and time (ms), and `figure` is one of both valve trains over the angle.
+    both, each with its angle (degrees) and time (ms), and `figure` shows both valve trains over the angle.
     """
     check_study_packages()
     from orchestrator.study.run_overlay import compare_runs, is_run

@@ -48,8 +48,8 @@ def evaluate(
 ) -> xarray.Dataset:
     """Compute with the parameters `given`, print, and write into `folder`; the table."""
     values = analysis.complete(dict(given))
-    for doubt in analysis.list_doubts(given):
-        reporter.line(doubt)
+    if doubts := analysis.list_doubts(given):
+        raise MistakeError("\n".join(doubts))
     held = find_results(folder, analysis.name, overwrite)
     with create_folder(folder):
         with reporter.stage(analysis.description):

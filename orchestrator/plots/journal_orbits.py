@@ -1,16 +1,21 @@
-"""Orbits of journals in their bushes, in parts of the clearance, and the least films below."""
+"""Orbits of journals in their bushes, in parts of the clearance, also magnified; the least films below."""
+
+from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from models.core.quantities import Vector
 
 from .data import FigureData
-from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots, label_abscissa, plot_both
+from .style import ACCENT, COUPLED, MUTED, add_title, create_subplots, label_abscissa, plot_both
 
 # Bearings side by side at most.
 COLUMNS = 4
+# Of the magnified orbit, so that one that rests is a point.
+LEAST_REACH = 1e-3
 
 
 def applies(data: FigureData) -> bool:
@@ -35,20 +40,35 @@ def draw(data: FigureData) -> Figure:
     names = [name for name in every if name in names[:COLUMNS]]
     which = f", {len(names)} of {len(every)} with the least film" if len(every) > COLUMNS else ""
     figure, axes = create_subplots(
-        2, len(names), squeeze=False, figsize=(0.8 + 3.4 * len(names), 5.4), height_ratios=(3, 2)
+        3, len(names), squeeze=False, figsize=(0.8 + 4.0 * len(names), 9.6), height_ratios=(3, 3, 2)
     )
     add_title(figure, f"{data.title}: journals in their bushes{which}")
-    for (above, below), name in zip(axes.T, names, strict=True):
-        x, y = find_orbit(data, name)
-        above.add_patch(Circle((0.0, 0.0), 1.0, fill=False, color=MUTED))
-        above.plot(x, y, color=COUPLED, lw=0.9)
-        above.plot(x[:1], y[:1], "o", color=REFERENCE, ms=3.5, label="start")
-        above.set(
-            aspect="equal", xlim=(-1.08, 1.08), ylim=(-1.08, 1.08), xlabel="Eccentricity over clearance"
-        )
+    for (above, magnified, below), name in zip(axes.T, names, strict=True):
+        orbit = find_orbit(data, name)
+        _draw_orbit(above, orbit, (0.0, 0.0), 1.08)
         above.set_title(name.replace("_", " "), loc="left")
+        middle = [0.5 * float(np.min(part) + np.max(part)) for part in orbit]
+        reach = 0.6 * max(float(np.ptp(part)) for part in orbit)
+        _draw_orbit(magnified, orbit, middle, max(reach, LEAST_REACH))
+        magnified.set_xlabel("Eccentricity over clearance")
         plot_both(below, data.of(name), f"{name}.minimum_film_thickness", "Least film")
         below.set_ylim(bottom=0.0)
         label_abscissa(below, data.of(name))
-    axes[0, -1].legend(loc="upper right")
+    kinds = dict(zip(*reversed(axes[0, 0].get_legend_handles_labels()), strict=True))
+    curves = dict(zip(*reversed(axes[2, 0].get_legend_handles_labels()), strict=True))
+    every_label = curves | kinds
+    figure.legend(
+        every_label.values(), every_label.keys(), loc="outside lower center", ncols=len(every_label)
+    )
     return figure
+
+
+def _draw_orbit(axes: Axes, orbit: tuple[Vector, Vector], middle: Sequence[float], reach: float) -> None:
+    """The part of it that is at most `reach` from the middle, along x and y."""
+    x, y = orbit
+    axes.add_patch(Circle((0.0, 0.0), 1.0, fill=False, color=MUTED, label="bush"))
+    axes.plot(x, y, color=COUPLED, lw=0.9)
+    axes.plot(x[:1], y[:1], "o", color=ACCENT, ms=3.5, label="start")
+    axes.set(aspect="equal")
+    axes.set_xlim(middle[0] - reach, middle[0] + reach)
+    axes.set_ylim(middle[1] - reach, middle[1] + reach)

@@ -168,7 +168,9 @@ def _describe_repetition(scenario: Scenario) -> str:
         return f"the master {scenario.master.name} repeats steps; take the master jacobi or gauss_seidel"
     if scenario.step_control and not scenario.step_control.forward:
         return (
-            "[step_control] repeats steps; set step_control.estimator = 'defect', which makes every step once"
+            "[step_control] repeats steps; leave it out for equal steps of macro_step, or set "
+            "step_control.estimator = 'defect', which makes every step once (short ones, where an FMU's own "
+            "solver is noisy)"
         )
     if scenario.event_tolerance and not scenario.step_control:
         return "event_tolerance repeats steps; leave it out"

@@ -164,11 +164,22 @@ def override(content: dict[str, Any], text: str) -> None:
     if not equals or not path:
         raise ScenarioError((SET, f" {text}: must be path=value, e.g. ", Set("macro_step", "2e-6")))
     try:
-        put(content, path, parse_value(written))
+        change(content, path, parse_value(written))
     except ScenarioError as error:
         raise ScenarioError((SET, " ", error)) from None
     except ValueError as error:
         raise ScenarioError((SET, f" {path}: {error}")) from None
+
+
+def change(content: dict[str, Any], path: str, value: Any) -> None:
+    """Put `value` at `path`, and name it in the description, which may state what was there before."""
+    put(content, path, value)
+    place, _, key = path.rpartition(".")
+    described = place.endswith((".parameters", ".structure", ".inputs", ".start")) or path == "stop_time"
+    if described and content.get("description") and isinstance(value, str | float | int):
+        text, _, changed = str(content["description"]).partition("; with ")
+        known = [one for one in changed.split(", ") if one and not one.startswith(f"{key} = ")]
+        content["description"] = f"{text}; with {', '.join([*known, f'{key} = {value}'])}"
 
 
 def put(content: dict[str, Any], path: str, value: Any) -> None:

@@ -255,3 +255,14 @@ def test_step_control_does_not_inherit_the_records_of_equal_steps(tmp_path):
     assert load(file).output_step is None
     file.write_text('extends = "valve-train"\noutput_step = "1 ms"\n[step_control]\n')
     assert load(file).output_step == 1e-3
+
+
+def test_a_changed_value_is_named_in_the_description():
+    """Which may state another: at 1000 r/min."""
+    speed = "components.flywheel.parameters.initial_speed"
+    changed = load("valve-train", [f"{speed}=2000 rpm", f"{speed}=3000 rpm", "stop_time=20 ms"])
+    assert changed.description == (
+        "Valve train with rigid camshaft at 1000 r/min, two revolutions; with initial_speed = 3000 rpm, "
+        "stop_time = 20 ms"
+    )
+    assert load("valve-train", ["master.name=jacobi"]).description == load("valve-train").description
