@@ -26,6 +26,9 @@ from .system import Instance, Port, System, alike, bounds
 # A linear loop is closed by one step of the secant; the second removes what rounding leaves.
 CORRECTIONS = 2
 
+# In the description of an open input, before the start of a part's own that it replaces.
+REPLACES = "replaces the start"
+
 
 def with_values(instance: Instance) -> Component:
     """The component of an instance, whose parameters, start values and inputs are its defaults."""
@@ -127,7 +130,10 @@ class Composite(Component):
 
 
 class _Opening:
-    """The inputs that are left open: their fields, and where each drives an input of a part."""
+    """The inputs that are left open: their fields, and where each drives an input of a part.
+
+    One that drives several starts as the first of them; its description names the starts that it replaces.
+    """
 
     def __init__(self, inside: System, sources: Mapping[str, str]) -> None:
         self.names: dict[Port, str] = {}
@@ -141,11 +147,15 @@ class _Opening:
                 if port in driven:
                     continue
                 name = self.names[port] = sources.get(str(port), str(port))
+                start = float(instance.inputs.get(field.name, field.start))
                 if name not in numbers:
                     numbers[name] = len(self.fields)
-                    start = float(instance.inputs.get(field.name, field.start))
                     quantity = replace(field.quantity, size="")
                     self.fields.append(Field(name, quantity, start))
+                elif start != (shared := self.fields[numbers[name]]).start:
+                    words = f"{shared.quantity.description}; {REPLACES} {port} = {start:g}"
+                    quantity = replace(shared.quantity, description=words)
+                    self.fields[numbers[name]] = replace(shared, quantity=quantity)
                 places.append((numbers[name], inside.inputs.index(port)))
         self.source, self.target = np.array(places, dtype=np.int64).reshape(-1, 2).T.copy()
 

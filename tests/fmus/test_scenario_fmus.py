@@ -79,6 +79,21 @@ def test_what_is_left_outside_becomes_inputs():
 
 
 @pytest.mark.plain
+def test_an_open_input_names_the_starts_that_it_replaces():
+    """It starts as the first of the parts that it drives; of parts that start alike it says nothing."""
+    from models.oscillators.two_masses import sprung_mass
+
+    def describe(*starts: float) -> tuple[float, str]:
+        parts = {f"mass_{i}": Instance(sprung_mass(), {}, {}, {"force": s}) for i, s in enumerate(starts)}
+        train = compose("masses", "", parts, [("hand.force", f"{part}.force") for part in parts])
+        field = train.inputs.field("hand.force")
+        return field.start, field.quantity.description.partition("; ")[2]
+
+    assert describe(2.0, 2.0) == (2.0, "")
+    assert describe(2.0, 3.0, 2.0) == (2.0, "replaces the start mass_1.force = 3")
+
+
+@pytest.mark.plain
 def test_the_instance_s_values_are_defaults():
     from models.oscillators.bouncing_mass import falling_mass
 

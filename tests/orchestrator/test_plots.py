@@ -423,8 +423,12 @@ def test_orbits_are_in_parts_of_the_clearance():
     assert orbit[0] == 0.0
     assert orbit[1:] == pytest.approx(0.4)
     assert journal_orbits.applies(data)
-    above, _ = journal_orbits.draw(data).axes
+    figure = journal_orbits.draw(data)
+    above, magnified, _ = figure.axes
     assert above.get_title(loc="left") == "bearing 1"
+    assert magnified.get_xlim() == pytest.approx((-0.48, 0.48), abs=1e-3)  # 1.2 times the orbit
+    labels = {text.get_text() for text in figure.legends[0].get_texts()}
+    assert labels >= {"coupled", "bush", "start"}
 
 
 def test_a_figure_that_fails_is_named(tmp_path):

@@ -108,6 +108,19 @@ def _build_of_scenario(  # noqa: PLR0913  # options of a command
         )  # fmt: skip
     for file in files:
         show(file)
+        if whole:
+            _tell_replaced_starts(file)
+
+
+def _tell_replaced_starts(file: Path) -> None:
+    """Of inputs that drive several parts, which start otherwise on their own."""
+    from models.core.composite import REPLACES
+
+    from ..fmu import fmu_info as describe
+
+    for variable in describe(file).variables:
+        if REPLACES in variable.description:
+            say(f"{file}: {variable.name}: {variable.description[variable.description.index(REPLACES) :]}")
 
 
 def _check_with_scenario(libpython: str | None) -> None:
