@@ -96,16 +96,6 @@ def test_step_in_the_wrong_place_is_discarded(spring, t, h, message):
     assert message in errors(spring)[0]
 
 
-def test_tunable_parameter_is_checked_at_the_next_step(spring):
-    spring.initialize(load=500.0)
-    spring.set({"damping_ratio": -1.0})
-    with pytest.raises(FMICallException, match="discard"):
-        spring.step(0.0, 1e-5)
-    assert "damping_ratio = -1" in errors(spring)[0]
-    spring.set({"damping_ratio": 0.05})
-    spring.step(0.0, 1e-5)
-
-
 @pytest.mark.parametrize(("name", "message"), [("position", "is an output"), ("position_start", "is fixed")])
 def test_outputs_and_fixed_parameters_cannot_be_set(spring, name, message):
     """One of them for an instance: after fmi2Fatal the standard allows no other call."""

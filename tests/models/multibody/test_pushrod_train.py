@@ -5,16 +5,30 @@ import math
 import numpy as np
 import pytest
 
+from models.core.quantities import Layout
 from models.multibody.ida import solve_ida
 from models.multibody.linear import find_frequencies
-from models.multibody.pushrod_train import CAM, DRIVE, PIVOT, ROD_END, SEAT, TIP, pushrod_train
+from models.multibody.pushrod_train import CAM, DRIVE, PIVOT, ROD_END, SEAT, TIP, PushrodTrain, pushrod_train
 from models.valve_train.cams.law import law_lift
+from models.valve_train.rocker import RockerParameters
+from models.valve_train.rod import RodParameters
+from models.valve_train.tappet import TappetParameters
+from models.valve_train.valve_spring import ValveSpringParameters
 
 from .projected import solve_projected
-from .trains import pushrod_parts
 
 RATIO, MASS, ROD_MASS, INERTIA, ARM = 1.25, 0.1, 7850.0 * 50e-6 * 0.2, 6e-5, 32e-3
 EVALUATION = "independent evaluation"
+
+
+def pushrod_parts(**options: object) -> PushrodTrain:
+    """The train P1: bonded pushrod, constant lever ratio, set `kushwaha2000` with a valve of 0.1 kg."""
+    tappet, rod, rocker, valve = (
+        Layout(kind).defaults()
+        for kind in (TappetParameters, RodParameters, RockerParameters, ValveSpringParameters)
+    )
+    rod.bonded, rocker.small_motion, valve.valve_mass, valve.preload = 1.0, 1.0, 0.1, 330.0
+    return PushrodTrain(tappet, rod, rocker, valve, **options)
 
 
 def turning(speed_rpm: float) -> float:
