@@ -123,26 +123,26 @@ def heat_film(
     if film <= 0.0 or contact.sliding == 0.0:
         return HotFilm(0.0, base, base)
     resistance = surfaces + per_area * film / (12.0 * cooling.oil_conductivity)
-    cold = _shear(base, pressure, film, contact, fluid, thermal, traction)
-    high = resistance * cold.force
-    if high <= _COLD:
-        return HotFilm(math.copysign(cold.force, contact.sliding), base + surfaces * cold.force, base + high)
-    # The first step is Newton's for T - R F_v, which falls short where F_v is convex, as Newton's fluid's.
-    low, rise = 0.0, high / (1.0 - resistance * cold.slope)
-    found = cold
-    for _ in range(_STEPS):
+    low, rise, high = 0.0, 0.0, math.inf
+    for step in range(_STEPS):
         found = _shear(base + rise, pressure, film, contact, fluid, thermal, traction)
-        excess = rise - resistance * found.force
-        if excess > 0.0:
+        made = resistance * found.force
+        if step == 0:
+            if made <= _COLD:
+                rise = made
+                break
+            # Newton's for T - R F_v, which falls short where F_v is convex, as Newton's fluid's.
+            high, rise = made, made / (1.0 - resistance * found.slope)
+            continue
+        if rise > made:
             high = rise
         else:
             low = rise
-        if found.force <= 0.0:
-            change = 0.5 * (low + high) - rise
-        else:
-            change = -math.log(rise / (resistance * found.force)) / (1.0 / rise - found.slope / found.force)
-        if not low <= rise + change <= high:
-            change = 0.5 * (low + high) - rise
+        change = 0.5 * (low + high) - rise
+        if made > 0.0:
+            by_newton = -math.log(rise / made) / (1.0 / rise - found.slope / found.force)
+            if low <= rise + by_newton <= high:
+                change = by_newton
         rise += change
         if abs(change) <= _CLOSE * rise:
             break
