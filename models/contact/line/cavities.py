@@ -51,6 +51,13 @@ def fill_partly(p: Any, filling: Any, f: Nodes) -> None:
 
 
 @kernel
+def spread(masses: Any, X: Any, scale: float, oil: Any) -> None:
+    """Layers (m) of these masses of cavities (m2)."""
+    for i in range(1, masses.shape[0] - 1):
+        oil[i] = masses[i] / (scale * cell(X, i))
+
+
+@kernel
 def hold_layers(h: Any, fixed: Any, drive: Flow, oil: Any, f: Nodes) -> None:
     """Cavitated nodes have the layers `oil`, the ends of the grid what enters there."""
     n = h.shape[0]

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from ...compile.kernel import kernel
 from ..elimination import add_rows
 from ..fluid import Lubricant
-from .cavities import Ways, feed_rows, find_ways, hold_layers, keeps_oil, move_layers, room_left
+from .cavities import Ways, feed_rows, find_ways, hold_layers, keeps_oil, move_layers, room_left, spread
 from .hierarchical import BAND, Jacobian
 from .mixed import FREE, NEARER, Bodies, couple_asperities, fill_sides, fluid_pressure, is_open, touch
 from .reynolds import Flow, balance, cell, properties
@@ -269,6 +269,8 @@ def newton(
         fluid_pressure(p, w.fixed, w.mixed)
         for i in range(n):
             p[i] = max(p[i], 0.0)
+    if keeps_oil(problem.drive):
+        spread(old, w.X, problem.scale, w.oil)
     for iteration in range(MOST_ITERATIONS):
         if clip(p, q, highest, rough, w):
             fill_film(q, approach, problem.drive.radius, problem.scale, bodies, w, gap)
@@ -303,6 +305,10 @@ def newton(
             couple_asperities(w.A, w.B, w.mixed, w.right)
         if left <= 1.0 and changed == 0:
             if is_balanced(problem, w):
+                if keeps_oil(problem.drive):
+                    # Factors leave cavities pressures of rounding, by which they would not be told.
+                    for i in range(n):
+                        p[i] = p[i] if w.fixed[i] == 0.0 else 0.0
                 return FilmSolution(approach, 0.0, iteration)
             # The steep pressure where oil fills the gap again takes corrections that are small elsewhere.
             if not keeps_oil(problem.drive):

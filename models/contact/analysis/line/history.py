@@ -19,7 +19,8 @@ from ...line.grid import node_positions
 @dataclass(frozen=True)
 class FilmHistory:
     """Fields of n instants: central and minimum film (m), highest pressure (Pa), load (N) and what of it
-    asperities carry (N), scale of the grid (m); oil's `pressure` (Pa), `film` (m) and `x` (m), (n, nodes)."""
+    asperities carry (N), scale of the grid (m); oil's `pressure` (Pa), `film` (m) and `x` (m), (n, nodes),
+    and its `filling`, (n, 0) where cavities refill as if full."""
 
     times: Vector
     film_thickness: Vector
@@ -31,6 +32,7 @@ class FilmHistory:
     x: Vector
     pressure: Vector
     film: Vector
+    filling: Vector
 
 
 def film_history(
@@ -41,6 +43,7 @@ def film_history(
     nodes: int = 301,
     parameters: Mapping[str, float] | None = None,
     film_thickness: float = 1e-6,
+    mass_conserving: int = 0,
 ) -> FilmHistory:
     """The transient film under a load (N) with velocity (m/s) and radius (m) given at ascending `times` (s).
 
@@ -49,7 +52,7 @@ def film_history(
     name; surfaces are smooth unless a roughness is among them.
     ModelError for parameters out of range and where a step does not converge.
     """
-    component = ehl_line_contact(nodes=nodes)
+    component = ehl_line_contact(nodes=nodes, mass_conserving=mass_conserving)
     given = _name_inputs(load, entraining_velocity, radius_of_curvature)
     chosen = {"roughness": 0.0, **(parameters or {})}
     states = _step_through(component, times, given, chosen, film_thickness)
@@ -116,9 +119,9 @@ def _collect_fields(times: Vector, states: Vector, component: Component) -> Film
     def column(name: str) -> Vector:
         return np.asarray(states[:, layout.index(name)])
 
-    def field(name: str) -> Vector:
-        first = layout.index(f"{name}[1]")
-        return np.asarray(states[:, first : first + nodes])
+    def field(name: str, size: int = nodes) -> Vector:
+        first = layout.index(f"{name}[1]") if size else 0
+        return np.asarray(states[:, first : first + size])
 
     scale = column("grid_scale")
     return FilmHistory(
@@ -132,4 +135,5 @@ def _collect_fields(times: Vector, states: Vector, component: Component) -> Film
         x=scale[:, None] * node_positions(nodes)[None, :],
         pressure=field("pressure"),
         film=field("film"),
+        filling=field("filling", layout.sizes["filled"]),
     )
