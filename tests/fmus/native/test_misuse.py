@@ -60,8 +60,8 @@ class Host:
 
         return call
 
-    def initialized(self) -> Host:
-        assert not self.SetupExperiment(0, 0.0, 0.0, 0, 0.0)
+    def initialized(self, stop: float = 0.0) -> Host:
+        assert not self.SetupExperiment(0, 0.0, 0.0, int(stop > 0.0), stop)
         assert not self.EnterInitializationMode()
         assert not self.ExitInitializationMode()
         return self
@@ -157,18 +157,8 @@ def too_stiff(host: Host) -> int:
     return host.DoStep(0.0, 1e-3, 1)
 
 
-def endless_before_stop(host: Host) -> int:
-    assert not host.SetupExperiment(0, 0.0, 0.0, 1, 1e-4)
-    assert not host.EnterInitializationMode()
-    assert not host.ExitInitializationMode()
-    return host.DoStep(0.0, math.inf, 1)
-
-
 def beyond_stop(host: Host) -> int:
-    assert not host.SetupExperiment(0, 0.0, 0.0, 1, 1e-4)
-    assert not host.EnterInitializationMode()
-    assert not host.ExitInitializationMode()
-    assert not host.DoStep(0.0, 6e-5, 1)
+    assert not host.initialized(1e-4).DoStep(0.0, 6e-5, 1)
     return host.DoStep(6e-5, 6e-5, 1)
 
 
@@ -233,7 +223,9 @@ MISUSES: dict[str, Callable[[Host], int | None]] = {
     "a step of NaN": lambda host: host.initialized().DoStep(0.0, math.nan, 1),
     "a step backwards, or from elsewhere": lambda host: host.initialized().DoStep(-1.0, 1e-5, 1),
     "an endless step": lambda host: host.initialized().DoStep(0.0, math.inf, 1),
-    "an endless step, where a stop time was given": endless_before_stop,
+    "an endless step, where a stop time was given": lambda host: host.initialized(1e-4).DoStep(
+        0.0, math.inf, 1
+    ),
     "a step that the component cannot make": lambda host: host.initialized().DoStep(0.0, 1e300, 1),
     "a step with more vibrations in it than can be followed": too_stiff,
     "a step beyond the stop time, if one was given": beyond_stop,
@@ -299,9 +291,7 @@ def test_answer(misuse: str, host: Host, place: tuple[Path, Any]) -> None:
 
 def test_hosts_may_reach_the_stop_time_by_adding_up(host: Host) -> None:
     """A thousand additions of 0.1 ms end 2e-15 s beyond 0.1 s; another step is refused until the next run."""
-    assert not host.SetupExperiment(0, 0.0, 0.0, 1, 0.1)
-    assert not host.EnterInitializationMode()
-    assert not host.ExitInitializationMode()
+    host.initialized(0.1)
     time = 0.0
     for _ in range(1000):
         assert not host.DoStep(time, 1e-4, 1)
