@@ -71,6 +71,26 @@ def test_a_sweep_leaves_a_table_cycles_and_figures(swept):
     np.testing.assert_allclose(found, least, rtol=0.02)
 
 
+def test_friction_of_a_sweep_has_its_shares_over_speed(swept, tmp_path):
+    """Torques on the drive are powers over its speed, as a table and as a figure."""
+    out, _ = swept
+    table, figure = tmp_path / "friction.csv", tmp_path / "friction.png"
+    done = called("friction", str(out), "--table", str(table), "--figure", str(figure))
+    assert done.returncode == 0, done.stderr
+    assert figure.stat().st_size > 10_000
+    rows, found = list(csv.DictReader(table.read_text("utf-8").splitlines())), read_table(out)
+    assert [row["design"] for row in rows] == ["train"] * 3
+    for share, name in (("cam contact", "contact.friction_power"), ("rolling", "contact.rolling_power")):
+        powers = [float(row[f"{share} [W]"]) for row in rows]
+        np.testing.assert_allclose(powers, found[name].values, rtol=1e-12)
+    for row in rows:
+        shares = float(row["cam contact [N.m]"]) + float(row["rolling [N.m]"])
+        assert float(row["sum [N.m]"]) == pytest.approx(shares, rel=1e-12)
+        assert f"{1e3 * shares:.0f}" in done.stdout
+    wrong = called("friction", str(out), "--table", str(tmp_path / "friction.nc"))
+    assert "must end in .csv" in said(wrong)
+
+
 def test_friction_stress_and_orders_follow_from_the_cycles(swept):
     """Power is torque times speed; the stress is over the contact's elastic limit; orders are harmonics."""
     out, _ = swept

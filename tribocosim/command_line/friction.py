@@ -1,13 +1,18 @@
 """tribocosim friction."""
 
+from __future__ import annotations
+
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
+
+if TYPE_CHECKING:
+    from orchestrator.reporter import Reporter
 
 # m2/N: boundary-lubricated steel has 1e-18 to 1e-16.
 COEFFICIENT = 1e-17
@@ -17,7 +22,7 @@ TABLES, FIGURES = (".csv", ".json", ".nc"), (".png", ".svg", ".pdf")
 
 @report_errors
 def print_friction(
-    folder: Annotated[Path, typer.Argument(help="Output folder of a valve-train run.")],
+    folder: Annotated[Path, typer.Argument(help="Output folder of a valve-train run, or of `speeds`.")],
     contact: Annotated[str | None, typer.Option(help="Name of one contact.", show_default="all")] = None,
     wear_coefficient: Annotated[
         float, typer.Option(help="Wear volume over load times sliding distance, in m2/N.")
@@ -31,7 +36,10 @@ def print_friction(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Report friction and wear of a valve train's contacts over the last cam revolution of a run."""
+    """Report friction and wear of a valve train's contacts over the last cam revolution of a run.
+
+    Of a sweep over speed, or of the designs in its folder, report the friction of the whole train by shares.
+    """
     from orchestrator.assessment.friction.judge import judge_friction, judge_losses
     from orchestrator.assessment.friction.report import remarks, tables
     from orchestrator.assessment.friction.shares import remark_losses, tabulate_losses
@@ -45,6 +53,8 @@ def print_friction(
         if path and path.suffix not in endings:
             raise MistakeError((Option(option, path), f": must end in {', '.join(endings)}"))
     reporter = build_reporter(as_json)
+    if _report_sweeps(folder, table, figure, reporter, as_json):
+        return
     scenario, found = judge_friction(folder, contact, wear_coefficient, cycles)
     losses, motion = judge_losses(folder, scenario)
     if as_json:
@@ -70,6 +80,45 @@ def print_friction(
             with writing(file, "figure"):
                 save_figure(partial(draw_friction, one.cycle, one.worn, one.cycles, scenario.name), file)
             reporter.line(f"figure in {file}")
+
+
+def _report_sweeps(
+    folder: Path, table: Path | None, figure: Path | None, reporter: Reporter, as_json: bool
+) -> bool:
+    """Whether the folder holds sweeps over speed; their friction by shares."""
+    from orchestrator.errors import MistakeError, Option
+    from orchestrator.store.output_folder import RESULT, writing
+
+    if (folder / RESULT).exists() or not folder.is_dir():
+        return False
+    from orchestrator.study.speeds import friction
+
+    if not (sweeps := friction.list_sweeps(folder)):
+        return False
+    if table and table.suffix != TABLES[0]:
+        raise MistakeError((Option("table", table), f": of a sweep must end in {TABLES[0]}"))
+    sheets = [friction.read_sheet(sweep) for sweep in sweeps]
+    if as_json:
+        print_json(
+            {
+                one.design: {"speed_rpm": one.speeds.tolist(), "drive": one.drive.tolist()}
+                | {share: torque.tolist() for share, torque in one.torques.items()}
+                for one in sheets
+            }
+        )
+    reporter.console.print(friction.tabulate_sheets(sheets))
+    if table:
+        with writing(table, "table"):
+            friction.write_sheets(sheets, table)
+        reporter.line(f"table in {table}")
+    if figure:
+        from orchestrator.plots.friction_shares import draw_shares
+        from orchestrator.plots.style import save_figure
+
+        with writing(figure, "figure"):
+            save_figure(partial(draw_shares, sheets, folder.resolve().name), figure)
+        reporter.line(f"figure in {figure}")
+    return True
 
 
 def name_file(path: Path, contact: str, several: bool) -> Path:

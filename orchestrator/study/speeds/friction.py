@@ -1,0 +1,106 @@
+"""Friction of whole trains over speed by shares, of a sweep or of several designs such as temperatures."""
+
+import csv
+import json
+import math
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from rich import box
+from rich.table import Table
+
+from models.core import roles
+from models.core.quantities import Vector
+
+from ...assessment.friction.shares import SHARES, list_losses
+from ...scenario import build_scenario
+from ...scenario.display import format_number
+from ...scenario.system import build_system
+from ...store.output_folder import STORE, SUMMARY
+from .compare import read_sweep
+
+RPM = 30.0 / math.pi
+DRIVE = "drive"
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A design's speeds (r/min) of the drive, and mean torques (N m) on it by share; what the drive gives."""
+
+    design: str
+    speeds: Vector
+    torques: dict[str, Vector]
+    drive: Vector
+
+    @property
+    def total(self) -> Vector:
+        return np.sum(list(self.torques.values()), axis=0)
+
+
+def list_sweeps(folder: Path) -> list[Path]:
+    """The sweeps in a folder: itself, or its designs in the order in which they were swept."""
+    if (folder / STORE).exists():
+        return [folder]
+    found = [path.parent for path in folder.glob(f"*/{SUMMARY}") if (path.parent / STORE).exists()]
+    return sorted(found, key=lambda path: (path / SUMMARY).stat().st_mtime)
+
+
+def read_sheet(folder: Path) -> Sheet:
+    """MistakeError if the folder holds no finished sweep."""
+    table, summary = read_sweep(folder), json.loads((folder / SUMMARY).read_text("utf-8"))
+    system = build_system(build_scenario(tomllib.loads(summary["scenario_toml"])))
+    speed = table["speed"].values
+    torques: dict[str, Vector] = {}
+    for loss in list_losses(system):
+        power = table[f"{loss.part}.{loss.figure}"].values
+        torques[loss.share] = torques.get(loss.share, 0.0) + power / speed
+    drives = [name for name, one in system.instances.items() if one.component.has_role(roles.Drive)]
+    given = np.sum([table[f"{name}.mean_torque"].values for name in drives], axis=0)
+    return Sheet(folder.name, RPM * speed, torques, given)
+
+
+def _list_shares(sheets: Sequence[Sheet]) -> list[str]:
+    return [share for share in SHARES if any(share in sheet.torques for sheet in sheets)]
+
+
+def _list_rows(sheets: Sequence[Sheet]) -> list[tuple[str, list[float]]]:
+    """By design and speed: the speed, torque of each share, their sum, the drive's."""
+    shares = _list_shares(sheets)
+    return [
+        (
+            sheet.design,
+            [sheet.speeds[i], *(float(sheet.torques[s][i]) for s in shares), sheet.total[i], sheet.drive[i]],
+        )
+        for sheet in sheets
+        for i in range(len(sheet.speeds))
+    ]
+
+
+def tabulate_sheets(sheets: Sequence[Sheet]) -> Table:
+    """Torques in mN m."""
+    table = Table(
+        title="Friction torque on the drive (mN m), means over the cycle", title_justify="left",
+        box=box.SIMPLE_HEAD, pad_edge=False,
+    )  # fmt: skip
+    table.add_column("design")
+    for head in ("r/min", *_list_shares(sheets), "sum", DRIVE):
+        table.add_column(head, justify="right")
+    for design, (speed, *torques) in _list_rows(sheets):
+        table.add_row(design, f"{speed:.0f}", *(format_number(1e3 * torque, 3) for torque in torques))
+    return table
+
+
+def write_sheets(sheets: Sequence[Sheet], path: Path) -> None:
+    """Torques in N m, powers in W."""
+    shares = [*_list_shares(sheets), "sum", DRIVE]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        heads = [f"{share} [{unit}]" for unit in ("N.m", "W") for share in shares]
+        writer.writerow(["design", "speed [r/min]", *heads])
+        for design, (speed, *torques) in _list_rows(sheets):
+            powers = [torque * speed / RPM for torque in torques]
+            writer.writerow([design, speed, *torques, *powers])
