@@ -58,21 +58,23 @@ def march(
     now: Vector,
     first: float,
     tolerance: float,
-    longest: Callable[[Vector, Vector], float],
+    bounds: Callable[[Vector, Vector], tuple[float, float]],
 ) -> Iterator[Step]:
     """Steps from `state`, where the rate is `now`, without end; the first one has the length `first`.
 
     The error of a step is at most `tolerance` times the largest change of a state in it, so that errors add
-    up to no more than this share of all changes. `longest(state, rate)` limits a step. A step that the rate
-    refuses by ModelError is made shorter; the error is raised where that does not help.
+    up to no more than this share of all changes. `bounds(state, rate)` are the shortest and the longest step:
+    the shortest is taken whatever its error. A step that the rate refuses by ModelError is made shorter than
+    that; the error is raised where it does not help.
     """
-    begin, length = 0.0, first
+    begin, length, refused = 0.0, first, False
     while True:
-        length = min(length, longest(state, now))
+        shortest, longest = bounds(state, now)
+        length = min(max(length, shortest) if not refused else length, longest)
         try:
             step = try_step(rate, begin, length, state, now)
         except ModelError:
-            length *= SMALLEST
+            refused, length = True, SMALLEST * length
             if length < HOPELESS * first:
                 raise
             continue
@@ -80,7 +82,8 @@ def march(
         # Of an error per change, of order 2.
         factor = SAFETY * (allowed / step.error) ** 0.5 if step.error > 0.0 else LARGEST
         length *= min(LARGEST, max(SMALLEST, factor))
-        if step.error > allowed and length >= HOPELESS * first:
+        if step.error > allowed and step.length > shortest:
             continue
         yield step
+        refused = False
         begin, state, now = begin + step.length, step.states[1], step.rates[1]

@@ -42,7 +42,7 @@ def test_the_error_falls_with_the_number_of_evaluations_by_order_2():
         steps = list(
             takewhile(
                 lambda step: step.begin < 9.0,
-                march(rate, np.ones(1), rate(np.ones(1)), 0.1, tolerance, lambda y, f: 10.0),
+                march(rate, np.ones(1), rate(np.ones(1)), 0.1, tolerance, lambda y, f: (0.0, 10.0)),
             )
         )
         true = max(abs(s.states[1][0] - 1.0 / (1.0 + s.begin + s.length)) for s in steps)
@@ -63,9 +63,16 @@ def test_a_refused_step_is_shortened_and_a_hopeless_one_raised():
         return -np.ones(1)
 
     reached = list[float]()
+    steps = march(rate, np.ones(1), -np.ones(1), 0.4, 1e-2, lambda y, f: (0.3, 1.0))
     with pytest.raises(ModelError, match="too little"):
-        reached.extend(
-            step.states[1][0] for step in march(rate, np.ones(1), -np.ones(1), 0.4, 1e-2, lambda y, f: 1.0)
-        )
-    with_steps = march(rate, np.ones(1), -np.ones(1), 0.4, 1e-2, lambda y, f: 1.0)
-    assert next(with_steps).states[1][0] == pytest.approx(0.6, abs=1e-15)
+        reached.extend(step.states[1][0] for step in steps)
+    assert reached[0] == pytest.approx(0.6, abs=1e-15)
+    assert reached[-1] == pytest.approx(0.5, abs=1e-4)
+
+
+def test_the_shortest_step_is_taken_whatever_its_error():
+    """For this tolerance the first steps would be shorter than 0.01."""
+    steps = march(decay, np.ones(1), decay(np.ones(1)), 0.5, 1e-9, lambda y, f: (0.5, 0.5))
+    found = [next(steps) for _ in range(3)]
+    assert [step.begin for step in found] == [0.0, 0.5, 1.0]
+    assert found[0].error > 1e-9

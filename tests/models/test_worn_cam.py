@@ -47,7 +47,12 @@ def test_an_eccentric_circle_shrinks_about_the_axis_of_the_cam():
 
     dose = 0.5e-3 / line_load
     steps = march(
-        rate, np.zeros_like(PLACES), rate(np.zeros_like(PLACES)), 0.1 * dose, 1e-3, lambda loss, now: dose
+        rate,
+        np.zeros_like(PLACES),
+        rate(np.zeros_like(PLACES)),
+        0.1 * dose,
+        1e-3,
+        lambda loss, now: (0.0, dose),
     )
     for step in steps:
         if step.begin + step.length >= dose:

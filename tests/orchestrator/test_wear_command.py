@@ -2,6 +2,7 @@
 
 import csv
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from orchestrator.scenario.cams import read_cam
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.study.wear.report import Interval, describe_place, to_text
 from orchestrator.study.wear.run import parse_asked, parse_interval
-from orchestrator.study.wear.train import CAM, WearingTrain, open_train, put_points
+from orchestrator.study.wear.train import CAM, FOLLOWER, LOSS, WearingTrain, open_train, put_points
 
 from .commands import called, said
 
@@ -76,6 +77,26 @@ def test_both_bodies_lose_load_times_sliding_distance(circle: WearingTrain) -> N
     assert float(found.rate[CAM] @ arc) * SPACING * LENGTH == pytest.approx(found.work, rel=1e-5)
     along = np.diff(circle.along)
     assert float(found.follower @ along) * LENGTH == pytest.approx(found.work, rel=1e-12)
+
+
+def test_a_worn_follower_lowers_itself(circle: WearingTrain) -> None:
+    """What wears off it is the same with its filter; an even depth is lost lift, everywhere the same."""
+    both = replace(circle, follower_wears=True)
+    found = both.rub(both.unworn)
+    volume = float(found.rate[FOLLOWER] @ np.diff(both.along)) * LENGTH
+    # Beyond four standard deviations the Gaussian has 6e-5.
+    assert volume == pytest.approx(found.work, rel=1e-4)
+    state = np.zeros((3, PLACES.size))
+    state[LOSS] = 1e-4 * np.cos(PLACES)
+    np.testing.assert_array_equal(both.lose(state), state[LOSS])
+    state[FOLLOWER] = 2e-5
+    # The overlap's derivative by the lift is a difference over 1e-7 m, of positions of 0.02 m.
+    np.testing.assert_allclose(both.lose(state), state[LOSS] + 2e-5, atol=1e-14)
+    # On the left of the follower only: where the cam touches it so.
+    state[FOLLOWER] = np.where(both.along[1:] < 0.0, 2e-5, 0.0)
+    lost = both.lose(state) - state[LOSS]
+    assert lost[180] == pytest.approx(0.0, abs=1e-12)
+    assert lost[540] == pytest.approx(2e-5, rel=1e-6)
 
 
 def test_a_worn_circle_is_the_smaller_circle(worn: tuple[list[str], str]) -> None:

@@ -29,6 +29,13 @@ def run_wear(  # noqa: PLR0913  # options of a command
         str | None, typer.Option(help="Contact that wears.", show_default="the only one on a cam")
     ] = None,
     tolerance: Annotated[float, typer.Option(help="Error by extrapolation, as a part of the depth.")] = 0.01,
+    wear_follower: Annotated[
+        bool,
+        typer.Option(
+            "--wear-follower",
+            help="The follower, which does not turn, wears too; until the depth of the first of both.",
+        ),
+    ] = False,
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario.")
     ] = None,
@@ -48,7 +55,7 @@ def run_wear(  # noqa: PLR0913  # options of a command
     from orchestrator.scenario.files import load, read_changed
     from orchestrator.study.wear.run import parse_asked, wear
 
-    asked = parse_asked(until, wear_coefficient, tolerance, contact, speed)
+    asked = parse_asked(until, wear_coefficient, tolerance, contact, speed, wear_follower)
     folder = out or Path("results") / f"{load(scenario, set_ or []).name}-wear"
     found = wear(read_changed(scenario, set_ or []), asked, folder, build_reporter(as_json), overwrite)
     if as_json:

@@ -19,13 +19,14 @@ from models.valve_train.worn_cam import PLACES
 from ...reporter import Reporter
 from ...scenario.files import to_full_toml
 from ...store import atomic_write
-from .train import CAM, LOSS, Rubbed, WearingTrain
+from .train import FOLLOWER, LOSS, Rubbed, WearingTrain
 
 FOLDER = "cycles"  # with a file for each simulated cycle
 MOST = 50
 # Parts of the limit that the first step takes at the unworn rate, and any step at most. The last one may pass
-# the limit by EXCESS of what is left, so that no short one need follow.
-FIRST, LONGEST, EXCESS = 0.2, 0.5, 1.05
+# the limit by EXCESS of what is left, so that no short one need follow. The shortest steps are longer by
+# SPARE than would reach the limit with the cycles that are left, EACH for a step: the wear may slow down.
+FIRST, LONGEST, EXCESS, SPARE, EACH = 0.2, 0.5, 1.05, 1.5, 3
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class Age:
 
     @property
     def deepest(self) -> float:
-        return float(self.state[CAM].max())
+        return deepest(self.state)
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,11 @@ class History:
     error: float
     simulated: int
     fault: str = ""
+
+
+def deepest(state: Vector) -> float:
+    """The largest depth of a body (m)."""
+    return float(np.delete(state, LOSS, axis=0).max())
 
 
 class _Spent(Exception):
@@ -75,7 +81,7 @@ class _Simulations:
 
     def __post_init__(self) -> None:
         t = self.train
-        told = to_full_toml(t.scenario), t.contact, t.period, t.limit, metadata.version("tribocosim")
+        told = to_full_toml(t.scenario), t.contact, t.period, t.limit, t.rows, metadata.version("tribocosim")
         self._digest = hashlib.sha256(repr(told).encode())
 
     def rate(self, state: Vector) -> Vector:
@@ -83,7 +89,7 @@ class _Simulations:
         if self.count >= MOST:
             raise _Spent
         self.count += 1
-        self.show(float(state[CAM].max()) / self.train.limit)
+        self.show(deepest(state) / self.train.limit)
         digest = self._digest.copy()
         digest.update(state.tobytes())
         path = self.folder / f"{digest.hexdigest()[:32]}.npz"
@@ -94,7 +100,7 @@ class _Simulations:
     def _simulate(self, state: Vector, path: Path) -> Rubbed:
         start = self.last.end if self.last else None
         train = self.train
-        found = train.rub(train.unworn if start is None else train.simulate(state[LOSS], start))
+        found = train.rub(train.unworn if start is None else train.simulate(train.lose(state), start))
         content = io.BytesIO()
         scalars = json.dumps({"work": found.work, "distance": found.distance, "numbers": dict(found.numbers)})
         np.savez(content, scalars=scalars, rate=found.rate, follower=found.follower, end=found.end)
@@ -118,24 +124,26 @@ def follow(train: WearingTrain, tolerance: float, folder: Path, reporter: Report
     (folder / FOLDER).mkdir(exist_ok=True)
     with reporter.stage(f"wear of {train.cam}") as bar:
         simulations = _Simulations(train, folder / FOLDER, bar.show)
-        state = np.zeros((2, PLACES.size))
+        state = np.zeros((len(train.rows), PLACES.size))
         first = simulations.rate(state)
         assert simulations.last
         ages = [Age(0.0, state, 0.0 * simulations.last.follower, 0.0, simulations.last)]
-        if not first[CAM].any():
+        if not first.any():
             return History(train, ages, 0.0, 1, "the film carries all of the load: nothing wears")
         error = 0.0
-        length = FIRST * train.limit / float(first[CAM].max())
+        length = FIRST * train.limit / deepest(first)
 
-        def longest(now: Vector, rate: Vector) -> float:
-            left = EXCESS * (train.limit - float(now[CAM].max()))
-            return min(LONGEST * train.limit, left) / float(rate[CAM].max())
+        def bounds(now: Vector, rate: Vector) -> tuple[float, float]:
+            """The shortest steps would reach the limit with the cycles that are left."""
+            left, grows = EXCESS * (train.limit - deepest(now)), deepest(rate)
+            steps = max(1, (MOST - simulations.count) // EACH)
+            return min(SPARE * left / steps, left) / grows, min(LONGEST * train.limit, left) / grows
 
         try:
-            for step in march(simulations.rate, state, first, length, tolerance, longest):
+            for step in march(simulations.rate, state, first, length, tolerance, bounds):
                 ages.append(_grow(ages[-1], step, simulations.by_rate[id(step.rates[1])], train.limit))
                 error += step.error
-                if step.states[1][CAM].max() >= train.limit:
+                if deepest(step.states[1]) >= train.limit:
                     return History(train, ages, error, simulations.count)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(
@@ -151,10 +159,11 @@ def follow(train: WearingTrain, tolerance: float, folder: Path, reporter: Report
 def _grow(before: Age, step: Step, rubbed: Rubbed, limit: float) -> Age:
     """The age at the end of a step, or in it where the limit is reached."""
     share = 1.0
-    if step.states[1][CAM].max() > limit:
-        share = float(brentq(lambda x: float(step.at(x)[CAM].max()) - limit, 0.0, 1.0))
-    length = share * step.length
-    old = before.rubbed
+    if deepest(step.states[1]) > limit:
+        share = float(brentq(lambda x: deepest(step.at(x)) - limit, 0.0, 1.0))
+    length, state, old = share * step.length, step.at(share), before.rubbed
     follower = before.follower + 0.5 * length * (old.follower + rubbed.follower)
+    if len(state) > FOLLOWER:
+        follower = state[FOLLOWER]
     volume = before.volume + 0.5 * length * (old.work + rubbed.work)
-    return Age(before.dose + length, step.at(share), follower, volume, rubbed)
+    return Age(before.dose + length, state, follower, volume, rubbed)

@@ -14,8 +14,9 @@ from models.monolithic.cycle import STEADY
 from models.valve_train.worn_cam import FINEST, PLACES
 
 from ...assessment.figures_of_merit import CONTACT
+from ...errors import Option, Words
 from ...scenario.files import to_full_toml
-from .history import History
+from .history import History, deepest
 from .train import CAM, FIGURES, LOSS
 
 TABLE, AGES, LIFTS, FIGURE = "wear.nc", "wear.csv", "worn-cam.csv", "wear.png"
@@ -59,6 +60,9 @@ def describe(history: History, interval: Interval) -> str:
     low, high = interval.cycles(last.dose)
     hours, distance = train.turn / 3600.0, 1e-3 * last.rubbed.distance
     place = describe_place(float(PLACES[last.state[CAM].argmax()]))
+    if last.deepest > last.state[CAM].max():
+        along = 0.5 * (train.along[1:] + train.along[:-1])[last.follower.argmax()]
+        place = f"of the follower at {1e3 * float(along):.2g} mm"
 
     def between(factor: float) -> str:
         return to_text(factor * low) + ("" if low == high else f" to {to_text(factor * high)}")
@@ -69,7 +73,7 @@ def describe(history: History, interval: Interval) -> str:
     )
 
 
-def remark(history: History, interval: Interval) -> Iterator[str]:
+def remark(history: History, interval: Interval) -> Iterator[Words]:
     """Where the answer comes from, and what it leaves out."""
     train, last, fresh = history.train, history.ages[-1], history.ages[0]
     if history.fault and last.dose:
@@ -80,7 +84,7 @@ def remark(history: History, interval: Interval) -> Iterator[str]:
         f"from {history.simulated} simulated cycles, with an error of "
         f"{100.0 * history.error / last.deepest:.2g} % by extrapolation, for wear coefficients of {interval}"
     )
-    constant = last.deepest / float(fresh.rubbed.rate[CAM].max()) / last.dose
+    constant = last.deepest / deepest(fresh.rubbed.rate) / last.dose
     yield f"the wear of the unworn cam, if it stayed the same, would take {constant:.3g} times as many cycles"
     finest = train.rub(train.unworn, FINEST).rate[CAM].max() / fresh.rubbed.rate[CAM].max()
     yield (
@@ -90,10 +94,14 @@ def remark(history: History, interval: Interval) -> Iterator[str]:
     )
     if train.load == "load":
         yield "the surfaces are smooth: all of the load wears, not only that of asperities"
-    yield (
-        f"a follower that does not turn has lost {1e3 * float(last.follower.max()):.3g} mm, which does not "
-        "come back into the motion"
-    )
+    if train.follower_wears:
+        yield f"the cam has lost {1e3 * float(last.state[CAM].max()):.3g} mm then"
+    else:
+        yield (
+            f"a follower that does not turn has lost {1e3 * float(last.follower.max()):.3g} mm, which comes "
+            "back into the motion only with ",
+            Option("wear_follower", True),
+        )
     if any(age.rubbed.numbers["lost"] > 0.0 for age in history.ages):
         yield "contact is lost; the wear is that of sliding, without that of landing"
     if (change := max(age.rubbed.numbers["change"] for age in history.ages)) > STEADY:

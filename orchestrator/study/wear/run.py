@@ -38,11 +38,12 @@ class Asked:
     tolerance: float = TOLERANCE
     contact: str | None = None
     speed: float | None = None
+    follower_wears: bool = False
 
 
 def parse_asked(
     until: str, coefficient: str = COEFFICIENT, tolerance: float = TOLERANCE,
-    contact: str | None = None, speed: str | None = None,
+    contact: str | None = None, speed: str | None = None, follower_wears: bool = False,
 ) -> Asked:  # fmt: skip
     """Of texts as options have them; MistakeError that names the option."""
     if is_bare(until):
@@ -56,7 +57,7 @@ def parse_asked(
     if not 0.0 < tolerance <= 0.5:
         raise MistakeError((Option("tolerance", tolerance), ": must be > 0 and at most 0.5"))
     turned = None if speed is None else parse_speed("speed", speed)
-    return Asked(depth, parse_interval(coefficient), tolerance, contact, turned)
+    return Asked(depth, parse_interval(coefficient), tolerance, contact, turned, follower_wears)
 
 
 def parse_interval(text: str) -> Interval:
@@ -79,7 +80,7 @@ def wear(
     What was simulated before an interruption is taken from `out`. MistakeError or ModelError before anything
     is written.
     """
-    train = open_train(tables, asked.contact, asked.speed, asked.until)
+    train = open_train(tables, asked.contact, asked.speed, asked.until, asked.follower_wears)
     most = find_most_depth(train.fresh.arc)
     if asked.until > most:
         raise MistakeError(

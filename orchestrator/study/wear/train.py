@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from models.contact.wear import trapezoidal, worn_depth
 from models.core.quantities import Vector
@@ -26,10 +27,12 @@ from ...scenario.lift_table import replace_law
 from ...scenario.system import list_parameters
 from ..speeds.subject import SAMPLES, SpeedSubject, count_turns, find_flywheel, to_motion
 
-# Rows of a state, at PLACES: depth of the cam along its normal, and loss of lift.
-CAM, LOSS = range(2)
-# Places along the follower reach so far beyond the contact's path, as a part of it: for the contact's width.
-MARGIN = 0.1
+# Rows of a state: depth of the cam along its normal and its loss of lift, at PLACES; depth along the
+# follower, if it wears too.
+CAM, LOSS, FOLLOWER = range(3)
+# Places along the follower reach so far beyond the contact's path, as a part of it, for the contact's width,
+# and by the filter's tail, in standard deviations: its kernel has four.
+MARGIN, TAIL = 0.1, 4.0
 FIGURES = ("peak_pressure", "largest_load", "least_film", "lost")
 
 
@@ -54,7 +57,8 @@ class Rubbed:
 class WearingTrain:
     """The contact that wears, its cam, and the system with a table of the cam's lift.
 
-    `period` is that of its cycle (s), `limit` the depth (m) to which the cam wears.
+    `period` is that of its cycle (s), `limit` the depth (m) to which the cam wears,
+    or the follower.
     """
 
     scenario: Scenario
@@ -65,6 +69,7 @@ class WearingTrain:
     fresh: FreshCam
     period: float
     limit: float
+    follower_wears: bool
 
     @property
     def load(self) -> str:
@@ -84,6 +89,7 @@ class WearingTrain:
         """Edges of the places along the follower (m)."""
         offset = self.unworn[f"{self.cam}.contact_offset"]
         beyond = MARGIN * float(np.ptp(offset)) + float(self.unworn[f"{self.contact}.half_width"].max())
+        beyond += TAIL * self.filter_along
         return np.linspace(offset.min() - beyond, offset.max() + beyond, PLACES.size + 1)
 
     def simulate(self, loss: Vector, start: Vector | None = None) -> Cycle:
@@ -107,6 +113,24 @@ class WearingTrain:
         """Standard deviation (rad) by which wear is smoothed."""
         return choose_filter(self.limit, self.fresh.arc)
 
+    @property
+    def filter_along(self) -> float:
+        """The same along the follower (m): by the arc of the cam, on its mean."""
+        return self.filter * float(self.fresh.arc.mean()) if self.follower_wears else 0.0
+
+    @property
+    def rows(self) -> tuple[int, ...]:
+        return (CAM, LOSS, FOLLOWER) if self.follower_wears else (CAM, LOSS)
+
+    def lose(self, state: Vector) -> Vector:
+        """The loss of lift (m) at PLACES by both bodies; the follower touches where it does unworn."""
+        if not self.follower_wears:
+            return np.asarray(state[LOSS])
+        turn, middle = self.revolve(self.unworn), 0.5 * (self.along[1:] + self.along[:-1])
+        place = np.interp(PLACES, turn["cam_angle"] % TURN, turn["contact_offset"], period=TURN)
+        follower = np.interp(place, middle, state[FOLLOWER]) / self.fresh.overlap_by_lift
+        return np.asarray(state[LOSS] + smooth(follower, self.filter))
+
     @cached_property
     def turn(self) -> float:
         """Time of a turn of the cam (s)."""
@@ -124,8 +148,10 @@ class WearingTrain:
         follower = worn_depth(self.along, turn["contact_offset"], half, dose)
         part = Part(to_motion(cycle, self.flywheel), self.contact)
         numbers = {name: CONTACT[name][1](part).value for name in FIGURES} | {"change": cycle.change}
-        rate = np.array([cam, cam / self.fresh.overlap_by_lift])
-        return Rubbed(rate, follower, float(work.sum()), float(distance.sum()), numbers, cycle.end)
+        rows = [cam, cam / self.fresh.overlap_by_lift]
+        if self.follower_wears:
+            rows.append(gaussian_filter1d(follower, self.filter_along / float(np.diff(self.along)[0])))
+        return Rubbed(np.array(rows), follower, float(work.sum()), float(distance.sum()), numbers, cycle.end)
 
 
 def known(cycle: Cycle) -> set[str]:
@@ -134,7 +160,11 @@ def known(cycle: Cycle) -> set[str]:
 
 
 def open_train(
-    tables: Mapping[str, Any], contact: str | None, speed: float | None, limit: float
+    tables: Mapping[str, Any],
+    contact: str | None,
+    speed: float | None,
+    limit: float,
+    follower_wears: bool = False,
 ) -> WearingTrain:
     """The train of a scenario, at its own speed or another one of the flywheel (rad/s).
 
@@ -159,7 +189,7 @@ def open_train(
     turned = speed or list_parameters(scenario)[f"{flywheel}.initial_speed"]
     system = subject.system_at(turned)
     period = count_turns(system) * TURN / turned
-    return WearingTrain(scenario, system, flywheel, name, cams[name], fresh, period, limit)
+    return WearingTrain(scenario, system, flywheel, name, cams[name], fresh, period, limit, follower_wears)
 
 
 def put_points(tables: Mapping[str, Any], cam: str, fresh: FreshCam) -> dict[str, Any]:
