@@ -10,6 +10,8 @@ import pytest
 
 import models
 from fmus.build import build, collect_files, pack_files
+from models.contact.ehl_line_contact import ehl_line_contact
+from tests.models.stepped import Stepped
 
 from .conftest import clean_environment
 from .reference import Reference
@@ -183,3 +185,23 @@ def test_unknown_names_and_sizes(tmp_path):
         build("camshat", tmp_path)
     with pytest.raises(ValueError, match="structure of valve_spring"):
         build("valve_spring", tmp_path, {"coils": 3})
+
+
+def test_a_contact_whose_cavities_keep_their_oil_runs_alone(isolated, tmp_path):
+    """Entrainment reverses over a starved contact: as in this process."""
+    sizes = {"nodes": 51, "mass_conserving": 1}
+    path = build("ehl_line_contact", tmp_path / "contact.fmu", sizes, references=False)
+    inputs = {"approach": 0.3e-6, "entraining_velocity": 1.0, "radius_of_curvature": 0.02}
+    code = f"""
+    slave = Instance({str(path)!r}).initialize(oil_supply=0.4e-6, **{inputs})
+    for i in range(40):
+        slave.set({{"entraining_velocity": 1.0 - i / 20.0}})
+        slave.step(i * 2e-5, 2e-5)
+    report(slave.get(["load", "minimum_film_thickness"]))
+    """
+    alone = Stepped(ehl_line_contact(**sizes), {"oil_supply": 0.4e-6}, inputs=inputs)
+    for i in range(40):
+        alone.input("entraining_velocity", 1.0 - i / 20.0)
+        alone.advance(2e-5)
+    found = isolated(code)
+    assert found == pytest.approx([alone["load"], alone["minimum_film_thickness"]], rel=1e-9)
