@@ -2,11 +2,13 @@
 
 import difflib
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from models.core.errors import MistakeError as MistakeError
 from models.core.errors import RunError as RunError
 from models.core.remedies import Command as Command
+from models.core.remedies import ExplainedError as ExplainedError
 from models.core.remedies import Option as Option
 from models.core.remedies import Set as Set
 from models.core.remedies import Words as Words
@@ -30,6 +32,38 @@ def one_of(names: Iterable[str], given: object = "") -> str:
 def instead_of_discarded(name: str) -> str:
     """The remedies for a step that participant `name` discarded."""
     return f"reduce macro_step, use [step_control], or raise components.{name}.retries"
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A mistake at a `place`, keys of a file ("": all of it), from which `said` goes on: ": missing".
+
+    It was made in `source`, a file or an option.
+    """
+
+    place: str
+    said: Words
+    remedy: Words = ""
+    source: Words = ""
+
+    @classmethod
+    def parse(cls, place: str, text: str) -> "Fault":
+        """Of a text that has its remedy after a semicolon."""
+        said, _, remedy = text.partition("; ")
+        return cls(place, said, remedy)
+
+    @property
+    def words(self) -> Words:
+        said = self.said if isinstance(self.said, tuple) else (self.said,)
+        if not self.place and isinstance(said[0], str):
+            said = said[0].removeprefix(": "), *said[1:]
+        source, end = (self.source, " ") if self.source else (), ("; ", self.remedy) if self.remedy else ()
+        return (*source, self.place, *said, *end)
+
+
+def list_faults(faults: Iterable[Fault]) -> Words:
+    """A line for each."""
+    return tuple(part for i, fault in enumerate(faults) for part in ("\n" * (i > 0), fault.words))
 
 
 REPLACE: Words = ("replace it with ", Option("overwrite", True))

@@ -59,11 +59,16 @@ class ExplainedError(Exception):
     @property
     def words(self) -> Words:
         """The fault, then its remedies as alternatives."""
+        return (self.fault, "; ", self.advice) if self.remedies else self.fault
+
+    @property
+    def advice(self) -> Words:
+        """The remedies as alternatives."""
         if not self.remedies:
-            return self.fault
+            return ""
         *others, last = self.remedies
         choices = [part for remedy in others for part in (remedy, ", ")]
-        return (self.fault, "; ", *choices, "or " if others else "", last)
+        return (*choices, "or " if others else "", last)
 
     @property
     def actions(self) -> tuple[Action, ...]:

@@ -7,12 +7,13 @@ With [step_control] the other's `output_step` leaves too.
 
 import difflib
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from models.core.system import suggestion
 
-from ..errors import MistakeError, Option, Set
+from ..errors import Fault, MistakeError, Option, Set
 from ..texts import DEEPEST, parse_toml, parse_value, read_text, to_path
 from . import Scenario, ScenarioError, build_scenario, find_tables
 from .extending import EXTENDS, WITHOUT, drop, drop_other_options, merge, replace_cam
@@ -66,19 +67,16 @@ def _suggest_near(path: Path) -> str:
 
 
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
-    """The scenario with `overrides` ("path=value") applied; ScenarioError with a line for each fault."""
+    """The scenario with `overrides` ("path=value") applied; the faults of a ScenarioError have sources."""
     content = read_changed(name, overrides)
     try:
         return build_scenario(content)
     except ScenarioError as error:
         path = find(name)
-        lines = str(error).split("\n")
-        own = list_faults(read_contents(path)) if overrides else lines
-        marked = [
-            ("\n" * (i > 0), f"{path.name}:" if line in own else SET, " ", line)
-            for i, line in enumerate(lines)
-        ]
-        raise ScenarioError(tuple(marked)) from None
+        own = _find_own_faults(path) if overrides else error.faults
+        raise ScenarioError.of(
+            replace(fault, source=f"{path.name}:" if fault in own else SET) for fault in error.faults
+        ) from None
 
 
 def read_changed(name: str | Path, overrides: Sequence[str] = ()) -> dict[str, Any]:
@@ -90,13 +88,13 @@ def read_changed(name: str | Path, overrides: Sequence[str] = ()) -> dict[str, A
     return content
 
 
-def list_faults(content: dict[str, Any]) -> list[str]:
-    """The faults of a file's content, a line each."""
+def _find_own_faults(path: Path) -> Sequence[Fault]:
+    """Those that a file has without overrides."""
     try:
-        build_scenario(content)
+        build_scenario(read_contents(path))
     except ScenarioError as error:
-        return str(error).split("\n")
-    return []
+        return error.faults
+    return ()
 
 
 def read_contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:

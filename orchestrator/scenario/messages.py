@@ -2,13 +2,14 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from pydantic import ValidationError
 
 from models.core.system import suggestion
 
-from ..errors import one_of
+from ..errors import ExplainedError, Fault, one_of
 from .values import Faults
 
 MOST = 10  # faults that are told at once
@@ -16,11 +17,11 @@ Location = tuple[int | str, ...]
 
 # Remedies for missing keys.
 REMEDIES = {
-    "tolerance": "; state the largest relative RMS error of at least one output: [tolerance] "
+    "tolerance": "state the largest relative RMS error of at least one output: [tolerance] "
     '"contact.load" = 1e-3; or compare with nothing: reference.enabled = false',
-    "stop_time": '; e.g. stop_time = "120 ms"',
-    "macro_step": '; e.g. macro_step = "5 us"',
-    "components": '; e.g. [components.camshaft] component = "camshaft"',
+    "stop_time": 'e.g. stop_time = "120 ms"',
+    "macro_step": 'e.g. macro_step = "5 us"',
+    "components": 'e.g. [components.camshaft] component = "camshaft"',
 }
 
 BOUNDS = {
@@ -40,26 +41,34 @@ FIXED = {
 NO_KEY = {"missing": "missing", "extra_forbidden": "unknown key; leave it out"}
 
 
-def list_messages(
+def find_faults(
     error: ValidationError, known: Callable[[Location], list[str]] = lambda place: []
-) -> list[str]:
-    """A message for each error; `known` lists the valid keys at a place, by default none."""
-    lines: list[str] = []
+) -> list[Fault]:
+    """The fault of each error; `known` lists the valid keys at a place, by default none."""
+    found: list[Fault] = []
     for fault in error.errors(include_url=False):
-        if len(lines) >= MOST:
-            return [*lines, f"and more; correct these {len(lines)} first"]
+        if len(found) >= MOST:
+            return [*found, Fault("", "and more", f"correct these {len(found)} first")]
         path, reason = _format_path(fault["loc"]), fault.get("ctx", {}).get("error")
         if fault["type"] == "extra_forbidden":
-            lines.append(f"{path}: unknown key; {suggestion(str(fault['loc'][-1]), known(fault['loc']))}")
+            near = suggestion(str(fault["loc"][-1]), known(fault["loc"]))
+            found.append(Fault(path, ": unknown key", near))
         elif fault["type"] == "missing":
-            lines.append(f"{path}: missing{REMEDIES.get(path, '')}")
+            found.append(Fault(path, ": missing", REMEDIES.get(path, "")))
         elif isinstance(reason, Faults):
-            lines += [f"{path}.{key}{text}" if key else path + text for key, text in reason.faults]
+            found += [replace(one, place=join_keys(path, one.place)) for one in reason.faults]
+        elif isinstance(reason, ExplainedError) and reason.actions:
+            found.append(Fault(path, (": ", reason.fault), reason.advice))
         elif reason is not None:
-            lines.append(f"{path}: {reason}" if path else str(reason))
+            found.append(Fault.parse(path, f": {reason}"))
         else:
-            lines.append(f"{path}{_format_value(fault['input'])}: {_describe_allowed(fault)}")
-    return lines
+            found.append(Fault.parse(path, f"{_format_value(fault['input'])}: {_describe_allowed(fault)}"))
+    return found
+
+
+def join_keys(table: str, key: str) -> str:
+    """The place of a key of a table; "" is the table itself."""
+    return f"{table}.{key}" if key else table
 
 
 def place_faults(key: str, error: ValidationError) -> Faults:

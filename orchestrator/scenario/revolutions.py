@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from models.flywheel import PRESCRIBED
@@ -56,7 +57,7 @@ def _find_speed(content: Mapping[str, Any]) -> float:
         found = parse_values(layout, given, "parameter")
     except Faults as error:
         path = f"components.{drives[0]}.parameters."
-        raise Faults(*((path + key, text) for key, text in error.faults)) from None
+        raise Faults(*(replace(one, place=path + one.place) for one in error.faults)) from None
     p = layout.named(layout.vector(to_numbers(layout, found)))
     if p["motion"] != PRESCRIBED or p["initial_speed"] != p["final_speed"] or p["initial_speed"] == 0.0:
         raise ArithmeticError

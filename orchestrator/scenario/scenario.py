@@ -1,6 +1,7 @@
 """The scenario: all tables of a file."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import fields, replace
 from typing import Annotated, Any, Literal
 
@@ -8,7 +9,7 @@ from pydantic import Field, ValidationError, ValidationInfo, field_validator
 
 from models.core.quantities import Vector
 
-from ..errors import MistakeError
+from ..errors import Fault, MistakeError, list_faults
 from ..masters import MASTERS
 from ..participants.own_process import Limits
 from ..stepping import ControlledSteps, FixedSteps, ForwardSteps, RefinedSteps, check_estimator, control_steps
@@ -16,7 +17,7 @@ from .component_table import ComponentTable
 from .connection import parse_named_line
 from .fields import Seconds, SecondsOr0, Table, Tolerance
 from .master_table import MasterTable
-from .messages import REMEDIES, Location, list_messages
+from .messages import REMEDIES, Location, find_faults
 from .oil import OilSheet, Temperature, share_oil
 from .revolutions import convert_to_seconds
 from .step_control_table import CONVERGED, EVENT_TOLERANCE, StepControlTable
@@ -31,7 +32,16 @@ SPACINGS = 1000
 
 
 class ScenarioError(MistakeError):
-    """A scenario that cannot be run; a line for each fault, which names the key and the remedy."""
+    """A scenario that cannot be run: a line for each fault. There are no `faults` where it can't be read."""
+
+    faults: tuple[Fault, ...] = ()
+
+    @classmethod
+    def of(cls, faults: Iterable[Fault]) -> "ScenarioError":
+        found = tuple(faults)
+        error = cls(list_faults(found))
+        error.faults = found
+        return error
 
 
 class ReferenceTable(Table):
@@ -157,7 +167,7 @@ class Scenario(Table):
     @classmethod
     def _check_tolerance(cls, tolerance: dict[str, float], info: ValidationInfo) -> dict[str, float]:
         if not tolerance and "reference" in info.data and info.data["reference"].enabled:
-            raise Faults(("", f": missing{REMEDIES['tolerance']}"))
+            raise Faults(Fault("", ": missing", REMEDIES["tolerance"]))
         return tolerance
 
     @field_validator("macro_step")
@@ -207,7 +217,7 @@ class Scenario(Table):
         try:
             master.build()
         except ValidationError as error:
-            raise Faults(*map(_split_message, list_messages(error))) from None
+            raise Faults(*map(_place_option, find_faults(error))) from None
         return master
 
     @field_validator("step_control")
@@ -278,11 +288,13 @@ class Scenario(Table):
         return max(1, every)
 
 
-def _split_message(line: str) -> tuple[str, str]:
-    """Split a message about a master's option into key and rest."""
-    option, equals, rest = line.partition(" = ")
-    named = equals and option.partition("[")[0].isidentifier()
-    return (option, equals + rest) if named else ("", f": {line}")
+def _place_option(fault: Fault) -> Fault:
+    """A fault of a master's option; others are the master's."""
+    option, valued, rest = fault.said.partition(" = ") if isinstance(fault.said, str) else ("", "", "")
+    named = fault.place or option.removeprefix(": ")
+    if valued and named.partition("[")[0].isidentifier():
+        return replace(fault, place=named, said=valued + rest)
+    return replace(fault, place="", said=(": ", fault.place, fault.said)) if fault.place else fault
 
 
 def build_scenario(content: dict[str, Any]) -> Scenario:
@@ -290,26 +302,25 @@ def build_scenario(content: dict[str, Any]) -> Scenario:
     try:
         return Scenario.model_validate(share_oil(convert_to_seconds(content)))
     except ValidationError as error:
-        raise ScenarioError(
-            "\n".join(_add_place(line, content) for line in list_messages(error, _list_keys))
-        ) from None
+        raise ScenarioError.of(_send_on(one, content) for one in find_faults(error, _list_keys)) from None
     except Faults as error:
-        raise ScenarioError("\n".join(key + text for key, text in error.faults)) from None
+        raise ScenarioError.of(error.faults) from None
 
 
-def _add_place(line: str, content: dict[str, Any]) -> str:
-    """A message about an unknown key names the table where it is known, if there is one."""
-    path, _, text = line.partition(": ")
-    table, _, key = path.rpartition(".")
-    fault, unknown, _ = text.partition("; known: ")
-    if unknown and not table and (meant := find_tables(key)):
-        return f"{path}: {fault}; did you mean {' or '.join(meant)}?"
-    if unknown and table and key in Scenario.model_fields:
-        return f"{path}: {fault}; put {key} above the file's first [table]"
-    if unknown and table.startswith("components."):
-        name = table.removeprefix("components.")
-        return f"{path}: {fault}; {find_place(key, _list_tables(content, name), text.partition('; ')[2])}"
-    return line
+def _send_on(fault: Fault, content: dict[str, Any]) -> Fault:
+    """Of an unknown key the remedy names the table where it is known, if there is one."""
+    table, _, key = fault.place.rpartition(".")
+    near = fault.remedy
+    if not isinstance(near, str) or not near.startswith("known: "):
+        return fault
+    if not table and (meant := find_tables(key)):
+        return replace(fault, remedy=f"did you mean {' or '.join(meant)}?")
+    if table and key in Scenario.model_fields:
+        return replace(fault, remedy=f"put {key} above the file's first [table]")
+    if table.startswith("components."):
+        known = _list_tables(content, table.removeprefix("components."))
+        return replace(fault, remedy=find_place(key, known, near))
+    return fault
 
 
 def _list_tables(content: dict[str, Any], name: str) -> dict[str, tuple[str, ...]]:

@@ -11,16 +11,16 @@ from models.core.component import Component
 from models.core.quantities import Layout, Quantity
 from models.core.system import suggestion
 
-from ..errors import MistakeError, one_of
+from ..errors import Fault, MistakeError, list_faults, one_of
 from .units import UnitError, is_bare, to_unit
 
 
 class Faults(MistakeError):
-    """Faults of a table: pairs of a key ("" is the table) and a message."""
+    """Faults of a table, or pairs of a key ("" is the table) and a text."""
 
-    def __init__(self, *faults: tuple[str, str]) -> None:
-        super().__init__("; ".join(key + message for key, message in faults))
-        self.faults = faults
+    def __init__(self, *faults: Fault | tuple[str, str]) -> None:
+        self.faults = [one if isinstance(one, Fault) else Fault.parse(*one) for one in faults]
+        super().__init__(list_faults(self.faults))
 
 
 class WithUnit(float):

@@ -12,8 +12,8 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from models.core.system import suggestion
 
-from ..errors import MistakeError
-from ..scenario import Written, list_messages
+from ..errors import MistakeError, list_faults
+from ..scenario import Written, find_faults
 from ..scenario.files import find, put, read_contents
 from ..scenario.system import Builder
 from ..scenario.values import Value
@@ -123,8 +123,7 @@ def parse_study(content: Mapping[str, Any]) -> Study:
     try:
         return Study.model_validate(content)
     except ValidationError as error:
-        lines = list_messages(error, lambda place: list_keys(Study))
-        raise StudyError("\n".join(lines)) from None
+        raise StudyError(list_faults(find_faults(error, lambda place: list_keys(Study)))) from None
 
 
 def resolve(study: Study, subject: Subject) -> Plan:

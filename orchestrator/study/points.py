@@ -13,7 +13,7 @@ from models.core.quantities import Vector
 from models.core.system import suggestion
 
 from ..errors import MistakeError
-from ..scenario import Written, list_messages
+from ..scenario import Written, find_faults
 from ..scenario.values import Faults, Value, WithUnit
 
 # Memory holds several numbers for each point.
@@ -62,8 +62,7 @@ def parse_table(kind: type[T], content: Any) -> T:
     try:
         return kind.model_validate(content)
     except ValidationError as error:
-        found = list_messages(error, lambda place: list_keys(kind))
-        raise Faults(*((line, "") for line in found)) from None
+        raise Faults(*find_faults(error, lambda place: list_keys(kind))) from None
 
 
 class Table(BaseModel):

@@ -3,7 +3,7 @@
 import pytest
 
 from models.core.system import ModelError
-from orchestrator.errors import ParticipantError, in_command_line
+from orchestrator.errors import Option, ParticipantError, in_command_line
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
@@ -178,31 +178,43 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path):
     file.write_text('extends = "valve-train"\nstart = "rest"\n')
     with pytest.raises(ScenarioError) as error:
         load(file, ["stop_time=1 us", "master.extrapolation=cubic"])
+    assert [(fault.source, fault.place) for fault in error.value.faults] == [
+        (Option("set"), "macro_step"),
+        (Option("set"), "output_step"),
+        ("mine.toml:", "start"),
+        (Option("set"), "master.extrapolation"),
+    ]
     lines = in_command_line(error.value).split("\n")
-    assert [line.split(" = ")[0] for line in lines] == [
+    assert lines == [in_command_line(fault.words) for fault in error.value.faults]
+    assert [line.split(" = ")[0] for line in lines[:3]] == [
         "--set macro_step",
         "--set output_step",
         "mine.toml: start",
-        "--set master.extrapolation",
     ]
 
 
 @pytest.mark.parametrize(
-    ("content", "message"),
+    ("content", "place", "remedy"),
     [
-        ("[components.contact]\nmacro_step = 1", "contact.macro_step: unknown key; put macro_step"),
-        ("[components.contact.parameters]\nstop_time = 1", "no such parameter; put stop_time"),
-        ("[master]\nname = 'iterated'\nstop_time = 1", "no such option; put stop_time"),
-        ("ledger = true", "ledger: unknown key; did you mean energy.ledger?"),
+        ("[components.contact]\nmacro_step = 1", "components.contact.macro_step", "put macro_step"),
+        (
+            "[components.contact.parameters]\nstop_time = 1",
+            "components.contact.parameters.stop_time",
+            "put stop",
+        ),
+        ("[master]\nname = 'iterated'\nstop_time = 1", "master.stop_time", "put stop_time"),
+        ("ledger = true", "ledger", "did you mean energy.ledger?"),
     ],
 )
-def test_a_key_in_a_wrong_table_is_sent_to_its_own(content, message, tmp_path):
+def test_a_key_in_a_wrong_table_is_sent_to_its_own(content, place, remedy, tmp_path):
     """In TOML a key belongs to the table above it, also where it was meant for the whole file."""
     file = tmp_path / "mine.toml"
     file.write_text(f'extends = "valve-train"\n{content}\n')
     with pytest.raises(ScenarioError) as error:
         load(file)
-    assert message in str(error.value)
+    (fault,) = error.value.faults
+    assert fault.place == place
+    assert fault.remedy.startswith(remedy)
 
 
 def test_without_an_equilibrium_the_odd_parameter_and_the_cure_are_named():
