@@ -1,5 +1,6 @@
 """Tables with units, and the `evaluate` of an analysis from its table."""
 
+import functools
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -16,6 +17,7 @@ def evaluate_by(
 ) -> Callable[[Mapping[str, Any]], dict[str, float | str]]:
     """The `evaluate` of an analysis whose results are the variables without dimension of its table."""
 
+    @functools.wraps(table)
     def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
         found = table(values).data_vars.items()
         return {str(name): variable.item() for name, variable in found if not variable.ndim}

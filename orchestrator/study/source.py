@@ -40,7 +40,7 @@ def compute_fingerprint(subject: Subject) -> dict[str, str]:
     found = {"tribocosim": hash_source(), "python": platform.python_version(), "machine": platform.machine()}
     found |= _list_libraries()
     if isinstance(subject, AnalysisSubject) and ":" in subject.name:
-        found[subject.name] = _hash_module(inspect.getfile(subject.analysis.evaluate))
+        found[subject.name] = _hash_module(inspect.getfile(inspect.unwrap(subject.analysis.evaluate)))
     return found
 
 

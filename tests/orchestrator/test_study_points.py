@@ -4,6 +4,7 @@ import itertools
 import math
 import re
 import tomllib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from orchestrator.store.result_file import open_result
 from orchestrator.study.files import list_shipped, load
 from orchestrator.study.source import compute_fingerprint
 from orchestrator.study.store import CHUNK, choose_chunks
+from orchestrator.study.subjects import AnalysisSubject
 from orchestrator.study.task import evaluate
 
 from .commands import IN_PROCESS
@@ -283,3 +285,28 @@ def test_workers_of_another_version_do_not_evaluate():
     found = evaluate(study.subject, study.points[0], {"tribocosim": "0" * 16})
     assert isinstance(found, str)
     assert found.startswith("computes with tribocosim ")
+
+
+OWN = """
+import xarray
+from orchestrator.analyses import Analysis, Parameter, Result
+from orchestrator.analyses._table import evaluate_by
+
+ANALYSIS = Analysis(
+    "own", "twice x", {"x": Parameter(1.0, "m", "x")}, {"y": Result("m", "y")},
+    evaluate_by(lambda values: xarray.Dataset({"y": FACTOR * values["x"]})),
+)
+"""
+
+
+def test_a_change_in_the_file_of_an_analysis_changes_its_version(tmp_path, monkeypatch):
+    """Also where its `evaluate` is made in another file, from a table."""
+    monkeypatch.chdir(tmp_path)
+    versions = set()
+    for factor in ("2.0", "3.0"):
+        file = Path(f"by_{factor[0]}.py")
+        file.write_text(OWN.replace("FACTOR", factor))
+        subject = AnalysisSubject(f"{file}:ANALYSIS", {})
+        assert subject.evaluate({}) == {"y": float(factor)}
+        versions.add(compute_fingerprint(subject)[subject.name])
+    assert len(versions) == 2
