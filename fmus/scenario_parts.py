@@ -1,6 +1,7 @@
 """Python files of a scenario's components, from which FMUs are built: one part, or all as one component."""
 
 import builtins
+import inspect
 import keyword
 import re
 import sys
@@ -50,7 +51,7 @@ def write_part(folder: Path, name: str, about: str, part: Part, experiment: Expe
 
     Returns the name by which `build` knows it.
     """
-    imports = ["from models.core.composite import with_values", *_IMPORTS, *_import([part])]
+    imports = ["from models.core.composite import with_values", *_IMPORTS, *_import([part], folder)]
     own = _write(folder, name, about, imports, f"with_values({_show(part)})")
     terminals = find_extra(part.catalogue_name, "TERMINALS", {})
     reason = explain_no_native(part.catalogue_name)
@@ -67,7 +68,7 @@ def write_train(
     experiment: Experiment,
 ) -> str:
     """A file whose component is all parts, connected (see `composite.compose`)."""
-    imports = ["from models.core.composite import compose", *_IMPORTS, *_import(parts.values())]
+    imports = ["from models.core.composite import compose", *_IMPORTS, *_import(parts.values(), folder)]
     if any(part.transformed for part in parts.values()):
         imports.append("from models.core.transformed import Transformation, transform")
     shown = "".join(f"            {key!r}: {_show(part)},\n" for key, part in parts.items())
@@ -93,9 +94,13 @@ def to_identifier(name: str) -> str:
 _IMPORTS = ["from models.core.system import Instance"]
 
 
-def _import(parts: Iterable[Part]) -> list[str]:
-    """A line for each component."""
+def _import(parts: Iterable[Part], folder: Path) -> list[str]:
+    """A line for each component; a user's own is beside the file, for processes that only know the folder."""
     names = sorted({part.catalogue_name for part in parts})
+    for name in names:
+        if (module := name_companion(name)).startswith(COMPANION):
+            source = inspect.getfile(sys.modules[find_factory(name).__module__])
+            (folder / f"{module}.py").write_bytes(Path(source).read_bytes())
     return [
         f"from {name_companion(name)} import {find_factory(name).__name__} as {_name_factory(name)}"
         for name in names

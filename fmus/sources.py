@@ -80,7 +80,7 @@ def name_companion(name: str) -> str:
     module = sys.modules[factory.__module__]
     file = Path(inspect.getfile(module))
     companion = f"{COMPANION}{compute_digest({file.name: file.read_bytes()})[:16]}"
-    sys.modules.setdefault(companion, module)
+    sys.modules[companion] = module  # the file of an earlier one of this content may be gone
     return companion
 
 

@@ -13,7 +13,7 @@ from fmus.native.fmu import NAMES as FMUS
 from fmus.native.machine_code import NativeBuildError
 from models.core.system import suggestion
 
-from .comparison import KINDS, compare
+from .comparison import KINDS, TRAINS, compare
 from .document import make_result, read_results, write_results
 from .processes import NAMES, explain_missing, install
 
@@ -24,7 +24,7 @@ def main() -> int:
     """Return 0 if every named tool could run."""
     parser = argparse.ArgumentParser(prog="python -m interop", description=__doc__)
     parser.add_argument("tools", nargs="*", metavar="TOOL", help=f"one of {', '.join(NAMES)}")
-    parser.add_argument("--fmu", nargs="+", choices=FMUS, metavar="NAME", help="only these FMUs")
+    parser.add_argument("--fmu", nargs="+", choices=[*FMUS, *TRAINS], metavar="NAME", help="only these FMUs")
     parser.add_argument("--install", action="store_true", help="make an environment for each tool")
     given = parser.parse_args()
     if unknown := [name for name in given.tools if name not in NAMES]:
@@ -39,7 +39,7 @@ def main() -> int:
             print(why)
             absent.append(name)
             continue
-        for fmu, kind in product(given.fmu or FMUS, KINDS):
+        for fmu, kind in product(given.fmu or [*FMUS, *TRAINS], KINDS):
             began = time.perf_counter()
             result = make_result(fmu, *compare(name, fmu, KINDS[kind], RUNS))
             results[name, fmu, kind] = result

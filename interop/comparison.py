@@ -1,7 +1,8 @@
 """The cases, and the outputs that the component computes for them in this process."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,12 +13,17 @@ from fmus.build import build as build_python
 from fmus.declared import experiment
 from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
+from models.compile.temporary import TemporaryFolder
+from orchestrator.scenario.files import load
 from tests.fmus.reference import Reference, wave
+from tribocosim.scenario_fmus import write_whole
 
 from .case import Case, list_equal_steps
 from .processes import Answer, ask, load_tool
 
 STEPS = 100
+# Scenarios of which the whole train is one FMU.
+TRAINS = ("valve-train", "finger-follower-hla")
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,16 @@ KINDS: Mapping[str, Kind] = {
     "native": Kind("native, FMI 2", 2, True),
     "native3": Kind("native, FMI 3", 3, True),
 }
+
+
+@contextmanager
+def make_component(fmu: str) -> Iterator[str]:
+    """The name of the component of which the FMU is built: of a train one that has all of its parts."""
+    if fmu not in TRAINS:
+        yield fmu
+        return
+    with TemporaryFolder() as folder:
+        yield write_whole(load(fmu), folder)
 
 
 def choose_step(name: str) -> float:
@@ -99,10 +115,11 @@ def largest_difference(found: list[list[float]], truth: list[list[float]]) -> fl
 
 def compare(name: str, fmu: str, kind: Kind, runs: int = 0) -> tuple[float | None, Answer]:
     """The largest difference from the component (None without values), and the tool's answer."""
-    case = make_case(fmu, kind, kind.build(fmu, getattr(load_tool(name), "PLATFORM", "")))
-    answer = ask(name, case, runs)
-    if answer.values is None:
-        return None, answer
-    steps = getattr(load_tool(name), "steps", list_equal_steps)(case.steps, case.step)
-    truth = compute_expected(fmu, kind, case, steps)
-    return largest_difference(answer.values, truth), answer
+    with make_component(fmu) as component:
+        case = make_case(component, kind, kind.build(component, getattr(load_tool(name), "PLATFORM", "")))
+        answer = ask(name, case, runs)
+        if answer.values is None:
+            return None, answer
+        steps = getattr(load_tool(name), "steps", list_equal_steps)(case.steps, case.step)
+        truth = compute_expected(component, kind, case, steps)
+        return largest_difference(answer.values, truth), answer

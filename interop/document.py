@@ -10,13 +10,15 @@ from pathlib import Path
 
 from fmus.native.fmu import NAMES as FMUS
 
-from .comparison import KINDS, STEPS
+from .comparison import KINDS, STEPS, TRAINS
 from .processes import NAMES, ROOT, Answer, load_tool
 
 PAGE = ROOT / "docs" / "reference" / "tools.md"
 TABLE = PAGE.with_suffix(".csv")
 INTRODUCTION = Path(__file__).with_name("page.md")
 KEY = ("tool", "fmu", "kind")
+WHOLE = """One FMU of all components (`tribocosim fmu build --scenario NAME --whole`) of {}. Differences
+are those from the same steps of its equations without FMI; the tests compare these with the reference."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ def read_results() -> Results:
 
 def write_results(results: Results) -> None:
     """Write the table and the page."""
-    results = {key: results[key] for key in product(NAMES, FMUS, KINDS) if key in results}
+    results = {key: results[key] for key in product(NAMES, [*FMUS, *TRAINS], KINDS) if key in results}
     with TABLE.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, [*KEY, *Result.__annotations__], lineterminator="\n")
         writer.writeheader()
@@ -69,13 +71,18 @@ def write_results(results: Results) -> None:
 def format_page(results: Results) -> str:
     """The text, a table of all tools, and what each tool needs and where it fails."""
     by_tool: dict[str, dict[tuple[str, str], Result]] = {}
+    trains: dict[str, dict[tuple[str, str], Result]] = {}
     for (tool, fmu, kind), result in results.items():
-        by_tool.setdefault(tool, {})[fmu, kind] = result
+        (trains if fmu in TRAINS else by_tool).setdefault(tool, {})[fmu, kind] = result
     head = ["tool", "version", *(kind.title for kind in KINDS.values())]
     rows = [summarise(tool, found) for tool, found in by_tool.items()]
     lines = [INTRODUCTION.read_text("utf-8").replace("STEPS", str(STEPS)), *format_table(head, rows)]
     if left := [name for name in NAMES if name not in by_tool]:
         lines += ["", f"Not run yet: `python -m interop {' '.join(left)} --install`."]
+    if trains:
+        rows = [summarise(tool, found) for tool, found in trains.items()]
+        lines += ["", "## Whole trains", "", WHOLE.format(", ".join(f"`{train}`" for train in TRAINS)), ""]
+        lines += format_table(head, rows)
     for tool, found in by_tool.items():
         if findings := list_findings(tool, found):
             lines += ["", f"## {load_tool(tool).TITLE}", "", *findings]

@@ -15,6 +15,7 @@ from .fmu import FmuOptions, build_file, check_kind, check_place
 from .scenario import Scenario, load
 
 if TYPE_CHECKING:
+    from fmus.fmi.description import Experiment
     from fmus.scenario_parts import Part
     from orchestrator.scenario import Scenario as CheckedScenario
     from orchestrator.scenario.system import Assembly
@@ -42,36 +43,49 @@ def build_scenario_fmus(
     their outputs become its inputs. The other options are as for `build_fmu`. MistakeError for what cannot
     be built.
     """
-    from fmus.fmi.description import Experiment
-    from fmus.scenario_parts import to_identifier, write_part, write_train
+    from fmus.scenario_parts import to_identifier, write_part
     from orchestrator.scenario.system import assemble, resolve_start
 
     checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
     options = FmuOptions(None, native, platforms or None, fmi)
     check_kind(options)
     _check(checked, components, whole, outside)
-    assembly = assemble(checked)
-    system = resolve_start(checked, assembly.system)
-    experiment = Experiment(checked.stop_time, checked.macro_step, tolerance=TOLERANCE)
-    parts = _list_parts(checked, system.instances)
-    for name in outside:
-        parts.pop(name, None)
-    names = list(dict.fromkeys(components)) or list(parts)
-    check_place(Path(out), () if whole else names)
     with TemporaryFolder() as folder:
         if whole:
-            parts = _transform(parts, assembly)
-            _check_whole(checked, outside)
-            lines = [(str(c.source), str(c.target)) for c in system.connections]
-            train = to_identifier(checked.name)
-            about = f"{checked.description or checked.name}: {', '.join(parts)}"
-            own = [write_train(folder, train, about, parts, lines, experiment)]
+            own = [write_whole(checked, folder, outside)]
         else:
+            parts = _list_parts(checked, resolve_start(checked, assemble(checked).system).instances)
+            names = list(dict.fromkeys(components)) or list(parts)
+            check_place(Path(out), names)
+            about = f"of {checked.name}"
             own = [
-                write_part(folder, to_identifier(name), f"{name} of {checked.name}", parts[name], experiment)
+                write_part(folder, to_identifier(name), f"{name} {about}", parts[name], _experiment(checked))
                 for name in names
             ]
         return [build_file(one, Path(out), options, progress) for one in own]
+
+
+def write_whole(checked: CheckedScenario, folder: Path, outside: Sequence[str] = ()) -> str:
+    """The name of a component, in a file of the folder, that has all of the scenario's but those outside."""
+    from fmus.scenario_parts import to_identifier, write_train
+    from orchestrator.scenario.system import assemble, resolve_start
+
+    _check_whole(checked, outside)
+    assembly = assemble(checked)
+    system = resolve_start(checked, assembly.system)
+    inside = {
+        name: part for name, part in _list_parts(checked, system.instances).items() if name not in outside
+    }
+    parts = _transform(inside, assembly)
+    lines = [(str(c.source), str(c.target)) for c in system.connections]
+    about = f"{checked.description or checked.name}: {', '.join(parts)}"
+    return write_train(folder, to_identifier(checked.name), about, parts, lines, _experiment(checked))
+
+
+def _experiment(checked: CheckedScenario) -> Experiment:
+    from fmus.fmi.description import Experiment
+
+    return Experiment(checked.stop_time, checked.macro_step, tolerance=TOLERANCE)
 
 
 def _check(scenario: CheckedScenario, components: Sequence[str], whole: bool, outside: Sequence[str]) -> None:

@@ -45,7 +45,9 @@ def translate(name: str, structure: Mapping[str, int]) -> str:
     """The entries of the component `name` with these sizes, as functions kernel_<entry>."""
     sizes = [f"{key}={value}" for key, value in sorted(structure.items())]
     root = Path(__file__).parents[2]
-    path = os.pathsep.join(filter(None, (str(root), os.environ.get("PYTHONPATH"))))
+    file = name.rpartition(":")[0]
+    beside = str(Path(file).parent) if file.endswith(".py") else ""
+    path = os.pathsep.join(filter(None, (str(root), beside, os.environ.get("PYTHONPATH"))))
     # Kernels that were compiled otherwise, for this process, are not taken from the cache.
     options = compute_digest({"": repr((_PLAIN_PROCESSOR, _SMALL)).encode()})
     try:

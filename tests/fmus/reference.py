@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from models.catalogue import CATALOGUE
+from models.catalogue import find_factory
 from models.core.component import Component
 
 COEFFICIENTS = 4
@@ -16,7 +16,7 @@ class Reference:
     """A component stepped directly, with the sizes that its FMU has without others."""
 
     def __init__(self, name: str, start_time: float = 0.0, **structure: int) -> None:
-        self.component: Component = CATALOGUE[name](**structure)
+        self.component: Component = find_factory(name)(**structure)
         c = self.component
         self.t = start_time
         self.x, self.p = c.state.start.copy(), c.parameters.start.copy()

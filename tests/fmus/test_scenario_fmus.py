@@ -227,7 +227,8 @@ def braked() -> Component:
 """
 
 
-def test_own_components_and_factors_are_inside_of_the_whole_train(tmp_path, isolated):
+@pytest.mark.parametrize("native", [False, True])
+def test_own_components_and_factors_are_inside_of_the_whole_train(native, tmp_path, isolated):
     """Two files with one factory's name, in a process without them and without this repository: at 0.1 s as
     the monolithic reference, to 1e-6 as any train."""
     files = [tmp_path / f"parts{n}.py" for n in range(2)]
@@ -247,7 +248,7 @@ def test_own_components_and_factors_are_inside_of_the_whole_train(tmp_path, isol
     tables["components"]["first"]["parameters"] |= {"coupling_damping": 3.0}
     scenario = tribocosim.load(tables)
     reference = tribocosim.run(scenario).reference
-    (whole,) = tribocosim.build_scenario_fmus(scenario, tmp_path / "whole", whole=True)
+    (whole,) = tribocosim.build_scenario_fmus(scenario, tmp_path / "whole", whole=True, native=native)
     (part,) = tribocosim.build_scenario_fmus(scenario, tmp_path / "part", components=["first"])
     for file in files:
         file.unlink()

@@ -4,7 +4,7 @@ from itertools import product
 
 from fmus.native.fmu import NAMES
 from interop import document
-from interop.comparison import KINDS
+from interop.comparison import KINDS, TRAINS
 from interop.document import PAGE, Results, format_page, list_findings, make_result, read_results, summarise
 from interop.processes import NAMES as TOOLS
 from interop.processes import Answer
@@ -17,7 +17,7 @@ def test_the_page_is_what_the_program_makes_of_its_results() -> None:
 def test_every_tool_has_every_fmu_or_is_named_as_missing() -> None:
     results = read_results()
     tools = {tool for tool, _, _ in results}
-    assert set(results) == set(product(tools, NAMES, KINDS))
+    assert {key for key in results if key[1] not in TRAINS} == set(product(tools, NAMES, KINDS))
     for tool in {*TOOLS} - tools:
         (line,) = (line for line in PAGE.read_text("utf-8").splitlines() if "Not run yet" in line)
         assert f" {tool} " in line
