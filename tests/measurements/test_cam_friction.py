@@ -49,7 +49,7 @@ PUSHROD = Train(0.38, 1.25**2 * 35e3, 1.25 * 330.0)
 
 
 class Cycle(NamedTuple):
-    """Over the lift of the cam: angle (rad), friction torque (N m), film (m).
+    """Over the lift of the cam: angle (rad), friction torque (N m), film (m), load (N).
 
     `moment` is that of the load about the guide, W s' (N m); friction torque over `lever` is the coefficient.
     """
@@ -59,6 +59,7 @@ class Cycle(NamedTuple):
     film: Vector
     moment: Vector
     lever: Vector
+    load: Vector
 
     @property
     def work(self) -> float:
@@ -98,7 +99,7 @@ def turn_cam(
         found = outputs_of(CONTACT, parameters, {"film_thickness": max(film, 1e-10)}, inputs)
         arm, load = BASE_RADIUS + lift, inputs["applied_load"]
         torque, moment = found["friction_force"] * arm, load * cam["contact_offset"]
-        rows.append((angle, torque, film, moment, load * arm))
+        rows.append((angle, torque, film, moment, load * arm, load))
     return Cycle(*np.array(rows).T)
 
 
