@@ -59,6 +59,7 @@ def eccentric(turns: float = 1.5, count: int = 3001) -> Cycle:
         "cam_angle": angle,
         "cam_speed": SPEED * one,
         "sliding_velocity": SPEED * (RADIUS + lift),
+        "cam_sliding": SPEED * (RADIUS + lift),
         "entraining_velocity": SPEED * (0.5 * (RADIUS + lift) + 5e-3 * np.cos(angle)),
         "radius_of_curvature": RADIUS + lift + 5e-3 * np.cos(angle),
         "contact_offset": slope,
@@ -104,6 +105,14 @@ def test_the_cam_wears_by_load_over_length_and_the_ratio_of_speeds():
     # Bins of 8.7 mrad see records 3.1 mrad apart with a width of 4 mrad.
     assert worn.cam_depth == pytest.approx(expected, rel=0.1)
     assert worn.cam_depth.mean() == pytest.approx(expected.mean(), rel=1e-6)
+
+
+def test_a_tappet_whose_spin_halves_the_sliding_wears_its_cam_half_as_deep():
+    """The contact passes the cam as before."""
+    cycle = eccentric()
+    slow = replace(cycle, values={**cycle.values, "sliding_velocity": 0.5 * cycle["sliding_velocity"]})
+    half, whole = (wear(one, "load", 1e-17, LENGTH).cam_depth for one in (slow, cycle))
+    np.testing.assert_allclose(half, 0.5 * whole, rtol=1e-12)
 
 
 def test_the_cam_of_an_arc_wears_by_its_arc_length():

@@ -2,6 +2,7 @@
 
 import csv
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -61,12 +62,13 @@ def worn(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], str]:
     return arguments, done.stdout
 
 
-def test_a_circular_cam_wears_as_its_closed_form(circle: WearingTrain) -> None:
+def test_a_circular_cam_wears_as_its_closed_form(circle: WearingTrain, record: Callable[..., None]) -> None:
     """k (W/L) p/rho a cycle, with p = R0 + s = R - e cos psi and rho = R. Spring and inertia change the load
     by 0.2 %, the filter of 5.9 deg takes 0.5 % of the wave, e/R of the depth."""
     found = circle.rub(circle.unworn)
     closed = PRELOAD / LENGTH * (RADIUS - ECCENTRICITY * np.cos(PLACES)) / RADIUS
-    np.testing.assert_allclose(found.rate[CAM], closed, rtol=5e-3)
+    words = "circular cam: wear of a cycle over the wear coefficient, over the cam (N/m)"
+    record("Contact", words, found.rate[CAM], closed, "k W (R - e cos psi)/(L R)", relative=5e-3)
     assert found.distance == pytest.approx(TURN * RADIUS, rel=1e-6)
 
 
@@ -99,14 +101,17 @@ def test_a_worn_follower_lowers_itself(circle: WearingTrain) -> None:
     assert lost[540] == pytest.approx(2e-5, rel=1e-6)
 
 
-def test_a_worn_circle_is_the_smaller_circle(worn: tuple[list[str], str]) -> None:
+def test_a_worn_circle_is_the_smaller_circle(
+    worn: tuple[list[str], str], record: Callable[..., None]
+) -> None:
     """It shrinks about the cam's axis: after the dose X by w X p/R, w = W/L, also with the worn cam in the
     motion. Each body loses k W times the distance 2 pi R (1 - w X/2R)."""
     arguments, text = worn
     with xarray.open_dataset(Path(arguments[-1]) / "wear.nc", engine="h5netcdf") as found:
         dose, line_load = found["dose"].values, PRELOAD / LENGTH
         closed = line_load * dose[-1] * (RADIUS - ECCENTRICITY * np.cos(PLACES)) / RADIUS
-        np.testing.assert_allclose(found["depth"].values[-1], closed, rtol=1e-2)
+        words, depth = "circular cam worn by 0.3 mm: depth over the cam (m)", found["depth"].values[-1]
+        record("Contact", words, depth, closed, "W X (R - e cos psi)/(L R)", relative=1e-2)
         assert float(found["deepest"][-1]) == pytest.approx(DEPTH, rel=1e-9)
         # Most at the nose, by p/R = 1.2.
         assert dose[-1] == pytest.approx(DEPTH / (1.2 * line_load), rel=1e-2)

@@ -25,7 +25,7 @@ OF_CONTACT = (
 )  # fmt: skip
 OF_CAM = (
     *("cam_angle", "cam_speed", "sliding_velocity", "entraining_velocity", "radius_of_curvature"),
-    *("contact_offset", "cam_lift"),
+    *("contact_offset", "cam_lift", "cam_sliding"),
 )
 
 
@@ -53,8 +53,9 @@ class Cycle:
     @property
     def arc(self) -> Vector:
         """By what the contact moves along the cam's contour per cam angle (m), u/omega + u_s/(2 omega): rho
-        under a flat follower, under an arc rho times the turn of the normal in the cam per cam angle."""
-        moved = np.abs(self["entraining_velocity"] + 0.5 * self["sliding_velocity"]) / self["cam_speed"]
+        under a flat follower, under an arc rho times the turn of the normal in the cam per cam angle. The
+        sliding is that of the cam's motion; a tappet that spins changes the contact's."""
+        moved = np.abs(self["entraining_velocity"] + 0.5 * self["cam_sliding"]) / self["cam_speed"]
         return np.asarray(np.maximum(moved, STANDING * np.abs(self["radius_of_curvature"])))
 
     @property

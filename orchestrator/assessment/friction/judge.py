@@ -95,10 +95,15 @@ def _list_sources(scenario: Scenario) -> dict[str, str]:
 
 
 def list_columns(scenario: Scenario, contact: str, cam: str) -> dict[str, str]:
-    """The variables of OF_CONTACT and OF_CAM as "instance.variable"; the sliding is that of the contact."""
+    """The variables of OF_CONTACT and OF_CAM as "instance.variable". `sliding_velocity` is the contact's,
+    `cam_sliding` the cam's, without a spin of the tappet."""
     role = scenario.components[cam].resolve().find_role(Cam)
     assert role
-    called = {"cam_angle": role.angle, "radius_of_curvature": role.radius_of_curvature}
+    called = {
+        "cam_angle": role.angle,
+        "radius_of_curvature": role.radius_of_curvature,
+        "cam_sliding": "sliding_velocity",
+    }
     found = {name: f"{contact}.{name}" for name in OF_CONTACT}
     found |= {name: f"{cam}.{called.get(name, name)}" for name in OF_CAM}
     return found | {"sliding_velocity": _list_sources(scenario)[f"{contact}.sliding_velocity"]}

@@ -129,7 +129,9 @@ def follow(train: WearingTrain, tolerance: float, folder: Path, reporter: Report
         assert simulations.last
         ages = [Age(0.0, state, 0.0 * simulations.last.follower, 0.0, simulations.last)]
         if not first.any():
-            return History(train, ages, 0.0, 1, "the film carries all of the load: nothing wears")
+            slides = simulations.last.distance > 0.0
+            cause = "the film carries all of the load" if slides else "it rolls and does not slide"
+            return History(train, ages, 0.0, 1, f"{cause}: nothing wears")
         error = 0.0
         length = FIRST * train.limit / deepest(first)
 
