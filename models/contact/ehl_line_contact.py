@@ -61,6 +61,11 @@ class LineContactOutputs(SharedOutputs):
     separated: float = Quantity("1", "the contact carries no load", boolean=True).default()
 
 
+@dataclass
+class KeptOilOutputs(LineContactOutputs):
+    oil_volume: float = Quantity("m3", "oil on the grid", nominal=1e-12).default()
+
+
 @kernel
 def steady_film(hertz_load: float, compliance: float, u: ContactInputs, p: LineContactParameters) -> float:
     """The film (m) of Moes and Venner under a load (N)."""
@@ -117,6 +122,12 @@ def output(t: float, x: Any, u: ContactInputs, p: LineContactParameters, y: Line
 
 
 @kernel
+def output_with_oil(t: float, x: Any, u: ContactInputs, p: LineContactParameters, y: KeptOilOutputs) -> None:
+    output(t, x, u, p, y)
+    y.oil_volume = x.oil_volume[0]
+
+
+@kernel
 def is_flooded(p: LineContactParameters, numbers: Any) -> bool:
     numbers[0] = p.oil_supply
     return p.oil_supply >= FLOODED
@@ -149,9 +160,9 @@ def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0) -> Component:
         parameters=Layout(LineContactParameters),
         state=state,
         inputs=inputs,
-        outputs=Layout(LineContactOutputs),
+        outputs=Layout(KeptOilOutputs if mass_conserving else LineContactOutputs),
         derivative=derivative,
-        output=output,
+        output=output_with_oil if mass_conserving else output,
         energy=make_field_energy(nodes, filled),
         feedthrough={
             **feedthrough_of_load(inputs, surfaces),

@@ -17,6 +17,7 @@ cavity. So pressures stay the only unknowns of the linear system.
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
+from ..fluid import Lubricant, density_ratio
 from .mixed import FED, FED_BEFORE
 from .reynolds import Flow, Nodes, carried, cell
 
@@ -217,3 +218,12 @@ def fill_share(
     for i in range(1, n - 1):
         whole = h[i] if p[i] == 0.0 else rho[i] * h[i]
         filling[i] = masses[i] / (whole * scale * cell(X, i))
+
+
+@kernel
+def volume_on_grid(p: Any, h: Any, filling: Any, X: Any, fluid: Lubricant) -> float:
+    """The sum of rho h theta over the nodes' widths in X (m)."""
+    total = 0.0
+    for i in range(1, X.shape[0] - 1):
+        total += filling[i] * density_ratio(p[i], fluid) * h[i] * cell(X, i)
+    return total

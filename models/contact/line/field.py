@@ -43,7 +43,7 @@ def _slope(U: Any, s: float, j: int) -> float:
 
 def field_work_size(states: int, inputs: int, nodes: int) -> int:
     """Elements of scratch that `advance` needs: copies of the state, inputs, fields, the solver's."""
-    return 2 * states + inputs + FOLLOWED + 3 * nodes + workspace_size(nodes)
+    return 2 * states + inputs + FOLLOWED + 1 + 3 * nodes + workspace_size(nodes)
 
 
 def make_field_advance(component: Component) -> Any:
@@ -54,7 +54,7 @@ def make_field_advance(component: Component) -> Any:
     nodes, n = component.structure["nodes"], component.state.size
     X, P = component.state.dtype, component.parameters.dtype
     INPUTS, m = component.inputs.dtype, component.inputs.size
-    filled = component.state.sizes["filled"]
+    filled, followed = component.state.sizes["filled"], FOLLOWED + component.state.sizes["kept"]
     solver, radius = workspace_size(nodes), component.inputs.index("radius_of_curvature")
     sampled, sample = component.sample is not None, component.sample or _nothing
 
@@ -83,7 +83,7 @@ def make_field_advance(component: Component) -> Any:
         parameters = record_of(p, P)
         start, u = work[0:n], work[n : n + m]
         # Vectors of their own: numba would compile the whole solver once more for those of a record.
-        seen, rest = work[n + m : n + m + FOLLOWED], work[n + m + FOLLOWED :]
+        seen, rest = work[n + m : n + m + followed], work[n + m + followed :]
         pressure, film, slope = rest[:nodes], rest[nodes : 2 * nodes], rest[2 * nodes : 3 * nodes]
         w = workspace_in(rest[3 * nodes : 3 * nodes + solver], nodes)
         if not h > 0.0:

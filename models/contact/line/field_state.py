@@ -14,7 +14,7 @@ from ..friction import profile_friction
 from ..hertz import deflection, find_load, maximum_pressure, pair_compliance
 from ..mixed_lubrication import build_surfaces, build_traction
 from ..records import FilmThickness
-from .cavities import start_filling
+from .cavities import start_filling, volume_on_grid
 from .differences import INSTANTS, append_instant, estimate_rate, estimate_second_derivative, restart
 from .grid import check_nodes
 from .mixed import Bodies, fill_total, film_of, mean_plane_gap
@@ -66,13 +66,18 @@ def field_layout(nodes: int, filled: int) -> Layout:
             "1", "oil over what fills the gap, over the nodes", internal=True, size="filled"
         ).per_element(1.0)
 
+        oil_volume: Any = Quantity(
+            "m3", "oil on the grid", nominal=1e-12, internal=True, size="kept"
+        ).per_element()
         history: Any = Quantity(
             "1", "divided differences of what outputs show (SI)", internal=True, size="history"
         ).per_element()
         ages: Any = Quantity("s", "ages of the instants in history", internal=True, size="ages").per_element()
         waited: float = Quantity("s", "time since the last of them", internal=True).default()
 
-    sizes = {"nodes": nodes, "filled": filled, "history": INSTANTS * FOLLOWED, "ages": INSTANTS - 1}
+    kept = min(filled, 1)
+    history = INSTANTS * (FOLLOWED + kept)
+    sizes = {"nodes": nodes, "filled": filled, "kept": kept, "history": history, "ages": INSTANTS - 1}
     return Layout(FieldState, sizes)
 
 
@@ -125,18 +130,29 @@ def observe(x: Any, u: Any, p: Any, bodies: Bodies, w: Workspace) -> None:
     x.field_asperity_load = found.asperity_load
     x.field_shear = found.viscous
     x.field_boundary_friction = found.boundary
+    for i in range(x.oil_volume.shape[0]):
+        volume = volume_on_grid(x.pressure, x.film, x.filling, w.X, build_lubricant(p, p.density_law))
+        x.oil_volume[i] = volume * x.grid_scale * bodies.length
+
+
+@kernel
+def history_table(x: Any) -> Any:
+    """Divided differences, a row for each order."""
+    return x.history.reshape((INSTANTS, FOLLOWED + x.oil_volume.shape[0]))
 
 
 @kernel
 def remember(x: Any, time_step: float, values: Any) -> None:
     """What was observed joins the history, `time_step` (s) after the last instant; 0: as its first.
 
-    `values`: scratch of FOLLOWED elements.
+    `values`: scratch of FOLLOWED elements and one for oil that is kept.
     """
     values[_LOAD], values[_FILM], values[_LEAST] = x.field_load, x.film_thickness, x.least_film
     values[_PRESSURE], values[_ASPERITIES] = x.highest_pressure, x.field_asperity_load
     values[_SHEAR], values[_BOUNDARY] = x.field_shear, x.field_boundary_friction
-    table = x.history.reshape((INSTANTS, FOLLOWED))
+    table = history_table(x)
+    for i in range(x.oil_volume.shape[0]):
+        values[FOLLOWED + i] = x.oil_volume[i]
     if time_step <= 0.0:
         restart(table, x.ages, values)
         x.waited = 0.0
@@ -158,6 +174,7 @@ def clear(dx: Any) -> None:
     dx.film[:] = 0.0
     dx.slope[:] = 0.0
     dx.filling[:] = 0.0
+    dx.oil_volume[:] = 0.0
     dx.history[:] = 0.0
     dx.ages[:] = 0.0
 
@@ -165,7 +182,7 @@ def clear(dx: Any) -> None:
 @kernel
 def fill_rates(x: Any, dx: Any) -> None:
     """Rates of what outputs show."""
-    table = x.history.reshape((INSTANTS, FOLLOWED))
+    table = history_table(x)
     dx.field_load = estimate_rate(table, x.ages, _LOAD, x.waited)
     dx.film_thickness = x.film_rate
     dx.film_rate = estimate_second_derivative(table, x.ages, _FILM)
@@ -174,12 +191,14 @@ def fill_rates(x: Any, dx: Any) -> None:
     dx.field_asperity_load = estimate_rate(table, x.ages, _ASPERITIES, x.waited)
     dx.field_shear = estimate_rate(table, x.ages, _SHEAR, x.waited)
     dx.field_boundary_friction = estimate_rate(table, x.ages, _BOUNDARY, x.waited)
+    for i in range(x.oil_volume.shape[0]):
+        dx.oil_volume[i] = estimate_rate(table, x.ages, FOLLOWED + i, x.waited)
 
 
 @kernel
 def next_scale(x: Any, radius: float, time_step: float, bodies: Bodies) -> float:
     """The grid's scale after a step in whose middle the contact has that radius (m)."""
-    table = x.history.reshape((INSTANTS, FOLLOWED))
+    table = history_table(x)
     load = x.field_load + 0.5 * time_step * estimate_rate(table, x.ages, _LOAD, x.waited)
     film = x.film_thickness + 0.5 * time_step * x.film_rate
     return grid_scale_after(time_step, x.grid_scale, load / bodies.length, film, radius, bodies)
