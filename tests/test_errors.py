@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import tribocosim
+from models.core.errors import group_elements
 from models.core.remedies import Command, Option, Set, find_actions, in_command_line, in_python
 from orchestrator.errors import one_of
 from tribocosim.command_line.error_report import FAILED, MISTAKE, describe_error
@@ -105,3 +106,8 @@ def test_a_value_out_of_range_is_a_mistake_at_its_path(path: str, value: object)
 def test_exit_statuses_follow_from_the_family() -> None:
     assert describe_error(tribocosim.errors.ModelError("x", Option("out"))) == ("x; --out", MISTAKE)
     assert describe_error(tribocosim.RunError("x")) == ("x", FAILED)
+
+
+def test_elements_of_an_array_stand_as_one_by_their_last_index():
+    names = ["mass", "gap[1]", "gap[2]", "cams[1].lift", "cams[2].lift", "one[1]", "matrix[1,1]"]
+    assert list(group_elements(names)) == ["mass", "gap[1..2]", "cams[1..2].lift", "one[1]", "matrix[1,1]"]

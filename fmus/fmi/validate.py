@@ -5,7 +5,6 @@ each; `validate` lists both. `info` says what an FMU is.
 """
 
 import hashlib
-import re
 import zipfile
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -19,6 +18,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, open_archive
+from models.core.errors import group_elements
 
 from ..binaries import binary_faults, is_library
 
@@ -32,7 +32,6 @@ CAPABILITIES = (
 ORDER = "maxOutputDerivativeOrder"
 # An array with more elements is shown as a table: one line, after all else.
 FEW = 8
-ELEMENT = re.compile(r"\[\d+\]")
 
 
 @dataclass(frozen=True)
@@ -96,15 +95,13 @@ class FmuInfo:
 
 def _list_rows(variables: Sequence[VariableInfo]) -> list[tuple[str, ...]]:
     """A row for each, and at the end one for each table: an array of more than FEW elements."""
-    arrays: dict[str, list[VariableInfo]] = {}
-    for v in variables:
-        arrays.setdefault(ELEMENT.sub("[]", v.name), []).append(v)
-    tables = {name: every for name, every in arrays.items() if len(every) > FEW}
-    shown = [v for v in variables if ELEMENT.sub("[]", v.name) not in tables]
-    for name, every in tables.items():
-        starts = list(dict.fromkeys((every[0].start, every[-1].start)))
-        name = name.replace("[]", f"[1..{len(every)}]")
-        shown.append(replace(every[0], name=name, start=" ... ".join(starts)))
+    known = {v.name: v for v in variables}
+    tables = {name: every for name, every in group_elements(known).items() if len(every) > FEW}
+    folded = {name for every in tables.values() for name in every}
+    shown = [v for v in variables if v.name not in folded]
+    for name, (first, *_, last) in tables.items():
+        starts = dict.fromkeys((known[first].start, known[last].start))
+        shown.append(replace(known[first], name=name, start=" ... ".join(starts)))
     return [
         (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.range, v.description) for v in shown
     ]
