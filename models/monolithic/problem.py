@@ -100,7 +100,8 @@ def check_solvable(system: System) -> None:
 
 
 def _sizes(component: Component) -> str:
-    return ", ".join(f"{name} = {size}" for name, size in component.structure.items()) or "its own advance"
+    sizes = [f"{name} = {size}" for name, size in component.structure.items() if size]
+    return ", ".join(sizes) or "its own advance"
 
 
 class SystemProblem:
