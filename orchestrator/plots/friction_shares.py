@@ -31,7 +31,8 @@ class Torques(Protocol):
 
 def draw_shares(designs: Sequence[Torques], title: str) -> Figure:
     count = len(designs) + (len(designs) > 1)
-    rows, columns = math.ceil(count / COLUMNS), min(COLUMNS, count)
+    columns = 2 if count == 4 else min(COLUMNS, count)
+    rows = math.ceil(count / columns)
     size = (max(6.0, 3.6 * columns), 3.0 * rows + 0.8)
     figure, axes = create_subplots(rows, columns, figsize=size, squeeze=False, sharex=True, sharey=True)
     add_title(figure, f"{title}: friction torque on the drive over speed")
@@ -55,6 +56,7 @@ def draw_shares(designs: Sequence[Torques], title: str) -> Figure:
         sums.legend(loc="best", fontsize=7.5)
     for i, panel in enumerate(panels[:count]):
         panel.set_xlabel("Speed (r/min)")
+        panel.tick_params(labelbottom=True)
         panel.set_ylim(bottom=0.0)
         if i % columns == 0:
             panel.set_ylabel("Torque (mN m)")

@@ -134,6 +134,34 @@ def energies(component, parameters, state, inputs):
     return found
 
 
+def test_a_steady_roller_loses_what_its_cam_gives(record):
+    """T v = slip + pin + F_R r omega, of roller and pin together; the traction is T = (T_p + r F_R)/r."""
+    roller, velocity, load, drag = CATALOGUE["roller"](), 4.0, 800.0, 0.5
+    names = [*roller.state.names, *PIN.state.names]
+    free = {"pin_damping": 0.0}
+
+    def show(z):
+        state = dict(zip(names, z, strict=True))
+        rolling = {name: state[name] for name in roller.state.names}
+        pinned = {name: state[name] for name in PIN.state.names}
+        turning = {"rotation_rate": state["absolute_spin"], "applied_load": load}
+        pin = outputs_of(PIN, {}, pinned, turning)
+        inputs = {
+            "rolling_velocity": velocity, "load": load, "rolling_friction": drag,
+            "pin_torque": pin["friction_torque"],
+        }  # fmt: skip
+        rates = rates_of(roller, free, rolling, inputs) | rates_of(PIN, {}, pinned, turning)
+        return outputs_of(roller, free, rolling, inputs), pin, [rates[name] for name in names]
+
+    start = [velocity / 9e-3, 0.0, 1e-7, 1e-7, 0.0]
+    run = solve_ivp(lambda t, z: show(z)[2], (0.0, 1.0), start, method="LSODA", rtol=1e-9, atol=1e-13)
+    found, pin, _ = show(run.y[:, -1])
+    lost = found["power_loss"] + pin["power_loss"] + drag * found["surface_speed"]
+    record("Train", "roller on its pin: power of the cam (W)", found["traction"] * velocity, lost,
+           "sum of the losses", relative=1e-6)  # fmt: skip
+    assert found["traction"] == pytest.approx(pin["friction_torque"] / 9e-3 + drag, rel=1e-6)
+
+
 @pytest.mark.plain
 def test_needles_have_palmgrens_torque():
     """1e-7 f_0 (nu n)^(2/3) d_m^3 + f_1 F d_m, in N mm."""

@@ -107,6 +107,10 @@ def _report_sweeps(
             }
         )
     reporter.console.print(friction.tabulate_sheets(sheets))
+    for one in sheets:
+        if one.unsteady.size:
+            speeds = ", ".join(f"{speed:.0f}" for speed in one.unsteady)
+            reporter.line(f"{one.design}: no steady cycle at {speeds} r/min; left out")
     if table:
         with writing(table, "table"):
             friction.write_sheets(sheets, table)

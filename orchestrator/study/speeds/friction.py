@@ -14,8 +14,10 @@ from rich.table import Table
 
 from models.core import roles
 from models.core.quantities import Vector
+from models.monolithic.cycle import STEADY
 
 from ...assessment.friction.shares import SHARES, list_losses
+from ...errors import MistakeError
 from ...scenario import build_scenario
 from ...scenario.display import format_number
 from ...scenario.system import build_system
@@ -28,12 +30,16 @@ DRIVE = "drive"
 
 @dataclass(frozen=True)
 class Sheet:
-    """A design's speeds (r/min) of the drive, and mean torques (N m) on it by share; what the drive gives."""
+    """A design's speeds (r/min) of the drive, and mean torques (N m) on it by share; what the drive gives.
+
+    `unsteady` are speeds at which no steady cycle was found: they have no means and are left out.
+    """
 
     design: str
     speeds: Vector
     torques: dict[str, Vector]
     drive: Vector
+    unsteady: Vector
 
     @property
     def total(self) -> Vector:
@@ -49,8 +55,12 @@ def list_sweeps(folder: Path) -> list[Path]:
 
 
 def read_sheet(folder: Path) -> Sheet:
-    """MistakeError if the folder holds no finished sweep."""
-    table, summary = read_sweep(folder), json.loads((folder / SUMMARY).read_text("utf-8"))
+    """MistakeError if the folder holds no finished sweep, or none with a steady cycle."""
+    every, summary = read_sweep(folder), json.loads((folder / SUMMARY).read_text("utf-8"))
+    steady = every["change"].values <= STEADY
+    if not steady.any():
+        raise MistakeError(f"{folder}: has no steady cycle, at none of its speeds; its friction has no mean")
+    table = every.isel(speed=np.flatnonzero(steady))
     system = build_system(build_scenario(tomllib.loads(summary["scenario_toml"])))
     speed = table["speed"].values
     torques: dict[str, Vector] = {}
@@ -59,7 +69,7 @@ def read_sheet(folder: Path) -> Sheet:
         torques[loss.share] = torques.get(loss.share, 0.0) + power / speed
     drives = [name for name, one in system.instances.items() if one.component.has_role(roles.Drive)]
     given = np.sum([table[f"{name}.mean_torque"].values for name in drives], axis=0)
-    return Sheet(folder.name, RPM * speed, torques, given)
+    return Sheet(folder.name, RPM * speed, torques, given, RPM * every["speed"].values[~steady])
 
 
 def _list_shares(sheets: Sequence[Sheet]) -> list[str]:
