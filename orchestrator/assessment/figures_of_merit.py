@@ -5,94 +5,20 @@ To add a figure: a row in the table of its role.
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.contact.records import ATOM
 from models.core import roles
 from models.core.component import Component
 from models.core.quantities import Quantity, Vector
-from models.core.system import System
 
-from .trains import Angle, Train, find_trains, parameter_of
+from .motion import LIFTED, Found, Motion, Part
 
-# Of the largest lift: above LIFTED a cam lifts, above OPENED a valve is open.
-LIFTED, OPENED = 0.1, 0.05
+# Of the largest lift: above it a valve is open.
+OPENED = 0.05
 # A valve that leaves its seat again within this angle (rad) after landing bounces.
 AFTER = math.pi / 3.0
-
-
-class Found(NamedTuple):
-    """A value (nan: the part has none), and the row where it stands (None: it is of all rows)."""
-
-    value: float
-    row: int | None = None
-
-
-@dataclass(frozen=True)
-class Motion:
-    """Rows of a system: their times (s), inputs and outputs by "instance.variable", and the angle over which
-    parts are read that no cam moves."""
-
-    system: System
-    times: Vector
-    column: Callable[[str], Vector]
-    angle: Angle | None
-
-
-@dataclass(frozen=True)
-class Part:
-    """A part in a motion: its variables by their own names."""
-
-    motion: Motion
-    name: str
-    _columns: dict[str, Vector] = field(default_factory=dict)
-
-    def __getitem__(self, variable: str) -> Vector:
-        if variable not in self._columns:
-            self._columns[variable] = self.motion.column(f"{self.name}.{variable}")
-        return self._columns[variable]
-
-    @property
-    def component(self) -> Component:
-        return self.motion.system.instances[self.name].component
-
-    @cached_property
-    def train(self) -> Train | None:
-        """Its own, or the only one."""
-        trains = find_trains(self.motion.system)
-        own = next((train for train in trains if self.name in train.parts), None)
-        return own or (trains[0] if len(trains) == 1 else None)
-
-    @cached_property
-    def angle(self) -> Vector:
-        """Of its cam (rad); nan without any."""
-        angle = self.train.angle if self.train else self.motion.angle
-        return angle.factor * self.motion.column(angle.source) if angle else np.nan * self.motion.times
-
-    @cached_property
-    def cam_lift(self) -> Vector | None:
-        return self.motion.column(f"{self.train.cam}.cam_lift") if self.train else None
-
-    @cached_property
-    def lifted(self) -> NDArray[np.bool_]:
-        """Where its cam lifts by a tenth of its lift; everywhere, if it has no cam of its own."""
-        if self.cam_lift is None:
-            return np.ones(self.motion.times.size, dtype=np.bool_)
-        return np.asarray(self.cam_lift > LIFTED * np.max(self.cam_lift))
-
-    def parameter(self, name: str) -> float:
-        return parameter_of(self.motion.system.instances[self.name], name)
-
-    def mean(self, values: Vector | NDArray[np.bool_]) -> float:
-        """Over the time."""
-        # The sum of two truth values is a truth value.
-        numbers, times = np.asarray(values, dtype=np.float64), self.motion.times
-        return float(np.trapezoid(numbers, times) / (times[-1] - times[0]))
 
 
 Figure = tuple[Quantity, Callable[[Part], Found]]

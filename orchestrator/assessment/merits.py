@@ -12,7 +12,8 @@ from models.core.system import Port, System
 
 from ..scenario.display import format_number, show
 from .contacts import ContactSummaries, ContactSummary
-from .figures_of_merit import Motion, measure
+from .figures_of_merit import measure
+from .motion import Motion
 from .trains import Train, find_drive_angle, find_trains
 
 # A column of the coupled run, by "instance.variable", or "time".

@@ -14,8 +14,8 @@ from ...scenario.files import load
 from ...scenario.system import build_system, list_parameters
 from ...store.output_folder import RESULT, SCENARIO, suggest_folder
 from ...store.result_file import open_result
-from ..figures_of_merit import Motion
 from ..merits import read_motion
+from ..motion import Motion
 from ..trains import find_drive_angle, find_trains
 from .cycle import OF_CAM, OF_CONTACT, TURN, last_revolution, wear
 from .report import Judged

@@ -13,7 +13,8 @@ from models.core.system import System
 
 from ...errors import Words
 from ...scenario.display import format_number
-from ..figures_of_merit import Motion, Part, measure
+from ..figures_of_merit import measure
+from ..motion import Motion, Part
 
 POWER, ROLLING_POWER = "friction_power", "rolling_power"
 CONTACT, ROLLING, SLIP, TIP = "cam contact", "rolling", "roller slip", "valve tip"

@@ -16,8 +16,9 @@ from models.contact.films import FILMS
 from models.core.quantities import Vector
 from models.core.system import ModelError
 
-from ...assessment.figures_of_merit import CONTACT, Motion, Part
+from ...assessment.figures_of_merit import CONTACT
 from ...assessment.lost_contact import find_lost, list_shares
+from ...assessment.motion import Motion, Part
 from ...assessment.trains import list_contacts, parameter_of
 from ...errors import MistakeError, Option, one_of
 from ...reporter import Reporter

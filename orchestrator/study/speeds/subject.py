@@ -17,7 +17,8 @@ from models.core.system import ModelError, System
 from models.monolithic.cycle import Cycle, find_cycle
 
 from ...analyses import Parameter, Result
-from ...assessment.figures_of_merit import Motion, Part, list_figures, measure
+from ...assessment.figures_of_merit import list_figures, measure
+from ...assessment.motion import Motion, Part
 from ...assessment.trains import Angle, find_trains, list_ratios
 from ...errors import MistakeError
 from ...scenario import Scenario, build_scenario

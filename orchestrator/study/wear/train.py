@@ -15,10 +15,11 @@ from models.core.system import System
 from models.monolithic.cycle import Cycle, find_cycle
 from models.valve_train.worn_cam import EDGES, PLACES, FreshCam, choose_filter, sample_cam, smooth
 
-from ...assessment.figures_of_merit import CONTACT, Part
+from ...assessment.figures_of_merit import CONTACT
 from ...assessment.friction.cycle import TURN, last_revolution
 from ...assessment.friction.cycle import Cycle as Revolution
 from ...assessment.friction.judge import find_cams, list_columns
+from ...assessment.motion import Part
 from ...assessment.trains import parameter_of
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, build_scenario
