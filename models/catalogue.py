@@ -36,7 +36,6 @@ MODULES = {
     "guide_friction": "valve_train.guide_friction",
     "tappet_spin": "valve_train.tappet_spin",
     "lash_adjuster": "valve_train.lash_adjuster",
-    "multibody_valve_train": "valve_train.multibody_valve_train",
     "ehl_contact": "contact.ehl_contact",
     "ehl_line_contact": "contact.ehl_line_contact",
     "flywheel": "flywheel",

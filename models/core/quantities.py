@@ -138,14 +138,6 @@ class Quantity:
         return f"{unit} ({self.description})"
 
 
-def pick_fields(record: type, *names: str) -> list[tuple[str, Any, Any]]:
-    """Fields of a record as `make_dataclass` takes them, for one that shares these quantities."""
-    hints, own = get_type_hints(record, include_extras=True), {f.name: f for f in fields(record)}
-    return [
-        (name, hints[name], field(default=own[name].default, metadata=own[name].metadata)) for name in names
-    ]
-
-
 @dataclass(frozen=True)
 class Field:
     """One scalar of a layout: its name (vectors are numbered from 1), quantity and start value."""

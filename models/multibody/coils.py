@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..compile.kernel import kernel
 from ..valve_train.valve_spring import Lumping, lumping
 from .bodies import GROUND, Body, Point
 from .forces import SpringDamper
@@ -15,28 +14,6 @@ from .joints import Joint, translational
 COIL_INERTIA = (11.25e-9, 11.25e-9, 11.25e-9)  # K Table 1, middle of the range (kg m^2); coils do not turn
 # Length of the installed spring (m). Forces along the guide do not depend on it.
 SPRING_LENGTH = 0.04
-
-
-class Segment(NamedTuple):
-    """A segment of the spring, which carries the preload at its installed length."""
-
-    stiffness: float
-    length: float
-    damping: float
-
-
-@kernel
-def make_segment(share: float, installed: float, p: Any) -> Segment:
-    """A segment with that share of the spring's rate, and its installed length (m)."""
-    rate = share * p.spring_rate
-    damping = p.damping_ratio / (math.pi * p.surge_frequency) * rate
-    return Segment(rate, installed + p.preload / rate, damping)
-
-
-@kernel
-def find_coil_mass(share: float, p: Any) -> float:
-    """K (1) with its lost square."""
-    return float(share * p.spring_rate / (math.pi * p.surge_frequency) ** 2)
 
 
 class Coils(NamedTuple):
@@ -57,7 +34,8 @@ def hang_coils(
     """
     share = lumping(len(names)) if names else Lumping(1.0, 1.0, 0.0)
     installed = SPRING_LENGTH / (len(names) + 1)
-    mass = find_coil_mass(share.mass, spring)
+    # K (1) with its lost square.
+    mass = float(share.mass * spring.spring_rate / (math.pi * spring.surge_frequency) ** 2)
     start, direction = np.asarray(place, float), np.asarray(along, float)
     bodies = [
         Body(name, mass, COIL_INERTIA, tuple(start + ((i + 1) * installed + y) * direction))
@@ -70,12 +48,13 @@ def hang_coils(
     head = tuple(start + SPRING_LENGTH * direction)
     chain = [valve, *names, GROUND]
     shares = [share.end_rate, *[share.inner_rate] * (len(names) - 1), *[share.end_rate] * min(1, len(names))]
-    segments = [make_segment(part, installed, spring) for part in shares]
+    rates = [float(part * spring.spring_rate) for part in shares]
+    damping = float(spring.damping_ratio / (math.pi * spring.surge_frequency))
     springs = [
         SpringDamper(
-            lower, upper, segment.stiffness, segment.length, segment.damping,
+            lower, upper, rate, float(installed + spring.preload / rate), damping * rate,
             at_j=head if upper == GROUND else (0.0, 0.0, 0.0),
         )
-        for lower, upper, segment in zip(chain, chain[1:], segments, strict=False)
+        for lower, upper, rate in zip(chain, chain[1:], rates, strict=False)
     ]  # fmt: skip
     return Coils(bodies, guides, springs)

@@ -1,18 +1,46 @@
-"""The valve train of Kushwaha et al. 2000 (K), sections 2 and 4, as a mechanism."""
+"""The valve train of Kushwaha et al. 2000 (K), sections 2 and 4, as a mechanism.
 
+Parts and joints are K's Tables 1 and 2; the axes are z along the shaft and y along the valve. Five moving
+parts have 30 coordinates; 4 (cylindrical), 1 (drive), 15 (translational) and 1 (contact) are K's 21
+constraints. On a rigid shaft a fixed joint holds the cam with 6 more.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from ..valve_train.cams.law import LAW
 from ..valve_train.cams.profile import CamProfile
-from .bodies import GROUND
-from .forces import ContactSpring
-from .joints import plane_contact
+from .bodies import GROUND, Body, Y
+from .coils import hang_coils
+from .fill import Force
+from .forces import ALONG_SHAFT, ContactSpring, ElasticField, LubricatedCam, beam_stiffness, modal_damping
+from .joints import cylindrical, fixed, flat_cam, plane_contact, prescribed_rotation, translational
 from .mechanism import Mechanism
-from .train_parts import BEARING, CONTACT, DRIVE, GUIDE, TrainStart, list_parts
 
-__all__ = ["BEARING", "CONTACT", "DRIVE", "GUIDE", "SEAT", "TrainStart", "direct_train"]
+# K Table 1, middle of the ranges: mass (kg) and moments of inertia (kg m^2) of what the load does not move.
+SHAFT_MASS, SHAFT_INERTIA = 0.175, (62.5e-6, 62.5e-6, 125e-6)  # about z: twice, as a disc (K: 185e-6)
+FOLLOWER_INERTIA = (204e-6, 37.5e-6, 204e-6)
 
-SEAT = "seat"
+BEARING, DRIVE, CONTACT, GUIDE, SEAT = "bearing", "drive", "contact", "guide", "seat"
+
+
+@dataclass(frozen=True)
+class TrainStart:
+    """Where the train's parts are at t = 0, as the components' states tell it (m, rad); default: at rest."""
+
+    angle: float = 0.0
+    position: float = 0.0
+    coil_positions: Sequence[float] = ()
+    film: float = 1e-6
+    twist: float = 0.0
+    bending: float = 0.0
+    slope: float = 0.0
+    bending_across: float = 0.0
+    slope_across: float = 0.0
 
 
 def direct_train(
@@ -30,9 +58,69 @@ def direct_train(
     The follower stays on the cam, or, with the parameters of an `ehl_contact` as `lubricant`, rides on its
     oil film. A valve with the stiffness of a seat may sit on it. Gas force is left out.
     """
-    parts = list_parts(camshaft, valve, speed, coil_masses=coil_masses, lubricant=lubricant, start=start)
+    begin = start or TrainStart(coil_positions=(0.0,) * coil_masses)
+    length = float(camshaft.shaft_length)
+    coils = hang_coils(
+        valve, "follower", [f"spring mass {i + 5}" for i in range(coil_masses)],
+        (0.0, float(camshaft.base_radius), length), Y, begin.coil_positions,
+    )  # fmt: skip
+    joints = [
+        cylindrical(BEARING, GROUND, "shaft"),
+        prescribed_rotation(DRIVE, GROUND, "shaft", speed, begin.angle),
+        translational(GUIDE, GROUND, "follower", at_i=(0.0, 0.0, length)),
+        *coils.guides,
+    ]
+    forces: list[Force] = [*coils.springs]
+    contact = flat_cam(CONTACT, "cam", "follower", camshaft, foot=_find_foot(camshaft))
+    if lubricant is None:
+        joints.insert(2, contact)
+    else:
+        forces.append(LubricatedCam(contact, lubricant, begin.film))
+    if camshaft.flexible:
+        forces.append(_make_shaft(camshaft))
+    else:
+        joints.append(fixed("shaft and cam", "shaft", "cam", at_i=(0.0, 0.0, length)))
     if valve.seat_stiffness > 0.0:
-        at_rest = (0.0, float(camshaft.base_radius + valve.lash), float(camshaft.shaft_length))
+        at_rest = (0.0, float(camshaft.base_radius + valve.lash), length)
         seat = plane_contact(SEAT, GROUND, "follower", at_i=at_rest)
-        parts.forces.append(ContactSpring(seat, valve.seat_stiffness, valve.seat_damping))
-    return Mechanism(parts.bodies, parts.joints, parts.forces, profile=profile)
+        forces.append(ContactSpring(seat, valve.seat_stiffness, valve.seat_damping))
+    bodies = [*_list_bodies(camshaft, valve, speed, begin), *coils.bodies]
+    return Mechanism(bodies, joints, forces, profile=profile)
+
+
+def _list_bodies(camshaft: Any, valve: Any, speed: float, begin: TrainStart) -> list[Body]:
+    base, length = float(camshaft.base_radius), float(camshaft.shaft_length)
+    transverse, polar = float(camshaft.transverse_inertia), float(camshaft.polar_inertia)
+    across, along = math.sin(begin.slope_across), math.cos(begin.slope_across)
+    # A cam at rest on a bent shaft turns about its own axis.
+    axis = across, along * math.sin(begin.slope), along * math.cos(begin.slope)
+    return [
+        Body(
+            "shaft", SHAFT_MASS, SHAFT_INERTIA, angles=(0.0, 0.0, begin.angle),
+            angular_velocity=(0.0, 0.0, speed),
+        ),
+        Body(
+            "cam", float(camshaft.mass), (transverse, transverse, polar),
+            (begin.bending_across, begin.bending, length),
+            (-begin.slope, begin.slope_across, begin.angle + begin.twist),
+            angular_velocity=(speed * axis[0], speed * axis[1], speed * axis[2]),
+        ),
+        Body("follower", float(valve.valve_mass), FOLLOWER_INERTIA, (0.0, base + begin.position, length)),
+    ]  # fmt: skip
+
+
+def _find_foot(camshaft: Any) -> tuple[float, float, float]:
+    """Where the cam's angle is zero: it is `phase` along y."""
+    return -math.sin(camshaft.phase), math.cos(camshaft.phase), 0.0
+
+
+def _make_shaft(camshaft: Any) -> ElasticField:
+    """K (33) between the driven end and the cam, every mode damped alike."""
+    stiffness = beam_stiffness(
+        camshaft.shaft_length, camshaft.shaft_diameter, camshaft.youngs_modulus, camshaft.poissons_ratio
+    )
+    turning = [camshaft.polar_inertia, camshaft.transverse_inertia, camshaft.transverse_inertia]
+    masses = np.array([*3 * [camshaft.mass], *turning], float)
+    damping = modal_damping(stiffness, masses, camshaft.shaft_damping_ratio)
+    rest = (float(camshaft.shaft_length), 0.0, 0.0)
+    return ElasticField("shaft", "cam", stiffness, damping, rest, axes_i=ALONG_SHAFT, axes_j=ALONG_SHAFT)

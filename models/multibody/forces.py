@@ -1,5 +1,6 @@
 """Force elements between two bodies: springs with dampers, and elastic fields such as beams."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -7,7 +8,6 @@ import numpy as np
 
 from ..core.errors import ModelError
 from ..core.quantities import Vector
-from .beams import fill_beam_stiffness
 from .bodies import ORIGIN, Point
 from .joints import Joint
 from .ranges import check_values
@@ -117,8 +117,18 @@ def beam_stiffness(
         "beam", length=length, diameter=diameter, youngs_modulus=youngs_modulus,
         poissons_ratio=poissons_ratio, shear_factor=shear_factor,
     )  # fmt: skip
-    k = np.empty((6, 6))
-    fill_beam_stiffness(length, diameter, youngs_modulus, poissons_ratio, shear_factor, k)
+    area, second = math.pi * diameter**2 / 4.0, math.pi * diameter**4 / 64.0
+    shear_modulus = youngs_modulus / (2.0 * (1.0 + poissons_ratio))
+    bending = youngs_modulus * second
+    p = 12.0 * bending * shear_factor / (shear_modulus * area * length**2)
+    k = np.zeros((6, 6))
+    k[0, 0] = youngs_modulus * area / length
+    k[1, 1] = k[2, 2] = 12.0 * bending / (length**3 * (1.0 + p))
+    k[3, 3] = 2.0 * shear_modulus * second / length
+    k[4, 4] = k[5, 5] = (4.0 + p) * bending / (length * (1.0 + p))
+    side = 6.0 * bending / (length**2 * (1.0 + p))
+    k[1, 5] = k[5, 1] = -side
+    k[2, 4] = k[4, 2] = side
     return k
 
 
