@@ -25,6 +25,8 @@ from .inlet_heating import thermal_reduction
 from .mixed_lubrication import fill_surface_outputs, heat_contact
 from .records import (
     BONDS,
+    OIL_CONDUCTIVITY,
+    TEMPERATURE_VISCOSITY,
     ContactInputs,
     FilmThickness,
     HeatParameters,
@@ -66,12 +68,8 @@ class ContactParameters(HeatParameters, SharedParameters):
         "N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True
     ).default(450.0)
     inlet_heating: float = Quantity("1", "heat of shear in the inlet thins the film", boolean=True).default()
-    temperature_viscosity: float = Quantity(
-        "1/K", "fall beta of the viscosity with the temperature", nominal=0.03, minimum=0.0
-    ).default(0.03)
-    oil_conductivity: float = Quantity(
-        "W/m.K", "heat conductivity k of the oil", nominal=0.1, positive=True
-    ).default(0.14)
+    temperature_viscosity: float = TEMPERATURE_VISCOSITY.default(0.03)
+    oil_conductivity: float = OIL_CONDUCTIVITY.default(0.14)
     film_heating: float = Quantity(
         "1", "heat of shear in the film thins the oil there", boolean=True
     ).default()

@@ -23,6 +23,7 @@ from .hertz import half_width, load_and_deflection, pair_compliance
 from .line.energies import make_field_energy
 from .line.field import field_work_size, make_field_advance
 from .line.field_state import clear, field_layout, fill_rates, load_share
+from .line.heat_state import FilmHeatOutputs, FilmHeatParameters
 from .line.implicit import implicit_field
 from .mixed_lubrication import fill_surface_outputs, film_ratio
 from .records import BONDS, ContactInputs, SharedOutputs, SharedParameters, feedthrough_of_load
@@ -64,6 +65,16 @@ class LineContactOutputs(SharedOutputs):
 @dataclass
 class KeptOilOutputs(LineContactOutputs):
     oil_volume: float = Quantity("m3", "oil on the grid", nominal=1e-12).default()
+
+
+@dataclass
+class HeatedLineContactParameters(FilmHeatParameters, LineContactParameters):
+    """Of a heated film."""
+
+
+@dataclass
+class HeatedLineContactOutputs(FilmHeatOutputs, LineContactOutputs):
+    """Of a heated film."""
 
 
 @kernel
@@ -140,30 +151,47 @@ FLOODED_ALWAYS = Requirement(
 )
 
 
+@kernel
+def heated_output(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
+    """`output`, with temperatures."""
+    output(t, x, u, p, y)
+    y.film_temperature = p.oil_temperature + x.film_rise
+    y.surface_temperature = p.oil_temperature + x.surface_rise
+
+
 @counts_energies
-def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0) -> Component:
+def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0, layers: int = 0) -> Component:
     """The lubricated line contact with a pressure field of so many nodes; ValueError if they cannot be.
 
     mass_conserving = 1: cavities keep their oil (see `line.cavities`).
+    `layers`: into how many the film is cut for its temperatures (see `line.heat`); 0: isothermal.
     """
     if mass_conserving not in (0, 1):
         raise ValueError(f"mass_conserving = {mass_conserving}: must be 0 or 1")
+    if mass_conserving and layers:
+        raise ValueError(f"layers = {layers}: must be 0 (isothermal) where mass_conserving = 1")
     inputs = Layout(ContactInputs)
     filled = nodes * mass_conserving
-    state = field_layout(nodes, filled)
+    state = field_layout(nodes, filled, layers)
+    outputs: type = LineContactOutputs
+    shown: Any = output
+    if mass_conserving:
+        outputs, shown = KeptOilOutputs, output_with_oil
+    elif layers:
+        outputs, shown = HeatedLineContactOutputs, heated_output
     surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
     rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
     return Component(
         name="ehl_line_contact",
         description="Elastohydrodynamic line contact with its pressure field: load and film thickness",
         roles=(roles.Contact(),),
-        parameters=Layout(LineContactParameters),
+        parameters=Layout(HeatedLineContactParameters if layers else LineContactParameters),
         state=state,
         inputs=inputs,
-        outputs=Layout(KeptOilOutputs if mass_conserving else LineContactOutputs),
+        outputs=Layout(outputs),
         derivative=derivative,
-        output=output_with_oil if mass_conserving else output,
-        energy=make_field_energy(nodes, filled),
+        output=shown,
+        energy=make_field_energy(nodes, filled, layers),
         feedthrough={
             **feedthrough_of_load(inputs, surfaces),
             "steady_film_thickness": rated,
@@ -171,9 +199,9 @@ def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0) -> Component:
         },
         requirements=() if mass_conserving else (FLOODED_ALWAYS,),
         bonds=BONDS,
-        structure={"nodes": nodes, "mass_conserving": mass_conserving},
+        structure={"nodes": nodes, "mass_conserving": mass_conserving, "layers": layers},
         advance_maker=make_field_advance,
-        extra_work=field_work_size(state.size, inputs.size, nodes),
+        extra_work=field_work_size(state.size, inputs.size, nodes, layers),
         implicit_maker=implicit_field,
         event_indicators=("deflection",),
     )

@@ -138,10 +138,11 @@ def find_sheared_share(x: Any, pressure: Any, i: int, step: int) -> float:
 
 @kernel
 def profile_friction(
-    x: Any, pressure: Any, film: Any, length: float, velocity: float, compliance: float,
-    fluid: Lubricant, surfaces: Asperities, traction: Traction,
+    x: Any, pressure: Any, film: Any, stress: Any, length: float, velocity: float, compliance: float,
+    surfaces: Asperities, traction: Traction,
 ) -> ProfileFriction:  # fmt: skip
-    """Asperity load and friction of profiles p(x) of the fluid (Pa) and h(x) (m), by the trapezoidal rule.
+    """Asperity load and friction of profiles p(x) of the fluid (Pa), h(x) (m) and its shear stress (Pa), by
+    the trapezoidal rule.
 
     Where the fluid has no pressure it has cavitated, or not yet filled the gap, and doesn't shear.
     """
@@ -157,5 +158,5 @@ def profile_friction(
             sheared = (
                 find_sheared_share(x, pressure, i, -1) + find_sheared_share(x, pressure, i, 1)
             ) * length
-            viscous += sheared * shear_stress(pressure[i], velocity, film[i], fluid, traction)
+            viscous += sheared * stress[i]
     return ProfileFriction(load, area, viscous, boundary_friction(load, area, velocity, traction))

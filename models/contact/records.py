@@ -130,6 +130,12 @@ class SharedParameters:
     ).default()
 
 
+TEMPERATURE_VISCOSITY = Quantity(
+    "1/K", "fall beta of the viscosity with the temperature", nominal=0.03, minimum=0.0
+)
+OIL_CONDUCTIVITY = Quantity("W/m.K", "heat conductivity k of the oil", nominal=0.1, positive=True)
+
+
 @dataclass
 class HeatParameters:
     """The oil's temperature and how bodies conduct heat. Defaults: bearing steel, an engine's hot oil."""

@@ -138,8 +138,9 @@ def test_friction_of_hertzs_pressure_is_that_of_its_profile(fluid, load, film, v
     traction = Traction()
     x = b * np.sin(np.linspace(-math.pi / 2.0, math.pi / 2.0, 4001))
     pressure = p0 * np.sqrt(1.0 - np.clip(x / b, -1.0, 1.0) ** 2)
+    stress = np.array([shear_stress(p, velocity, film, fluid, traction) for p in pressure])
     profile = profile_friction(
-        x, pressure, np.full_like(x, film), LENGTH, velocity, STEEL, fluid, SURFACES, traction
+        x, pressure, np.full_like(x, film), stress, LENGTH, velocity, STEEL, SURFACES, traction
     )
     # Twelve points: 2e-3 where the limiting stress makes a kink.
     assert viscous_friction(b, LENGTH, p0, velocity, film, fluid, traction) == pytest.approx(
@@ -152,7 +153,15 @@ def test_profile_of_one_film_has_the_asperity_load_of_its_area():
     x = np.linspace(-1e-4, 1e-4, 11)
     film = np.full_like(x, 0.2e-6)
     at_rest = profile_friction(
-        x, np.zeros_like(x), film, LENGTH, 1.0, STEEL, OIL, SURFACES, Traction(boundary_stress=2e6)
+        x,
+        np.zeros_like(x),
+        film,
+        np.ones_like(x),
+        LENGTH,
+        1.0,
+        STEEL,
+        SURFACES,
+        Traction(boundary_stress=2e6),
     )
     one = asperity_pressure(0.8994715612537435, SURFACES, STEEL)  # mean gap 1
     assert at_rest.asperity_load == pytest.approx(2e-4 * LENGTH * one, rel=1e-9)

@@ -82,7 +82,7 @@ class Ways(NamedTuple):
 def find_ways(X: Any, scale_rate: float, drive: Flow, filled: Any, share: Any, ways: Ways) -> None:
     """Fill `ways`."""
     for i in range(X.shape[0] - 1):
-        c = carried(X, i, scale_rate, drive, filled)
+        c = carried(X, i, scale_rate, drive, filled, 0.0)
         ways.by_near[i] = share[i] * c.velocity * (1.0 + c.reach)
         ways.by_far[i] = -share[i] * c.velocity * c.reach
 

@@ -25,6 +25,8 @@ Rough surfaces deflect under p + p_a and come closer by their mean planes' gap d
 store the integral of p_a. The oil has only the mean gap h > d to leave: what its pressure p does where
 asperities take the room, integral of p d(h - d)/dt, goes to nobody in that model and stays unaccounted; it
 is noticed where films are thinner than three roughnesses, and comes back as they part.
+
+What the pressure works on oil that expands with heat stays unaccounted likewise, about 1e-3 of the friction.
 """
 
 import math
@@ -40,13 +42,16 @@ from ..fluid import Lubricant, build_lubricant, density_ratio, enthalpy
 from .cavities import fill_partly, start_filling
 from .field_state import begin, build_bodies
 from .grid import node_positions
+from .heat_state import laws_of
+from .heated import is_heated
 from .hierarchical import BAND
 from .mixed import Bodies, mean_plane_gap
 from .reynolds import Flow, Nodes, balance, cell, properties
-from .workspace import FIELDS, nodes_in
+from .shear import Heat, HeatLaws, newtonian, shear_film
+from .workspace import FIELDS, heat_in, heat_size, keep_cold, nodes_in
 
-# Vectors besides those of Nodes and the two bands: nodes' enthalpy, no masses, and two balances.
-_VECTORS = 4
+# Vectors besides those of Nodes and the two bands: pressure, film, no masses, a balance, and the drift.
+_VECTORS = 5
 
 
 class Touching(NamedTuple):
@@ -113,8 +118,9 @@ def shape_power(x: Any, X: Any, bodies: Bodies) -> float:
 
 @kernel
 def flow_powers(
-    x: Any, u: Any, X: Any, fluid: Lubricant, bodies: Bodies, f: Nodes, bands: Any, room: Any
-) -> tuple[float, float]:
+    x: Any, u: Any, X: Any, fluid: Lubricant, bodies: Bodies, laws: HeatLaws, heat: Heat, f: Nodes,
+    bands: Any, room: Any,
+) -> tuple[float, float]:  # fmt: skip
     """What the pressure's flow loses, and what the surfaces give that drag oil along (W).
 
     From two balances of the volumes, with the surfaces' velocity and without: summed up by parts, flows
@@ -125,11 +131,18 @@ def flow_powers(
     for i in range(n):
         pressure[i], film[i], none[i] = x.pressure[i], x.film[i], 0.0
         f.filled[i], f.share[i] = 1.0, 1.0
+    keep_cold(f)
+    if is_heated(laws):
+        shear_film(X, x.grid_scale, pressure, film, u.sliding_velocity, fluid, laws, heat, f)
+        fluid = newtonian(fluid)
+    copy(room[4], f.drift)
     properties(pressure, film, fluid, f)
     fill_partly(pressure, x.filling, f)
     lost, left = 0.0, 0.0
     for driven in range(2):
         velocity = u.entraining_velocity if driven == 1 else 0.0
+        for i in range(n):
+            f.drift[i] = driven * room[4, i]
         flow = Flow(velocity, u.sliding_velocity, u.radius_of_curvature)
         balance(X, x.grid_scale, 0.0, pressure, film, f, flow, fluid, none, math.inf, residual,
                 bands[0], bands[1])  # fmt: skip
@@ -156,16 +169,21 @@ class SolvedFilm(NamedTuple):
     filling: Any
 
 
-def make_field_energy(nodes: int, filled: int) -> Any:
+def make_field_energy(nodes: int, filled: int, layers: int = 0) -> Any:
     """energy(t, x, u, p, e) of records, as `Component.energy`, also of a field that is to begin."""
-    X = node_positions(nodes)
+    X, build_laws = node_positions(nodes), laws_of(layers)
+    hot = int(heat_size(nodes, layers))
 
     @kernel
     def solved_energy(film: SolvedFilm, x: Any, u: Any, p: Any, e: Any) -> None:
         bodies, fluid = build_bodies(p), build_lubricant(p, p.density_law)
         r = np.empty((FIELDS + _VECTORS, nodes))
         bands = np.empty((2, BAND, nodes))
-        lost, dragged = flow_powers(film, u, X, fluid, bodies, nodes_in(r), bands, r[FIELDS:])
+        heat = heat_in(np.empty(hot), nodes, layers)
+        copy(heat.flat, x.temperature)
+        lost, dragged = flow_powers(
+            film, u, X, fluid, bodies, build_laws(p), heat, nodes_in(r), bands, r[FIELDS:]
+        )
         rubbed = (x.field_shear + x.field_boundary_friction) * u.sliding_velocity
         e[STORED] = stored_energy(film, u, p, X, fluid, bodies)
         e[DISSIPATED_POWER] = lost + rubbed

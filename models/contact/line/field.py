@@ -13,6 +13,7 @@ from ...core.component import Component
 from ...core.integrator import NOT_CONVERGED, OK, copy, taylor
 from ..fluid import build_lubricant
 from .field_state import FOLLOWED, begin_state, build_bodies, next_scale, observe, read_drives, remember
+from .heat_state import keep_heat, laws_of
 from .jump_step import jump_step
 from .transient import GAMMA, step
 from .workspace import workspace_in, workspace_size
@@ -36,14 +37,21 @@ def _nothing(weight: float, t: float, s: float, x: Any, U: Any, u: Any, p: Any, 
 
 
 @kernel
+def swap(one: Any, other: Any) -> None:
+    """Exchange the elements of two vectors."""
+    for i in range(one.shape[0]):
+        one[i], other[i] = other[i], one[i]
+
+
+@kernel
 def _slope(U: Any, s: float, j: int) -> float:
     """The rate of input j at s after the start."""
     return float(U[1, j] + s * (U[2, j] + s * U[3, j] / 2.0))
 
 
-def field_work_size(states: int, inputs: int, nodes: int) -> int:
+def field_work_size(states: int, inputs: int, nodes: int, layers: int = 0) -> int:
     """Elements of scratch that `advance` needs: copies of the state, inputs, fields, the solver's."""
-    return 2 * states + inputs + FOLLOWED + 1 + 3 * nodes + workspace_size(nodes)
+    return 2 * states + inputs + FOLLOWED + 1 + 3 * nodes + workspace_size(nodes, layers)
 
 
 def make_field_advance(component: Component) -> Any:
@@ -51,17 +59,18 @@ def make_field_advance(component: Component) -> Any:
 
     Samples (see `quadrature`) are taken at both stages of every micro-step, with the weights of the method.
     """
-    nodes, n = component.structure["nodes"], component.state.size
+    nodes, layers, n = component.structure["nodes"], component.structure["layers"], component.state.size
     X, P = component.state.dtype, component.parameters.dtype
     INPUTS, m = component.inputs.dtype, component.inputs.size
     filled, followed = component.state.sizes["filled"], FOLLOWED + component.state.sizes["kept"]
-    solver, radius = workspace_size(nodes), component.inputs.index("radius_of_curvature")
+    build_laws = laws_of(layers)
+    solver, radius = workspace_size(nodes, layers), component.inputs.index("radius_of_curvature")
     sampled, sample = component.sample is not None, component.sample or _nothing
 
     @kernel
     def take_sample(
-        t: float, s: float, length: float, result: Any, rate: float, x: Any, U: Any, u: Any, p: Any, w: Any,
-        middle: Any, work: Any,
+        t: float, s: float, length: float, result: Any, rate: float, x: Any, U: Any, u: Any, p: Any,
+        laws: Any, w: Any, middle: Any, work: Any,
     ) -> None:  # fmt: skip
         """Of the first stage of a micro-step that began with x, s after the start."""
         at = s + GAMMA * length
@@ -75,7 +84,9 @@ def make_field_advance(component: Component) -> Any:
         copy(state.pressure, w.p_middle)
         copy(state.film, w.h_middle)
         copy(state.filling, w.filling_middle[:filled])
-        observe(state, given, parameters, build_bodies(parameters), w)
+        swap(w.heat.stress, w.heat.stress_middle)
+        observe(state, given, parameters, build_bodies(parameters), laws, w)
+        swap(w.heat.stress, w.heat.stress_middle)
         sample((1.0 - GAMMA) * length, t, at, middle, U, u, p, work)
 
     @kernel
@@ -85,20 +96,22 @@ def make_field_advance(component: Component) -> Any:
         # Vectors of their own: numba would compile the whole solver once more for those of a record.
         seen, rest = work[n + m : n + m + followed], work[n + m + followed :]
         pressure, film, slope = rest[:nodes], rest[nodes : 2 * nodes], rest[2 * nodes : 3 * nodes]
-        w = workspace_in(rest[3 * nodes : 3 * nodes + solver], nodes)
+        w = workspace_in(rest[3 * nodes : 3 * nodes + solver], nodes, layers)
         if not h > 0.0:
             return OK
         copy(start, x)
         state, given = record_of(x, X), record_of(u, INPUTS)
         bodies, fluid = build_bodies(parameters), build_lubricant(parameters, parameters.density_law)
+        laws = build_laws(parameters)
         taylor(U, 0.0, u)
         if state.grid_scale == 0.0:
-            begin_state(state, given, parameters, w)
+            begin_state(state, given, parameters, laws, w)
             remember(state, 0.0, seen)
         s, micro, before = 0.0, h, math.inf
         copy(pressure, state.pressure)
         copy(film, state.film)
         copy(slope, state.slope)
+        copy(w.heat.flat, state.temperature)
         while s < h:
             # Not a small rest at the end: rates are differences over the last lengths.
             last = s + micro >= h
@@ -115,13 +128,13 @@ def make_field_advance(component: Component) -> Any:
             at_end = read_drives(given, parameters, state.rigid_approach, filled)
             result = step(
                 pressure, film, slope, state.grid_scale, new_scale, length,
-                at_start, at_middle, at_end, parameters.field_tolerance, bodies, fluid, w,
+                at_start, at_middle, at_end, parameters.field_tolerance, bodies, fluid, laws, w,
             )  # fmt: skip
             jumped_over = length <= JUMP_TIME and not result.error <= 1.0
             if jumped_over:
                 result = jump_step(
                     pressure, film, slope, state.grid_scale, new_scale, length,
-                    at_end, parameters.field_tolerance, bodies, fluid, w,
+                    at_end, parameters.field_tolerance, bodies, fluid, laws, w,
                 )  # fmt: skip
             shortest = length <= min(SMALLEST_SHARE * h, SMALLEST_STEP)
             jumped = jumped_over and (
@@ -136,7 +149,7 @@ def make_field_advance(component: Component) -> Any:
                     rate = (result.middle_approach - state.rigid_approach) / (GAMMA * length)
                     if sampled:
                         middle = rest[3 * nodes + solver : 3 * nodes + solver + n]
-                        take_sample(t, s, length, result, rate, x, U, u, p, w, middle, work)
+                        take_sample(t, s, length, result, rate, x, U, u, p, laws, w, middle, work)
                         taylor(U, s + length, u)
                     state.approach_rate = (result.approach - state.rigid_approach) / (GAMMA * length)
                     state.approach_rate -= (1.0 - GAMMA) / GAMMA * rate
@@ -145,7 +158,8 @@ def make_field_advance(component: Component) -> Any:
                 copy(state.pressure, pressure)
                 copy(state.film, film)
                 copy(state.filling, w.filling[:filled])
-                observe(state, given, parameters, bodies, w)
+                keep_heat(state, length, w)
+                observe(state, given, parameters, bodies, laws, w)
                 if sampled:
                     sample(length if jumped_over else GAMMA * length, t, s + length, x, U, u, p, work)
                     taylor(U, s + length, u)
@@ -159,6 +173,7 @@ def make_field_advance(component: Component) -> Any:
             copy(pressure, w.p_start)
             copy(film, w.h_start)
             copy(slope, w.slope_start)
+            copy(w.heat.flat, state.temperature)
             if shortest:
                 copy(x, start)
                 return NOT_CONVERGED

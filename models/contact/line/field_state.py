@@ -10,27 +10,32 @@ from ...compile.kernel import kernel
 from ...core.quantities import Layout, Quantity
 from ..asperities import dry_separation, pressure_scale
 from ..fluid import build_lubricant
-from ..friction import profile_friction
+from ..friction import profile_friction, shear_stress
 from ..hertz import deflection, find_load, maximum_pressure, pair_compliance
-from ..mixed_lubrication import build_surfaces, build_traction
+from ..mixed_lubrication import build_surfaces
 from ..records import FilmThickness
 from .cavities import start_filling, volume_on_grid
 from .differences import INSTANTS, append_instant, estimate_rate, estimate_second_derivative, restart
 from .grid import check_nodes
+from .heat_state import check_layers
+from .heated import is_heated
 from .mixed import Bodies, fill_total, film_of, mean_plane_gap
 from .newton import integrate_pressure
 from .reynolds import Flow
+from .shear import HeatLaws
 from .transient import Drives, central, grid_scale_after, highest, least, place_film, wanted_scale
-from .workspace import Workspace
+from .workspace import Workspace, rows_of
 
 # Whose rates outputs need.
 FOLLOWED = 7
 _LOAD, _FILM, _LEAST, _PRESSURE, _ASPERITIES, _SHEAR, _BOUNDARY = range(FOLLOWED)
 
 
-def field_layout(nodes: int, filled: int) -> Layout:
-    """The state of a contact with a field of so many nodes, `filled` of which know how full they are."""
+def field_layout(nodes: int, filled: int, layers: int = 0) -> Layout:
+    """The state of a contact with so many nodes, `filled` of which know how full they are, and temperatures
+    in so many layers of the film."""
     check_nodes(nodes)
+    check_layers(layers)
 
     @dataclass
     class FieldState:
@@ -65,6 +70,13 @@ def field_layout(nodes: int, filled: int) -> Layout:
         filling: Any = Quantity(
             "1", "oil over what fills the gap, over the nodes", internal=True, size="filled"
         ).per_element(1.0)
+        temperature: Any = Quantity(
+            "K", "rise over nodes and rows", nominal=10.0, internal=True, size="temperature"
+        ).per_element()
+        film_rise: float = Quantity("K", "largest in the film", nominal=10.0, internal=True).default()
+        film_rise_rate: float = Quantity("K/s", "its rate", nominal=1e4, internal=True).default()
+        surface_rise: float = Quantity("K", "largest of the surfaces", nominal=10.0, internal=True).default()
+        surface_rise_rate: float = Quantity("K/s", "its rate", nominal=1e4, internal=True).default()
 
         oil_volume: Any = Quantity(
             "m3", "oil on the grid", nominal=1e-12, internal=True, size="kept"
@@ -76,8 +88,14 @@ def field_layout(nodes: int, filled: int) -> Layout:
         waited: float = Quantity("s", "time since the last of them", internal=True).default()
 
     kept = min(filled, 1)
-    history = INSTANTS * (FOLLOWED + kept)
-    sizes = {"nodes": nodes, "filled": filled, "kept": kept, "history": history, "ages": INSTANTS - 1}
+    sizes = {
+        "nodes": nodes,
+        "filled": filled,
+        "kept": kept,
+        "temperature": nodes * int(rows_of(layers)),
+        "history": INSTANTS * (FOLLOWED + kept),
+        "ages": INSTANTS - 1,
+    }
     return Layout(FieldState, sizes)
 
 
@@ -115,7 +133,17 @@ def load_share(u: Any, p: Any) -> float:
 
 
 @kernel
-def observe(x: Any, u: Any, p: Any, bodies: Bodies, w: Workspace) -> None:
+def fill_stress(x: Any, u: Any, p: Any, laws: HeatLaws, w: Workspace) -> None:
+    """The film's shear stress: that of an isothermal film; a heated one has its own from its step."""
+    if is_heated(laws):
+        return
+    fluid = build_lubricant(p, p.density_law)
+    for i in range(w.X.shape[0]):
+        w.heat.stress[i] = shear_stress(x.pressure[i], u.sliding_velocity, x.film[i], fluid, laws.traction)
+
+
+@kernel
+def observe(x: Any, u: Any, p: Any, bodies: Bodies, laws: HeatLaws, w: Workspace) -> None:
     """The numbers that outputs need, from pressure and film: load, films, and what rubs."""
     fill_total(x.pressure, x.film, bodies, w.mixed.total)
     x.curvature = 1.0 / u.radius_of_curvature
@@ -123,9 +151,10 @@ def observe(x: Any, u: Any, p: Any, bodies: Bodies, w: Workspace) -> None:
     x.film_thickness = central(x.film)
     x.least_film = least(x.film)
     x.highest_pressure = highest(w.mixed.total)
+    fill_stress(x, u, p, laws, w)
     found = profile_friction(
-        w.X, x.pressure, x.film, x.grid_scale * bodies.length, u.sliding_velocity, bodies.compliance,
-        build_lubricant(p, p.density_law), build_surfaces(p), build_traction(p),
+        w.X, x.pressure, x.film, w.heat.stress, x.grid_scale * bodies.length, u.sliding_velocity,
+        bodies.compliance, build_surfaces(p), laws.traction,
     )  # fmt: skip
     x.field_asperity_load = found.asperity_load
     x.field_shear = found.viscous
@@ -175,6 +204,8 @@ def clear(dx: Any) -> None:
     dx.slope[:] = 0.0
     dx.filling[:] = 0.0
     dx.oil_volume[:] = 0.0
+    dx.temperature[:] = 0.0
+    dx.film_rise, dx.film_rise_rate, dx.surface_rise, dx.surface_rise_rate = 0.0, 0.0, 0.0, 0.0
     dx.history[:] = 0.0
     dx.ages[:] = 0.0
 
@@ -185,6 +216,7 @@ def fill_rates(x: Any, dx: Any) -> None:
     table = history_table(x)
     dx.field_load = estimate_rate(table, x.ages, _LOAD, x.waited)
     dx.film_thickness = x.film_rate
+    dx.film_rise, dx.surface_rise = x.film_rise_rate, x.surface_rise_rate
     dx.film_rate = estimate_second_derivative(table, x.ages, _FILM)
     dx.least_film = estimate_rate(table, x.ages, _LEAST, x.waited)
     dx.highest_pressure = estimate_rate(table, x.ages, _PRESSURE, x.waited)
@@ -235,9 +267,11 @@ def begin(thickness: float, u: Any, p: Any, X: Any, pressure: Any, film: Any) ->
 
 
 @kernel
-def begin_state(x: Any, u: Any, p: Any, w: Workspace) -> None:
+def begin_state(x: Any, u: Any, p: Any, laws: HeatLaws, w: Workspace) -> None:
     """Begin the field of a state that has none."""
     begun = begin(x.film_thickness, u, p, w.X, x.pressure, x.film)
     x.grid_scale, x.rigid_approach = begun.grid_scale, begun.rigid_approach
     start_filling(x.pressure, x.film, p.oil_supply, x.filling)
-    observe(x, u, p, build_bodies(p), w)
+    if is_heated(laws):
+        w.heat.stress[:] = 0.0
+    observe(x, u, p, build_bodies(p), laws, w)

@@ -14,8 +14,10 @@ from ...compile.kernel import kernel
 from ...core.integrator import copy
 from ..fluid import Lubricant
 from .cavities import keeps_oil
+from .heated import base_heat
 from .mixed import Bodies
 from .newton import FilmProblem, forget_factors
+from .shear import HeatLaws
 from .transient import Drives, FilmStep, end_filling, error_of, masses, solve_robustly
 from .workspace import Workspace
 
@@ -23,7 +25,7 @@ from .workspace import Workspace
 @kernel
 def jump_step(
     p: Any, h: Any, slope: Any, scale: float, new_scale: float, time_step: float, end: Drives,
-    tolerance: float, bodies: Bodies, fluid: Lubricant, w: Workspace,
+    tolerance: float, bodies: Bodies, fluid: Lubricant, laws: HeatLaws, w: Workspace,
 ) -> FilmStep:  # fmt: skip
     """As `step`, which has been tried before from the same start. No pressure is foretold after it.
 
@@ -32,10 +34,12 @@ def jump_step(
     copy(p, w.p_start)
     copy(h, w.h_start)
     copy(w.mixed.total, w.mixed.total_start)
+    base_heat(scale, w.mass_start, laws, w)
+    copy(w.heat.pressure_base, w.p_start)
     forget_factors(w)
     w.nodes.share[:] = 1.0
     problem = FilmProblem(new_scale, (new_scale - scale) / time_step, end.flow, end.line_load, time_step)
-    found = solve_robustly(p, h, end.approach, problem, bodies, fluid, w.mass_start, w)
+    found = solve_robustly(p, h, end.approach, problem, bodies, fluid, w.mass_start, laws, w)
     if found.error != 0.0:
         return FilmStep(found.approach, new_scale, math.inf, found.approach)
     if keeps_oil(end.flow):

@@ -38,7 +38,8 @@ class Nodes(NamedTuple):
     ln(eta/eta0), its derivative, and eta0/eta.
 
     Not filled there: the filling, and `share`, a factor of the flow through the face behind the node, both 1
-    but for cavities that keep their oil; that flow (m2/s), which `balance` fills."""
+    but for cavities that keep their oil; that flow (m2/s), which `balance` fills. And what heat makes (see
+    `shear`): factor of the pressure's flow, drift (m/s) of the mean velocity, expansion, a factor of rho."""
 
     mass: Any
     mass_p: Any
@@ -52,20 +53,24 @@ class Nodes(NamedTuple):
     filled: Any
     share: Any
     through: Any
+    factor: Any
+    drift: Any
+    expansion: Any
 
 
 @kernel
 def properties(p: Any, h: Any, fluid: Lubricant, f: Nodes) -> None:
     """Fill f from pressure and film."""
     for i in range(p.shape[0]):
-        rho, slope = density_ratio(p[i], fluid), density_slope(p[i], fluid)
-        cube = h[i] ** 3 / 12.0
+        rho = f.expansion[i] * density_ratio(p[i], fluid)
+        slope = f.expansion[i] * density_slope(p[i], fluid)
+        cube = f.factor[i] * (h[i] ** 3 / 12.0)
         f.rho[i] = rho
         f.mass[i] = rho * h[i]
         f.mass_p[i] = slope * h[i]
         f.flow[i] = rho * cube
         f.flow_p[i] = slope * cube
-        f.flow_h[i] = rho * h[i] ** 2 / 4.0
+        f.flow_h[i] = f.factor[i] * (rho * h[i] ** 2 / 4.0)
         f.log_eta[i], f.log_eta_p[i] = log_viscosity(p[i], fluid)
         f.fluidity[i] = math.exp(-f.log_eta[i])
 
@@ -101,12 +106,12 @@ class Carried(NamedTuple):
 
 
 @kernel
-def carried(X: Any, i: int, scale_rate: float, drive: Flow, filled: Any) -> Carried:
-    """Through the face between nodes i and i + 1. The extrapolation fades with the filling of both nodes, by
-    which no layer becomes negative."""
+def carried(X: Any, i: int, scale_rate: float, drive: Flow, filled: Any, drift: float) -> Carried:
+    """Through the face between nodes i and i + 1, with so much `drift` (m/s) besides. The extrapolation fades
+    with the filling of both nodes, by which no layer becomes negative."""
     n = X.shape[0]
     face = 0.5 * (X[i] + X[i + 1])
-    velocity = drive.velocity - scale_rate * face
+    velocity = drive.velocity - scale_rate * face + drift
     near = i + 1 if velocity < 0.0 else i
     far = near + 1 if velocity < 0.0 else near - 1
     reach = 0.0
@@ -140,7 +145,8 @@ def balance(
         A[2, i] = f.mass_p[i] * c * per_time
         B[2, i] = f.rho[i] * c * per_time
     for i in range(n - 1):
-        near, far, velocity, reach = carried(X, i, scale_rate, drive, f.filled)
+        drift = 0.5 * (f.drift[i] + f.drift[i + 1])
+        near, far, velocity, reach = carried(X, i, scale_rate, drive, f.filled, drift)
         length = scale * (X[i + 1] - X[i])
         gradient = (p[i + 1] - p[i]) / length
         mean, by_first, by_second = mean_fluidity(

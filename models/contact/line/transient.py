@@ -19,6 +19,7 @@ from ..asperities import pressure_under
 from ..fluid import Lubricant
 from ..hertz import deflection, find_load, half_width, maximum_pressure
 from .cavities import drain_at_the_end, fill_partly, fill_share, keeps_oil, settle
+from .heated import base_heat, base_heat_after, begin_heat, foretell_heat, solve_film
 from .hierarchical import BAND, Jacobian
 from .mixed import FREE, Bodies, fill_total, film_of, is_balanced_side, mean_plane_gap
 from .newton import (
@@ -27,10 +28,10 @@ from .newton import (
     deflection_factors,
     forget_factors,
     integrate_pressure,
-    newton,
     solve,
 )
 from .reynolds import Flow, balance, cell, properties
+from .shear import HeatLaws
 from .workspace import Workspace
 
 GAMMA = 1.0 - math.sqrt(0.5)
@@ -240,11 +241,11 @@ def error_of(
 @kernel
 def solve_robustly(
     p: Any, h: Any, approach: float, problem: FilmProblem, bodies: Bodies, fluid: Lubricant, old: Any,
-    w: Workspace,
+    laws: HeatLaws, w: Workspace,
 ) -> FilmSolution:  # fmt: skip
     """Newton's method from the guess p; after a jump, where that fails, from the pressure at the step's
     start, then from Hertz's of the bodies with the film between them."""
-    found = newton(p, h, approach, problem, bodies, fluid, old, w)
+    found = solve_film(p, h, approach, problem, bodies, fluid, old, laws, w)
     for attempt in range(2):
         if found.error == 0.0:
             break
@@ -261,7 +262,7 @@ def solve_robustly(
                 approach = deflection(load, radius, bodies.length, bodies.compliance) - gap
             place_film(load, gap, radius, bodies, w.X, problem.scale, p, h)
             fill_total(p, h, bodies, w.mixed.total)
-        found = newton(p, h, approach, problem, bodies, fluid, old, w)
+        found = solve_film(p, h, approach, problem, bodies, fluid, old, laws, w)
     return found
 
 
@@ -282,7 +283,8 @@ def predict_approach(start: float, middle: float) -> float:
 @kernel
 def step(
     p: Any, h: Any, slope: Any, scale: float, new_scale: float, time_step: float, start: Drives,
-    middle: Drives, end: Drives, tolerance: float, bodies: Bodies, fluid: Lubricant, w: Workspace,
+    middle: Drives, end: Drives, tolerance: float, bodies: Bodies, fluid: Lubricant, laws: HeatLaws,
+    w: Workspace,
 ) -> FilmStep:  # fmt: skip
     """p and h at the step's start become those at its end; `slope` (Pa/s) predicts the total pressure
     and is renewed.
@@ -297,12 +299,14 @@ def step(
     half_scale = scale + GAMMA * (new_scale - scale)
     for i in range(n):
         w.p_start[i], w.h_start[i], w.slope_start[i] = p[i], h[i], slope[i]
+    begin_heat(p, h, scale, start.flow.sliding, fluid, laws, w)
     properties(p, h, fluid, w.nodes)
     conserving = keeps_oil(start.flow)
     if conserving:
         w.nodes.share[:] = 1.0
         fill_partly(p, w.filling, w.nodes)
     masses(scale, w, w.mass_start)
+    base_heat(scale, w.mass_start, laws, w)
     # The rate at the start is what flows in.
     balance(
         w.X, scale, rate, p, h, w.nodes, start.flow, fluid, w.mass_start, math.inf, w.rate_start, w.A, w.B
@@ -315,7 +319,7 @@ def step(
         if q_start[i] == p[i]:
             p[i] = q[i]
     problem = FilmProblem(half_scale, rate, middle.flow, middle.line_load, GAMMA * time_step)
-    found = solve_robustly(p, h, middle.approach, problem, bodies, fluid, w.mass_start, w)
+    found = solve_robustly(p, h, middle.approach, problem, bodies, fluid, w.mass_start, laws, w)
     if found.error != 0.0:
         return FilmStep(found.approach, half_scale, math.inf, found.approach)
     masses(half_scale, w, w.mass_middle)
@@ -333,6 +337,8 @@ def step(
         if w.base[i] < 0.0:
             # The film shrinks too much within the step: cavities would balance less than nothing.
             return FilmStep(found.approach, half_scale, math.inf, found.approach)
+    base_heat_after(w.p_start, p, half_scale, w.mass_middle, GAMMA, laws, w)
+    foretell_heat(1.0 / GAMMA, w)
     # The second stage begins where the first leads to.
     for i in range(n):
         alone = p[i] == q[i]
@@ -342,7 +348,7 @@ def step(
     given = end.line_load < 0.0
     guess = end.approach if given else predict_approach(start.approach, found.approach)
     problem = FilmProblem(new_scale, rate, end.flow, end.line_load, GAMMA * time_step)
-    found = solve_robustly(p, h, guess, problem, bodies, fluid, w.base, w)
+    found = solve_robustly(p, h, guess, problem, bodies, fluid, w.base, laws, w)
     if found.error != 0.0:
         return FilmStep(found.approach, new_scale, math.inf, middle_approach)
     if conserving:

@@ -11,6 +11,7 @@ from .grid import fill_kernel_matrix, place_nodes
 from .hierarchical import BAND, Hierarchy, hierarchy_in, hierarchy_size
 from .mixed import Mixed
 from .reynolds import Nodes
+from .shear import SOLID_LAYERS, Heat
 from .woodbury import SIDES, Exchange, exchange_in, exchange_size
 
 FIELDS = len(Nodes._fields)
@@ -18,8 +19,10 @@ FIELDS = len(Nodes._fields)
 _VECTORS = 21
 # Of Mixed.
 _MIXED = 8
-# Says that grid and matrix are filled.
-_FILLED = 0.25
+# Of Heat: over rows, over layers and over nodes; and over rows of one column.
+_ROWS, _LAYERS, _STRESSES, _COLUMNS = 4, 4, 4, 5
+# Says that grid and matrix are filled; so much more for every layer.
+_FILLED, _PER_LAYER = 0.25, 2.0**-10
 
 
 class Workspace(NamedTuple):
@@ -57,31 +60,72 @@ class Workspace(NamedTuple):
     hierarchy: Hierarchy
     exchange: Exchange
     mixed: Mixed
+    heat: Heat
 
 
 @kernel
 def nodes_in(f: Any) -> Nodes:
     """The first FIELDS rows of f."""
-    return Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9], f[10], f[11])
-
-
-def workspace_size(n: int) -> int:
-    """Elements of scratch that `workspace_in` needs."""
-    rows = 2 + n + FIELDS + _VECTORS + _MIXED + 2 * BAND + SIDES
-    return 1 + rows * n + hierarchy_size(n) + exchange_size(n)
+    return Nodes(
+        f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9], f[10], f[11], f[12], f[13], f[14]
+    )  # fmt: skip
 
 
 @kernel
-def workspace_in(work: Any, n: int) -> Workspace:
-    """Views on the first `workspace_size(n)` elements of work; fills grid and matrix if need be."""
+def keep_cold(f: Nodes) -> None:
+    """The oil is that of the laws."""
+    for i in range(f.factor.shape[0]):
+        f.factor[i], f.drift[i], f.expansion[i] = 1.0, 0.0, 1.0
+
+
+@kernel
+def rows_of(layers: int) -> int:
+    """Rows of temperatures: those of bodies and of so many layers of the film; 0: isothermal."""
+    return 2 * SOLID_LAYERS + layers if layers > 0 else 0
+
+
+@kernel
+def heat_size(n: int, layers: int) -> int:
+    """Elements of scratch that `heat_in` needs."""
+    rows = rows_of(layers)
+    return n * (_ROWS * rows + _LAYERS * layers + _STRESSES) + _COLUMNS * rows
+
+
+@kernel
+def heat_in(work: Any, n: int, layers: int) -> Heat:
+    """Views on the first `heat_size(n, layers)` elements of work."""
+    rows = rows_of(layers)
+    size, k = n * rows, _ROWS * n * rows
+    t = work[:k].reshape((_ROWS, n, rows))
+    v = work[k : k + _LAYERS * n * layers].reshape((_LAYERS, n, layers))
+    k += _LAYERS * n * layers
+    s = work[k : k + _STRESSES * n].reshape((_STRESSES, n))
+    k += _STRESSES * n
+    columns = work[k : k + _COLUMNS * rows].reshape((_COLUMNS, rows))
+    return Heat(
+        work[:size], t[0], t[1], t[2], t[3], v[0], v[1], v[2], v[3], s[0], s[1], s[2], s[3], columns
+    )  # fmt: skip
+
+
+def workspace_size(n: int, layers: int = 0) -> int:
+    """Elements of scratch that `workspace_in` needs."""
+    rows = 2 + n + FIELDS + _VECTORS + _MIXED + 2 * BAND + SIDES
+    return 1 + rows * n + hierarchy_size(n) + exchange_size(n) + int(heat_size(n, layers))
+
+
+@kernel
+def workspace_in(work: Any, n: int, layers: int = 0) -> Workspace:
+    """Views on the first `workspace_size(n, layers)` elements of work; fills grid and matrix if need be."""
     X, weight = work[1 : 1 + n], work[1 + n : 1 + 2 * n]
     k = 1 + 2 * n
     D = work[k : k + n * n].reshape((n, n))
     k += n * n
-    if work[0] != n + _FILLED:
+    tag = n + _FILLED + _PER_LAYER * layers
+    fresh = work[0] != tag
+    if fresh:
         place_nodes(X)
         fill_kernel_matrix(X, weight, D)
-        work[0] = n + _FILLED
+        work[0] = tag
     fields = work[k : k + (FIELDS + _VECTORS) * n].reshape((FIELDS + _VECTORS, n))
     k += (FIELDS + _VECTORS) * n
     m = work[k : k + _MIXED * n].reshape((_MIXED, n))
@@ -94,13 +138,17 @@ def workspace_in(work: Any, n: int) -> Workspace:
     k += SIDES * n
     exchange = exchange_in(work[k:], n)
     k += exchange_size(n)
+    heat = heat_in(work[k:], n, layers)
+    k += heat_size(n, layers)
     f, v = fields, fields[FIELDS:]
     nodes = nodes_in(f)
     nodes.filled[:] = 1.0
     nodes.share[:] = 1.0
+    if fresh:
+        keep_cold(nodes)
     mixed = Mixed(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7])
     return Workspace(
         X, weight, D, nodes, v[0], v[13], A, B, v[1], solution, v[2], v[3], v[4], v[5], v[6], v[7],
         v[8], v[9], v[10], v[11], v[12], v[14], v[15], v[16], v[17], v[18],
-        v[19], v[20], hierarchy_in(work[k:], n), exchange, mixed,
+        v[19], v[20], hierarchy_in(work[k:], n), exchange, mixed, heat,
     )  # fmt: skip

@@ -7,11 +7,13 @@ import numpy as np
 
 from models.contact.analysis.line.history import FilmHistory, film_history
 from models.contact.fluid import Lubricant
+from models.contact.friction import Traction
 from models.contact.hertz import deflection, elastic_compliance
 from models.contact.line.grid import REACH, fill_kernel_matrix, place_nodes
 from models.contact.line.mixed import Bodies
 from models.contact.line.newton import integrate_pressure
 from models.contact.line.reynolds import Flow
+from models.contact.line.shear import no_heat
 from models.contact.line.transient import (
     GAMMA,
     Drives,
@@ -30,7 +32,7 @@ from models.valve_train.valve_spring import ValveSpringParameters
 
 LENGTH = 12e-3
 BODIES = Bodies(elastic_compliance(207e9, 0.3, 207e9, 0.3), LENGTH)
-FLUID = Lubricant(0.036, 1.8e-8)
+FLUID, COLD = Lubricant(0.036, 1.8e-8), no_heat(Traction())
 # No micro-steps: one step for every tenth of a degree, whatever its error.
 TENTH, ANY_ERROR = math.radians(0.1), 1e9
 
@@ -96,7 +98,9 @@ def least_films(degrees: Vector, nodes: int, reach: float = REACH) -> Vector:
             drives = [drive(angle + share * TENTH, approach) for share in (0.0, GAMMA, 1.0)]
             load = integrate_pressure(p, w.weight, scale)
             wanted = grid_scale_after(TENTH / speed, scale, load, central(h), drives[0].flow.radius, BODIES)
-            taken = step(p, h, slope, scale, wanted, TENTH / speed, *drives, ANY_ERROR, BODIES, FLUID, w)
+            taken = step(
+                p, h, slope, scale, wanted, TENTH / speed, *drives, ANY_ERROR, BODIES, FLUID, COLD, w
+            )
             assert taken.error <= 1.0, f"no step at {math.degrees(angle):g} degrees"
             scale, approach = taken.scale, taken.approach
             angle += TENTH
