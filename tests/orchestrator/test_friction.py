@@ -324,6 +324,36 @@ def test_long_labels_stay_inside_the_figure() -> None:
 
 
 @pytest.mark.long
+def test_the_drive_gives_what_shares_dampers_and_stores_take(tmp_path):
+    """Energies of a run: of joints and pads as their bonds count them, of rolling from the records."""
+    out = tmp_path / "out"
+    changed = [part for name in ("reference.enabled=false", "energy.ledger=true") for part in ("--set", name)]
+    done = called("run", "roller-friction", *changed, "--no-figures", "--out", str(out))
+    assert done.returncode == 0, done.stderr
+    check_balance(out)
+
+
+def check_balance(out):
+    energy = json.loads((out / "summary.json").read_text("utf-8"))["energy"]
+    parts = energy["components"]
+    with xarray.open_dataset(out / "result.nc", group="coupled", engine="h5netcdf") as result:
+        columns = {str(name): result[name].values for name in result.variables}
+    time = columns["time"]
+
+    def integrate(power):
+        return float(np.trapezoid(power, time))
+
+    # Rows of 40 us; sticking takes elastic energy that it gives back.
+    for name in ("pin", "pad", "guide"):
+        assert integrate(columns[f"{name}.power_loss"]) == pytest.approx(parts[name]["received"], rel=3e-4)
+    rolling = integrate(columns["cam_contact.rolling_friction"] * 2.0 * columns["finger.entraining_velocity"])
+    drive = parts["flywheel"]["sourced"]
+    taken = sum(part["received"] for name, part in parts.items() if name != "flywheel")
+    # The trapezoidal rule of the rolling friction, an eighth of the drive's energy.
+    assert drive == pytest.approx(taken + rolling, rel=1e-4)
+
+
+@pytest.mark.long
 def test_the_friction_of_a_tappet_is_what_its_shaft_feels(tmp_path: Path) -> None:
     """Over a revolution the drive gives friction's work and what contacts, rod and spring lose besides."""
     out = tmp_path / "out"
