@@ -197,7 +197,6 @@ def test_an_edited_source_is_compiled_anew(old: str, new: str, tmp_path: Path) -
     assert stored(tmp_path) == after
 
 
-@pytest.mark.long
 def test_a_constant_changed_while_running_is_not_kept(tmp_path: Path) -> None:
     """Compiled code has the constant that was there at the first call; files say what the source says."""
     copied(tmp_path, "one")
@@ -207,7 +206,6 @@ def test_a_constant_changed_while_running_is_not_kept(tmp_path: Path) -> None:
     assert run(tmp_path, "from one.use import *; law.FACTOR = 5.0; print(twice(1.0).two)") == "10.0\n"
 
 
-@pytest.mark.long
 def test_processes_at_the_same_time(tmp_path: Path) -> None:
     """All get the result, and what they leave is whole: a later process compiles nothing."""
     copied(tmp_path, "one")
@@ -234,7 +232,6 @@ def test_a_damaged_file_is_compiled_anew(tmp_path: Path) -> None:
         assert file.read_bytes() != damaged
 
 
-@pytest.mark.long
 def test_what_was_not_used_of_late_goes_when_another_is_added(tmp_path: Path) -> None:
     """Once a day; a kernel that is fetched is used."""
     copied(tmp_path, "one")

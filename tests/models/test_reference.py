@@ -56,7 +56,6 @@ def test_events_are_located_to_the_tolerance():
     assert found.uncertainty["ball.height"].max_abs < 1e-8
 
 
-@pytest.mark.long
 def test_simultaneous_events_all_happen():
     system = System({"one": ball(), "two": ball(0.5)}, [])
     found = solve(system, np.linspace(0.0, 0.6, 61))

@@ -78,11 +78,14 @@ def mechanisms(sign: float = 1.0) -> Iterator[tuple[np.random.Generator, Mechani
         yield random, Mechanism(xi, alpha, beta, sign * beta, damping)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("turning", "sign"),
-    [(TRUE_TURNING, 1.0), (PUBLISHED_TURNING, -1.0)],
-    ids=["phi' - psi' gives +beta (corrected)", "phi' + psi' gives -beta (as published)"],
+    [
+        pytest.param(TRUE_TURNING, 1.0, id="phi' - psi' gives +beta (corrected)"),
+        pytest.param(
+            PUBLISHED_TURNING, -1.0, id="phi' + psi' gives -beta (as published)", marks=pytest.mark.long
+        ),
+    ],
 )
 def test_linearised_equation_has_the_kernels_coefficients(turning, sign):
     """a, lambda, c, f of F (2.13), and the two that a varying speed adds, at psi = psi' = 0."""

@@ -48,7 +48,6 @@ def test_camshafts_move_as_they_do_alone_and_give_way_to_their_followers():
         assert (moved.min(axis=1) < 0.0).all()
 
 
-@pytest.mark.long
 def test_the_file_is_what_the_script_writes():
     """Start values to 1e-9 of themselves: they are the reference's, on this machine."""
 
