@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
-from scipy.ndimage import gaussian_filter1d
 
 from ..core.quantities import Vector
 from .cams.lift import Lift
@@ -59,6 +57,8 @@ class FreshCam:
 
     def wear_off(self, loss: Vector) -> Points:
         """The points with these losses of lift (m) at PLACES, a periodic quintic spline in between."""
+        from scipy.interpolate import make_interp_spline  # runs without wear need no scipy for it
+
         spline = make_interp_spline(
             np.append(PLACES, TURN), np.append(loss, loss[0]), k=5, bc_type="periodic"
         )
@@ -120,4 +120,6 @@ def find_most_depth(arc: Vector) -> float:
 
 def smooth(values: Vector, width: float) -> Vector:
     """By a Gaussian of this standard deviation (rad) around the turn, which keeps their sum."""
+    from scipy.ndimage import gaussian_filter1d
+
     return np.asarray(gaussian_filter1d(values, width / SPACING, mode="wrap"))
