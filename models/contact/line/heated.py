@@ -90,7 +90,9 @@ def solve_film(
                 changed = warm(p, h, problem, bodies, old, laws, w)
             break
         shear_film(w.X, problem.scale, p, h, problem.drive.sliding, fluid, laws, w.heat, w.nodes)
-    w.heat.rise[:] = w.heat.start
+    # A further attempt goes on from what there is.
+    if not math.isfinite(highest_rise(w.heat.rise)):
+        w.heat.rise[:] = w.heat.start
     return FilmSolution(approach, math.inf, iterations)
 
 
