@@ -39,27 +39,32 @@ def warm_asperities(h: float, width: float, sliding: float, bodies: Bodies, laws
 
 
 @kernel
+def highest_rise(rise: Any) -> float:
+    """The largest rise (K) anywhere; nan where one is not finite."""
+    highest = 0.0
+    for i in range(rise.shape[0]):
+        for r in range(rise.shape[1]):
+            if not math.isfinite(rise[i, r]):
+                return math.nan
+            highest = max(highest, abs(rise[i, r]))
+    return highest
+
+
+@kernel
 def warm(
     p: Any, h: Any, problem: FilmProblem, bodies: Bodies, old: Any, laws: HeatLaws, w: Workspace
 ) -> float:
-    """Temperatures after the step under p and h, forth and back along the film; the largest change (K)."""
+    """Temperatures after the step under p and h, forth and back along the film; the largest change (K).
+
+    nan where a temperature is not finite.
+    """
     n, largest = p.shape[0], 0.0
     for k in range(1, 2 * n - 3):
         i = k if k < n - 1 else 2 * n - 3 - k
         rough = warm_asperities(h[i], problem.scale * cell(w.X, i), problem.drive.sliding, bodies, laws)
         fill_column(i, p, h, problem, old, rough, laws, w.X, w.nodes, w.heat)
         largest = max(largest, solve_column(i, w.heat))
-    return largest
-
-
-@kernel
-def highest_rise(rise: Any) -> float:
-    """The largest rise (K) anywhere."""
-    highest = 0.0
-    for i in range(rise.shape[0]):
-        for r in range(rise.shape[1]):
-            highest = max(highest, abs(rise[i, r]))
-    return highest
+    return largest if math.isfinite(highest_rise(w.heat.rise)) else math.nan
 
 
 @kernel

@@ -10,7 +10,7 @@ from models.contact.ehl_line_contact import HeatedLineContactParameters, ehl_lin
 from models.contact.fluid import Lubricant
 from models.contact.line.heat import capacity, resistance
 from models.contact.line.heat_state import build_heat
-from models.contact.line.heated import warm
+from models.contact.line.heated import solve_film, warm
 from models.contact.line.newton import FilmProblem
 from models.contact.line.reynolds import Flow, cell
 from models.contact.line.shear import SOLID_LAYERS, shear_film
@@ -164,6 +164,20 @@ def test_the_heat_of_shear_is_the_power_of_friction_and_of_the_pressures_flow():
     contact = scale * np.gradient(w.X)
     rubbed = np.sum(w.heat.stress * contact * (film.p > 0.0)) * 3.0
     assert 1.05 < np.sum(w.heat.heating) / rubbed < 1.2
+
+
+@pytest.mark.parametrize("lost", ["rise", "base"])
+def test_a_temperature_that_is_no_number_ends_an_attempt(lost):
+    """It is no solution, and the next attempt begins with the temperatures at the step's start."""
+    film = Film()
+    film.advance(1e-5)
+    w = film.w
+    w.heat.start[:] = w.heat.rise
+    getattr(w.heat, lost)[50, SOLID_LAYERS] = math.nan
+    problem = FilmProblem(film.scale, 0.0, Flow(2.0, 2.0, 0.02), 500.0 / LENGTH, GAMMA * 1e-5)
+    found = solve_film(film.p, film.h, film.approach, problem, film.bodies, FLUID, w.base, LAWS, w)
+    assert found.error == math.inf
+    np.testing.assert_array_equal(w.heat.rise, w.heat.start)
 
 
 @cache
