@@ -96,9 +96,7 @@ def test_a_formula_film_gives_what_the_reference_of_odes_gives() -> None:
 
 def test_a_formula_is_solved_as_an_ode_and_a_field_is_not() -> None:
     check_ode(put_in(ehl_contact()))
-    with pytest.raises(
-        ModelError, match=r"contact: ehl_line_contact with nodes = 101, .*layers = 0 has no form as"
-    ):
+    with pytest.raises(ModelError, match=r"contact: ehl_line_contact with nodes = 101 has no form as"):
         check_ode(put_in(ehl_line_contact(101)))
 
 
@@ -165,7 +163,5 @@ def test_events_beside_a_field_are_refused() -> None:
     system = put_in(ehl_line_contact(101))
     crank = Instance(CATALOGUE["slider_crank"]())
     connections = [(str(c.source), str(c.target)) for c in system.connections]
-    with pytest.raises(
-        ModelError, match=r"crank: slider_crank has events.*contact \(nodes = 101, .*layers = 0\)"
-    ):
+    with pytest.raises(ModelError, match=r"crank: slider_crank has events.*contact \(nodes = 101\)"):
         check_solvable(System({**system.instances, "crank": crank}, connections))
