@@ -187,21 +187,31 @@ def test_unknown_names_and_sizes(tmp_path):
         build("valve_spring", tmp_path, {"coils": 3})
 
 
-def test_a_contact_whose_cavities_keep_their_oil_runs_alone(isolated, tmp_path):
-    """Entrainment reverses over a starved contact: as in this process."""
-    sizes = {"nodes": 51, "mass_conserving": 1}
+@pytest.mark.parametrize(
+    ("sizes", "parameters", "sliding", "seen"),
+    [
+        ({"nodes": 51, "mass_conserving": 1}, {"oil_supply": 0.4e-6}, 0.0, "minimum_film_thickness"),
+        ({"nodes": 51, "layers": 4}, {"eyring_stress": 5e6}, 2.0, "film_temperature"),
+    ],
+    ids=["cavities keep their oil", "the film is heated"],
+)
+def test_a_solved_film_with_more_than_pressure_runs_alone(
+    sizes, parameters, sliding, seen, isolated, tmp_path
+):
+    """Entrainment reverses: as in this process."""
     path = build("ehl_line_contact", tmp_path / "contact.fmu", sizes, references=False)
     inputs = {"approach": 0.3e-6, "entraining_velocity": 1.0, "radius_of_curvature": 0.02}
+    inputs["sliding_velocity"] = sliding
     code = f"""
-    slave = Instance({str(path)!r}).initialize(oil_supply=0.4e-6, **{inputs})
+    slave = Instance({str(path)!r}).initialize(**{parameters | inputs})
     for i in range(40):
         slave.set({{"entraining_velocity": 1.0 - i / 20.0}})
         slave.step(i * 2e-5, 2e-5)
-    report(slave.get(["load", "minimum_film_thickness"]))
+    report(slave.get(["load", {seen!r}]))
     """
-    alone = Stepped(ehl_line_contact(**sizes), {"oil_supply": 0.4e-6}, inputs=inputs)
+    alone = Stepped(ehl_line_contact(**sizes), parameters, inputs=inputs)
     for i in range(40):
         alone.input("entraining_velocity", 1.0 - i / 20.0)
         alone.advance(2e-5)
     found = isolated(code)
-    assert found == pytest.approx([alone["load"], alone["minimum_film_thickness"]], rel=1e-9)
+    assert found == pytest.approx([alone["load"], alone[seen]], rel=1e-9)
