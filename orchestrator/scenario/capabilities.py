@@ -51,11 +51,11 @@ def describe_unsolvable(scenario: Scenario) -> str:
     ]
     if closed:
         return f"{', '.join(closed)}: third-party FMUs without model exchange, whose equations are unknown"
-    implicit = [
-        name
-        for name, table in scenario.components.items()
-        if not table.third_party and not table.resolve().ode
-    ]
+    ours = {name: table.resolve() for name, table in scenario.components.items() if not table.third_party}
+    heated = [name for name, component in ours.items() if component.structure.get("layers")]
+    if heated:
+        return f"{', '.join(heated)}: a film with temperatures (layers), which the reference cannot start"
+    implicit = [name for name, component in ours.items() if not component.ode]
     foreign = list_foreign(scenario)
     if implicit and foreign:
         return f"{', '.join(implicit)}: no ordinary differential equations, beside {foreign[0]}"

@@ -18,6 +18,7 @@ from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.run.participants import ParticipantPlan
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.capabilities import check_third_party, is_refined
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.store.json_codec import from_text
@@ -221,3 +222,12 @@ def test_the_fmu_of_the_field_runs_as_the_component_to_the_last_bit(master, valv
     file = build("ehl_line_contact", tmp_path, instance.component.structure)
     found = run_coupled(valve_train, master, STEP, STOP, contact=open_fmu("contact", file, instance))
     np.testing.assert_array_equal(found.rows, run_coupled(valve_train, master, STEP, STOP).rows)
+
+
+def test_the_reference_of_a_film_with_temperatures_is_by_refinement():
+    heated = "components.contact.structure.layers=8"
+    assert is_refined(load("valve-train-ehl", [heated]))
+    assert not is_refined(load("valve-train-ehl"))
+    message = r"contact: a film with temperatures.*set reference\.method = 'refinement'"
+    with pytest.raises(ScenarioError, match=message):
+        check_third_party(load("valve-train-ehl", [heated, "reference.method=monolithic"]))
