@@ -153,7 +153,8 @@ def sensitivities(
     parameter): `elasticity`, the relative change over that of the parameter, and its `error`.
 
     Parameters are called "component.parameter", or "speed"; by default they are the speed and all continuous
-    ones that are not zero. `out` keeps the cycles in a folder; a call that was stopped goes on there.
+    ones but zeros and elements of arrays. `out` keeps the cycles in a folder; a call that was stopped goes on
+    there. RunError where the scenario's own motion is not steady.
     """
     check_study_packages()
     from orchestrator.study.run import Where

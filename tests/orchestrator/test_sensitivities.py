@@ -4,9 +4,11 @@ import math
 
 import numpy as np
 import pytest
+import xarray
 
-from orchestrator.errors import MistakeError
+from orchestrator.errors import MistakeError, RunError
 from orchestrator.scenario.files import load, read_changed
+from orchestrator.study.run import Where
 from orchestrator.study.speeds import sensitivities
 from orchestrator.study.speeds.sensitivities import (
     SHARE,
@@ -14,7 +16,11 @@ from orchestrator.study.speeds.sensitivities import (
     SensitivitySubject,
     choose_parameters,
     differentiate,
+    find_sensitivities,
+    find_usable,
 )
+from orchestrator.study.store import DONE
+from tribocosim.reporting import SilentReporter
 
 from .commands import called, said
 
@@ -76,6 +82,7 @@ def test_parameters_are_named_as_in_a_scenario_and_refused_where_they_cannot_var
     assert not any(name.startswith("flywheel.") for name in every)
     path = "components.valve_spring.parameters.preload"
     assert choose_parameters(train, "flywheel", [path, "speed", path]) == ("valve_spring.preload", "speed")
+    assert not any("[" in name for name in choose_parameters(load("my-cam"), "flywheel", []))
     for wrong, why in (
         ("valve_spring.lash", "is zero"),
         ("camshaft.law", "no values in between"),
@@ -106,3 +113,30 @@ def test_a_mistake_is_one_sentence():
     done = called("sensitivities", "valve-train", "--speed", "2000")
     assert done.returncode == 2
     assert "speed" in said(done)
+
+
+def test_each_number_that_an_oil_gives_varies_alone(monkeypatch, tmp_path):
+    given = []
+
+    def run(plan, *_):
+        for case in range(1 + len(SHARES)):
+            tables = plan.subject.find_case(case)[0].tables
+            given.append(tables["components"]["contact"]["parameters"])
+        raise RunError("as far as is needed")
+
+    monkeypatch.setattr(sensitivities, "run", run)
+    oil = ("components.contact.oil=SAE 5W-30", "components.contact.temperature=90 degC")
+    tables, where = read_changed("valve-train", oil), Where(workers=1)
+    with pytest.raises(RunError, match="as far"):
+        find_sensitivities(tables, 200.0, ["contact.viscosity"], tmp_path, where, SilentReporter())
+    ratios = [one["viscosity"] / given[0]["viscosity"] for one in given]
+    assert ratios == pytest.approx([1.0, *(1.0 + SHARE * np.array(SHARES))], rel=1e-14)
+    assert len({one["pressure_viscosity"] for one in given}) == 1
+
+
+def test_an_unsteady_motion_has_no_sensitivities():
+    change = np.array([1e-9, 1e-9, 0.3])
+    cycles = xarray.Dataset({"status": ("case", [DONE] * 3), "change": ("case", change)})
+    assert find_usable(cycles, SilentReporter()).tolist() == [True, True, False]
+    with pytest.raises(RunError, match="no steady cycle"):
+        find_usable(cycles.isel(case=[2, 0]), SilentReporter())

@@ -20,7 +20,7 @@ def run_sensitivities(
         typer.Option(
             metavar="COMPONENT.PARAMETER",
             help="Vary this parameter, or the speed; repeat for several.",
-            show_default="speed and all continuous parameters that are not zero",
+            show_default="speed and all continuous parameters but zeros and elements of arrays",
         ),
     ] = None,
     out: Annotated[

@@ -15,14 +15,16 @@ from typing import Any
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 from rich.table import Column, Table
 
 from models.core.quantities import Quantity, Vector
+from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 from models.monolithic.cycle import find_cycle
 
 from ...analyses import Parameter, Result
 from ...assessment.figures_of_merit import measure
-from ...errors import MistakeError, Option, one_of
+from ...errors import MistakeError, Option, RunError, one_of
 from ...plots.sensitivities import draw_tornado
 from ...plots.style import save_figure
 from ...reporter import Reporter
@@ -31,6 +33,7 @@ from ...scenario.display import format_number
 from ...scenario.files import put, to_full_toml
 from ...scenario.system import list_parameters
 from ...scenario.values import Value
+from ...texts import parse_toml
 from ..files import Plan, parse_study
 from ..points import expand_points
 from ..run import Where, run
@@ -118,11 +121,11 @@ class SensitivitySubject:
 
 def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) -> tuple[str, ...]:
     """The parameters "component.name" that `wanted` names; by default the speed and all continuous ones that
-    are not zero, but the drive's. MistakeError for one that cannot be varied."""
+    are not zero, but the drive's and elements of arrays. MistakeError for one that cannot be varied."""
     values, quantities = list_parameters(scenario), _list_quantities(scenario)
     varied = [name for name, value in values.items() if value != 0.0 and not quantities[name].jumps]
     if not wanted:
-        return (SPEED, *(name for name in varied if not name.startswith(f"{flywheel}.")))
+        return (SPEED, *(n for n in varied if not n.startswith(f"{flywheel}.") and "[" not in n))
     found = []
     for text in wanted:
         name = text.removeprefix("components.").replace(".parameters.", ".")
@@ -148,8 +151,8 @@ def _list_quantities(scenario: Scenario) -> dict[str, Quantity]:
 
 
 def differentiate(table: Mapping[str, Vector], count: int) -> dict[str, tuple[Vector, Vector]]:
-    """By figure its elasticities dg/g over dp/p (count,), and how far both steps' differ; without those of a
-    figure that is zero or unknown. `table` has the values of every case."""
+    """By figure its elasticities dg/g over dp/p (count,) and their distance from D(h), a third of what both
+    steps differ by; without those of a figure that is zero or unknown. `table`: the values of all cases."""
     found = {}
     for name, values in table.items():
         cases = (
@@ -161,6 +164,19 @@ def differentiate(table: Mapping[str, Vector], count: int) -> dict[str, tuple[Ve
         if np.isfinite(elasticity).any():
             found[name] = elasticity, np.abs(elasticity - near)
     return found
+
+
+def find_usable(cycles: xarray.Dataset, reporter: Reporter) -> NDArray[np.bool_]:
+    """The cases with a steady cycle; RunError where the first, the scenario itself, has none."""
+    done = cycles["status"].values == DONE
+    usable = np.asarray(done & (cycles["change"].values <= LARGEST_CHANGE))
+    if done[0] and not usable[0]:
+        raise RunError("the scenario has no steady cycle at this speed: there are no sensitivities")
+    if unsteady := int(np.sum(done & ~usable)):
+        reporter.line(
+            f"{unsteady} cycles are not steady, see cycles.csv: their parameters have no sensitivities"
+        )
+    return usable
 
 
 def find_sensitivities(
@@ -177,8 +193,12 @@ def find_sensitivities(
     scenario = build_scenario(copy.deepcopy(dict(tables)))
     flywheel = find_flywheel(scenario)
     parameters = choose_parameters(scenario, flywheel, wanted)
-    subject = SensitivitySubject(tables, flywheel, speed, parameters)
+    # With the numbers that oils, tables and drawings give, so that each may vary alone.
+    subject = SensitivitySubject(parse_toml(to_full_toml(scenario)), flywheel, speed, parameters)
     last = len(parameters) * len(SHARES)
+    reporter.line(
+        f"{last + 1} steady cycles: {len(SHARES)} for each of {len(parameters)} parameters, and one"
+    )
     axis = {"start": 0.0, "stop": float(last), "count": last + 1}
     study = parse_study(
         {
@@ -192,8 +212,9 @@ def find_sensitivities(
     status = run(plan, out / CYCLES, where, reporter, overwrite)
     with xarray.open_zarr(out / CYCLES) as stored:
         cycles = stored.load()
+    usable = find_usable(cycles, reporter)
     values = {
-        name: np.where(cycles["status"].values == DONE, cycles[name].values, np.nan)
+        name: np.where(usable, cycles[name].values, np.nan)
         for name in subject.results
         if name not in STEADY and not name.endswith("_angle")
     }
@@ -245,5 +266,5 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
 def _cell(elasticity: float, error: float) -> str:
     if not math.isfinite(elasticity):
         return "–"
-    doubtful = error > DOUBTFUL * max(abs(elasticity), LEAST)
+    doubtful = 3.0 * error > DOUBTFUL * max(abs(elasticity), LEAST)
     return f"{'~' if doubtful else ''}{format_number(elasticity, 3)}"
