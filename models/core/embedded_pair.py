@@ -63,9 +63,9 @@ def march(
     """Steps from `state`, where the rate is `now`, without end; the first one has the length `first`.
 
     The error of a step is at most `tolerance` times the largest change of a state in it, so that errors add
-    up to no more than this share of all changes. `bounds(state, rate)` are the shortest and the longest step:
-    the shortest is taken whatever its error. A step that the rate refuses by ModelError is made shorter than
-    that; the error is raised where it does not help.
+    up to no more than this share of all changes, but for shortest steps: `bounds(state, rate)` are the
+    shortest and the longest step, and the shortest is taken whatever its error. A step that the rate refuses
+    by ModelError is made shorter than that; the error is raised where it does not help.
     """
     begin, length, refused = 0.0, first, False
     while True:

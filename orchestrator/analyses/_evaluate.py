@@ -89,11 +89,15 @@ def compute_table(analysis: Analysis, values: Mapping[str, Value]) -> xarray.Dat
     return table.assign_attrs({**settings, **about, "Conventions": "CF-1.10"})
 
 
-def find_results(folder: Path, name: str, overwrite: bool) -> list[Path]:
-    """Files of this analysis in the folder; OutputFolderError if there are some, unless `overwrite`."""
+def find_results(folder: Path, name: str, overwrite: bool, *others: str) -> list[Path]:
+    """Files of this analysis in the folder, and `others`.
+
+    OutputFolderError if there are some, unless `overwrite`.
+    """
     if folder.exists() and not folder.is_dir():
         raise OutputFolderError(f"{folder}: is a file", another())
-    held = [path for path in (folder / f"{name}.{ending}" for ending in ENDINGS) if path.exists()]
+    names = (*(f"{name}.{ending}" for ending in ENDINGS), *others)
+    held = [path for path in (folder / own for own in names) if path.exists()]
     if held and not overwrite:
         raise OutputFolderError(f"{folder}: already holds a result ({held[0].name})", another(), REPLACE)
     return held

@@ -12,16 +12,20 @@ import pytest
 import xarray
 
 import tribocosim
+from models.core.quantities import Vector
 from models.core.remedies import find_actions
+from models.monolithic.cycle import Cycle
 from models.valve_train.cams.table import TURN
 from models.valve_train.worn_cam import PLACES, SPACING, sample_cam, smooth
 from orchestrator.errors import MistakeError, Option
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.cams import read_cam
 from orchestrator.scenario.files import load, read_changed
-from orchestrator.study.wear.report import Interval, describe_place, to_text
+from orchestrator.study.wear.history import Age, History, follow
+from orchestrator.study.wear.report import Interval, describe_place, remark, to_text
 from orchestrator.study.wear.run import parse_asked, parse_interval
-from orchestrator.study.wear.train import CAM, FOLLOWER, LOSS, WearingTrain, open_train, put_points
+from orchestrator.study.wear.train import CAM, FOLLOWER, LOSS, Rubbed, WearingTrain, open_train, put_points
+from tribocosim.reporting import SilentReporter
 
 from .commands import called, said
 
@@ -145,17 +149,60 @@ def test_the_worn_lift_is_a_table_that_scenarios_read(worn: tuple[list[str], str
     assert (folder / "wear.png").stat().st_size > 10_000
 
 
-def test_the_same_command_simulates_nothing_twice(worn: tuple[list[str], str]) -> None:
+def test_the_same_command_keeps_the_cycles_of_the_history(worn: tuple[list[str], str]) -> None:
     arguments, text = worn
     folder = Path(arguments[-1])
     assert "already holds a result" in said(called(*arguments))
     before = {file.name: file.stat().st_mtime_ns for file in (folder / "cycles").iterdir()}
-    (folder / "wear.nc").unlink()  # as after an interruption
-    (folder / "wear.csv").unlink()
-    (folder / "wear.png").unlink()
+    for name in ("wear.nc", "wear.csv", "wear.png", "worn-cam.csv"):
+        (folder / name).unlink()  # as after an interruption
     again = called(*arguments)
     assert again.stdout.splitlines()[1:] == [line for line in text.splitlines()[1:] if "% done" not in line]
     assert {file.name: file.stat().st_mtime_ns for file in (folder / "cycles").iterdir()} == before
+
+
+def test_a_worn_cam_is_not_replaced_by_what_wears_off_it(tmp_path: Path) -> None:
+    settings = list_settings(tmp_path)
+    table = (tmp_path / "circle.csv").rename(tmp_path / "worn-cam.csv")
+    content = table.read_bytes()
+    changed = [word for text in [f"components.camshaft.lift_table={table}", *settings[1:]]
+               for word in ("--set", text)]  # fmt: skip
+    done = called("wear", "valve-train", *changed, "--until", "0.3 mm", "--out", str(tmp_path))
+    assert done.returncode == 2
+    assert "already holds a result (worn-cam.csv)" in said(done)
+    assert table.read_bytes() == content
+    assert list(tmp_path.iterdir()) == [table]
+
+
+def test_wear_that_stops_on_the_way_ends_the_history(
+    circle: WearingTrain, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing wears once the lift has lost a third of the limit."""
+    unworn, fresh = circle.unworn, circle.rub(circle.unworn)
+    losses = [0.0]
+
+    def simulate(_: WearingTrain, loss: Vector, start: Vector | None = None) -> Cycle:
+        losses.append(float(loss.max()))
+        return unworn
+
+    def rub(_: WearingTrain, cycle: Cycle) -> Rubbed:
+        return replace(fresh, rate=fresh.rate * (losses[-1] < DEPTH / 3.0))
+
+    monkeypatch.setattr(WearingTrain, "simulate", simulate)
+    monkeypatch.setattr(WearingTrain, "rub", rub)
+    found = follow(circle, 0.05, tmp_path, SilentReporter())
+    assert found.fault == "the worn cam's film carries all of the load"
+    assert DEPTH / 3.0 <= found.ages[-1].deepest < DEPTH
+    assert not found.ages[-1].rubbed.rate.any()
+
+
+@pytest.mark.parametrize(("error", "exceeds"), [(0.0099, False), (0.0101, True)])
+def test_an_error_above_the_tolerance_is_remarked(circle: WearingTrain, error: float, exceeds: bool) -> None:
+    rubbed = circle.rub(circle.unworn)
+    ages = [Age(dose, dose * rubbed.rate, dose * rubbed.follower, 0.0, rubbed) for dose in (0.0, 1e-9)]
+    history = History(circle, ages, error * ages[-1].deepest, 4)
+    words = " ".join(map(str, remark(history, Interval(1e-18, 1e-16), 0.01)))
+    assert ("exceeds the tolerance of 1 %" in words) == exceeds
 
 
 def test_the_points_of_a_law_are_the_law() -> None:

@@ -28,7 +28,12 @@ def run_wear(  # noqa: PLR0913  # options of a command
     contact: Annotated[
         str | None, typer.Option(help="Contact that wears.", show_default="the only one on a cam")
     ] = None,
-    tolerance: Annotated[float, typer.Option(help="Error by extrapolation, as a part of the depth.")] = 0.01,
+    tolerance: Annotated[
+        float,
+        typer.Option(
+            help="Error by extrapolation, as a part of the depth; the shortest steps may exceed it."
+        ),
+    ] = 0.01,
     wear_follower: Annotated[
         bool,
         typer.Option(

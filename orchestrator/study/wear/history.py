@@ -119,7 +119,8 @@ def _read(path: Path) -> Rubbed | None:
 def follow(train: WearingTrain, tolerance: float, folder: Path, reporter: Reporter) -> History:
     """Wear until the limit, with an error of about `tolerance` of it; at most MOST cycles are simulated.
 
-    Cycles that are in the folder are not simulated again. ModelError if the unworn cam has no cycle.
+    Cycles of the history that are in the folder are kept; that of the unworn cam is simulated once more.
+    ModelError if it has none.
     """
     (folder / FOLDER).mkdir(exist_ok=True)
     with reporter.stage(f"wear of {train.cam}") as bar:
@@ -147,6 +148,9 @@ def follow(train: WearingTrain, tolerance: float, folder: Path, reporter: Report
                 error += step.error
                 if deepest(step.states[1]) >= train.limit:
                     return History(train, ages, error, simulations.count)
+                if not step.rates[1].any():
+                    fault = "the worn cam's film carries all of the load"
+                    break
         except KeyboardInterrupt:
             raise KeyboardInterrupt(
                 f"interrupted; the simulated cycles are kept in {folder}: the same command continues"

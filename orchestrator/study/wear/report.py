@@ -16,7 +16,7 @@ from models.valve_train.worn_cam import FINEST, PLACES
 from ...assessment.figures_of_merit import CONTACT
 from ...errors import Option, Words
 from ...scenario.files import to_full_toml
-from .history import History, deepest
+from .history import MOST, History, deepest
 from .train import CAM, FIGURES, LOSS
 
 TABLE, AGES, LIFTS, FIGURE = "wear.nc", "wear.csv", "worn-cam.csv", "wear.png"
@@ -73,7 +73,7 @@ def describe(history: History, interval: Interval) -> str:
     )
 
 
-def remark(history: History, interval: Interval) -> Iterator[Words]:
+def remark(history: History, interval: Interval, tolerance: float) -> Iterator[Words]:
     """Where the answer comes from, and what it leaves out."""
     train, last, fresh = history.train, history.ages[-1], history.ages[0]
     if history.fault and last.dose:
@@ -84,6 +84,11 @@ def remark(history: History, interval: Interval) -> Iterator[Words]:
         f"from {history.simulated} simulated cycles, with an error of "
         f"{100.0 * history.error / last.deepest:.2g} % by extrapolation, for wear coefficients of {interval}"
     )
+    if history.error > tolerance * last.deepest:
+        yield (
+            f"the error exceeds the tolerance of {100.0 * tolerance:g} %: steps have a least length, so that "
+            f"{MOST} cycles usually do"
+        )
     constant = last.deepest / deepest(fresh.rubbed.rate) / last.dose
     yield f"the wear of the unworn cam, if it stayed the same, would take {constant:.3g} times as many cycles"
     finest = train.rub(train.unworn, FINEST).rate[CAM].max() / fresh.rubbed.rate[CAM].max()
@@ -119,14 +124,14 @@ def tabulate(history: History, interval: Interval) -> xarray.Dataset:
         return xarray.Variable(("age", place), np.array(values), {"units": "m", "long_name": words})
 
     cycles = np.array([interval.cycles(age.dose) for age in ages])
-    deepest = [float(PLACES[age.state[CAM].argmax()]) for age in ages]
+    places_worn = [float(PLACES[age.state[CAM].argmax()]) for age in ages]
     nose = [float(age.state[LOSS][PLACES.size // 2]) for age in ages]
     found = {
         "dose": over([age.dose for age in ages], "m2/N", "wear coefficient times cycles"),
         "fewest_cycles": over(list(cycles[:, 0]), "1", "cycles by the largest wear coefficient"),
         "most_cycles": over(list(cycles[:, 1]), "1", "cycles by the least wear coefficient"),
         "deepest": over([age.deepest for age in ages], "m", "deepest wear of the cam"),
-        "place": over(deepest, "rad", "cam angle of the deepest wear"),
+        "place": over(places_worn, "rad", "cam angle of the deepest wear"),
         "lift_loss": over(nose, "m", "lift lost at the nose"),
         "follower_deepest": over(
             [float(a.follower.max()) for a in ages], "m", "deepest wear of the follower"

@@ -19,11 +19,11 @@ from ...reporter import Reporter
 from ...scenario.units import UnitError, is_bare, to_unit
 from ..speeds.sweep import parse_speed
 from .history import follow
-from .report import FIGURE, Interval, describe, remark, tabulate, write
+from .report import FIGURE, LIFTS, Interval, describe, remark, tabulate, write
 from .train import open_train
 
 DEPTH = Parameter(0.127e-3, "m", "depth of wear", positive=True, plausible=plausible.CAM_LIFT)
-# m2/N; `docs/theory/contact.md` has the sources.
+# m2/N; a choice, see `docs/theory/contact.md`.
 COEFFICIENT = "1e-18, 1e-16"
 TOLERANCE = 0.01
 
@@ -88,7 +88,7 @@ def wear(
             f"{1e3 * train.fresh.arc.min():.3g} mm stands at most {1e3 * most:.2g} mm of wear",
             ("give ", Option("until", f"{0.99e3 * most:.2g} mm"), " or less"),
         )
-    held = find_results(out, "wear", overwrite)
+    held = find_results(out, "wear", overwrite, LIFTS)
     with create_folder(out):
         history = follow(train, asked.tolerance, out, reporter)
         table = tabulate(history, asked.interval)
@@ -98,7 +98,7 @@ def wear(
         if len(history.ages) > 1:
             files.append(save_figure(lambda: draw_wear(table), out / FIGURE))
     reporter.line(describe(history, asked.interval))
-    for text in remark(history, asked.interval):
+    for text in remark(history, asked.interval, asked.tolerance):
         reporter.line(text)
     reporter.line(f"results in {out}: {', '.join(file.name for file in files)}")
     return table
