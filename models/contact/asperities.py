@@ -265,6 +265,6 @@ def dry_separation(pressure: float, surfaces: Asperities, compliance: float) -> 
 
 
 @kernel
-def real_area_share(separation: float, surfaces: Asperities) -> float:
+def real_area_share(separation: float, roughness_parameter: float) -> float:
     """A_c/A, at most 1."""
-    return min(1.0, (math.pi * surfaces.roughness_parameter) ** 2 * area_integral(separation))
+    return min(1.0, (math.pi * roughness_parameter) ** 2 * area_integral(separation))

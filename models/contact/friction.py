@@ -101,7 +101,7 @@ def hertzian_friction(
     real_area = 0.0
     if traction.boundary_stress > 0.0:  # else it has no part in the friction
         separation = dry_separation(carried.asperity_load / area, surfaces, compliance)
-        real_area = area * real_area_share(separation, surfaces)
+        real_area = area * real_area_share(separation, surfaces.roughness_parameter)
     return Friction(
         viscous_friction(half_width, length, pressure, velocity, carried.film, fluid, traction),
         boundary_friction(carried.asperity_load, real_area, velocity, traction),
@@ -153,7 +153,7 @@ def profile_friction(
         if film[i] < THICK * surfaces.roughness:
             separation = find_separation(film[i] / surfaces.roughness)
             load += width * pressure_under(film[i], surfaces.roughness, scale).pressure
-            area += width * real_area_share(separation, surfaces)
+            area += width * real_area_share(separation, surfaces.roughness_parameter)
         if pressure[i] > 0.0:
             sheared = (
                 find_sheared_share(x, pressure, i, -1) + find_sheared_share(x, pressure, i, 1)

@@ -109,7 +109,7 @@ def test_pressure_and_area_are_those_of_all_pairs_of_summits(record):
     area = pairs(math.pi * radius / 2.0, 1.0)
     for name, found, exact in (
         ("pressure of asperities", asperity_pressure(separation, surfaces, STEEL), pressure),
-        ("share of real contact", real_area_share(separation, surfaces), area),
+        ("share of real contact", real_area_share(separation, surfaces.roughness_parameter), area),
     ):
         record("Film", name, found, exact, "Hertz's law summed over all pairs of summits", relative=1e-6)
 

@@ -212,7 +212,7 @@ def test_asperities_that_shear_do_so_on_the_real_area_that_carries_their_load():
     carried, b = steady(500.0, "moes_venner", 1e-2), half_width(500.0, RADIUS, LENGTH, STEEL)
     law = Traction(boundary_coefficient=0.1, boundary_stress=2e6)
     force = hertzian_friction(500.0, b, LENGTH, 1.0, carried, OIL, SURFACES, STEEL, law)
-    share = real_area_share(find_separation(carried.film / SURFACES.roughness), SURFACES)
+    share = real_area_share(find_separation(carried.film / SURFACES.roughness), SURFACES.roughness_parameter)
     expected = 0.1 * carried.asperity_load + 2e6 * area(500.0) * share
     # The laws of asperities are good to 3e-8.
     assert force.boundary == pytest.approx(expected, rel=1e-7)

@@ -103,7 +103,9 @@ def field_layout(nodes: int, filled: int, layers: int = 0) -> Layout:
 def build_bodies(p: Any) -> Bodies:
     """The elastic pair and its rough surfaces that the parameters describe."""
     compliance = pair_compliance(p)
-    return Bodies(compliance, p.length, p.roughness, pressure_scale(build_surfaces(p), compliance))
+    surfaces = build_surfaces(p)
+    scale = pressure_scale(surfaces, compliance)
+    return Bodies(compliance, p.length, p.roughness, scale, surfaces.roughness_parameter)
 
 
 @kernel

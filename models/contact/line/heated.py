@@ -9,8 +9,9 @@ from typing import Any
 
 from ...compile.kernel import kernel
 from ...core.integrator import copy
-from ..asperities import pressure_under
+from ..asperities import find_separation, pressure_under, real_area_share
 from ..fluid import Lubricant
+from ..friction import boundary_friction
 from .heat import fill_column, solve_column, store
 from .mixed import Bodies
 from .newton import FilmProblem, FilmSolution, newton
@@ -35,7 +36,10 @@ def warm_asperities(h: float, width: float, sliding: float, bodies: Bodies, laws
     if bodies.roughness == 0.0:
         return 0.0
     pressed = pressure_under(h, bodies.roughness, bodies.asperity_scale).pressure
-    return abs(sliding) * width * laws.traction.boundary_coefficient * pressed
+    share = 0.0
+    if laws.traction.boundary_stress > 0.0 and pressed > 0.0:
+        share = real_area_share(find_separation(h / bodies.roughness), bodies.roughness_parameter)
+    return width * boundary_friction(pressed, share, sliding, laws.traction) * sliding
 
 
 @kernel

@@ -28,12 +28,13 @@ NEARER = 1.0
 
 class Bodies(NamedTuple):
     """The elastic pair: compliance (1/Pa) as `hertz.elastic_compliance`, contact length (m), and of the rough
-    surfaces sigma (m; 0: smooth) and the scale of `asperities.pressure_scale` (Pa)."""
+    surfaces sigma (m; 0: smooth), the scale of `asperities.pressure_scale` (Pa), and eta beta sigma."""
 
     compliance: float
     length: float
     roughness: float = 0.0
     asperity_scale: float = 0.0
+    roughness_parameter: float = 0.0
 
 
 class Mixed(NamedTuple):

@@ -180,8 +180,8 @@ def remark_losses(found: Losses, motion: Motion) -> Iterator[Words]:
     for loss in found.losses:
         if loss.share == CONTACT and not np.any(Part(motion, loss.part)["sliding_velocity"]):
             yield (
-                f"{loss.part}: pure rolling is assumed, so that it has no friction of sliding; the component "
-                "roller finds the spin from traction and the pin's friction"
+                f"{loss.part}: pure rolling is assumed, so that it has no friction of sliding; a roller that "
+                "may slip finds its spin from traction and the pin's friction"
             )
     share = found.rest / found.drive if found.drive else 0.0
     if found.drive > 0.0:

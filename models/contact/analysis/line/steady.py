@@ -225,7 +225,7 @@ def _bodies(contact: LineContact) -> Bodies:
     if rough is None:
         return Bodies(contact.compliance, contact.length)
     scale = pressure_scale(rough, contact.compliance)
-    return Bodies(contact.compliance, contact.length, rough.roughness, scale)
+    return Bodies(contact.compliance, contact.length, rough.roughness, scale, rough.roughness_parameter)
 
 
 def _scale(contact: LineContact) -> float:

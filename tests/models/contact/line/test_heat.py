@@ -6,11 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
+from models.contact.asperities import Asperities, pressure_scale
 from models.contact.ehl_line_contact import HeatedLineContactParameters, ehl_line_contact
 from models.contact.fluid import Lubricant
+from models.contact.friction import profile_friction
 from models.contact.line.heat import capacity, resistance
 from models.contact.line.heat_state import build_heat
-from models.contact.line.heated import solve_film, warm
+from models.contact.line.heated import solve_film, warm, warm_asperities
 from models.contact.line.newton import FilmProblem
 from models.contact.line.reynolds import Flow, cell
 from models.contact.line.shear import SOLID_LAYERS, shear_film
@@ -85,7 +87,11 @@ class Film:
 
     def __init__(self, roughness=0.0, sliding=2.0, velocity=2.0, laws=LAWS, nodes=NODES):
         self.w = workspace_in(np.zeros(workspace_size(nodes, LAYERS)), nodes, LAYERS)
-        self.bodies = BODIES._replace(roughness=roughness, asperity_scale=1e8)
+        self.rough = Asperities(roughness, 0.05, 5e-3)
+        scale = pressure_scale(self.rough, BODIES.compliance)
+        self.bodies = BODIES._replace(
+            roughness=roughness, asperity_scale=scale, roughness_parameter=self.rough.roughness_parameter
+        )
         self.p, self.h, self.slope = np.zeros(nodes), np.zeros(nodes), np.zeros(nodes)
         self.sliding, self.velocity, load, film = sliding, velocity, 500.0, 1e-6
         self.scale = wanted_scale(load / LENGTH, film, 0.02, BODIES)
@@ -165,6 +171,25 @@ def test_the_heat_of_shear_is_the_power_of_friction_and_of_the_pressures_flow():
     contact = scale * np.gradient(w.X)
     rubbed = np.sum(w.heat.stress * contact * (film.p > 0.0)) * 3.0
     assert 1.05 < np.sum(w.heat.heating) / rubbed < 1.2
+
+
+@pytest.mark.parametrize("stress", [0.0, 1e8])
+def test_the_heat_of_asperities_is_the_power_of_boundary_friction(stress):
+    """mu_b W_a + tau_b A_c, of the friction that the contact shows, times the sliding."""
+    traction = LAWS.traction._replace(boundary_stress=stress)
+    film = Film(0.2e-6, sliding=-3.0, velocity=0.5, laws=LAWS._replace(traction=traction))
+    for _ in range(5):
+        film.advance(1e-5)
+    w, h, at = film.w, film.h, film.scale * film.w.X
+    made = sum(
+        warm_asperities(h[i], film.scale * cell(w.X, i), film.sliding, film.bodies, film.laws)
+        for i in range(1, h.size - 1)
+    )
+    shown = profile_friction(
+        at, film.p, h, w.heat.stress, 1.0, film.sliding, BODIES.compliance, film.rough, traction
+    )
+    assert (traction.boundary_coefficient * shown.asperity_load < 0.9 * abs(shown.boundary)) == (stress > 0.0)
+    assert made == pytest.approx(shown.boundary * film.sliding, rel=1e-9)
 
 
 @pytest.mark.parametrize("lost", ["rise", "base"])
