@@ -5,6 +5,7 @@ run's process.
 """
 
 import contextlib
+import errno
 import gc
 import importlib
 import os
@@ -16,7 +17,7 @@ import sys
 
 from orchestrator.participants import keeper
 
-NUMBER = struct.Struct("=q")  # the number of a process, and later its status
+NUMBER = struct.Struct("=q")  # that of a process, or -errno where none starts; later its status
 LONGEST = 1000  # bytes of a request
 WATCH_S = 1.0  # how often it looks whether the run's process is there
 
@@ -39,12 +40,17 @@ def main() -> None:
             if not asked:
                 break
             server, memory_mb = asked.decode().split()
-            importlib.import_module(server)
-            gc.freeze()
-            if not (forked := os.fork()):
-                _become(server, memory_mb, given, [asking, woken, waker, *statuses.values()])
-            statuses[forked] = given.pop()
-            os.write(statuses[forked], NUMBER.pack(forked))
+            reports = given.pop()
+            try:
+                importlib.import_module(server)
+                gc.freeze()
+                if not (number := os.fork()):
+                    _become(server, memory_mb, [*given, reports], [asking, woken, waker, *statuses.values()])
+                statuses[number] = reports
+            except Exception as error:  # the processes that run go on
+                number = -_find_reason(error)
+                given.append(reports)
+            _report(reports, number)
             for descriptor in given:
                 os.close(descriptor)
     os._exit(0)
@@ -70,9 +76,20 @@ def _report_ends(statuses: dict[int, int]) -> None:
     with contextlib.suppress(ChildProcessError):
         while (found := os.waitpid(-1, os.WNOHANG))[0]:
             reports = statuses.pop(found[0])
-            with contextlib.suppress(OSError):  # nobody waits for it
-                os.write(reports, NUMBER.pack(os.waitstatus_to_exitcode(found[1])))
+            _report(reports, os.waitstatus_to_exitcode(found[1]))
             os.close(reports)
+
+
+def _report(reports: int, number: int) -> None:
+    with contextlib.suppress(OSError):  # nobody waits for it
+        os.write(reports, NUMBER.pack(number))
+
+
+def _find_reason(error: Exception) -> int:
+    """The `errno` that says why no process starts."""
+    if isinstance(error, MemoryError):
+        return errno.ENOMEM
+    return getattr(error, "errno", None) or errno.ENOPKG
 
 
 if __name__ == "__main__":

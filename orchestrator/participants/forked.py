@@ -1,6 +1,7 @@
 """Processes that are forked from one that has imported what they need (Linux): each starts at once."""
 
 import contextlib
+import errno
 import os
 import select
 import signal
@@ -25,7 +26,8 @@ class _Origin:
         self.of = _describe(environment)
         self._socket, given = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         file = str(Path(__file__).with_name("fork_server.py"))
-        with given:
+        with contextlib.ExitStack() as failed, given:
+            failed.callback(self._socket.close)
             process = subprocess.Popen(
                 [sys.executable, "-P", file, str(given.fileno())],
                 stdin=subprocess.DEVNULL,
@@ -34,6 +36,7 @@ class _Origin:
                 env=environment,
                 start_new_session=True,
             )
+            failed.pop_all()
         weakref.finalize(self, _end, self._socket, process)
 
     def ask(self, what: str, descriptors: list[int]) -> None:
@@ -57,14 +60,17 @@ def _describe(environment: Mapping[str, str]) -> tuple[object, ...]:
 
 
 class Forked:
-    """As `subprocess.Popen`, of the keeper of a process that runs `main` of the module `server`."""
+    """As `subprocess.Popen`, of the keeper of a process that runs `main` of the module `server`.
+
+    OSError where none starts.
+    """
 
     returncode: int | None = None
 
     def __init__(self, server: str, memory_mb: str, environment: Mapping[str, str]) -> None:
         try:
             self._fork(server, memory_mb, environment)
-        except OSError:  # the origin was killed
+        except ConnectionError:  # the origin was killed
             _latest.clear()
             self._fork(server, memory_mb, environment)
 
@@ -82,6 +88,8 @@ class Forked:
             while given:
                 os.close(given.pop())
             self.pid = self._read_number()
+            if self.pid < 0:
+                raise OSError(-self.pid, os.strerror(-self.pid))
         except BaseException:
             for pipe in (self.stdin, self.stdout, self._status):
                 pipe.close()
@@ -92,7 +100,7 @@ class Forked:
 
     def _read_number(self) -> int:
         if len(number := self._status.read(NUMBER.size)) < NUMBER.size:
-            raise ConnectionResetError
+            raise ConnectionResetError(errno.ECONNRESET, os.strerror(errno.ECONNRESET))
         return int(NUMBER.unpack(number)[0])
 
     def poll(self) -> int | None:

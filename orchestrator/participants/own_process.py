@@ -5,6 +5,7 @@ process ends, by a signal or an exit, or answers with what is no message, `LostP
 """
 
 import contextlib
+import errno
 import json
 import os
 import signal
@@ -32,6 +33,9 @@ from .opened_fmu import FmuSettings
 
 # How long to wait for the process to end by itself (s).
 PATIENCE_S = 5.0
+# What the system says where it has no more.
+LIMITS = errno.EAGAIN, errno.ENOMEM, errno.EMFILE, errno.ENFILE
+FEWER = "use fewer FMUs", "raise the limits of processes, open files and memory"
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,13 @@ class OwnProcess:
         self.name, self._limits = name, limits
         # Kept here, as a crashed process does not delete what it unpacked.
         self._unpacked = TemporaryFolder()
-        self._process = _start_process(self.server, limits.memory_mb)
+        try:
+            self._process = _start_process(self.server, limits.memory_mb)
+        except OSError as error:
+            self._unpacked.delete()
+            remedies = () if error.errno in LIMITS else ("install tribocosim again",)
+            fault = f"{name}: its process cannot start ({error.strerror})"
+            raise ParticipantError(fault, *remedies, *FEWER) from None
         self._lost = self._made = self._stepped = False
         self._path = path
         self._doing = "start"

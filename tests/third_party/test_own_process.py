@@ -1,14 +1,17 @@
 """The process of a third-party FMU."""
 
 import contextlib
+import errno
 import os
 import subprocess
 import sys
+from unittest.mock import Mock
 
 import psutil
 import pytest
 
-from orchestrator.errors import LostParticipantError
+from orchestrator.errors import LostParticipantError, ParticipantError
+from orchestrator.participants.forked import Forked
 from orchestrator.participants.in_own_process import InOwnProcess
 from orchestrator.participants.opened_fmu import FmuSettings
 
@@ -95,5 +98,71 @@ def test_where_the_origin_is_killed_its_fmus_end_and_others_come_from_another(tm
         assert len(psutil.wait_procs(forked, 60.0)[0]) == 2
         with pytest.raises(LostParticipantError, match="its process ended by SIGKILL in the call initialise"):
             lost.initialise(0.0, 1.0)
+        with opened(path, 1) as (other,):
+            other.initialise(0.0, 1.0)
+
+
+@linux
+def test_an_interrupted_start_leaves_the_other_fmus(tmp_path, monkeypatch):
+    path = fmu("sprung", 2, tmp_path)
+    with opened(path, 1) as (first,):
+        origin = find_origin()
+        origin.suspend()  # until the run has closed its ends
+        with monkeypatch.context() as patched:
+            patched.setattr(Forked, "_read_number", Mock(side_effect=KeyboardInterrupt))
+            with pytest.raises(KeyboardInterrupt):
+                InOwnProcess("mass", path, FmuSettings(["position"]))
+        origin.resume()
+        with opened(path, 1):
+            assert find_origin() == origin
+        assert first._process.poll() is None
+        first.initialise(0.0, 1.0)
+
+
+# For the start of an origin: its forks fail where the file named here is.
+REFUSING = """
+import errno, os
+fork = os.fork
+def refuse():
+    if os.path.exists({file!r}):
+        raise OSError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+    return fork()
+os.fork = refuse
+"""
+FEWER = "use fewer FMUs, or raise the limits of processes, open files and memory"
+
+
+@linux
+@pytest.mark.parametrize(
+    ("failing", "said"),
+    [
+        ("fork", f"(Resource temporarily unavailable); {FEWER}"),
+        ("import", f"(Package not installed); install tribocosim again, {FEWER}"),
+        ("origin", f"(Cannot allocate memory); {FEWER}"),
+    ],
+    ids=["fork", "import", "origin"],
+)
+def test_where_no_process_starts_the_run_says_why_and_the_other_fmus_go_on(
+    failing, said, tmp_path, monkeypatch
+):
+    path, file = fmu("sprung", 2, tmp_path), tmp_path / "refused"
+    (tmp_path / "sitecustomize.py").write_text(REFUSING.format(file=str(file)))
+    monkeypatch.syspath_prepend(tmp_path)
+    with opened(path, 1) as (first,):
+        with monkeypatch.context() as patched:
+            if failing == "fork":
+                file.touch()
+            elif failing == "import":
+                patched.setattr(InOwnProcess, "server", "orchestrator.missing")
+            else:
+                patched.setenv("LD_LIBRARY_PATH", str(tmp_path))
+                lacking = OSError(errno.ENOMEM, os.strerror(errno.ENOMEM))
+                patched.setattr(subprocess, "Popen", Mock(side_effect=lacking))
+            with pytest.raises(ParticipantError) as raised:
+                InOwnProcess("mass", path, FmuSettings(["position"]))
+        assert str(raised.value) == f"mass: its process cannot start {said}"
+        file.unlink(missing_ok=True)
+        assert first._process.poll() is None
+        first.initialise(0.0, 1.0)
         with opened(path, 1) as (other,):
             other.initialise(0.0, 1.0)
