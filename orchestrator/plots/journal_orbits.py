@@ -23,7 +23,9 @@ def applies(data: FigureData) -> bool:
 
 
 def list_bearings(data: FigureData) -> list[str]:
-    return [name.split(".")[0] for name in data.all("eccentricity_ratio")]
+    """Those that show where their journal is."""
+    placed = {name.split(".")[0] for name in data.all("eccentricity_x")}
+    return [part for name in data.all("eccentricity_ratio") if (part := name.split(".")[0]) in placed]
 
 
 def find_orbit(data: FigureData, bearing: str) -> tuple[Vector, Vector]:

@@ -429,6 +429,8 @@ def test_orbits_are_in_parts_of_the_clearance():
     assert magnified.get_xlim() == pytest.approx((-0.48, 0.48), abs=1e-3)  # 1.2 times the orbit
     labels = {text.get_text() for text in figure.legends[0].get_texts()}
     assert labels >= {"coupled", "bush", "start"}
+    hidden = {"pin.eccentricity_ratio": coupled["bearing_1.eccentricity_ratio"]}
+    assert not journal_orbits.applies(build_data("roller-friction", time, hidden)), "the place is not shown"
 
 
 def test_a_figure_that_fails_is_named(tmp_path):

@@ -349,6 +349,8 @@ def test_the_usual_second_formula_is_another_one():
         assert choose_film(SpeedSubject(changed, "flywheel"), film) is None
     solved = read_changed("valve-train", ["components.contact.component=ehl_line_contact"])
     assert choose_film(SpeedSubject(solved, "flywheel"), None) is None
+    bearings = read_changed("bucket-friction")  # whose films have other names
+    assert choose_film(SpeedSubject(bearings, "flywheel"), None) == OTHER
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=12), st.data())

@@ -153,7 +153,8 @@ def _list_films(subject: SpeedSubject) -> dict[str, str]:
     return {
         name: tuple(FILMS)[int(parameter_of(instance, "film_model"))]
         for name, instance in instances.items()
-        if "film_model" in instance.component.parameters.names
+        if "film_model" in (layout := instance.component.parameters).names
+        and layout.field("film_model").quantity.choices == tuple(FILMS)
     }
 
 
