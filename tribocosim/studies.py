@@ -210,11 +210,12 @@ def study(
             return found.load()
 
 
-def wear(
+def wear(  # noqa: PLR0913  # options of the command
     scenario: Scenario | str | Path,
     until: str = "0.127 mm",
     *,
     wear_coefficient: str = "1e-18,1e-16",
+    speed: str | None = None,
     contact: str | None = None,
     tolerance: float = 0.01,
     wear_follower: bool = False,
@@ -227,8 +228,8 @@ def wear(
     The attribute `answer` says it in words, with the fewest and the most cycles by the `wear_coefficient`
     (m2/N: one, or the least and the largest). Ages are steps of the wear, with depths over cam angle and
     follower. With `wear_follower` the follower's wear comes back into the motion too, and the depth is that
-    of the first of both bodies. `tolerance` is the extrapolation's error as a part of the depth; `error` is
-    estimated (m).
+    of the first of both bodies. `speed` is that of the flywheel. `tolerance` is the extrapolation's error as
+    a part of the depth, which the shortest steps may exceed; `error` is estimated (m).
     `out` keeps table, worn lift table and figure; what was stopped goes on there.
     """
     check_study_packages()
@@ -237,7 +238,7 @@ def wear(
 
     if not isinstance(scenario, Scenario):
         scenario = load(scenario)
-    asked = parse_asked(until, wear_coefficient, tolerance, contact, None, wear_follower)
+    asked = parse_asked(until, wear_coefficient, tolerance, contact, speed, wear_follower)
     with _open_folder(out, "wear") as folder:
         return wear_cam(scenario.content, asked, folder, SilentReporter(progress), overwrite)
 

@@ -243,6 +243,12 @@ def test_mistakes_name_the_option(arguments: dict[str, Any], option: Option) -> 
     assert option in find_actions(caught.value)
 
 
+def test_a_call_from_python_takes_a_speed() -> None:
+    with pytest.raises(MistakeError) as caught:
+        tribocosim.wear("valve-train", speed="1000 mm")
+    assert Option("speed") in find_actions(caught.value)
+
+
 def test_a_coefficient_may_be_one_number_or_have_a_unit() -> None:
     assert parse_interval("1e-17") == Interval(1e-17, 1e-17)
     found = parse_interval("1e-9 mm3/(N*m), 1e-7 mm3/(N*m)")

@@ -14,7 +14,7 @@ from .json_output import Json, build_reporter, print_json
 if TYPE_CHECKING:
     from orchestrator.reporter import Reporter
 
-# m2/N: boundary-lubricated steel has 1e-18 to 1e-16.
+# m2/N; a choice, see `docs/theory/contact.md`.
 COEFFICIENT = 1e-17
 # Endings of the files.
 TABLES, FIGURES = (".csv", ".json", ".nc"), (".png", ".svg", ".pdf")
