@@ -128,19 +128,6 @@ def test_friction_of_a_roller_grows_with_heat_as_measured(published):
     )
 
 
-def test_a_plain_pin_has_more_friction_than_needles_unlike_measured(published):
-    case = Published(
-        "Friction and wear", "loss of a roller with a plain pin over that with needles",
-        "pushrod tester; shipped pushrod loads at 1000 cam r/min, oil at 80 degC", MEASURED, 0.0, 1.0,
-        "friction of valve trains with roller followers, text at discovery.researcher.life, a76a3dd995f7",
-    )  # fmt: skip
-    why = (
-        "measured: the plain pin has less. The needles here are caged ones at steady speed, with a "
-        "coefficient of 0.001; that of the tester's is not stated"
-    )
-    published(case, roll(1000.0, 80.0, plain_pin())[0] / roll(1000.0, 80.0, needles)[0], why, inside=False)
-
-
 def find_bore_share(speed_rpm):
     """Of bore and cam, and of a bore with the coefficient of the cam.
 

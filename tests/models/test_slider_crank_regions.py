@@ -88,6 +88,17 @@ def test_two_zeros_end_at_the_threshold(form: str, side: float, name: str) -> No
     assert (len(below), len(above)) == (2, 0)
 
 
+@pytest.mark.plain
+@pytest.mark.parametrize(
+    ("form", "closed", "wide"),
+    [("as_published", 0.2669, 0.2660), ("corrected", 0.1196, 0.1069), ("nonlinear", 0.1196, 0.1071)],
+)
+def test_the_upper_wall_holds_from_a_friction_on(form: str, closed: float, wide: float) -> None:
+    """To four digits; without a gap from an independent evaluation."""
+    found = [thresholds(Machine(gap=gap, form=form)).upper for gap in (0.0, 0.02)]
+    assert found == pytest.approx([closed, wide], abs=5e-5)
+
+
 @given(theta=st.floats(0.0, TURN), gap=st.floats(0.0, 0.05), form=st.sampled_from(FORMS))
 @settings(derandomize=True, deadline=None)
 def test_symmetries_of_the_wall_forces(theta: float, gap: float, form: str) -> None:

@@ -95,6 +95,16 @@ def test_friction_of_a_sweep_has_its_shares_over_speed(swept, tmp_path):
     assert "must end in .csv" in said(wrong)
 
 
+@pytest.mark.parametrize(
+    "option", [("--contact", "contact"), ("--wear-coefficient", "1e-17"), ("--cycles", "50.0")]
+)
+def test_what_only_a_run_has_is_refused_of_a_sweep(option, swept):
+    """Also where the value is the usual one."""
+    done = called("friction", str(swept[0]), *option)
+    assert done.returncode == 2
+    assert f"{' '.join(option)}: has no effect" in said(done)
+
+
 def test_friction_stress_and_orders_follow_from_the_cycles(swept):
     """Power is torque times speed; the stress is over the contact's elastic limit; orders are harmonics."""
     out, _ = swept

@@ -56,6 +56,7 @@ def test_every_figure_from_2_4_to_4_44_is_there_once():
         ("figure-2-4", "corrected_lower_changes", 4, 0),
         ("figure-2-7", "begin", 4.9531, 5e-5),
         ("figure-2-7", "end", 5.1541, 5e-5),
+        ("figure-2-7", "mixed", (4.957, 5.151), 5e-4),
         ("ratios", "xi", 1.6535 / 5.4570, 1e-12),
         ("ratios", "alpha", 1.9, 1e-12),
         ("uniform-rod", "uniform", 1.9 / 12.0, 1e-12),

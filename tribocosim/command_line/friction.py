@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,10 +13,13 @@ from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
 
 if TYPE_CHECKING:
+    from orchestrator.errors import Option
     from orchestrator.reporter import Reporter
 
 # m2/N; a choice, see `docs/theory/contact.md`.
 COEFFICIENT = 1e-17
+# Of the cam.
+CYCLES = 1e8
 # Endings of the files.
 TABLES, FIGURES = (".csv", ".json", ".nc"), (".png", ".svg", ".pdf")
 
@@ -25,9 +29,15 @@ def print_friction(
     folder: Annotated[Path, typer.Argument(help="Output folder of a valve-train run, or of `speeds`.")],
     contact: Annotated[str | None, typer.Option(help="Name of one contact.", show_default="all")] = None,
     wear_coefficient: Annotated[
-        float, typer.Option(help="Wear volume over load times sliding distance, in m2/N.")
-    ] = COEFFICIENT,
-    cycles: Annotated[float, typer.Option(help="Revolutions over which the wear is extrapolated.")] = 1e8,
+        float | None,
+        typer.Option(
+            help="Wear volume over load times sliding distance, in m2/N.", show_default=f"{COEFFICIENT:g}"
+        ),
+    ] = None,
+    cycles: Annotated[
+        float | None,
+        typer.Option(help="Revolutions over which the wear is extrapolated.", show_default=f"{CYCLES:g}"),
+    ] = None,
     table: Annotated[
         Path | None, typer.Option(help="Write the revolution to this file (.csv, .json or .nc).")
     ] = None,
@@ -53,9 +63,12 @@ def print_friction(
         if path and path.suffix not in endings:
             raise MistakeError((Option(option, path), f": must end in {', '.join(endings)}"))
     reporter = build_reporter(as_json)
-    if _report_sweeps(folder, table, figure, reporter, as_json):
+    of_contacts = {"contact": contact, "wear-coefficient": wear_coefficient, "cycles": cycles}
+    given = [Option(name, value) for name, value in of_contacts.items() if value is not None]
+    if _report_sweeps(folder, given, table, figure, reporter, as_json):
         return
-    scenario, found = judge_friction(folder, contact, wear_coefficient, cycles)
+    coefficient = COEFFICIENT if wear_coefficient is None else wear_coefficient
+    scenario, found = judge_friction(folder, contact, coefficient, CYCLES if cycles is None else cycles)
     losses, motion = judge_losses(folder, scenario)
     if as_json:
         contacts = {one.cycle.contact: of(one.cycle, one.worn, one.coefficient).to_dict() for one in found}
@@ -83,8 +96,9 @@ def print_friction(
 
 
 def _report_sweeps(
-    folder: Path, table: Path | None, figure: Path | None, reporter: Reporter, as_json: bool
-) -> bool:
+    folder: Path, of_contacts: Sequence[Option], table: Path | None, figure: Path | None, reporter: Reporter,
+    as_json: bool,
+) -> bool:  # fmt: skip
     """Whether the folder holds sweeps over speed; their friction by shares."""
     from orchestrator.errors import MistakeError, Option
     from orchestrator.store.output_folder import RESULT, writing
@@ -95,6 +109,10 @@ def _report_sweeps(
 
     if not (sweeps := friction.list_sweeps(folder)):
         return False
+    if of_contacts:
+        raise MistakeError(
+            (of_contacts[0], f": has no effect on {folder}, a sweep over speed; leave it out, or name a run")
+        )
     if table and table.suffix != TABLES[0]:
         raise MistakeError((Option("table", table), f": of a sweep must end in {TABLES[0]}"))
     sheets = [friction.read_sheet(sweep) for sweep in sweeps]
