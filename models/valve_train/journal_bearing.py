@@ -198,10 +198,11 @@ def squeeze_film(force: Squeeze, film: Film, p: PlainBearingParameters) -> Squee
 
 @kernel
 def press_film(force: Squeeze, film: Film, p: PlainBearingParameters) -> float:
-    """The highest pressure times c^3/(3/2 mu L^2) and mu R L^3/c^3."""
+    """The highest pressure (Pa) under a force (N)."""
+    scale = 1.5 * p.viscosity * p.width**2 / (p.radial_clearance**3 * film_impedance(p))
     if p.film_model == SHORT:
-        return highest_pressure(find_squeeze(force, film.eps), film.eps)
-    return find_highest_pressure(force, film.eps, p.width / p.diameter)
+        return scale * highest_pressure(find_squeeze(force, film.eps), film.eps)
+    return scale * find_highest_pressure(force, film.eps, p.width / p.diameter)
 
 
 @kernel
@@ -262,8 +263,7 @@ def output(
     y.eccentricity_ratio = film.eccentricity / p.radial_clearance
     y.minimum_film_thickness = film.thinnest
     y.film_ratio = film.thinnest / p.roughness
-    scale = 1.5 * p.viscosity * p.width**2 / (p.radial_clearance**3 * film_impedance(p))
-    y.maximum_pressure = scale * press_film(motion.force, film, p)
+    y.maximum_pressure = press_film(motion.force, film, p)
     y.asperity_load = film.asperities.load
     y.power_loss = lost_power(film, motion, u, p)
 

@@ -14,18 +14,10 @@ from dataclasses import dataclass
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
-from ..core.component import Component, PowerBond
-from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.component import Component
+from ..core.quantities import Quantity
 from ..plausible import CAM_RADIUS, VISCOSITY
-from .pivot_friction import (
-    PivotFrictionInputs,
-    PivotFrictionOutputs,
-    PivotFrictionState,
-    RelaxationTime,
-    TwistStiffness,
-)
-from .slider import Slip, find_slip, lost_power
+from .pivot_friction import PivotFrictionInputs, PivotLaws, RelaxationTime, TwistStiffness, make_pivot
 
 # nu n (mm2/s r/min) below which M_0 is constant: 2000^(2/3) = 159.
 _SLOW = 160.0**1.5
@@ -68,69 +60,17 @@ def sliding_torque(u: PivotFrictionInputs, p: NeedleBearingParameters) -> float:
 
 
 @kernel
-def find_twist(x: PivotFrictionState, u: PivotFrictionInputs, p: NeedleBearingParameters) -> Slip:
-    return find_slip(x.twist, u.rotation_rate, sliding_torque(u, p), p.sticking_stiffness, p.relaxation_time)
-
-
-@kernel
-def lost_to_friction(slip: Slip, u: PivotFrictionInputs, p: NeedleBearingParameters) -> float:
-    dry = lost_power(slip, p.sticking_stiffness, p.relaxation_time)
-    return dry + viscous_torque(u.rotation_rate, p) * u.rotation_rate
-
-
-@kernel
-def derivative(
-    t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: NeedleBearingParameters,
-    dx: PivotFrictionState,
-) -> None:  # fmt: skip
-    dx.twist = find_twist(x, u, p).rate
-
-
-@kernel
-def output(
-    t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: NeedleBearingParameters,
-    y: PivotFrictionOutputs,
-) -> None:  # fmt: skip
-    twist = find_twist(x, u, p)
-    y.friction_torque = twist.transmitted + viscous_torque(u.rotation_rate, p)
-    y.sliding_torque = sliding_torque(u, p)
-    y.sticking_margin = y.sliding_torque - abs(twist.sticking)
-    y.sliding_rate = twist.sliding
-    y.power_loss = lost_to_friction(twist, u, p)
-
-
-@kernel
-def energy(
-    t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: NeedleBearingParameters, e: Vector
-) -> None:
-    e[0] = 0.5 * p.sticking_stiffness * x.twist**2
-    e[1] = lost_to_friction(find_twist(x, u, p), u, p)
-    e[2] = 0.0
+def viscous_loss(rate: float, p: NeedleBearingParameters) -> float:
+    return viscous_torque(rate, p) * rate
 
 
 @counts_energies
 def needle_bearing() -> Component:
     """M = 1e-7 f_0 (nu n)^(2/3) d_m^3 + f_1 F d_m (N mm)."""
-    turning = ("rotation_rate", "load")
-    return Component(
-        tolerance=FINE_TOLERANCE,
-        name="needle_bearing",
-        description="Friction of a needle bearing of a roller or lever",
-        roles=(roles.Pivot(), roles.Oiled()),
-        parameters=Layout(NeedleBearingParameters),
-        state=Layout(PivotFrictionState),
-        inputs=Layout(PivotFrictionInputs),
-        outputs=Layout(PivotFrictionOutputs),
-        derivative=derivative,
-        output=output,
-        energy=energy,
-        feedthrough={
-            "friction_torque": turning,
-            "sliding_torque": ("load",),
-            "sticking_margin": turning,
-            "sliding_rate": turning,
-            "power_loss": turning,
-        },
-        bonds=(PowerBond("friction_torque", "rotation_rate", +1),),
-        event_indicators=("sticking_margin",),
+    return make_pivot(
+        "needle_bearing",
+        "Friction of a needle bearing of a roller or lever",
+        NeedleBearingParameters,
+        PivotLaws(sliding_torque, viscous_torque, viscous_loss),
+        roles.Oiled(),
     )

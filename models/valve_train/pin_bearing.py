@@ -157,8 +157,7 @@ def output(
     y.eccentricity_ratio = film.eccentricity / p.radial_clearance
     y.minimum_film_thickness = film.thinnest
     y.film_ratio = film.thinnest / p.roughness
-    scale = 1.5 * p.viscosity * p.width**2 / (p.radial_clearance**3 * film_impedance(p))
-    y.maximum_pressure = scale * press_film(motion.force, film, p)
+    y.maximum_pressure = press_film(motion.force, film, p)
     y.asperity_load = film.asperities.load
     y.asperity_torque = motion.rubbed.transmitted
     limit = p.boundary_friction_coefficient * film.asperities.load * 0.5 * p.diameter

@@ -5,7 +5,7 @@ T + c omega.
 """
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any, NamedTuple
 
 from ..compile.kernel import kernel
 from ..core import roles
@@ -13,6 +13,7 @@ from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
+from ..core.roles import Role
 from ..plausible import PART_LENGTH
 from .slider import Slip, find_slip, lost_power
 
@@ -78,63 +79,70 @@ def sliding_torque(u: PivotFrictionInputs, p: PivotFrictionParameters) -> float:
 
 
 @kernel
-def find_twist(x: PivotFrictionState, u: PivotFrictionInputs, p: PivotFrictionParameters) -> Slip:
-    return find_slip(x.twist, u.rotation_rate, sliding_torque(u, p), p.sticking_stiffness, p.relaxation_time)
+def viscous_torque(rate: float, p: PivotFrictionParameters) -> float:
+    """c omega."""
+    return p.viscous_coefficient * rate
 
 
 @kernel
-def lost_to_friction(slip: Slip, u: PivotFrictionInputs, p: PivotFrictionParameters) -> float:
-    """By the surfaces, and by viscosity."""
-    dry = lost_power(slip, p.sticking_stiffness, p.relaxation_time)
-    return dry + p.viscous_coefficient * u.rotation_rate**2
+def viscous_loss(rate: float, p: PivotFrictionParameters) -> float:
+    """c omega^2."""
+    return p.viscous_coefficient * rate**2
 
 
-@kernel
-def derivative(
-    t: float,
-    x: PivotFrictionState,
-    u: PivotFrictionInputs,
-    p: PivotFrictionParameters,
-    dx: PivotFrictionState,
-) -> None:
-    dx.twist = find_twist(x, u, p).rate
+class PivotLaws(NamedTuple):
+    """Kernels of a pivot's friction: the limit of the dry torque (inputs, parameters); the viscous torque and
+    the power that it takes (speed, parameters)."""
+
+    sliding_torque: Any
+    viscous_torque: Any
+    viscous_loss: Any
 
 
-@kernel
-def output(
-    t: float,
-    x: PivotFrictionState,
-    u: PivotFrictionInputs,
-    p: PivotFrictionParameters,
-    y: PivotFrictionOutputs,
-) -> None:
-    twist = find_twist(x, u, p)
-    y.friction_torque = twist.transmitted + p.viscous_coefficient * u.rotation_rate
-    y.sliding_torque = sliding_torque(u, p)
-    y.sticking_margin = y.sliding_torque - abs(twist.sticking)
-    y.sliding_rate = twist.sliding
-    y.power_loss = lost_to_friction(twist, u, p)
+def make_pivot(name: str, description: str, parameters: type, laws: PivotLaws, *more: Role) -> Component:
+    """A joint whose dry friction sticks up to a limit, beside a viscous one; it has the roles `more` too."""
+    sliding_torque, viscous_torque, viscous_loss = laws
 
+    @kernel
+    def find_twist(x: PivotFrictionState, u: PivotFrictionInputs, p: Any) -> Slip:
+        limit = sliding_torque(u, p)
+        return find_slip(x.twist, u.rotation_rate, limit, p.sticking_stiffness, p.relaxation_time)
 
-@kernel
-def energy(
-    t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: PivotFrictionParameters, e: Vector
-) -> None:
-    e[0] = 0.5 * p.sticking_stiffness * x.twist**2
-    e[1] = lost_to_friction(find_twist(x, u, p), u, p)
-    e[2] = 0.0
+    @kernel
+    def lost_to_friction(slip: Slip, u: PivotFrictionInputs, p: Any) -> float:
+        dry = lost_power(slip, p.sticking_stiffness, p.relaxation_time)
+        return dry + viscous_loss(u.rotation_rate, p)
 
+    @kernel
+    def derivative(
+        t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: Any, dx: PivotFrictionState
+    ) -> None:
+        dx.twist = find_twist(x, u, p).rate
 
-@counts_energies
-def pivot_friction() -> Component:
-    """T = k (z + tau omega), at most mu r |F| + T_0; z' = (T/k - z)/tau."""
+    @kernel
+    def output(
+        t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: Any, y: PivotFrictionOutputs
+    ) -> None:
+        twist = find_twist(x, u, p)
+        y.friction_torque = twist.transmitted + viscous_torque(u.rotation_rate, p)
+        y.sliding_torque = sliding_torque(u, p)
+        y.sticking_margin = y.sliding_torque - abs(twist.sticking)
+        y.sliding_rate = twist.sliding
+        y.power_loss = lost_to_friction(twist, u, p)
+
+    @kernel
+    def energy(t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: Any, e: Vector) -> None:
+        e[0] = 0.5 * p.sticking_stiffness * x.twist**2
+        e[1] = lost_to_friction(find_twist(x, u, p), u, p)
+        e[2] = 0.0
+
     turning = ("rotation_rate", "load")
     return Component(
         tolerance=FINE_TOLERANCE,
-        name="pivot_friction",
-        description="Friction of a lever's pivot: sticking, sliding and viscous",
-        roles=(roles.Pivot(),),
-        parameters=Layout(PivotFrictionParameters),
+        name=name,
+        description=description,
+        roles=(roles.Pivot(), *more),
+        parameters=Layout(parameters),
         state=Layout(PivotFrictionState),
         inputs=Layout(PivotFrictionInputs),
         outputs=Layout(PivotFrictionOutputs),
@@ -150,4 +158,15 @@ def pivot_friction() -> Component:
         },
         bonds=(PowerBond("friction_torque", "rotation_rate", +1),),
         event_indicators=("sticking_margin",),
+    )
+
+
+@counts_energies
+def pivot_friction() -> Component:
+    """T = k (z + tau omega), at most mu r |F| + T_0; z' = (T/k - z)/tau."""
+    return make_pivot(
+        "pivot_friction",
+        "Friction of a lever's pivot: sticking, sliding and viscous",
+        PivotFrictionParameters,
+        PivotLaws(sliding_torque, viscous_torque, viscous_loss),
     )

@@ -9,9 +9,8 @@ m = h theta where it does not (the density is 1 there). Active sets on both are 
 min(p, 1 - theta) = 0 (Woloszynski et al. 2015 take Fischer and Burmeister's function instead).
 
 Layers are carried along by the mean velocity of the surfaces and depend on no film: their balance is linear
-and explicit from node to node. `move_layers`
-solves it in each iteration, `feed_rows` eliminates it from the balances of nodes that oil reaches out of a
-cavity. So pressures stay the only unknowns of the linear system.
+and explicit from node to node. `move_layers` solves it in each iteration, `feed_rows` eliminates it from the
+balances of nodes that oil reaches out of a cavity. So pressures stay the only unknowns of the linear system.
 """
 
 from typing import Any, NamedTuple
