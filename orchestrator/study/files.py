@@ -139,6 +139,19 @@ def resolve(study: Study, subject: Subject) -> Plan:
     return Plan(study, subject, points)
 
 
+def plan_axis(name: str, description: str, subject: Subject, axis: Mapping[str, Mapping[str, Any]]) -> Plan:
+    """The study of a scenario of that name along one axis, with a subject of its own."""
+    study = parse_study(
+        {
+            "name": name,
+            "description": description,
+            "scenario": name,
+            "points": {"kind": "grid", "axes": axis},
+        }
+    )
+    return resolve(study, subject)
+
+
 def build_subject(study: Study, folder: Path, build: Builder) -> Subject:
     """The analysis or the scenario of a study, the latter by a path in `folder`."""
     if study.analysis is not None:

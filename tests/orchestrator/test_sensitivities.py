@@ -10,6 +10,7 @@ from orchestrator.errors import MistakeError, RunError
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.study.run import Where
 from orchestrator.study.speeds import sensitivities
+from orchestrator.study.speeds import subject as speeds
 from orchestrator.study.speeds.sensitivities import (
     SHARE,
     SHARES,
@@ -19,6 +20,7 @@ from orchestrator.study.speeds.sensitivities import (
     find_sensitivities,
     find_usable,
 )
+from orchestrator.study.speeds.subject import SpeedSubject
 from orchestrator.study.store import DONE
 from tribocosim.reporting import SilentReporter
 
@@ -53,10 +55,9 @@ def test_more_of_every_mass_makes_as_much_more_of_every_force(monkeypatch, recor
 
     Noise and the fourth order's error leave 8e-5, of the largest load, in which the contact vibrates.
     """
-    monkeypatch.setattr(sensitivities, "SAMPLES", 720)
-    subject = SensitivitySubject(
-        read_changed("valve-train", DRY), "flywheel", 2000.0 * math.pi / 30.0, tuple(WITH_MASS)
-    )
+    monkeypatch.setattr(speeds, "SAMPLES", 720)
+    base = SpeedSubject(read_changed("valve-train", DRY), "flywheel")
+    subject = SensitivitySubject(base, 2000.0 * math.pi / 30.0, tuple(WITH_MASS))
     cases = [subject.evaluate({"case": float(k)}) for k in range(1 + len(SHARES) * len(WITH_MASS))]
     table = {name: np.array([case[name] for case in cases], dtype=float) for name in subject.results}
     found = {name: one[0] for name, one in differentiate(table, len(WITH_MASS)).items()}

@@ -20,10 +20,8 @@ from rich.table import Column, Table
 
 from models.core.quantities import Quantity, Vector
 from models.monolithic.cycle import STEADY as LARGEST_CHANGE
-from models.monolithic.cycle import find_cycle
 
 from ...analyses import Parameter, Result
-from ...assessment.figures_of_merit import measure
 from ...errors import MistakeError, Option, RunError, one_of
 from ...plots.sensitivities import draw_tornado
 from ...plots.style import save_figure
@@ -34,11 +32,10 @@ from ...scenario.files import put, to_full_toml
 from ...scenario.system import list_parameters
 from ...scenario.values import Value
 from ...texts import parse_toml
-from ..files import Plan, parse_study
-from ..points import expand_points
+from ..files import plan_axis
 from ..run import Where, run
 from ..store import DONE
-from .subject import SAMPLES, STEADY, SpeedSubject, count_turns, describe_numbers, find_flywheel, to_motion
+from .subject import STEADY, SpeedSubject, describe_numbers, find_flywheel, measure_cycle
 
 # Of a parameter; of the solver; of a cycle. At a tenth of this share the noise of figures, 1e-7, makes errors
 # of 1e-3; at ten times of it contacts' vibrations end in another phase.
@@ -62,20 +59,15 @@ RPM = 30.0 / math.pi
 
 @dataclass(frozen=True)
 class SensitivitySubject:
-    """The tables of a scenario, its flywheel, the speed (rad/s) and the parameters, "component.name"."""
+    """The cycles of a scenario beside that at a speed (rad/s), by the parameters "component.name"."""
 
-    tables: Mapping[str, Any]
-    flywheel: str
+    base: SpeedSubject
     speed: float
     parameters: tuple[str, ...]
 
     @property
-    def scenario(self) -> Scenario:
-        return build_scenario(copy.deepcopy(dict(self.tables)))
-
-    @property
     def results(self) -> Mapping[str, Result]:
-        return {**describe_numbers(self.scenario), **STEADY}
+        return self.base.results
 
     def resolve(self, name: str, value: Value) -> Value:
         return CASE.check_value(name, value)
@@ -92,31 +84,24 @@ class SensitivitySubject:
 
     def content(self) -> str:
         cycles = {"speed": self.speed, "parameters": self.parameters, "share": SHARE}
-        return json.dumps(cycles) + to_full_toml(self.scenario)
+        return json.dumps(cycles) + self.base.content()
 
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
         subject, speed = self.find_case(round(float(values["case"])))
-        system = subject.system_at(speed)
-        period = count_turns(system) * 2.0 * math.pi / speed
-        turning = [f"{self.flywheel}.angle"]
-        cycle = find_cycle(system, period, turning, samples=SAMPLES, tolerance=TOLERANCE, steady=CLOSED)
-        motion = to_motion(cycle, self.flywheel)
-        found = {f"{part}.{name}": value.value for part, name, _, value in measure(motion)}
-        return found | {"change": cycle.change, "periods": float(cycle.periods)}
+        return measure_cycle(subject.find_cycle_at(speed, TOLERANCE, CLOSED), subject.flywheel)
 
     def find_case(self, case: int) -> tuple[SpeedSubject, float]:
         """The scenario and the speed (rad/s) of a cycle."""
-        tables, speed = copy.deepcopy(dict(self.tables)), self.speed
-        if case:
-            which, step = divmod(case - 1, len(SHARES))
-            name, factor = self.parameters[which], 1.0 + SHARE * SHARES[step]
-            if name == SPEED:
-                speed *= factor
-            else:
-                component, _, parameter = name.partition(".")
-                value = list_parameters(self.scenario)[name] * factor
-                put(tables, f"components.{component}.parameters.{parameter}", value)
-        return SpeedSubject(tables, self.flywheel), speed
+        if not case:
+            return self.base, self.speed
+        which, step = divmod(case - 1, len(SHARES))
+        name, factor = self.parameters[which], 1.0 + SHARE * SHARES[step]
+        if name == SPEED:
+            return self.base, self.speed * factor
+        tables, (component, _, parameter) = copy.deepcopy(dict(self.base.tables)), name.partition(".")
+        value = list_parameters(self.base.scenario)[name] * factor
+        put(tables, f"components.{component}.parameters.{parameter}", value)
+        return SpeedSubject(tables, self.base.flywheel), self.speed
 
 
 def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) -> tuple[str, ...]:
@@ -194,21 +179,16 @@ def find_sensitivities(
     flywheel = find_flywheel(scenario)
     parameters = choose_parameters(scenario, flywheel, wanted)
     # With the numbers that oils, tables and drawings give, so that each may vary alone.
-    subject = SensitivitySubject(parse_toml(to_full_toml(scenario)), flywheel, speed, parameters)
+    base = SpeedSubject(parse_toml(to_full_toml(scenario)), flywheel)
+    subject = SensitivitySubject(base, speed, parameters)
     last = len(parameters) * len(SHARES)
     reporter.line(
         f"{last + 1} steady cycles: {len(SHARES)} for each of {len(parameters)} parameters, and one"
     )
-    axis = {"start": 0.0, "stop": float(last), "count": last + 1}
-    study = parse_study(
-        {
-            "name": scenario.name,
-            "description": f"{scenario.name}: cycles beside that at {speed:.6g} rad/s",
-            "scenario": scenario.name,
-            "points": {"kind": "grid", "axes": {"case": axis}},
-        }
+    axis = {"case": {"start": 0.0, "stop": float(last), "count": last + 1}}
+    plan = plan_axis(
+        scenario.name, f"{scenario.name}: cycles beside that at {speed:.6g} rad/s", subject, axis
     )
-    plan = Plan(study, subject, expand_points(study.points, subject.resolve))
     status = run(plan, out / CYCLES, where, reporter, overwrite)
     with xarray.open_zarr(out / CYCLES) as stored:
         cycles = stored.load()

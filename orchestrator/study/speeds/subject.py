@@ -14,7 +14,8 @@ from models import plausible
 from models.core import roles
 from models.core.quantities import Quantity, Vector
 from models.core.system import ModelError, System
-from models.monolithic.cycle import Cycle, find_cycle
+from models.monolithic.cycle import STEADY as LARGEST_CHANGE
+from models.monolithic.cycle import TOLERANCE, Cycle, find_cycle
 
 from ...analyses import Parameter, Result
 from ...assessment.figures_of_merit import list_figures, measure
@@ -89,10 +90,13 @@ class SpeedSubject:
         scenario = build_scenario(tables)
         return resolve_start(scenario, build_system(scenario))
 
-    def find_cycle_at(self, speed: float) -> Cycle:
-        system = self.system_at(speed)
-        period = count_turns(system) * 2.0 * math.pi / speed
-        return find_cycle(system, period, [f"{self.flywheel}.angle"], samples=SAMPLES)
+    def find_cycle_at(
+        self, speed: float, tolerance: float = TOLERANCE, steady: float = LARGEST_CHANGE
+    ) -> Cycle:
+        """The cycle at this speed (rad/s); tolerance and largest change as `find_cycle` takes them."""
+        system, turning = self.system_at(speed), [f"{self.flywheel}.angle"]
+        period = find_period(system, speed)
+        return find_cycle(system, period, turning, samples=SAMPLES, tolerance=tolerance, steady=steady)
 
     def find_motion_at(self, speed: float) -> Motion:
         """The cycle at this speed (rad/s)."""
@@ -101,11 +105,10 @@ class SpeedSubject:
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
         speed = float(values["speed"])
         cycle = self.find_cycle_at(speed)
-        motion = to_motion(cycle, self.flywheel)
         if self.folder is not None:
-            save_cycle(cycle, Part(motion, self.flywheel).angle, cycle_path(Path(self.folder), speed))
-        found = {f"{part}.{name}": value.value for part, name, _, value in measure(motion)}
-        return found | {"change": cycle.change, "periods": float(cycle.periods)}
+            angle = Part(to_motion(cycle, self.flywheel), self.flywheel).angle
+            save_cycle(cycle, angle, cycle_path(Path(self.folder), speed))
+        return measure_cycle(cycle, self.flywheel)
 
 
 def find_flywheel(scenario: Scenario) -> str:
@@ -132,6 +135,18 @@ def count_turns(system: System) -> int:
     ):
         raise ModelError(f"drive ratios {', '.join(f'{r:g}' for r in ratios)}: have no common period")
     return max(1, turns)
+
+
+def find_period(system: System, speed: float) -> float:
+    """Of the cycle (s) at this speed (rad/s) of the drive."""
+    return count_turns(system) * 2.0 * math.pi / speed
+
+
+def measure_cycle(cycle: Cycle, flywheel: str) -> dict[str, float]:
+    """The results of a cycle, by "part.figure", and those of STEADY."""
+    motion = to_motion(cycle, flywheel)
+    found = {f"{part}.{name}": value.value for part, name, _, value in measure(motion)}
+    return found | {"change": cycle.change, "periods": float(cycle.periods)}
 
 
 def describe_numbers(scenario: Scenario) -> dict[str, Result]:

@@ -31,8 +31,7 @@ from ...scenario.display import Shown, format_number, show_attributes
 from ...scenario.files import to_full_toml
 from ...scenario.system import build_system
 from ...store.output_folder import CYCLES, REPORT, STORE, SUMMARY
-from ..files import Plan, parse_study
-from ..points import expand_points
+from ..files import Plan, plan_axis
 from ..run import Where, run
 from ..store import DONE
 from .separation import (
@@ -173,16 +172,8 @@ def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan
     scenario = build_scenario(copy.deepcopy(dict(tables)))
     build_system(scenario)
     subject = SpeedSubject(tables, find_flywheel(scenario), str((out / FOLDER).absolute()))
-    axis = {"start": speeds.low, "stop": speeds.high, "count": speeds.count}
-    study = parse_study(
-        {
-            "name": scenario.name,
-            "description": f"{scenario.name} over speed",
-            "scenario": scenario.name,
-            "points": {"kind": "grid", "axes": {"speed": axis}},
-        }
-    )
-    return Plan(study, subject, expand_points(study.points, subject.resolve)), subject
+    axis = {"speed": {"start": speeds.low, "stop": speeds.high, "count": speeds.count}}
+    return plan_axis(scenario.name, f"{scenario.name} over speed", subject, axis), subject
 
 
 def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
