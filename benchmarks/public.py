@@ -18,8 +18,7 @@ from models.monolithic import solve
 from orchestrator.analyses.stability.analyse import survey_scenario
 from orchestrator.errors import RunError
 from orchestrator.reporter import Reporter
-from orchestrator.run.participants import FmuFile, open_participants
-from orchestrator.run.plan import plan_participants
+from orchestrator.run.plan import FmuFile, open_participants, plan_participants
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import load

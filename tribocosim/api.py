@@ -186,7 +186,7 @@ def resume(
     `figures` are drawn unless the run was begun without. `keep` makes the result of what was recorded, and
     does not go on. MistakeError if it cannot go on.
     """
-    from orchestrator.run.resume import resume as resume_pipeline
+    from orchestrator.run.pipeline import resume as resume_pipeline
 
     summary = resume_pipeline(Path(folder), build_cached_fmu, SilentReporter(progress), figures, keep)
     return open(Path(folder)) if keep else _open_complete(summary, Path(folder))

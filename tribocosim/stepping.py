@@ -12,9 +12,8 @@ from typing import Any
 
 from orchestrator.engine.consistency import make_consistent
 from orchestrator.errors import MistakeError, one_of
-from orchestrator.run.participants import open_participants
-from orchestrator.run.plan import Plan
-from orchestrator.run.session import Session as RunSession
+from orchestrator.run.plan import Plan, open_participants
+from orchestrator.run.simulation import Session as RunSession
 from orchestrator.scenario.units import UnitError, to_unit
 
 from .planning import plan

@@ -11,7 +11,7 @@ from orchestrator.errors import RunError
 from orchestrator.masters import MASTERS
 from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.participants.protocol import Participant
-from orchestrator.run.participants import FmuFile
+from orchestrator.run.plan import FmuFile
 from orchestrator.run.simulation import Statistics, simulate
 from orchestrator.stepping import StepControl, Stepper, control_steps
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from models.core.difference import difference
 from models.core.quantities import Vector
-from orchestrator.run.participants import FmuFile
+from orchestrator.run.plan import FmuFile
 from orchestrator.scenario.system import Builder
 
 from .problem import CouplingProblem

@@ -16,12 +16,11 @@ from ..assessment.merits import Merit, describe_bearings, describe_trains, list_
 from ..errors import RunError, Set, Words, join
 from ..reporter import Reporter
 from ..store.result_file import ResultFile
-from .assessment import MACRO_STEPS, ROWS, Assessment
-from .comparison import compare, largest_uncertainty, verdict
+from .comparison import WitnessComparison, compare, compare_witness, largest_uncertainty, verdict
 from .plan import MONOLITHIC, Plan, ReferencePlan
 from .record import ENDS, NOT_COMPARED, OUTSIDE, WITHIN, Ending, Record, classify_ending
 from .reference import Solution, solve_reference
-from .witness import WitnessComparison, compare_witness
+from .summary import MACRO_STEPS, ROWS, Assessment
 
 if TYPE_CHECKING:
     from models.monolithic import Reference

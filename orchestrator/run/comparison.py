@@ -1,10 +1,21 @@
-"""The coupled run against the monolithic reference, variable by variable."""
+"""The coupled run against the monolithic reference and the witness, variable by variable."""
 
+from __future__ import annotations
+
+import time as clock
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, NoReturn
+
+import numpy as np
 
 from models.core.difference import Difference, difference, time_weights
 from models.core.quantities import Vector
+from models.core.system import System
+from models.flywheel import PRESCRIBED
+from models.multibody.witnessed_trains import DirectTrain, PushrodTrainOfParts, WitnessedTrain, find_train
+
+from ..scenario import Scenario, ScenarioError
 
 
 @dataclass(frozen=True)
@@ -105,3 +116,143 @@ def describe_largest(errors: Errors) -> str:
 def largest_uncertainty(errors: Errors) -> float:
     """The reference's largest relative RMS uncertainty among variables with a tolerance."""
     return max((e.uncertainty.relative_rms for e in errors.values() if e.tolerance is not None), default=0.0)
+
+
+if TYPE_CHECKING:
+    from models.monolithic import Reference
+
+
+# Of a step. The load is 4e8 N/m times what is left of it.
+TOLERANCE = 1e-10
+
+
+# Relative RMS difference of reference and multibody model that is allowed: five times the largest that trains
+# of the tests have, 2e-4 in the load of a valve that lands.
+ALLOWED = 1e-3
+BLIND = "it shares the law of the contact with film and asperities, and the lift, and sees no error in them"
+
+
+@dataclass(frozen=True)
+class Side:
+    """Least and largest value in the coupled run, the reference and the multibody model.
+
+    The differences are relative RMS, as those of the coupled run against the reference.
+    """
+
+    coupled: tuple[float, float]
+    reference: tuple[float, float]
+    multibody: tuple[float, float]
+    coupled_difference: float
+    reference_difference: float
+
+
+@dataclass(frozen=True)
+class WitnessComparison:
+    """What the witness says, by quantity; `drift` is the largest violation of a constraint (m or rad)."""
+
+    method: str
+    constraints: int
+    freedoms: int
+    drift: float
+    wall_time_s: float
+    quantities: Mapping[str, Side]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the reference is within ALLOWED of the multibody model in every quantity."""
+        return all(side.reference_difference <= ALLOWED for side in self.quantities.values())
+
+    def judge(self) -> str:
+        """The end of a verdict: whether it agrees, and what it cannot see."""
+        if self.agrees:
+            return f"; the multibody witness agrees within {ALLOWED:g} ({BLIND})"
+        apart = ", ".join(
+            f"{name}: {side.reference_difference:.2g}"
+            for name, side in self.quantities.items()
+            if not side.reference_difference <= ALLOWED
+        )
+        return (
+            f"; the multibody witness contradicts the equations: relative RMS {apart} > {ALLOWED:g} ({BLIND})"
+        )
+
+
+def check_witness(scenario: Scenario, system: System) -> None:
+    """Raise ScenarioError if a witness is asked for that does not know this system."""
+    if scenario.reference.witness == "none":
+        return
+    train = _find_train(system)
+    if not scenario.reference.enabled:
+        _refuse("it stands beside the reference; set reference.enabled = true")
+    if scenario.start != "equilibrium":
+        _refuse("it begins at rest; set start = 'equilibrium'")
+    drive = train.drive
+    if drive.motion != PRESCRIBED or drive.initial_speed != drive.final_speed:
+        _refuse("its drive turns at constant speed; set motion = 'prescribed' without a ramp")
+    for (part, parameter), what in train.absent.items():
+        if getattr(train.parameters[part], parameter) != 0.0:
+            name = train.output(part, parameter)
+            _refuse(f"it knows no {what}; set {name} to 0, or leave the witness out")
+    driven = {str(connection.target) for connection in system.connections}
+    for (part, variable), what in train.open.items():
+        if (name := train.output(part, variable)) in driven:
+            _refuse(f"it knows no {what}; leave out the connection to {name}, or the witness")
+    for instance in train.names.values():
+        layout, given = system.instances[instance].component.inputs, system.instances[instance].inputs
+        for variable, value in given.items():
+            name = f"{instance}.{variable}"
+            if name not in driven and value != layout.field(variable).start:
+                _refuse(f"it takes no constant inputs; leave out {name} = {value:g}, or the witness")
+
+
+def _refuse(reason: str) -> NoReturn:
+    raise ScenarioError(f"reference.witness = 'multibody': {reason}")
+
+
+def _find_train(system: System) -> WitnessedTrain:
+    train = find_train(system)
+    if train is None:
+        kinds = [instance.component.name for instance in system.instances.values()]
+        known = "; or ".join(", ".join(kind.parts.values()) for kind in (DirectTrain, PushrodTrainOfParts))
+        _refuse(
+            f"it knows systems of {known}; this scenario has {', '.join(kinds)}. Take valve-train or "
+            "qin2000-train, or one that extends them, or leave the witness out"
+        )
+    return train
+
+
+def compare_witness(system: System, reference: Reference, coupled: Mapping[str, Vector]) -> WitnessComparison:
+    """Solve the train of `system` as bodies with joints, at the instants of both, and compare."""
+    from models.multibody.ida import solve_ida
+
+    begun = clock.perf_counter()
+    train = _find_train(system)
+    motion = solve_ida(train.build(), np.append(0.0, reference.times[reference.times > 0.0]), TOLERANCE)
+    first = motion.times.size - reference.times.size
+    weights = time_weights(reference.times)
+    sides = {
+        seen.name: _compare_sides(
+            seen.find(coupled, reference), seen.find(reference, reference), seen.values[first:], weights
+        )
+        for seen in train.observe(motion)
+    }
+    return WitnessComparison(
+        method=motion.method,
+        constraints=len(motion.mechanism.constraint_names),
+        freedoms=motion.mechanism.freedoms,
+        drift=motion.drift.position,
+        wall_time_s=clock.perf_counter() - begun,
+        quantities=sides,
+    )
+
+
+def _compare_sides(coupled: Vector, reference: Vector, multibody: Vector, weights: Vector) -> Side:
+    def span(values: Vector) -> tuple[float, float]:
+        return float(np.min(values)), float(np.max(values))
+
+    return Side(
+        coupled=span(coupled),
+        reference=span(reference),
+        multibody=span(multibody),
+        coupled_difference=difference(coupled, multibody, weights=weights).relative_rms,
+        reference_difference=difference(reference, multibody, weights=weights).relative_rms,
+    )

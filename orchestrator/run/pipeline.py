@@ -4,20 +4,38 @@ import time as clock
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from ..errors import RefusedError, join
+from ..errors import Command, RefusedError, Words, join, start_over
 from ..reporter import Reporter
 from ..scenario import Scenario, ScenarioError
+from ..scenario.files import load
 from ..scenario.system import Builder
 from ..store import atomic_write
-from ..store.output_folder import PRINTED, SCENARIO, OutputFolder, check_folder, format_path, open_folder
+from ..store.journal import Recorded, journals
+from ..store.output_folder import (
+    PRINTED,
+    SCENARIO,
+    SUMMARY,
+    Backup,
+    OutputFolder,
+    OutputFolderError,
+    check_folder,
+    clear_run_state,
+    find_run_state,
+    format_path,
+    lock_folder,
+    open_folder,
+    suggest_folder,
+)
+from ..texts import parse_json, read_text
 from .assess import assess
-from .execute import execute
+from .checkpoint import read
+from .execute import announce, execute
 from .plan import Plan, make_plan
 from .publish import finish_result, open_result, publish, publish_merits, settle_ending
-from .record import ENDS, Record, classify_ending
+from .record import ENDS, FAILED, Ending, Record, classify_ending
 from .summary import Summary, summarise
-from .workload import announce
 
 
 def run(
@@ -89,3 +107,105 @@ def _tell_of_backup(folder: OutputFolder) -> str:
     if not folder.backup.exists:
         return ""
     return f"; the run did not begin, and what was in {format_path(folder.path)} before is kept"
+
+
+def resume(
+    out: Path, build: Builder, reporter: Reporter, figures: bool = True, keep: bool = False
+) -> Summary:
+    """Continue the run in `out` from its last checkpoint; it ends as it would have without the stop.
+
+    `figures` are drawn unless the run was started without. A run that was stopped before it had computed
+    anything starts anew. With `keep`, or if there is no checkpoint, the result is made of what was recorded,
+    and marked incomplete. Raises CheckpointError or another MistakeError where the run cannot continue;
+    nothing that it needs is changed then.
+    """
+    start = clock.perf_counter()
+    if not (out / SCENARIO).is_file():
+        remedy: Words = ("make one with ", Command("run"))
+        if (out / SUMMARY).exists() or find_run_state(out).exists():
+            remedy = "put back the file that the run had written"
+        elif close := suggest_folder(out):
+            remedy = f"did you mean {close}?"
+        raise OutputFolderError(f"{out}: holds no run (there is no {SCENARIO})", remedy)
+    if not find_run_state(out).exists():
+        return _report_ended(out, reporter)
+    out = out.absolute()  # an FMU may change the working directory
+    with lock_folder(out) as pending:
+        before = _read_summary(out)
+        if before.get("complete"):  # killed while it tidied up
+            clear_run_state(pending)
+            return _report_ended(out, reporter)
+        plan = make_plan(load(out / SCENARIO), build, reporter, figures and before.get("figures", True))
+        folder = OutputFolder(out, pending, Backup(out))
+        checkpoint = None
+        recorded = _count_rows(pending, "coupled") > 1
+        if keep and not recorded:
+            raise OutputFolderError(f"{format_path(out)}: the run has recorded nothing; leave out --keep")
+        if folder.checkpoint.exists() and not keep:
+            checkpoint = read(folder.checkpoint)
+            # A killed process has left no wall time, but that of its steps.
+            start -= max(before.get("wall_time_s", 0.0), checkpoint[1]["elapsed"])
+        elif recorded:
+            return conclude(plan, _recover_record(plan, pending, keep), folder, reporter, start)
+        else:
+            clear_run_state(pending)
+        with keep_prints(plan, folder, reporter):
+            try:
+                record = execute(plan, folder, reporter, checkpoint)
+            except RefusedError as error:
+                raise OutputFolderError((f"{format_path(out)}: ", error)) from None
+            return conclude(plan, record, folder, reporter, start)
+
+
+def _report_ended(out: Path, reporter: Reporter) -> Summary:
+    """The summary of a run that came to its end."""
+    found = _read_summary(out)
+    if found.get("exit_status") == FAILED:
+        why = found["message"].removeprefix("incomplete: ")
+        raise OutputFolderError(
+            f"{format_path(out)}: the run failed, and would fail again: {why}",
+            ("change the scenario and ", start_over(format_path(out))),
+        )
+    if not found.get("complete"):
+        raise OutputFolderError(
+            f"{format_path(out)}: the run left nothing to go on from", start_over(format_path(out))
+        )
+    reporter.line(f"{format_path(out)}: the run is complete; there is nothing to continue")
+    known = ("scenario", "description", "version", "master", "macro_step", "fixed_steps", "tolerance")
+    state = ("complete", "resumable", "message", "verdict", "exit_status", "macro_steps", "iterations")
+    return Summary(**{key: found[key] for key in (*known, *state)})
+
+
+def _read_summary(out: Path) -> dict[str, Any]:
+    try:
+        found: dict[str, Any] = parse_json(read_text(out / SUMMARY))
+        return found
+    except (OSError, ValueError):
+        return {}
+
+
+def _count_rows(folder: Path, name: str) -> int:
+    found = journals(folder)
+    return Recorded(found[name]).rows if name in found else 0
+
+
+def _recover_record(plan: Plan, pending: Path, keep: bool) -> Record:
+    """The record of a run that is not continued from a checkpoint: because it left none, or with `keep`."""
+    why = " and has left no checkpoint (checkpoint_every = 0, or an FMU that cannot be serialised)"
+    message = f"incomplete: the run was stopped{'' if keep else why}; the result is what it had recorded"
+    if names := plan.scenario.exposed:
+        message += (
+            f"; if one of its FMUs ended it ({', '.join(names)}), components.{names[0]}.process = 'own' says "
+            "which and where"
+        )
+    until = {name: Recorded(path).last_time() for name, path in journals(pending).items()}
+    if len(set(until.values())) > 1:
+        ends = (f"/{name} {'nothing' if t is None else f'until {t:g} s'}" for name, t in until.items())
+        message += f"; of {', '.join(ends)}"
+    # On a full disk one journal may have fewer rows than the other.
+    records, every = _count_rows(pending, "coupled") - 1, plan.scenario.record_every
+    at_least = records * every
+    if until["coupled"] == plan.scenario.stop_time:  # recorded wherever it falls
+        at_least -= every - 1
+    steps = max(_count_rows(pending, "steps"), at_least)
+    return Record(Ending(resumable=False, message=message), macro_steps=steps)

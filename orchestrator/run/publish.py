@@ -35,12 +35,10 @@ from ..store.output_folder import (
     list_files,
 )
 from ..store.result_file import ResultFile
-from .assessment import Assessment
-from .comparison import Errors, VariableError
+from .comparison import Errors, VariableError, WitnessComparison
 from .plan import Plan
 from .record import FAILED, INTERRUPTED, Ending
-from .summary import Summary
-from .witness import WitnessComparison
+from .summary import Assessment, Summary
 
 PACKAGES = ("tribocosim", "numpy", "scipy", "numba", "scikit-sundae", "fmpy", "pythonfmu")
 

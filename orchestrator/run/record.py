@@ -1,14 +1,28 @@
-"""What a coupled run did, and how it ended."""
+"""What a coupled run did and how it ended, and the observers that record it."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+import csv
+import io
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from models.core.quantities import Quantity, Vector
 from models.core.remedies import ExplainedError, Words, join
 
 from ..assessment.contacts import ContactSummaries
+from ..engine.coupling import Coupling
 from ..engine.energy.account import Account
+from ..engine.observer import is_recorded
+from ..engine.step import REASONS, Step
 from ..errors import CheckpointError, RefusedError, RunError
+from ..participants.protocol import SideChannel
+from ..participants.third_party import ThirdPartyComponent
+from ..store.journal import FLUSH_SECONDS, SUFFIX, Journal, Mark
+from ..store.json_codec import Plain
 
 # Exit statuses of the command line.
 WITHIN, OUTSIDE, MISTAKE, FAILED, NOT_COMPARED, INTERRUPTED = 0, 1, 2, 3, 4, 130
@@ -63,3 +77,177 @@ class Record:
     python_sweeps: Mapping[str, str] = field(default_factory=dict)  # slow participants: reason
     without_rates: Sequence[str] = ()  # participants whose rates were not used
     unproven: Sequence[str] = ()  # why participants were not restored
+
+
+STEP_VARIABLES = {
+    "macro_step": Quantity("s", "length of the macro step that ended here"),
+    "iterations": Quantity("1", "iterations of the macro step that ended here", count=True),
+    "rejected": Quantity("1", "attempts rejected before the macro step that ended here", count=True),
+    "error": Quantity("1", "estimated error of the macro step that ended here, over what is allowed"),
+    "source": Quantity(
+        "1", "variable with most of the error, by its number among flag_meanings; -1: none", count=True
+    ),
+    "reason": Quantity("1", "what set the length of the macro step that ended here", choices=REASONS),
+    "parts": Quantity("1", "equal parts in which the macro step that ended here was made", count=True),
+}
+
+
+class ResultRecorder:
+    """Records all outputs of every n-th macro step and at `stop` (s), and every step's effort, in the
+    journals of `folder` that become the groups /coupled and /steps of the result. Rows are in memory for
+    `held_for` (s) at most."""
+
+    def __init__(
+        self,
+        folder: Path,
+        quantities: Mapping[str, Quantity],
+        every: int,
+        held_for: float = FLUSH_SECONDS,
+        stop: float = math.inf,
+    ) -> None:
+        self._folder = folder
+        self._quantities = quantities
+        self._every, self._stop = every, stop
+        self._held_for = held_for
+        self._count = 0
+        self._step = np.zeros(len(STEP_VARIABLES))
+
+    def begin(self, names: Sequence[str]) -> None:
+        self._open(names, None, None)
+
+    def _open(self, names: Sequence[str], coupled: Mark | None, steps: Mark | None) -> None:
+        variables = {name: self._quantities[name] for name in names}
+        self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled, self._held_for)
+        # With the names, so that a journal alone says which variable a number is.
+        quantities = STEP_VARIABLES | {"source": replace(STEP_VARIABLES["source"], choices=tuple(names))}
+        try:
+            self._steps = Journal(self._folder / f"steps{SUFFIX}", quantities, steps, self._held_for)
+        except BaseException:
+            self._coupled.close()
+            raise
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        if is_recorded(self._count, time, self._every, self._stop):
+            self._coupled.append(time, outputs())
+        if self._count:
+            self._step[:] = (
+                step.length, step.iterations, step.rejected, step.error, step.source, step.reason, step.parts,
+            )  # fmt: skip
+            self._steps.append(time, self._step)
+        self._count += 1
+        # Both at once: of a process that is killed, the groups end together.
+        if self._coupled.due or self._steps.due:
+            self._coupled.flush()
+            self._steps.flush()
+
+    def state(self) -> dict[str, Plain]:
+        return {"count": self._count, "coupled": self._coupled.mark(), "steps": self._steps.mark()}
+
+    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
+        self._count = state["count"]
+        self._open(names, state["coupled"], state["steps"])
+
+    def end(self, complete: bool, message: str) -> None:
+        try:
+            self._coupled.close()
+        finally:
+            self._steps.close()
+
+
+class NotFinite:
+    """Observer of every n-th macro step and of `stop` (s): `since` has, by output, the first time (s) at
+    which it was not finite."""
+
+    def __init__(self, every: int, stop: float) -> None:
+        self._every, self._stop = every, stop
+        self._count = 0
+        self.since: dict[str, float] = {}
+
+    def begin(self, names: Sequence[str]) -> None:
+        self._names = list(names)
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        if is_recorded(self._count, time, self._every, self._stop):
+            bad = ~np.isfinite(outputs())
+            if bad.any():
+                for i in np.flatnonzero(bad):
+                    self.since.setdefault(self._names[i], time)
+        self._count += 1
+
+    def state(self) -> dict[str, Plain]:
+        return {"count": self._count, "since": dict(self.since)}
+
+    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
+        self.begin(names)
+        self._count, self.since = state["count"], dict(state["since"])
+
+    def end(self, complete: bool, message: str) -> None:
+        pass
+
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+HEADER = ("time", "variable", "text")
+
+
+def list_texts(components: Mapping[str, ThirdPartyComponent]) -> dict[str, list[str]]:
+    """The outputs that are strings or binary values, by instance."""
+    found = {
+        name: component.about.list_texts("output")
+        for name, component in components.items()
+        if not component.about.integrated
+    }
+    return {name: texts for name, texts in found.items() if texts}
+
+
+class TextRecorder:
+    """Records the `texts` (by instance) in a CSV file: at the start, and where a macro step changes one.
+
+    A text holds until the next line of its variable. Binary values are hexadecimal digits. A text that
+    spreadsheets would take for a formula gets a ' in front.
+    """
+
+    def __init__(self, path: Path, texts: Mapping[str, Sequence[str]]) -> None:
+        self._path, self._texts = path, texts
+        self._sides: dict[str, SideChannel] = {}
+        self._last: dict[str, str] = {}
+
+    def watch(self, coupling: Coupling) -> None:
+        units = dict(zip(coupling.wiring.names, coupling.participants, strict=True))
+        for name in self._texts:
+            side = units[name].abilities.side
+            assert side is not None  # it has texts
+            self._sides[name] = side
+
+    def begin(self, names: Sequence[str]) -> None:
+        self._file: Any = self._path.open("wb")
+        self._write([HEADER])
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        rows = []
+        for instance, names in self._texts.items():
+            for name, text in zip(names, self._sides[instance].get_texts(names), strict=True):
+                if self._last.get(variable := f"{instance}.{name}") != text:
+                    self._last[variable] = text
+                    # Spreadsheets would compute a text that begins so, or run its command.
+                    shown = f"'{text}" if text.startswith(FORMULA) else text
+                    rows.append((repr(float(time)), variable, shown))
+        if rows:
+            self._write(rows)
+
+    def end(self, complete: bool, message: str) -> None:
+        self._file.close()
+
+    def state(self) -> dict[str, Plain]:
+        return {"size": self._file.tell(), "last": dict(self._last)}
+
+    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
+        self._file = self._path.open("r+b")
+        self._file.truncate(state["size"])
+        self._file.seek(state["size"])
+        self._last = dict(state["last"])
+
+    def _write(self, rows: Sequence[Sequence[str]]) -> None:
+        lines = io.StringIO()
+        csv.writer(lines, lineterminator="\n").writerows(rows)
+        self._file.write(lines.getvalue().encode())
+        self._file.flush()

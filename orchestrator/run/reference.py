@@ -2,20 +2,133 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from models.core.difference import Difference
+import numpy as np
+
+from models.core.difference import Difference, difference, time_weights
 from models.core.quantities import Vector
 
+from ..engine.step import Step
 from ..participants.description import MODEL_EXCHANGE
 from ..participants.model_exchange import FmuEquations, open_equations
 from ..participants.open_fmu import collect_settings
 from ..reporter import Reporter
-from .plan import BY_PARTS, MONOLITHIC, REFINEMENT, Plan, ReferencePlan
-from .refinement import describe_doubts, refine
+from .plan import BY_PARTS, MONOLITHIC, REFINEMENT, Plan, ReferencePlan, open_participants
+from .simulation import simulate
+
+# Orders of convergence that are believed; the signals have orders 1 to 4.
+LOWEST, HIGHEST = 0.5, 6.0
+# Share of a step by which an event just before its end may take its place.
+SLACK = 1e-6
+
+
+@dataclass(frozen=True)
+class Refined:
+    """The limit of all outputs (rows x outputs) at the records' times, the uncertainty of each output and the
+    order with which it converges; NaN where there is none."""
+
+    outputs: Vector
+    uncertainty: Mapping[str, Difference]
+    orders: Mapping[str, float]
+
+
+def refine(
+    plan: Plan, ends: Vector, times: Vector, coarse: Mapping[str, Vector], reporter: Reporter
+) -> Refined:
+    """Repeat the run, whose steps, or parts of them, have these `ends`, with each halved and quartered.
+
+    `ends` has the start too. The `coarse` outputs are those at `times`, which are some of them.
+
+    RunError if one of these runs fails.
+    """
+    half, quarter = (_repeat(plan, ends, parts, times, reporter) for parts in (2, 4))
+    names, weights = plan.system.outputs.names, time_weights(times)
+    limit, uncertainty, orders = quarter.copy(), {}, {}
+    for i, (name, nominal) in enumerate(zip(names, plan.system.outputs.nominal, strict=True)):
+        extrapolated = extrapolate(coarse[name], half[:, i], quarter[:, i], weights)
+        limit[:, i], other, orders[name] = extrapolated
+        uncertainty[name] = difference(other, limit[:, i], nominal, weights)
+    return Refined(limit, uncertainty, orders)
+
+
+def extrapolate(
+    coarse: Vector, half: Vector, quarter: Vector, weights: Vector
+) -> tuple[Vector, Vector, float]:
+    """The limit, another estimate of it that is less exact, and the order of convergence.
+
+    Without a clear order (NaN) these are the finest and the coarsest run.
+    """
+    first, second = coarse - half, half - quarter
+    larger, smaller = (
+        math.sqrt(np.average(np.square(change), weights=weights)) for change in (first, second)
+    )
+    order = math.log2(larger / smaller) if larger > 0.0 and smaller > 0.0 else math.nan
+    if not LOWEST < order < HIGHEST:
+        return quarter, coarse, math.nan
+    gain, whole = 2.0**order - 1.0, 2.0 ** round(max(order, 1.0)) - 1.0
+    limit = quarter - second / gain
+    others = half - first / gain, quarter - second / whole
+    return (
+        limit,
+        max(others, key=lambda other: float(np.average((other - limit) ** 2, weights=weights))),
+        order,
+    )
+
+
+def describe_doubts(refined: Refined, tolerance: Mapping[str, float]) -> str:
+    """The end of a verdict: what such a reference does not see, and variables without a clear order.
+
+    These are named if their runs differ by more than a tenth of what is allowed.
+    """
+    doubtful = [
+        name
+        for name, allowed in tolerance.items()
+        if math.isnan(refined.orders[name]) and refined.uncertainty[name].relative_rms > 0.1 * allowed
+    ]
+    unseen = "; the errors of the FMUs' own solvers are in all runs and not seen"
+    if not doubtful:
+        return unseen
+    return (
+        f"{unseen}; {', '.join(doubtful)}: the runs with smaller steps do not converge with a clear order, "
+        "so the error is only about the difference of the runs; reduce macro_step"
+    )
+
+
+def _repeat(plan: Plan, ends: Vector, parts: int, times: Vector, reporter: Reporter) -> Vector:
+    """All outputs at `times` of a run with that many steps for each."""
+    lengths = np.diff(ends, prepend=ends[0])[np.searchsorted(ends, times)]
+    samples = _Samples(times, SLACK * lengths / parts)
+    steps, stop = plan.refine_steps(ends, parts), plan.stop_time
+    with (
+        reporter.stage(f"coupled run again, each step divided by {parts}", stop) as bar,
+        open_participants(plan.system, plan.participants) as participants,
+    ):
+        simulate(plan.system, participants, plan.master, steps, stop, [samples, bar], lines=plan.side_lines)
+    return np.array(samples.rows)
+
+
+class _Samples:
+    """An observer that keeps all outputs at given times, each met within its slack."""
+
+    def __init__(self, times: Vector, slack: Vector) -> None:
+        self._due = times - slack
+        self.rows: list[Vector] = []
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        if len(self.rows) < len(self._due) and time >= self._due[len(self.rows)]:
+            self.rows.append(outputs().copy())
+
+    def end(self, complete: bool, message: str) -> None:
+        pass
+
 
 if TYPE_CHECKING:
     from models.monolithic import Reference

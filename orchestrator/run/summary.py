@@ -13,15 +13,37 @@ from models.contact.records import ATOM
 from ..assessment.contacts import ContactSummaries
 from ..assessment.contacts import lines as contact_lines
 from ..assessment.diagnosis import Diagnosis, brief
+from ..assessment.merits import Merit
 from ..engine.energy.account import Account
 from ..engine.energy.account import lines as energy_lines
 from ..errors import Words, in_command_line
 from ..store import atomic_write
-from .assessment import MACRO_STEPS, Assessment
-from .comparison import Errors, describe_largest
-from .plan import Plan
+from .comparison import Errors, WitnessComparison, describe_largest
+from .plan import MONOLITHIC, Plan
 from .record import FAILED, Ending, Record, Warnings
-from .witness import WitnessComparison
+
+# Where extremes of contacts are from.
+MACRO_STEPS, ROWS = "all macro steps", "recorded rows"
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """The assessment of a run, complete or not."""
+
+    ending: Ending
+    contacts: ContactSummaries
+    contacts_from: str = MACRO_STEPS
+    merits: Sequence[str] = field(default_factory=list)
+    figures_of_merit: Sequence[Merit] = field(default_factory=list)
+    steps: Diagnosis | None = None
+    rejected_steps: int = 0
+    suggestions: Sequence[str] = field(default_factory=list)
+    errors: Errors = field(default_factory=dict)
+    verdict: Words = "not compared"
+    reference_time_s: float | None = None
+    reference_uncertainty: float | None = None
+    reference_method: str = MONOLITHIC
+    witness: WitnessComparison | None = None
 
 
 @dataclass(frozen=True)

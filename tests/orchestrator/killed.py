@@ -21,8 +21,7 @@ from rich.console import Console
 
 from orchestrator.reporter import Reporter
 from orchestrator.run import checkpoint
-from orchestrator.run.pipeline import run
-from orchestrator.run.resume import resume
+from orchestrator.run.pipeline import resume, run
 from orchestrator.scenario.files import load
 from orchestrator.store import atomic_write as replacement
 from orchestrator.store import csv_file, journal

@@ -19,7 +19,7 @@ from orchestrator.plots import steps as figure
 from orchestrator.plots.style import save_figure
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
-from orchestrator.run.recording import ResultRecorder
+from orchestrator.run.record import ResultRecorder
 from orchestrator.scenario.files import load, to_full_toml
 from orchestrator.store.output_folder import RESULT, SCENARIO, find_run_state
 

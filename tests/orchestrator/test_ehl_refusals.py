@@ -15,7 +15,7 @@ from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.participants.open_fmu import open_fmu
-from orchestrator.run.participants import ParticipantPlan
+from orchestrator.run.plan import ParticipantPlan
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.capabilities import check_third_party, is_refined

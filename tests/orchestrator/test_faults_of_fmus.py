@@ -14,7 +14,7 @@ from orchestrator.errors import DiscardedStepError, LostParticipantError, NotFin
 from orchestrator.masters import GaussSeidel, Jacobi
 from orchestrator.participants.failures import ErrorReporter
 from orchestrator.participants.open_fmu import open_fmu
-from orchestrator.run.participants import FmuFile, ParticipantPlan, open_participants
+from orchestrator.run.plan import FmuFile, ParticipantPlan, open_participants
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system

@@ -16,8 +16,7 @@ from fmus.build import build
 from fmus.native import fmu as native
 from models.core.remedies import in_command_line
 from orchestrator.run import checkpoint
-from orchestrator.run.pipeline import run
-from orchestrator.run.resume import resume
+from orchestrator.run.pipeline import resume, run
 from orchestrator.scenario.files import load
 from orchestrator.store import atomic_write as replacement
 from orchestrator.store.journal import Journal, Recorded

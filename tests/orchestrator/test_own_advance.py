@@ -30,8 +30,8 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.reporter import Reporter
-from orchestrator.run.participants import ParticipantPlan
 from orchestrator.run.pipeline import run
+from orchestrator.run.plan import ParticipantPlan
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.system import Builder, build_system
 from orchestrator.stepping import ControlledSteps, StepControl

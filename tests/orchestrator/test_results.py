@@ -16,8 +16,7 @@ from models.core.quantities import Quantity
 from orchestrator.engine.step import Step
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
-from orchestrator.run.record import OUTSIDE
-from orchestrator.run.recording import ResultRecorder
+from orchestrator.run.record import OUTSIDE, ResultRecorder
 from orchestrator.run.summary import Summary
 from orchestrator.scenario.files import load
 from orchestrator.stepping import FixedSteps
@@ -175,7 +174,7 @@ def test_what_was_flushed_survives_a_killed_process(tmp_path):
         import numpy as np
         from pathlib import Path
         from orchestrator.store.journal import HELD
-        from orchestrator.run.recording import ResultRecorder
+        from orchestrator.run.record import ResultRecorder
         from orchestrator.stepping import Step
         from tests.orchestrator.test_results import QUANTITIES
         recorder = ResultRecorder(Path({str(tmp_path)!r}), QUANTITIES, 1)
@@ -291,7 +290,7 @@ def test_memory_does_not_grow_with_the_steps(tmp_path):
         import numpy as np
         from pathlib import Path
         from models.core.quantities import Quantity
-        from orchestrator.run.recording import ResultRecorder
+        from orchestrator.run.record import ResultRecorder
         from orchestrator.stepping import Step
         from orchestrator.store.journal import Recorded
         from orchestrator.store.result_file import ResultFile

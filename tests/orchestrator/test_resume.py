@@ -15,8 +15,7 @@ from models.core.errors import ModelError
 from models.core.remedies import Command, find_actions
 from orchestrator.errors import CheckpointError, MistakeError, start_over
 from orchestrator.reporter import Reporter
-from orchestrator.run.pipeline import run
-from orchestrator.run.resume import resume
+from orchestrator.run.pipeline import resume, run
 from orchestrator.scenario.files import load
 from orchestrator.store.journal import Recorded
 from orchestrator.store.output_folder import OutputFolderError

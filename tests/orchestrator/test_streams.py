@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.run.text_recorder import FORMULA, TextRecorder
+from orchestrator.run.record import FORMULA, TextRecorder
 
 RUN = [
     *("-m", "tribocosim", "run", "two-masses", "--no-figures"),

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from models.monolithic import solve
-from orchestrator.run import witness as judging
-from orchestrator.run.witness import Side, check_witness, compare_witness
+from orchestrator.run import comparison as judging
+from orchestrator.run.comparison import Side, check_witness, compare_witness
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from orchestrator.engine.step import Step
-from orchestrator.run import workload
-from orchestrator.run.workload import Forecast, Workload, announce
+from orchestrator.run import execute
+from orchestrator.run.execute import Forecast, Workload, announce
 from orchestrator.scenario.files import load
 
 from .commands import SHORT, called
@@ -46,7 +46,7 @@ def test_the_files_of_a_run_are_within_what_is_announced(tmp_path):
 def test_the_time_of_a_run_is_forecast_from_its_speed(speed, said, monkeypatch):
     """At `speed` seconds of the model in a second, a run of 1 s."""
     seconds = itertools.count()
-    monkeypatch.setattr(workload.clock, "monotonic", lambda: float(next(seconds)))
+    monkeypatch.setattr(execute.clock, "monotonic", lambda: float(next(seconds)))
     lines: list[str] = []
     forecast = Forecast(1.0, lines.append)
     for k in range(4):
@@ -57,7 +57,7 @@ def test_the_time_of_a_run_is_forecast_from_its_speed(speed, said, monkeypatch):
 def test_time_spent_on_compiling_is_no_part_of_the_forecast(monkeypatch):
     """One step takes an hour, in which kernels are compiled; the others take a second for 10 ms of 1 s."""
     seconds = iter([0.0, 3600.0, 3601.0, 3602.0, 3603.0])
-    monkeypatch.setattr(workload.clock, "monotonic", lambda: next(seconds))
+    monkeypatch.setattr(execute.clock, "monotonic", lambda: next(seconds))
     lines: list[str] = []
     forecast = Forecast(1.0, lines.append)
     forecast.observe(0.0, lambda: np.zeros(0), Step(0.0, 0.0, 0))

@@ -11,8 +11,7 @@ from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.masters import Jacobi
 from orchestrator.reporter import Reporter
-from orchestrator.run.participants import open_participants
-from orchestrator.run.plan import make_plan
+from orchestrator.run.plan import make_plan, open_participants
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.ssp import export

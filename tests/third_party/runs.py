@@ -10,9 +10,8 @@ import numpy as np
 
 from orchestrator.participants.protocol import Participant
 from orchestrator.reporter import Reporter
-from orchestrator.run.participants import open_participants
 from orchestrator.run.pipeline import run
-from orchestrator.run.plan import Plan, make_plan
+from orchestrator.run.plan import Plan, make_plan, open_participants
 from orchestrator.run.simulation import simulate
 from orchestrator.run.summary import Summary
 from orchestrator.scenario import Scenario, build_scenario

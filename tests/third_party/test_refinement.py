@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import tribocosim
 from models.core.difference import difference, time_weights
-from orchestrator.run.refinement import extrapolate
+from orchestrator.run.reference import extrapolate
 from orchestrator.stepping import RefinedSteps
 
 from .c_fmus import fmu

@@ -8,7 +8,7 @@ import pytest
 
 from orchestrator.engine.step import Step
 from orchestrator.participants.protocol import Abilities
-from orchestrator.run.text_recorder import TextRecorder
+from orchestrator.run.record import TextRecorder
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.ssp import export
 from orchestrator.scenario.system import build_system

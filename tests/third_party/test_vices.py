@@ -21,8 +21,7 @@ from models.compile import temporary
 from models.compile.temporary import NEW, PREFIX, TemporaryFolder
 from orchestrator.errors import MistakeError, in_command_line
 from orchestrator.reporter import Reporter
-from orchestrator.run.pipeline import run
-from orchestrator.run.resume import resume
+from orchestrator.run.pipeline import resume, run
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import to_short_toml
 from orchestrator.scenario.system import build_system

@@ -8,7 +8,7 @@ from typing import Any
 
 import typer
 
-from orchestrator.run.interruption import Noticed
+from orchestrator.run.execute import Noticed
 
 from ..messages import say
 from .apart import state

@@ -98,7 +98,7 @@ def resume_run(
     Exit status as for `run`; 2 also if the run cannot be continued (another FMU, version or scenario, or a
     damaged checkpoint).
     """
-    from orchestrator.run.resume import resume
+    from orchestrator.run.pipeline import resume
     from orchestrator.scenario.files import load
     from orchestrator.store.output_folder import SCENARIO
 

@@ -19,7 +19,7 @@ from ...errors import Option, ParticipantError, Set, Words
 from ...participants.protocol import Participant
 from ...participants.reopened import Reopened
 from ...participants.transformed import Transformed as transformed
-from ...run.participants import ParticipantPlan
+from ...run.plan import ParticipantPlan
 from ...scenario import Scenario, ScenarioError
 from ...scenario.capabilities import list_foreign
 from .linear import ROWS, Linear, compute_eigenvalues

@@ -16,7 +16,7 @@ from models.monolithic.trajectory import Trajectory
 
 from ...engine.signals import DEGREES
 from ...masters import MASTERS, Master, find_name
-from ...run.participants import ParticipantPlan, open_participants
+from ...run.plan import ParticipantPlan, open_participants
 from ...scenario import Scenario, ScenarioError
 from ...scenario.fmu_limits import FmuLimits
 from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
