@@ -15,7 +15,7 @@ from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import SEAT_STIFFNESS, SPRING_RATE
-from .shared import SurgeDamping, SurgeFrequency
+from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
 
 
 @dataclass
@@ -38,6 +38,9 @@ class CoilSpringParameters:
     stop_damping: float = Quantity("N.s/m", "damping of closed coils", nominal=10.0, minimum=0.0).default(
         20.0
     )
+    wire_stress: WireStress = 0.0
+    wire_amplitude: WireAmplitude = 0.0
+    wire_strength: WireStrength = 0.0
 
 
 @dataclass

@@ -18,6 +18,18 @@ SurgeDamping = Annotated[
     Quantity("1", "damping ratio of the spring at f0 (stiffness-proportional)", nominal=0.01, minimum=0.0),
 ]
 
+WireStress = Annotated[
+    float,
+    Quantity(
+        "1/m2", "largest shear stress in the wire over the force; 0: not known", nominal=1e6, minimum=0.0
+    ),
+]
+WireAmplitude = Annotated[
+    float,
+    Quantity("Pa", "amplitude of shear stress that the wire bears at no mean", nominal=5e8, minimum=0.0),
+]
+WireStrength = Annotated[float, Quantity("Pa", "shear strength of the wire", nominal=1e9, minimum=0.0)]
+
 
 @dataclass
 class DriveInputs:

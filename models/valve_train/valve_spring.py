@@ -18,7 +18,7 @@ from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
 from ..plausible import CAM_LIFT, LASH, SEAT_STIFFNESS, SPRING_RATE, VALVE_MASS
-from .shared import SurgeDamping, SurgeFrequency
+from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
 
 # A dip that is far from any event.
 NO_SEAT = -1.0
@@ -56,6 +56,9 @@ class ValveSpringParameters:
     clash_stiffness: float = Quantity(
         "N/m", "added rate between coils that touch", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS
     ).default()
+    wire_stress: WireStress = 0.0
+    wire_amplitude: WireAmplitude = 0.0
+    wire_strength: WireStrength = 0.0
 
 
 @dataclass

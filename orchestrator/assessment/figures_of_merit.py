@@ -12,6 +12,7 @@ from models.contact.records import ATOM
 from models.core import roles
 from models.core.component import Component
 from models.core.quantities import Quantity, Vector
+from models.valve_train.wire_materials import Fatigue
 
 from .motion import LIFTED, Found, Motion, Part
 
@@ -113,6 +114,40 @@ def _lift_area(valve: Part) -> Found:
 def _least_gap(spring: Part) -> Found:
     """None of coils whose gaps are not computed: they stay as they are."""
     return _least("least_gap")(spring) if np.ptp(spring["least_gap"]) else NONE
+
+
+def _stress(force: str) -> Callable[[Part], Found]:
+    """Of the largest force, in coils that do not touch; none of a spring whose wire is not known."""
+
+    def find(spring: Part) -> Found:
+        row, by_force = np.argmax(spring[force]), spring.parameter("wire_stress")
+        return _at(by_force * spring[force], row) if by_force > 0.0 else NONE
+
+    return find
+
+
+def _fatigue_safety(force: str) -> Callable[[Part], Found]:
+    """Goodman's line, between the least and the largest force."""
+
+    def find(spring: Part) -> Found:
+        by_force = spring.parameter("wire_stress")
+        fatigue = Fatigue(spring.parameter("wire_amplitude"), spring.parameter("wire_strength"))
+        if not min(by_force, fatigue.amplitude, fatigue.mean) > 0.0:
+            return NONE
+        low, high = by_force * float(np.min(spring[force])), by_force * float(np.max(spring[force]))
+        return Found(1.0 / fatigue.use(0.5 * (high - low), 0.5 * (high + low)))
+
+    return find
+
+
+def _wire(force: str) -> Mapping[str, Figure]:
+    return {
+        "largest_stress": (
+            Quantity("Pa", "largest shear stress in the wire", display_unit="MPa"),
+            _stress(force),
+        ),
+        "fatigue_safety": (Quantity("1", "safety of the wire against fatigue"), _fatigue_safety(force)),
+    }
 
 
 def _twist(shaft: Part) -> Found:
@@ -250,6 +285,7 @@ LOADED_SPRING: Mapping[str, Figure] = {
     "largest_spring_force": (Quantity("N", "largest spring force"), _largest("spring_force")),
     "surge_force": (Quantity("N", "largest force by surge"), _surge),
     **SPRING,
+    **_wire("spring_force"),
 }
 COIL_SPRING: Mapping[str, Figure] = {
     **SPRING,
@@ -257,6 +293,7 @@ COIL_SPRING: Mapping[str, Figure] = {
         Quantity("N", "largest force between coils that clash"),
         _largest("clash_force"),
     ),
+    **_wire("force"),
 }
 DRIVE: Mapping[str, Figure] = {
     "least_torque": (Quantity("N.m", "least torque"), _least("supplied_torque")),

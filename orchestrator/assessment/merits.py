@@ -98,7 +98,12 @@ def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
     told = []
     for train in find_trains(system):
         margin, followed = _follow(train, found)
-        said = [*followed, *_list_landing(train, found), *_list_clash(train, found)]
+        said = [
+            *followed,
+            *_list_landing(train, found),
+            *_list_clash(train, found),
+            *_list_wire(train, found),
+        ]
         if said := [*said, *_list_contacts(train, found)]:
             told.append((margin, f"{train.valve}: {'; '.join(said)}"))
     if len(told) <= SHOWN:
@@ -150,7 +155,7 @@ def _list_landing(train: Train, found: Merits) -> Iterator[str]:
 
 def _list_clash(train: Train, found: Merits) -> Iterator[str]:
     """Whether coils clash, and the least gap between coils that do not."""
-    springs = dict.fromkeys((*train.list_parts(roles.CoilSpring), *train.list_parts(roles.LoadedSpring)))
+    springs = _list_springs(train)
     gaps = [found[name, "least_gap"] for name in springs if (name, "least_gap") in found]
     for gap in gaps:
         force = found.get((gap.part, "largest_clash_force"))
@@ -160,6 +165,19 @@ def _list_clash(train: Train, found: Merits) -> Iterator[str]:
             yield f"coils of {gap.part} clash"
     if gaps and (least := min(gaps, key=lambda gap: gap.value)).value > 0.0:
         yield f"no clash of coils, least gap {least.text}"
+
+
+def _list_springs(train: Train) -> list[str]:
+    both = (*train.list_parts(roles.CoilSpring), *train.list_parts(roles.LoadedSpring))
+    return list(dict.fromkeys(both))
+
+
+def _list_wire(train: Train, found: Merits) -> Iterator[str]:
+    """Stress and safety of springs whose wire is known."""
+    for name in _list_springs(train):
+        stress, safety = found.get((name, "largest_stress")), found.get((name, "fatigue_safety"))
+        if stress and safety:
+            yield f"wire of {name} has {stress.text}, safety against fatigue {safety.value:.3g}"
 
 
 def _list_contacts(train: Train, found: Merits) -> Iterator[str]:

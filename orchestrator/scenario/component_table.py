@@ -31,6 +31,7 @@ from .lift_segments import LiftSegments
 from .oil import OilSheet, Temperature
 from .third_party_values import convert_enumerations, select_strings
 from .values import Faults, Value, build_component, parse_values
+from .wire import Wire
 
 BUILT_KINDS = ("fmu", "native")
 KINDS = (*BUILT_KINDS, "in-process")
@@ -102,6 +103,11 @@ class ComponentTable(Table):
         None,
         description="Measured force of a coil_spring over its travel from the closed valve: rows of both; it "
         "becomes `parameters`",
+        exclude=True,
+    )
+    wire: Wire | None = Field(
+        None,
+        description="Wire and coils of a coil_spring or valve_spring; it becomes `parameters`",
         exclude=True,
     )
     structure: dict[str, int] = Field(

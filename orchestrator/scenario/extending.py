@@ -10,6 +10,7 @@ from ..errors import MistakeError
 from ..masters import find_master
 from .connection import parse_line
 from .lift_table import CAM_KEYS, replace_law
+from .wire import replace_rate
 
 # Keys of a file that extends another, which leave before the tables are merged.
 EXTENDS, WITHOUT = "extends", "without"
@@ -72,9 +73,12 @@ def _drop_lines_of(content: dict[str, Any], component: str) -> None:
 def merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     """Merge `over` into `base`: tables are merged, connections added, other values and oils replaced.
 
-    A component's `lift_table` or `lift_segments` replaces the law, and a law replaces them.
+    A component's `lift_table` or `lift_segments` replaces the law, and a law replaces them. A spring's `wire`
+    replaces what follows from it.
     """
     result = dict(base)
+    if "wire" in over:
+        replace_rate(result)
     for key in CAM_KEYS & over.keys():
         replace_law(result, key)
     if not CAM_KEYS & over.keys():

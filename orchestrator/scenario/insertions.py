@@ -16,6 +16,7 @@ from .lift_table import insert_lift_table
 from .oil import OILED, insert_oil
 from .pressure_table import insert_pressure_table
 from .values import Faults, build_component
+from .wire import insert_wire
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,7 @@ INSERTIONS = (
     Insertion(("pressure_table",), insert_pressure_table, _has(roles.CylinderGas)),
     Insertion(("drawing",), insert_drawing, _has(roles.DrawnShaft)),
     Insertion(("force_table",), insert_force_table, _has(roles.CoilSpring)),
+    Insertion(("wire",), insert_wire, _has(roles.CoilSpring, roles.LoadedSpring)),
     Insertion(("oil", "temperature"), insert_oil, _has(*OILED)),
 )
 

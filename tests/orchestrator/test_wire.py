@@ -1,0 +1,104 @@
+"""A spring's wire in a scenario: what follows from it, refusals, stress and fatigue of a motion."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from models.catalogue import CATALOGUE
+from models.core.system import Instance, System
+from orchestrator.assessment.figures_of_merit import measure
+from orchestrator.assessment.motion import Motion
+from orchestrator.errors import MistakeError
+from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.files import load
+from orchestrator.scenario.values import to_numbers
+
+WIRE = {
+    "diameter": "4 mm",
+    "mean_diameter": "26 mm",
+    "active_coils": 5.5,
+    "free_length": "52 mm",
+    "installed_length": "40 mm",
+}
+RATE = 77.2e9 * 4e-3**4 / (8.0 * 26e-3**3 * 5.5)
+MASS = 7850.0 * math.pi * 4e-3**2 / 4.0 * math.pi * 26e-3 * 5.5
+
+
+def read_spring(
+    folder: Path, base: str = "coil-clash", name: str = "spring", more: str = "", **wire: Any
+) -> Any:
+    file = folder / "wire.toml"
+    given = {key: value for key, value in (WIRE | wire).items() if value is not None}
+    lines = "\n".join(f"{key} = {value!r}" for key, value in given.items())
+    file.write_text(f'extends = "{base}"\n{more}\n[components.{name}.wire]\n{lines}\n'.replace("'", '"'))
+    table = load(file).components[name]
+    return table, to_numbers(table.resolve().parameters, table.parameters)
+
+
+def test_a_coil_spring_has_what_follows_from_its_wire(tmp_path: Path) -> None:
+    """The gaps of coil-clash give way to those of the wire."""
+    table, values = read_spring(tmp_path)
+    assert values["spring_rate"] == pytest.approx(RATE)
+    assert values["preload"] == pytest.approx(12e-3 * RATE)
+    # Lumped masses: see test_wire_spring.
+    assert values["surge_frequency"] == pytest.approx(0.5 * math.sqrt(RATE / MASS), rel=1e-6)
+    left = 52e-3 - (5.5 + 2.0) * 4e-3 - 12e-3
+    gaps = [values[f"gap[{i}]"] for i in range(1, 10)]
+    assert gaps == pytest.approx([left / 9.0] * 9)
+    assert table.notes == [
+        "its wire gives 25.56 N/mm, 379.7 Hz, 306.7 N installed (386.2 MPa), 10 mm until all coils touch"
+    ]
+
+
+def test_a_valve_spring_counts_its_installed_length_on_the_seat(tmp_path: Path) -> None:
+    """There it is compressed by the lash more than at position zero."""
+    more = '[components.valve_spring.parameters]\nlash = "0.2 mm"\nseat_stiffness = 2e7\n'
+    _, values = read_spring(tmp_path, "seat-and-lash", "valve_spring", more)
+    assert values["preload"] == pytest.approx((12e-3 - 0.2e-3) * RATE)
+    assert values["clash_clearance"] == pytest.approx(10e-3 + 0.2e-3)
+
+
+@pytest.mark.parametrize(
+    ("wire", "said"),
+    [
+        ({"diameter": "0 mm"}, "wire.diameter: 0 mm: must be > 0"),
+        ({"free_length": None}, "wire: needs pitch or free_length"),
+        ({"pitch": "8 mm"}, "wire.free_length: follows from the pitch; leave one of them out"),
+        ({"installed_length": "28 mm"}, "wire.installed_length: compresses its free length 52 mm by 24 mm"),
+        ({"mean_diameter": ["26 mm", "7 mm"]}, "wire: mean_diameter = 7 mm: must be at least twice"),
+        ({"endless_mean": "500 MPa"}, "wire: needs endless_amplitude and endless_mean together"),
+        ({"tensile_strength": "700 MPa"}, "wire.tensile_strength: the shear strength is 0.67 of the tensile"),
+        ({"material": "lead"}, "wire.material.*chrome-silicon"),
+        ({"coils": 5}, "wire.coils"),
+    ],
+)
+def test_wires_that_are_none(tmp_path: Path, wire: dict[str, Any], said: str) -> None:
+    with pytest.raises(ScenarioError, match=said):
+        read_spring(tmp_path, **wire)
+
+
+def test_what_follows_from_the_wire_is_not_given_beside_it(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"parameters.spring_rate: follows from the wire; leave one"):
+        read_spring(tmp_path, more="[components.spring.parameters]\nspring_rate = 3e4\n")
+    with pytest.raises(MistakeError, match="camshaft has none; leave it out, or take"):
+        read_spring(tmp_path, name="camshaft")
+
+
+def test_stress_and_safety_of_a_motion_are_those_of_its_forces() -> None:
+    """Goodman: 1/n = amplitude/S_e + mean/S_su, here of 100 to 300 MPa."""
+    wire = {"wire_stress": 1e6, "wire_amplitude": 400e6, "wire_strength": 1000e6}
+    system = System({"spring": Instance(CATALOGUE["coil_spring"](), wire)}, [])
+    columns = {"spring.force": np.array([100.0, 300.0, 200.0]), "spring.least_gap": np.ones(3)}
+    motion = Motion(system, np.arange(3.0), lambda name: columns.get(name, np.zeros(3)), None)
+    found = {name: value for _, name, _, value in measure(motion)}
+    assert found["largest_stress"] == (300e6, 1)
+    assert found["fatigue_safety"].value == pytest.approx(1.0 / (100.0 / 400.0 + 200.0 / 1000.0))
+    unknown = System({"spring": Instance(CATALOGUE["coil_spring"]())}, [])
+    plain = {
+        name: value.value for _, name, _, value in measure(Motion(unknown, motion.times, motion.column, None))
+    }
+    assert math.isnan(plain["largest_stress"])
+    assert math.isnan(plain["fatigue_safety"])
