@@ -34,7 +34,8 @@ INTEGERS = (
 
 @dataclass(frozen=True)
 class Variable:
-    """A scalar: a variable, or an element of an array of `size`, its `place` counted row by row."""
+    """A scalar: a variable, or an element of an array of `size`, its `place` counted row by row and its
+    `index` as its name ends: [1,2]."""
 
     name: str
     type: str
@@ -53,6 +54,12 @@ class Variable:
     size: int = 1
     items: tuple[tuple[str, int], ...] = ()  # of an enumeration, with their numbers
     relative: bool = False  # a difference: its unit's offset is ignored
+    index: str = ""
+
+    @property
+    def whole(self) -> str:
+        """The name of the array of which this is an element; its own if it is none."""
+        return self.name.removesuffix(self.index)
 
     @property
     def memory(self) -> tuple[str, int, int]:
@@ -342,6 +349,7 @@ def _list_scalars(variable: Any) -> Iterator[Variable]:
             size=size,
             items=items if variable.type == "Enumeration" else (),
             relative=bool(variable.relativeQuantity),
+            index=element,
         )
 
 

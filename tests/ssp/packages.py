@@ -18,12 +18,13 @@ HEAD = (
 def package(
     path: Path, elements: str, connections: str = "", *, inside: str = "", after: str = "",
     files: Mapping[str, bytes | str] | None = None, experiment: str = 'stopTime="1"', dictionaries: str = "",
+    version: str = "1.0",
 ) -> Path:  # fmt: skip
     """A package whose system has these elements and connections; `inside` comes before its elements, `after`
-    the system. Checked against the schema."""
+    the system. Checked against the schema of that version."""
     joined = f"<ssd:Connections>{connections}</ssd:Connections>" if connections else ""
     text = (
-        f'<ssd:SystemStructureDescription {HEAD} version="1.0" name="other">'
+        f'<ssd:SystemStructureDescription {HEAD} version="{version}" name="other">'
         f'<ssd:System name="root">{inside}<ssd:Elements>{elements}</ssd:Elements>{joined}{dictionaries}'
         f"</ssd:System>{after}"
         f"<ssd:DefaultExperiment {experiment}/></ssd:SystemStructureDescription>"

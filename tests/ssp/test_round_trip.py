@@ -24,15 +24,16 @@ from .schemas import assert_valid
 NAMES = mark_long(list_shipped(), ["coil-clash", "my-cam", "quarter-car"])
 
 
-def round_trip(scenario: Scenario, folder: Path) -> Scenario:
-    export(scenario, folder / "made.ssp", build_fmu)
+def round_trip(scenario: Scenario, folder: Path, version: str = "1.0") -> Scenario:
+    export(scenario, folder / "made.ssp", build_fmu, version)
     return load(folder / "made.ssp")
 
 
+@pytest.mark.parametrize("version", [pytest.param("1.0"), pytest.param("2.0", marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", NAMES)
-def test_every_shipped_scenario_comes_back(name, tmp_path):
+def test_every_shipped_scenario_comes_back(name, version, tmp_path):
     scenario = load(name)
-    back = round_trip(scenario, tmp_path)
+    back = round_trip(scenario, tmp_path, version)
     # An oil comes back as the parameters that it has become.
     assert back.model_dump() == scenario.model_dump()
     # Which says nothing of the order, by which some masters go.

@@ -118,9 +118,9 @@ def test_what_a_component_lacks_of_a_set_is_told(tmp_path, files, caplog):
 
 
 LATER = {
-    "the structure": ('version="1.0" name="other"', 'version="2.0" name="other"'),
-    "a set": ('version="1.0" name="set"', 'version="2.0" name="set"'),
-    "a value": ('<ssv:Real value="5"', '<ssv:Float64 value="5"'),
+    "the structure": ('version="1.0" name="other"', 'version="3.0" name="other"'),
+    "a set": ('version="1.0" name="set"', 'version="3.0" name="set"'),
+    "a value": ('<ssv:Real value="5"', '<ssv:Float128 value="5"'),
 }
 
 
@@ -130,7 +130,7 @@ def test_a_later_version_of_ssp_is_refused(old, new, tmp_path, files):
     path = package(tmp_path / "a.ssp", component("g", "gain", {"p": "parameter m"}, bound), files=files)
     replace_text(path, tmp_path / "b.ssp", old, new, "SystemStructure.ssd")
     with pytest.raises(
-        ScenarioError, match=r"is of SSP 2\.0; export|p: a value of type Float64; give one of SSP 1\.0"
+        ScenarioError, match=r"is of SSP 3\.0; export|p: a value of type Float128; give one of SSP 2\.0"
     ):
         load(tmp_path / "b.ssp")
 

@@ -10,11 +10,10 @@ from orchestrator.engine.step import Step
 from orchestrator.participants.protocol import Abilities
 from orchestrator.run.record import TextRecorder
 from orchestrator.scenario import ScenarioError
-from orchestrator.scenario.ssp import export
 from orchestrator.scenario.system import build_system
 
 from .public import public
-from .runs import CASES, find_texts, never, ran, scenario
+from .runs import CASES, find_texts, ran, scenario
 
 
 @pytest.mark.parametrize(("version", "process"), CASES)
@@ -117,10 +116,3 @@ def test_other_types_are_refused_by_name(line, said, tmp_path):
     one = scenario({"a": {"participant": path}, "b": {"participant": path}}, connections=[line])
     with pytest.raises(ScenarioError, match=said.replace("(", r"\(")):
         build_system(one)
-
-
-def test_a_package_has_no_texts(tmp_path):
-    table = {"participant": public("reference-fmus-3/Feedthrough.fmu")}
-    one = scenario({"a": table, "b": table}, connections=["a.String_output -> b.String_input"])
-    with pytest.raises(ScenarioError, match="packages are written with connections of numbers only"):
-        export(one, tmp_path / "one.ssp", never)

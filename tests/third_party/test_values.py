@@ -189,10 +189,3 @@ def test_a_public_state_space_takes_matrices(interface, tmp_path):
     np.testing.assert_allclose(found["one.y[1]"], first, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(found["one.y[2]"], 2.0 * t, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(found["one.y[3]"], 15.0, rtol=1e-15)
-
-
-def test_a_package_has_no_structural_parameters(tmp_path):
-    table = {"participant": fmu("sized", 3, tmp_path), "structure": {"n": 1}, "parameters": {"x0": 1.0}}
-    with pytest.raises(ScenarioError, match=r"one.structure: packages of SSP 1.0 have no"):
-        export(scenario({"one": table}), tmp_path / "one.ssp", never)
-    assert not (tmp_path / "one.ssp").exists()

@@ -18,16 +18,21 @@ def ssp_export(
         list[str] | None,
         typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario, as for run."),
     ] = None,
+    version: Annotated[
+        str, typer.Option(help="Of SSP: 1.0, or 2.0 for arrays and types of FMI 3.0.")
+    ] = "1.0",
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")] = False,
 ) -> None:
     """Write a scenario as an SSP package with its FMUs, for other tools."""
-    from orchestrator.errors import REPLACE, MistakeError, Option, another
+    from orchestrator.errors import REPLACE, MistakeError, Option, another, one_of
     from orchestrator.scenario.files import load
-    from orchestrator.scenario.ssp import export
+    from orchestrator.scenario.ssp import VERSIONS, export
     from orchestrator.store.output_folder import writing
 
     from ..cached_fmus import build_fmu
 
+    if version not in VERSIONS:
+        raise MistakeError((Option("version", version), f": {one_of(VERSIONS)}"))
     loaded = load(scenario, set_ or [])
     target = out or Path(f"{loaded.name}.ssp")
     if target.suffix != ".ssp":
@@ -36,7 +41,7 @@ def ssp_export(
     if target.exists() and not overwrite:
         raise MistakeError(f"{target}: is already there", another(), REPLACE)
     with writing(target):
-        export(loaded, target, build_fmu)
+        export(loaded, target, build_fmu, version)
     show(target)
 
 

@@ -51,13 +51,14 @@ def expand_tag(name: str) -> str:
 
 def add_element(parent: Any, name: str, /, **attributes: Any) -> Any:
     """A child of `parent`, if there is one, with attributes: numbers to the last bit; None leaves one out."""
-    written = {key: _format(value) for key, value in attributes.items() if value is not None}
+    written = {key: format_value(value) for key, value in attributes.items() if value is not None}
     if parent is None:
         return ElementTree.Element(expand_tag(name), written)
     return ElementTree.SubElement(parent, expand_tag(name), written)
 
 
-def _format(value: Any) -> str:
+def format_value(value: Any) -> str:
+    """As attributes have it."""
     if isinstance(value, bool):
         return str(value).lower()
     return repr(value) if isinstance(value, float) else str(value)

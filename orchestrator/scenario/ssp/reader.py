@@ -17,7 +17,6 @@ from models.core.system import suggestion
 
 from ...participants.description import (
     CO_SIMULATION,
-    INTEGERS,
     MODEL_EXCHANGE,
     Description,
     DescriptionError,
@@ -25,15 +24,14 @@ from ...participants.description import (
 )
 from ...participants.third_party import ThirdPartyComponent, read_component
 from ...texts import parse_json
-from .. import Line, ScenarioError
+from .. import ScenarioError
 from ..component_table import KINDS
-from ..conversion import convert_units, explain_differences
-from ..side_lines import list_side_variables
 from ..values import WithUnit, build_component
+from .lines import build_lines, get_units
 from .names import NAMESPACES, OURS, STRUCTURE
 from .schema import find_schema_fault
 from .structure import Path as Place
-from .structure import Port, Structure, read_structure, trace_back
+from .structure import Structure, read_structure
 from .unpack import unpack, unpack_into_cache
 from .values import StatedValue, read_values
 from .writer import START
@@ -74,7 +72,7 @@ def _read_folder(name: str, folder: Path) -> dict[str, Any]:
         # Something is missing or is no number; what, the schema says better.
         said = error.args[0] if isinstance(error, KeyError) else error
         fault = find_schema_fault(folder) or said
-        raise ScenarioError(f"{name}: not as SSP 1.0 has it: {fault}; correct it") from None
+        raise ScenarioError(f"{name}: not as SSP has it: {fault}; correct it") from None
 
 
 def _read(name: str, folder: Path) -> dict[str, Any]:
@@ -98,13 +96,16 @@ def _read(name: str, folder: Path) -> dict[str, Any]:
     # An equilibrium is found again by the run.
     values = read_values(found, read, name, f"{START}.ssv" if settings.get("start") == "equilibrium" else "")
     tables = _build_tables(found, fmus, settings, name)
+    for path, own in _name_components(fmus).items():
+        if not tables[own].get("component"):
+            _set_sizes(tables[own], values.get(path, {}), f"{name}: {own}")
     parts = {path: _find_component(tables[own], name, own) for path, own in _name_components(fmus).items()}
     content = settings or _build_defaults(found, fmus, name)
     content["components"] = tables
     names = _name_components(fmus)
     for path, stated in values.items():
         _set_values(tables[names[path]], parts[path], stated, f"{name}: {names[path]}")
-    lines = _build_lines(found, parts, names, name)
+    lines = build_lines(found, parts, names, name)
     for line in lines:
         target, _, variable = line.target.partition(".")
         if tables[target].get("inputs", {}).pop(variable, None) is not None:
@@ -183,7 +184,8 @@ def _find_component(table: Mapping[str, Any], where: str, name: str) -> Componen
     try:
         if table.get("component"):
             return build_component(table["component"], tuple(sorted(table.get("structure", {}).items())))
-        return read_component(Path(table["participant"]), table.get("interface", CO_SIMULATION))
+        sizes = {name: int(size) for name, size in table.get("structure", {}).items()}
+        return read_component(Path(table["participant"]), table.get("interface", CO_SIMULATION), sizes)
     except ValueError as error:
         raise ScenarioError(f"{where}: {name}: {error}") from None
 
@@ -223,20 +225,29 @@ def _find_step(found: Structure, about: list[Description]) -> float:
     return min((one.step for one in about if one.step), default=0.0)
 
 
+def _set_sizes(table: dict[str, Any], stated: dict[str, StatedValue], where: str) -> None:
+    """Move the values of structural parameters, on which the other variables depend, to their place."""
+    about = _read_description(Path(table["participant"]), where)
+    for name in [name for name in stated if name in about.structural]:
+        value = stated.pop(name).value
+        if not isinstance(value, float) or value != int(value):
+            raise ScenarioError(f"{where}: {name} = {value}: must be a whole number; correct it")
+        table.setdefault("structure", {})[name] = int(value)
+
+
 def _set_values(
     table: dict[str, Any], component: Component, stated: Mapping[str, StatedValue], where: str
 ) -> None:
     """Put values where a scenario has them."""
     layouts = {"parameters": component.parameters, "inputs": component.inputs, "start": component.state}
-    third_party = isinstance(component, ThirdPartyComponent)
-    texts = component.about.strings if isinstance(component, ThirdPartyComponent) else []
+    about = component.about if isinstance(component, ThirdPartyComponent) else None
+    texts = about.strings if about else []
     for variable, one in stated.items():
         places = [
             (key, name)
             for key, layout in layouts.items()
             for name in layout.variables
-            if variable
-            == (name if third_party or key != "start" else layout.field(name).add_suffix("_start"))
+            if variable == (name if about or key != "start" else layout.field(name).add_suffix("_start"))
         ]
         if not places and variable not in texts:
             # Sets are often shared between components, and larger than each.
@@ -254,8 +265,7 @@ def _set_values(
                 f"{where}: {variable} is {here} in the set, but {there} in the FMU; correct it"
             )
         if one.plain:
-            assert isinstance(component, ThirdPartyComponent)
-            driven = component.about.variables[variable].causality == "input"
+            driven = about is not None and about.variables[variable].causality == "input"
             place = "inputs" if driven else "parameters"
             table.setdefault(place, {})[variable] = one.value
             continue
@@ -263,11 +273,14 @@ def _set_values(
         quantity = layouts[key].field(name).quantity
         value = one.value
         if isinstance(value, str) and not quantity.choices:
-            if value not in (one.items or {}):
+            # The variable's own numbers decide, says the standard.
+            own = about.variables[variable].items if about else ()
+            items = (one.items or {}) | dict(own)
+            if value not in items:
                 raise ScenarioError(
                     f"{where}: {variable}: enumeration item {value!r} is not defined; define it"
                 )
-            value = float((one.items or {})[value])
+            value = float(items[value])
         if isinstance(value, float) or (isinstance(value, bool) and one.way):
             value = _transform(float(value), one, quantity, component, f"{where}: {variable}")
         table.setdefault(key, {})[name] = value
@@ -275,104 +288,7 @@ def _set_values(
 
 def _transform(value: float, one: StatedValue, quantity: Quantity, component: Component, where: str) -> float:
     try:
-        made = one.convert(value, quantity.unit, _get_units(component), quantity.relative)
+        made = one.convert(value, quantity.unit, get_units(component), quantity.relative)
     except ValueError as error:
         raise ScenarioError(f"{where}: {error}; correct it") from None
     return WithUnit(made)  # in the FMU's, as SSP has it
-
-
-def _get_units(component: Component) -> dict[str, Any]:
-    return dict(component.about.units) if isinstance(component, ThirdPartyComponent) else {}
-
-
-def _build_lines(
-    found: Structure, parts: Mapping[Place, Component], names: Mapping[Place, str], where: str
-) -> list[Line]:
-    """The connections between components, through whatever systems they pass."""
-    lines = []
-    for target in found.edges:
-        if target.path not in parts:
-            continue
-        side = target.connector in list_side_variables(parts[target.path], "input")
-        if not side and target.connector not in parts[target.path].inputs:
-            _check_parameter(found, target, where)
-            continue
-        steps = list(trace_back(found, target))[::-1]
-        source = steps[0][1].source
-        if source.path not in parts:
-            continue  # an input of the whole, which nothing drives here
-        outputs = parts[source.path].outputs.names
-        sides = list_side_variables(parts[source.path], "output")
-        if source.connector not in (*outputs, *sides):
-            raise ScenarioError(
-                f"{where}: the connection from {source} to {target}: {names[source.path]} has no output "
-                f"{source.connector!r}; {suggestion(source.connector, outputs)}"
-            )
-        ends = f"{names[source.path]}.{source.connector}", f"{names[target.path]}.{target.connector}"
-        plain = side or source.connector in sides
-        if plain:
-            lines.append(Line(*ends))
-            continue
-        line = _build_line(found, parts, steps, ends, where)
-        if line.factor is None and (types := _find_types(parts, source, target)):
-            _log.warning("%s: %s: the number goes as it is, from %s to %s", where, line, *types)
-            line = Line(*ends, 1.0)
-        lines.append(line)
-    return lines
-
-
-def _find_types(parts: Mapping[Place, Component], *ports: Port) -> list[str]:
-    """The types of whole numbers and enumerations at both ends of a connection, if they differ."""
-    ends = [(parts[port.path], port.connector) for port in ports]
-    types = [part.about.variables[name].type for part, name in ends if isinstance(part, ThirdPartyComponent)]
-    return types if len(set(types) & set(INTEGERS)) == len(ends) else []
-
-
-def _check_parameter(found: Structure, target: Port, where: str) -> None:
-    """ScenarioError where a component's parameter would have to follow another's variable."""
-    *_, (_, edge) = trace_back(found, target)
-    if edge.source.path in found.components:
-        raise ScenarioError(
-            f"{where}: {edge.source} goes to {target}, which is no input; only inputs are connected here, "
-            "give it as a value"
-        )
-
-
-def _build_line(
-    found: Structure,
-    parts: Mapping[Place, Component],
-    steps: list[tuple[Port, Any]],
-    ends: tuple[str, str],
-    where: str,
-) -> Line:
-    """The connections `steps`, one after the other, as one."""
-    if len(steps) == 1 and steps[0][1].suppressed:
-        factor, offset = steps[0][1].factor, steps[0][1].offset
-        return Line(*ends, 1.0 if factor is None and offset is None else factor, offset)
-    source, target = parts[steps[0][1].source.path], parts[steps[-1][0].path]
-    given = source.outputs.field(steps[0][1].source.connector).quantity
-    wanted = target.inputs.field(steps[-1][0].connector).quantity
-    first, last = given.unit, wanted.unit
-    units = {**_get_units(source), **_get_units(target), **found.units}
-    unit = found.connector_units.get(steps[0][1].source) or first
-    if unit == first and all(
-        edge.factor is edge.offset is None
-        and not edge.suppressed
-        and (found.connector_units.get(port) or unit) in (unit, last)
-        for port, edge in steps
-    ):
-        return Line(*ends)  # whose units the scenario converts
-    factor, offset = 1.0, 0.0
-    for port, edge in steps:
-        into = found.connector_units.get(port) or (last if port == steps[-1][0] else unit)
-        if unit and into and unit != into and not edge.suppressed:
-            linear = convert_units(unit, units, into, units, given.relative and wanted.relative)
-            if linear is None:
-                raise ScenarioError(f"{where}: {port}: unit {unit} does not fit {into}; correct it")
-            if linear.offset and given.relative != wanted.relative:
-                raise ScenarioError(f"{where}: {explain_differences(*ends, given.relative)}")
-            factor, offset = linear.factor * factor, linear.factor * offset + linear.offset
-        scale = 1.0 if edge.factor is None else edge.factor
-        factor, offset = scale * factor, scale * offset + (edge.offset or 0.0)
-        unit = into or unit
-    return Line(*ends, factor, offset or None)

@@ -5,12 +5,12 @@ A path is the names of systems and component from the outside in. What is not su
 
 import posixpath
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 from urllib.parse import unquote
 from xml.etree import ElementTree
 
-from ...participants.description import Unit
+from ...participants.description import REALS, Unit
 from .. import ScenarioError
 from .names import DEFINITION_TYPE, FMU_TYPE, PACKAGE_TYPE, STRUCTURE, UNPACKED, correct_tag, expand_tag
 from .tables import find_table, to_line
@@ -34,6 +34,16 @@ class Port(NamedTuple):
 
     def __str__(self) -> str:
         return ".".join((*self.path, self.connector))
+
+    @property
+    def array(self) -> "Port":
+        """The connector of the whole array of which this is an element."""
+        return Port(self.path, self.connector.rpartition("[")[0])
+
+    def pick(self, element: "Port") -> "Port":
+        """The element of this array with the index of another's `element`."""
+        index = element.connector.removeprefix(element.array.connector)
+        return Port(self.path, self.connector + index)
 
 
 @dataclass(frozen=True)
@@ -67,6 +77,25 @@ class Structure:
     experiment: dict[str, float] = field(default_factory=dict)
     annotations: list[Any] = field(default_factory=list)
 
+    def get_unit(self, port: Port) -> str:
+        """That the connector states, or its array's."""
+        return self.connector_units.get(port) or self.connector_units.get(port.array, "")
+
+    def find_edge(self, target: Port) -> Edge | None:
+        """The connection to a connector, or to the same element through its array."""
+        whole = self.edges.get(target.array)
+        if target in self.edges or whole is None:
+            return self.edges.get(target)
+        return replace(whole, source=whole.source.pick(target))
+
+    def list_edges(self, source: Port) -> Iterator[tuple[Port, Edge]]:
+        """Where connections from a connector end, or from its element through its array; and they."""
+        for target, edge in self.edges.items():
+            if edge.source == source:
+                yield target, edge
+            elif edge.source == source.array:
+                yield target.pick(source), edge
+
 
 def parse_xml(content: bytes, what: str) -> Any:
     """The root element; ScenarioError if it is no XML."""
@@ -81,10 +110,10 @@ def parse_xml(content: bytes, what: str) -> Any:
 
 
 def check_version(root: Any, where: str) -> None:
-    """ScenarioError for a file of a later SSP, whose types and arrays would be missed."""
+    """ScenarioError for a file of a later SSP, of which something could be missed."""
     version = root.get("version") or "1.0"
-    if version[:1].isdigit() and not version.startswith("1."):
-        raise ScenarioError(f"{where}: is of SSP {version}; export it as SSP 1.0")
+    if version[:1].isdigit() and not version.startswith(("1.", "2.")):
+        raise ScenarioError(f"{where}: is of SSP {version}; export it as SSP 2.0")
 
 
 def read_structure(files: Files, where: str) -> Structure:
@@ -166,8 +195,14 @@ class _SystemReader:
                 f"{shown}: a component of type {kind}",
                 "components are FMUs or SSP systems here; put its content into this file",
             )
-        if element.get("implementation") == "ModelExchange":
+        implementation = element.get("implementation")
+        if implementation == "ModelExchange":
             self._found.integrated.add(path)
+        if implementation == "ScheduledExecution":
+            raise self._refuse(
+                f"{shown}: implementation 'ScheduledExecution'",
+                "give it as CoSimulation or ModelExchange",
+            )
         self._found.components[path] = resolve_source(source, f"{self._where}: {shown}")
         self._read_connectors(element, path)
         self._read_bindings(element, path)
@@ -199,9 +234,10 @@ class _SystemReader:
             self._read_unit(connector, port)
 
     def _read_unit(self, element: Any, port: Port) -> None:
-        real = element.find(expand_tag("ssc:Real"))
-        if real is not None and real.get("unit"):
-            self._found.connector_units[port] = real.get("unit")
+        for kind in REALS:
+            real = element.find(expand_tag(f"ssc:{kind}"))
+            if real is not None and real.get("unit"):
+                self._found.connector_units[port] = real.get("unit")
 
     def _read_dictionary(self, element: Any, path: Path) -> str:
         """Read the units of a signal dictionary's entries; the name by which it is known here."""
@@ -220,6 +256,8 @@ class _SystemReader:
     def _read_connection(self, connection: Any, path: Path, places: dict[str, Path]) -> None:
         def port(side: str) -> Port:
             element, connector = connection.get(f"{side}Element"), connection.get(f"{side}Connector")
+            if indices := connection.get(f"{side}Indices", "").split():
+                connector = f"{connector}[{','.join(indices)}]"
             if not element:  # some tools write an empty name
                 return Port(path, connector)
             if element not in places:
@@ -242,7 +280,7 @@ class _SystemReader:
     def _receives(self, port: Port, system: Path) -> bool:
         """Whether a connection within the system leads to this connector, by its kind."""
         kinds = RECEIVING_OF_SYSTEM if port.path == system else RECEIVING
-        return self._found.kinds.get(port) in kinds
+        return (self._found.kinds.get(port) or self._found.kinds.get(port.array)) in kinds
 
 
 def read_transformation(element: Any, where: str) -> tuple[float | None, float | None]:
@@ -297,9 +335,8 @@ def read_enumerations(root: Any) -> dict[str, dict[str, int]]:
 def trace_back(found: Structure, target: Port) -> Iterator[tuple[Port, Edge]]:
     """The connections that lead to `target`, from it backwards: the connector at the end of each, and it."""
     seen = set()
-    while target in found.edges and target not in seen:
+    while (edge := found.find_edge(target)) and target not in seen:
         seen.add(target)
-        edge = found.edges[target]
         yield target, edge
         target = edge.source
         if target.path in found.components:

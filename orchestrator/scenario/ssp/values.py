@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any, NamedTuple
 
-from ...participants.description import BINARY, STRING, Unit
+from ...participants.description import BINARY, BOOLEANS, INTEGERS, REALS, STRING, Unit
 from .. import ScenarioError
 from ..conversion import convert_units
 from .names import VALUES_TYPE, expand_tag
@@ -28,7 +30,8 @@ from .tables import find_table, look_up
 Number = float | bool | str
 SUPPRESSED = ("true", "1")
 # Elements of a parameter that are no value.
-ABOUT = ("Annotations",)
+ABOUT = ("Dimension", "Annotations", "MetaData", "Signature")
+ENUMERATION = "Enumeration"
 _log = logging.getLogger("tribocosim")
 
 
@@ -119,21 +122,23 @@ def _read_binding(
     else:
         entries = mapping.find(expand_tag("ssm:ParameterMapping"))
     listed = () if entries is None else entries.findall(expand_tag("ssm:MappingEntry"))
-    for name in dict.fromkeys(entry.get("source") for entry in listed):
-        if name not in stated:
-            _log.warning("%s: the mapping's source %r is no parameter of the set: left out", where, name)
     for entry in listed:
-        name = entry.get("source")
-        if name not in stated:
-            continue
-        suppressed = entry.get("suppressUnitConversion") in SUPPRESSED
-        if table := find_table(entry):
-            value = look_up(*table, stated[name].value, f"{where}: {name}")
-            way = Conversion("", suppressed=suppressed)
-            yield entry.get("target"), replace(stated[name], value=value, way=(way,))
-            continue
-        way = Conversion("", *read_transformation(entry, f"{where}: {name}"), suppressed)
-        yield entry.get("target"), replace(stated[name], way=(way,))
+        source = entry.get("source")
+        elements = [name for name in stated if source in (name, name.rpartition("[")[0])]
+        if not elements:
+            _log.warning("%s: the mapping's source %r is no parameter of the set: left out", where, source)
+        for name in elements:
+            target = entry.get("target") + name.removeprefix(source)
+            yield target, _map(stated[name], entry, f"{where}: {name}")
+
+
+def _map(stated: StatedValue, entry: Any, where: str) -> StatedValue:
+    """What a mapping's entry makes of a value."""
+    suppressed = entry.get("suppressUnitConversion") in SUPPRESSED
+    if table := find_table(entry):
+        value = look_up(*table, stated.value, where)
+        return replace(stated, value=value, way=(Conversion("", suppressed=suppressed),))
+    return replace(stated, way=(Conversion("", *read_transformation(entry, where), suppressed),))
 
 
 def _read_file(element: Any, source: str, files: Files, where: str) -> bytes:
@@ -152,21 +157,41 @@ def _read_set(root: Any, found: Structure, where: str) -> Iterator[tuple[str, St
     enumerations = found.enumerations | read_enumerations(root)
     for parameter in root.iter(expand_tag("ssv:Parameter")):
         name = parameter.get("name")
+        shape = [int(one.get("size")) for one in parameter.findall(expand_tag("ssc:Dimension"))]
         for child in parameter:
-            kind, text = child.tag.rpartition("}")[2], child.get("value")
-            if kind == "Real":
-                unit = child.get("unit") or ""
-                yield name, StatedValue(float(text), unit[1:-1] if unit in bracketed else unit, units)
-            elif kind == "Integer":
-                yield name, StatedValue(float(int(text)))
-            elif kind == "Boolean":
-                yield name, StatedValue(text in ("true", "1"))
-            elif kind == "Enumeration":
-                yield name, StatedValue(text, items=enumerations.get(child.get("name") or name))
-            elif kind in (STRING, BINARY):
-                yield name, StatedValue(text, plain=True)
-            elif kind not in ABOUT:
-                raise ScenarioError(f"{where}: {name}: a value of type {kind}; give one of SSP 1.0")
+            kind = child.tag.rpartition("}")[2]
+            if kind in ABOUT:
+                continue
+            texts = [one.get("value") for one in child] or [child.get("value")]
+            if kind in (*REALS, *INTEGERS, *BOOLEANS) and kind != ENUMERATION:
+                texts = texts[0].split()
+            unit = child.get("unit") or ""
+            unit = unit[1:-1] if unit in bracketed else unit
+            items = enumerations.get(child.get("name") or name) if kind == ENUMERATION else None
+            for element, text in zip(_list_elements(name, shape, texts, where), texts, strict=True):
+                if kind in REALS:
+                    yield element, StatedValue(float(text), unit, units)
+                elif kind == ENUMERATION:
+                    yield element, StatedValue(text, items=items)
+                elif kind in INTEGERS:
+                    yield element, StatedValue(float(int(text)))
+                elif kind in BOOLEANS:
+                    yield element, StatedValue(text in ("true", "1"))
+                elif kind in (STRING, BINARY):
+                    yield element, StatedValue(text, plain=True)
+                else:
+                    raise ScenarioError(f"{where}: {name}: a value of type {kind}; give one of SSP 2.0")
+
+
+def _list_elements(name: str, shape: list[int], texts: list[str], where: str) -> list[str]:
+    """The names of a parameter's elements, row by row; its own if it is no array."""
+    if not shape and len(texts) == 1:
+        return [name]
+    shape = shape or [len(texts)]
+    if math.prod(shape) != len(texts):
+        sizes = " x ".join(map(str, shape))
+        raise ScenarioError(f"{where}: {name} has {len(texts)} values: must be {sizes}; correct it")
+    return [f"{name}[{','.join(map(str, one))}]" for one in product(*(range(1, n + 1) for n in shape))]
 
 
 def _is_bracketed(unit: str, units: dict[str, Unit]) -> bool:
@@ -182,14 +207,12 @@ def _find_targets(
     if path in found.components:
         yield path, name, stated
         return
-    if port in found.kinds:
-        entered = stated.enter(found.connector_units.get(port))
-        for target, edge in found.edges.items():
-            if edge.source == port:
-                into = found.connector_units.get(target, "")
-                step = Conversion(into, edge.factor, edge.offset, edge.suppressed)
-                arrived = replace(entered, way=(*entered.way, step))
-                yield from _find_targets(found, target.path, target.connector, arrived, where)
+    if port in found.kinds or port.array in found.kinds:
+        entered = stated.enter(found.get_unit(port))
+        for target, edge in found.list_edges(port):
+            step = Conversion(found.get_unit(target), edge.factor, edge.offset, edge.suppressed)
+            arrived = replace(entered, way=(*entered.way, step))
+            yield from _find_targets(found, target.path, target.connector, arrived, where)
         return
     if "." not in name:
         raise ScenarioError(f"{where}: no parameter {name!r}; name a connector, or ELEMENT.PARAMETER")

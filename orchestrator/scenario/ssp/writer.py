@@ -10,20 +10,31 @@ import io
 import json
 import re
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from models.core.quantities import Quantity
-from models.core.system import Instance, System
+from models.core.system import Instance
 
 from ...engine.instants import SideLines
-from ...participants.description import BOOLEANS, CLOCK, REALS, Description, Variable, read_description
+from ...errors import Option
+from ...participants.description import (
+    BINARY,
+    BOOLEANS,
+    CLOCK,
+    REALS,
+    STRING,
+    Description,
+    Variable,
+    read_description,
+)
+from ...participants.description3 import STRUCTURAL
 from ...participants.open_fmu import collect_settings
 from ...store.atomic_write import replace
-from .. import ComponentTable, Scenario, ScenarioError, parse_line
-from ..system import Builder, assemble, resolve_start
+from .. import ComponentTable, Line, Scenario, ScenarioError, parse_line
+from ..system import Assembly, Builder, assemble, resolve_start
 from .names import (
     FMU_TYPE,
     OMSIMULATOR,
@@ -33,9 +44,13 @@ from .names import (
     STRUCTURE,
     VALUES_TYPE,
     add_element,
+    format_value,
     to_bytes,
 )
 
+# Of the standard, the default first, which most tools read.
+VERSIONS = ("1.0", "2.0")
+OF_2 = "use ", Option("version", VERSIONS[1])
 # A fixed date: the same scenario gives the same bytes.
 _DATE = (1980, 1, 1, 0, 0, 0)
 
@@ -53,26 +68,33 @@ class PackedFmu:
         return hashlib.sha256(self.content).hexdigest()
 
 
-def export(scenario: Scenario, target: Path, build: Builder) -> None:
-    """Write the scenario to `target`, whole or not at all; ScenarioError or ModelError if it cannot run."""
+def export(scenario: Scenario, target: Path, build: Builder, version: str = VERSIONS[0]) -> None:
+    """Write the scenario to `target`, whole or not at all, as SSP of that version.
+
+    ScenarioError or ModelError if it cannot run, ScenarioError for what SSP 1.0 does not have.
+    """
     assembly = assemble(scenario)
     system = assembly.system
-    _check_packable(scenario, assembly.side_lines)
+    if version == "1.0":
+        _check_packable(scenario, assembly.side_lines)
     fmus = _pack(scenario, build)
     files = {fmu.source: fmu.content for fmu in fmus.values()}
     bindings: dict[str, list[str]] = {name: [] for name in scenario.components}
     resting = scenario.start == "equilibrium"
     started = resolve_start(scenario, system) if resting else system
     for name, instance in system.instances.items():
-        stated: dict[str, Any] = {**_collect_values(instance), **scenario.components[name].strings}
+        table = scenario.components[name]
+        sizes = table.structure if table.third_party else {}
+        stated: dict[str, Any] = {**sizes, **_collect_values(instance), **table.strings}
         rest = collect_settings(started.instances[name]).values if resting else {}
         computed = {key: value for key, value in rest.items() if key not in instance.parameters}
         for suffix, values in (("", stated), (START, computed)):
             if values:
                 path = f"{RESOURCES}/{name}{suffix}.ssv"
-                files[path] = _write_parameter_set(SET, values, fmus[name].about, instance)
+                files[path] = _write_parameter_set(values, fmus[name].about, instance, version)
                 bindings[name].append(path)
-    files = {STRUCTURE: to_bytes(_write_structure(scenario, system, fmus, bindings)), **files}
+    structure = _write_structure(scenario, assembly, fmus, bindings, version)
+    files = {STRUCTURE: to_bytes(structure), **files}
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, content in files.items():
@@ -88,13 +110,11 @@ def _check_packable(scenario: Scenario, sides: SideLines) -> None:
     for name, table in scenario.components.items():
         if table.third_party and table.structure:
             raise ScenarioError(
-                f"components.{name}.structure: packages of SSP 1.0 have no structural parameters; leave it "
-                "out, or give the scenario with its FMUs"
+                f"components.{name}.structure: packages of SSP 1.0 have no structural parameters", OF_2
             )
     if found := [*sides.clocks, *sides.texts]:
         raise ScenarioError(
-            f"{found[0].source} -> {found[0].target}: packages are written with connections of numbers only; "
-            "leave it out, or give the scenario with its FMUs"
+            f"{found[0].source} -> {found[0].target}: packages of SSP 1.0 connect numbers only", OF_2
         )
 
 
@@ -126,7 +146,8 @@ def _pack(scenario: Scenario, build: Builder) -> dict[str, PackedFmu]:
         if digest not in places:
             taken = sum(place.startswith(f"{RESOURCES}/{stem}.") for place in places.values())
             places[digest] = f"{RESOURCES}/{stem}.{taken}.fmu" if taken else f"{RESOURCES}/{stem}.fmu"
-        packed[name] = PackedFmu(places[digest], content, read_description(path))
+        about = table.describe() if table.third_party else read_description(path)
+        packed[name] = PackedFmu(places[digest], content, about)
     return packed
 
 
@@ -137,17 +158,43 @@ def _collect_values(instance: Instance) -> dict[str, float]:
 
 
 def _write_parameter_set(
-    name: str, values: Mapping[str, float | str], about: Description, instance: Instance
+    values: Mapping[str, float | str], about: Description, instance: Instance, version: str
 ) -> bytes:
-    root = add_element(None, "ssv:ParameterSet", version="1.0", name=name)
+    root = add_element(None, "ssv:ParameterSet", version=version, name=SET)
     parameters = add_element(root, "ssv:Parameters")
-    for key, value in values.items():
-        parameter = add_element(parameters, "ssv:Parameter", name=key)
-        kind, written = about.variables[key].type, value
-        if not isinstance(value, str):
-            kind, written = _format_value(about.variables[key], _find_quantity(instance, key), value)
-        add_element(parameter, f"ssv:{kind}", value=written)
+    for name, elements in _list_wholes(about, values, version).items():
+        parameter = add_element(parameters, "ssv:Parameter", name=name)
+        written = [
+            _format_value(v, _find_quantity(instance, v.name), values.get(v.name, v.start or 0.0), version)
+            for v in elements
+        ]
+        kind, value = written[0]
+        if len(elements) == 1:
+            add_element(parameter, f"ssv:{kind}", value=value)
+        elif isinstance(value, str):
+            several = add_element(parameter, f"ssv:{kind}")
+            for _, one in written:
+                add_element(several, "ssv:Value", value=one)
+        else:
+            add_element(parameter, f"ssv:{kind}", value=" ".join(format_value(one) for _, one in written))
+        _write_dimensions(parameter, elements)
     return to_bytes(root)
+
+
+def _list_wholes(about: Description, names: Iterable[str], version: str) -> dict[str, list[Variable]]:
+    """The variables of these names; those of SSP 2.0 are whole arrays, with all their elements row by row."""
+    if version == "1.0":
+        return {name: [about.variables[name]] for name in names}
+    arrays: dict[str, list[Variable]] = {}
+    for variable in about.variables.values():
+        arrays.setdefault(variable.whole, []).append(variable)
+    return {(whole := about.variables[name].whole): arrays[whole] for name in names}
+
+
+def _write_dimensions(parent: Any, elements: list[Variable]) -> None:
+    if elements[0].name != elements[0].whole and parent.get("name") == elements[0].whole:
+        for size in elements[-1].index.strip("[]").split(","):
+            add_element(parent, "ssc:Dimension", size=size)
 
 
 def _find_quantity(instance: Instance, name: str) -> Quantity | None:
@@ -155,32 +202,60 @@ def _find_quantity(instance: Instance, name: str) -> Quantity | None:
     return layout.field(name).quantity if name in layout else None
 
 
-def _format_value(variable: Variable, quantity: Quantity | None, value: float) -> tuple[str, Any]:
+def _format_value(
+    variable: Variable, quantity: Quantity | None, value: float | str, version: str
+) -> tuple[str, Any]:
     """Type and value of a parameter."""
+    kind = _get_type(variable, quantity, version)
+    if isinstance(value, str):
+        return kind, value
     if variable.type in (*REALS, CLOCK):  # of a clock its interval
-        return "Real", float(value)
+        return "Real" if variable.type == CLOCK else kind, float(value)
     if variable.type in BOOLEANS:
-        return "Boolean", bool(value)
+        return kind, bool(value)
+    if kind == "Enumeration":
+        return kind, next(name for name, number in _list_items(variable, quantity) if number == value)
+    return kind, int(value)
+
+
+def _list_items(variable: Variable, quantity: Quantity | None) -> tuple[tuple[str, int], ...]:
+    """Of an enumeration, with their numbers."""
+    choices = quantity.choices if quantity is not None else ()
+    return tuple((name, number) for number, name in enumerate(choices)) or variable.items
+
+
+def _get_type(variable: Variable, quantity: Quantity | None, version: str) -> str:
+    """The standard's. Enumerations without items go as numbers, third-party FMUs' in SSP 1.0 all do."""
     if quantity is not None and quantity.choices:
-        return "Enumeration", quantity.choices[int(value)]
-    return "Integer", int(value)
+        return "Enumeration"
+    if version != "1.0":
+        return variable.type if variable.type != "Enumeration" or variable.items else "Integer"
+    if variable.type in REALS:
+        return "Real"
+    return variable.type if variable.type in (*BOOLEANS, STRING, BINARY, CLOCK) else "Integer"
 
 
 def _write_structure(
-    scenario: Scenario, system: System, fmus: Mapping[str, PackedFmu], bindings: Mapping[str, list[str]]
+    scenario: Scenario,
+    assembly: Assembly,
+    fmus: Mapping[str, PackedFmu],
+    bindings: Mapping[str, list[str]],
+    version: str,
 ) -> Any:
+    system, sides = assembly.system, assembly.side_lines
     root = add_element(
         None,
         "ssd:SystemStructureDescription",
-        version="1.0",
+        version=version,
         name=re.sub(r"\W", "_", scenario.name),  # OMSimulator takes identifiers only
         description=scenario.description or None,
         generationTool="tribocosim",
     )
     whole = add_element(root, "ssd:System", name="system")
     elements = add_element(whole, "ssd:Elements")
-    driven = {str(connection.target) for connection in system.connections}
-    enumerations: dict[str, tuple[str, ...]] = {}
+    lines = [*system.connections, *sides.clocks, *sides.texts]
+    connected = {str(port) for line in lines for port in (line.source, line.target)}
+    enumerations: dict[str, tuple[tuple[str, int], ...]] = {}
     for name, instance in system.instances.items():
         fmu = fmus[name]
         component = add_element(
@@ -189,21 +264,23 @@ def _write_structure(
             name=name,
             type=FMU_TYPE,
             source=fmu.source,
-            implementation="CoSimulation",
+            implementation="ModelExchange" if fmu.about.integrated else "CoSimulation",
         )
         connectors = add_element(component, "ssd:Connectors")
-        for variable in fmu.about.variables.values():
-            if kind := _get_connector_kind(name, variable, driven, instance):
-                connector = add_element(connectors, "ssd:Connector", name=variable.name, kind=kind)
-                _write_type(connector, variable, _find_quantity(instance, variable.name), enumerations)
+        for called, variables in _list_wholes(fmu.about, fmu.about.variables, version).items():
+            if kind := _get_connector_kind(name, variables, connected, version):
+                connector = add_element(connectors, "ssd:Connector", name=called, kind=kind)
+                quantity = _find_quantity(instance, variables[0].name)
+                _write_type(connector, variables[0], quantity, enumerations, version)
+                _write_dimensions(connector, variables)
         if bindings[name]:
             sets = add_element(component, "ssd:ParameterBindings")
             for path in bindings[name]:
                 add_element(sets, "ssd:ParameterBinding", type=VALUES_TYPE, source=path)
-    if system.connections:
+    if lines:
         connections = add_element(whole, "ssd:Connections")
         for text in scenario.connections:
-            _write_connection(connections, text)
+            _write_connection(connections, parse_line(text), fmus, version)
     # OMSimulator refuses annotations of the whole file.
     annotations = add_element(whole, "ssd:Annotations")
     _write_omsimulator(annotations, scenario)
@@ -214,7 +291,7 @@ def _write_structure(
         listed = add_element(root, "ssd:Enumerations")
         for name, items in enumerations.items():
             one = add_element(listed, "ssc:Enumeration", name=name)
-            for number, item in enumerate(items):
+            for item, number in items:
                 add_element(one, "ssc:Item", name=item, value=number)
     _write_units(root, fmus)
     experiment = add_element(root, "ssd:DefaultExperiment", startTime=0.0, stopTime=scenario.stop_time)
@@ -222,42 +299,46 @@ def _write_structure(
     return root
 
 
-def _get_connector_kind(name: str, variable: Variable, driven: set[str], instance: Instance) -> str:
+def _get_connector_kind(name: str, variables: list[Variable], connected: set[str], version: str) -> str:
     """A connector's kind; empty for variables that have none. An input that nothing drives would be set to
     zero by some tools if it were shown."""
-    if not variable.numeric or variable.variability == "constant":
+    first, linked = variables[0], any(f"{name}.{v.name}" in connected for v in variables)
+    if first.variability == "constant" or not (first.numeric or (linked and version != "1.0")):
         return ""
-    if variable.causality == "input":
-        return "input" if f"{name}.{variable.name}" in driven else ""
-    return {"output": "output", "parameter": "parameter"}.get(variable.causality, "")
+    if first.causality == "input":
+        return "input" if linked else ""
+    kinds = ("output", "parameter", *((STRUCTURAL,) if version != "1.0" else ()))
+    return first.causality if first.causality in kinds else ""
 
 
 def _write_type(
-    connector: Any, variable: Variable, quantity: Quantity | None, enumerations: dict[str, tuple[str, ...]]
+    connector: Any,
+    variable: Variable,
+    quantity: Quantity | None,
+    enumerations: dict[str, tuple[tuple[str, int], ...]],
+    version: str,
 ) -> None:
+    kind, about = _get_type(variable, quantity, version), {}
     if variable.type in REALS:
-        add_element(connector, "ssc:Real", unit=variable.unit or None)
-    elif variable.type in BOOLEANS:
-        add_element(connector, "ssc:Boolean")
-    elif quantity is not None and quantity.choices:
-        enumerations[variable.name] = quantity.choices
-        add_element(connector, "ssc:Enumeration", name=variable.name)
-    else:
-        add_element(connector, "ssc:Integer")
+        about = {"unit": variable.unit or None}
+    elif kind == "Enumeration":
+        enumerations[variable.whole] = _list_items(variable, quantity)
+        about = {"name": variable.whole}
+    add_element(connector, f"ssc:{kind}", **about)
 
 
-def _write_connection(parent: Any, text: str) -> None:
-    line = parse_line(text)
+def _write_connection(parent: Any, line: Line, fmus: Mapping[str, PackedFmu], version: str) -> None:
     changed = line.factor is not None or line.offset is not None
-    (start, out), (end, into) = (port.split(".", 1) for port in (line.source, line.target))
+    ends: dict[str, str] = {}
+    for side, port in (("start", line.source), ("end", line.target)):
+        element, name = port.split(".", 1)
+        variable = fmus[element].about.variables[name]
+        ends |= {f"{side}Element": element, f"{side}Connector": name}
+        if version != "1.0" and variable.index:
+            indices = variable.index.strip("[]").replace(",", " ")
+            ends |= {f"{side}Connector": variable.whole, f"{side}Indices": indices}
     connection = add_element(
-        parent,
-        "ssd:Connection",
-        startElement=start,
-        startConnector=out,
-        endElement=end,
-        endConnector=into,
-        suppressUnitConversion=True if changed else None,
+        parent, "ssd:Connection", **ends, suppressUnitConversion=True if changed else None
     )
     if changed:
         add_element(connection, "ssc:LinearTransformation", factor=line.factor, offset=line.offset)
