@@ -51,17 +51,21 @@ def solve_adherence(
     problem = AdherenceProblem(system, massless_spring)
     start = problem.start(equilibrium(system, 0.0))
     runs, events, names = solve_twice(problem, start, 0.0, times, tolerance)
-    inputs, outputs, stored = observe(problem, times, runs[0])
-    others = observe(problem, times, runs[1])[1]
     n = problem.size
-    states = np.array([problem.full_state(float(t), z) for t, z in zip(times, runs[0], strict=True)])
+    states, others = (
+        np.array([problem.full_state(float(t), z) for t, z in zip(times, run, strict=True)]) for run in runs
+    )
+    inputs, outputs = observe(problem.evaluation, times, states)
+    stored = problem.energies.along(times, states, inputs)
     return Reference(
         system=problem.system,
         times=times,
         state=states,
         inputs=inputs,
         outputs=outputs,
-        uncertainty=uncertainties(problem.system, times, outputs, others),
+        uncertainty=uncertainties(
+            problem.system, times, outputs, observe(problem.evaluation, times, others)[1]
+        ),
         events=events,
         energy=problem.energies.balances(stored, runs[0][:, n:], states),
         wall_time_s=time.perf_counter() - begun,

@@ -89,7 +89,8 @@ class Evaluation(Interpreted):
     """Evaluates all instances in one call of compiled code.
 
     `flat_outputs(t, x, memory.record)` is False where algebraic loops are left to `close_loops`;
-    `flat_derivative(t, x, memory.record)` follows closed outputs.
+    `flat_derivative(t, x, memory.record)` follows closed outputs. Python calls `along` alone, so that the
+    outputs are compiled for it once.
     """
 
     def __init__(self, system: System) -> None:
@@ -116,12 +117,29 @@ class Evaluation(Interpreted):
         )  # fmt: skip
         self.flat_outputs = make_outputs(outputs.run)
         self.flat_derivative = make_derivative(derivatives.run)
+        self._along = make_along(self.flat_outputs)
+        self._instant = np.zeros(1)
+        self._one = self._instant, self.u[None], self.y[None]
 
     def outputs(self, t: float, x: Vector) -> Vector:
         x = np.ascontiguousarray(x)
-        if not self.flat_outputs(t, x, self.memory.record):
+        self._instant[0] = t
+        times, inputs, outputs = self._one
+        if not self._along(0, times, x[None], self.memory.record, inputs, outputs):
             self.close_loops(t, x)
         return self.y
+
+    def along(self, times: Vector, states: Vector) -> tuple[Vector, Vector]:
+        """Inputs (n, n_in) and outputs (n, n_out) at `times`; each row begins with the state."""
+        s = self.system
+        inputs, outputs = np.empty((times.size, s.inputs.size)), np.empty((times.size, s.outputs.size))
+        rows = np.ascontiguousarray(states)
+        row = 0
+        while (row := self._along(row, times, rows, self.memory.record, inputs, outputs)) < times.size:
+            self.close_loops(float(times[row]), rows[row, : s.state.size])
+            inputs[row], outputs[row] = self.u, self.y
+            row += 1
+        return inputs, outputs
 
     def derivative(self, t: float, x: Vector) -> Vector:
         x = np.ascontiguousarray(x)
@@ -159,6 +177,26 @@ def make_outputs(run: Any) -> Any:
         return closed or not finite
 
     return outputs
+
+
+def make_along(outputs: Any) -> Any:
+    """along(first, times, states, memory, u, y): inputs and outputs of the rows from `first`; the row with
+    algebraic loops that are left open, or the number of rows."""
+
+    @kernel
+    def along(first: int, times: Any, states: Any, memory: Any, inputs: Any, values: Any) -> int:
+        m = memory[0]
+        u, y = numbers(m.u), numbers(m.y)
+        for k in range(first, times.shape[0]):
+            if not outputs(times[k], states[k], memory):
+                return k
+            for i in range(u.shape[0]):
+                inputs[k, i] = u[i]
+            for i in range(y.shape[0]):
+                values[k, i] = y[i]
+        return times.shape[0]
+
+    return along
 
 
 def make_derivative(run: Any) -> Any:

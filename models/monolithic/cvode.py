@@ -72,6 +72,17 @@ class Cvode:
         self._held[:] = z[self._whole]
         self._solver.init_step(t, z)
 
+    def along(self, z: Vector, times: Vector) -> Vector:
+        """States at `times`, from z at the first; without guards. As `to` each of them, but faster."""
+        self.begin(float(times[0]), z, float(times[-1]))
+        if times.size == 2:  # for which the solver would return all steps
+            return np.array([z, self.to(float(times[-1]))[1]])
+        result = self._solver.solve(times, z)
+        states = np.array(result.y)
+        states[:, self._whole] = self._held
+        self._check(result)
+        return states
+
     def to(self, target: float) -> tuple[float, Vector, tuple[int, ...]]:
         while (near := self._begun + self._reach) < target:
             t, z, fallen = self._step(near, near)
@@ -84,12 +95,15 @@ class Cvode:
         result = self._solver.step(target, tstop=stop)
         t, z = float(np.ravel(result.t)[-1]), np.array(np.atleast_2d(result.y)[-1])
         z[self._whole] = self._held
-        if not result.success:
-            raise ModelError(
-                f"{self.name} failed at t = {t:.9g} s: {result.message}; relax the tolerance, or look for a "
-                "state that is no longer finite"
-            )
+        self._check(result)
         if result.status != EVENT_FOUND:
             return target, z, ()
         found = np.atleast_2d(result.i_events)[-1]
         return t, z, tuple(int(k) for k in np.flatnonzero(found))
+
+    def _check(self, result: Any) -> None:
+        if not result.success:
+            raise ModelError(
+                f"{self.name} failed at t = {np.ravel(result.t)[-1]:.9g} s: {result.message}; relax the "
+                "tolerance, or look for a state that is no longer finite"
+            )

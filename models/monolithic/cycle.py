@@ -62,6 +62,7 @@ def find_cycle(
     most_periods: int = MOST_PERIODS,
     tolerance: float = TOLERANCE,
     steady: float = STEADY,
+    problem: SystemProblem | None = None,
 ) -> Cycle:
     """The cycle of that period (s), from the state `start` (default: the system's start).
 
@@ -69,9 +70,13 @@ def find_cycle(
     last period ended, extrapolated by Anderson's method; where that leads to a state from which nothing can
     move, from the end itself, until a period changes no state by more than `steady`. Where it does not settle
     in `most_periods`, or would not at its rate, the period of the least change is returned. `tolerance` is
-    the integrator's, over nominal + |value|. ModelError if a method fails.
+    the integrator's, over nominal + |value|. A `problem` of the same components and connections takes the
+    system's values, so that nothing is compiled again. ModelError if a method fails.
     """
-    problem = SystemProblem(system)
+    if problem is None:
+        problem = SystemProblem(system)
+    else:
+        problem.take(system)
     times = np.linspace(0.0, period, samples + 1)
     n = system.state.size
     held = np.isin(system.state.names, list(turning))
@@ -99,7 +104,7 @@ def find_cycle(
         x = scaling.state(_extrapolate(begun[-MEMORY:], ended[-MEMORY:]), x)
     best = found[int(np.argmin(changes))]
     states = _move(problem, best.begin, times, times, tolerance)
-    inputs, outputs, _ = observe(problem, times, states)
+    inputs, outputs = observe(problem.evaluation, times, states)
     return Cycle(system, times, inputs, outputs, best.end, best.change, len(found))
 
 
@@ -123,8 +128,8 @@ def _move(problem: SystemProblem, x: Vector, times: Vector, stops: Vector, toler
     """States at `stops`, from `x` at the first; steps are no longer than the distances of `times`."""
     z = problem.start(x)
     stiff, longest = stiffness(problem, 0.0, z, times)
-    states, _ = march(problem, Cvode(problem, tolerance, stiff, longest), z, 0.0, stops)
-    return states
+    method = Cvode(problem, tolerance, stiff, longest)
+    return march(problem, method, z, 0.0, stops)[0] if problem.guard_count else method.along(z, stops)
 
 
 class _Scaling:

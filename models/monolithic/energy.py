@@ -107,6 +107,11 @@ class Energies:
         self._evaluate(t, x, u, self.system.p, self._energy.reshape(-1))
         return self._energy[:, STORED].copy()
 
+    def along(self, times: Vector, states: Vector, inputs: Vector) -> Vector:
+        """Stored energies (n, instances); each row begins with the system's state."""
+        rows = zip(times, states, inputs, strict=True)
+        return np.array([self.stored(float(t), x, u) for t, x, u in rows])
+
     def powers(self, t: float, x: Vector, u: Vector, y: Vector, rates: Vector) -> None:
         """Write dissipated, source and received power, (instances * QUADRATURES,), into `rates`."""
         self.flat_powers(t, x, u, self.system.p, y, self.memory.record, rates)

@@ -52,18 +52,6 @@ class Problem(Protocol):
         ...
 
 
-class ObservableProblem(Problem, Protocol):
-    """A problem whose z contains the state of a system."""
-
-    system: System
-    evaluation: Evaluation
-    energies: Energies
-
-    def full_state(self, t: float, z: Vector) -> Vector:
-        """The system's state at (t, z)."""
-        ...
-
-
 class CompiledProblem(Problem, Protocol):
     """A problem with a compiled rate.
 
@@ -140,8 +128,9 @@ class SystemProblem:
             raise ModelError(f"start state of {x0.size} elements: the system has {self.size} states")
         return np.concatenate([x0, np.zeros(self.nominal.size - self.size)])
 
-    def full_state(self, t: float, z: Vector) -> Vector:
-        return np.ascontiguousarray(z[: self.size])
+    def take(self, system: System) -> None:
+        """Go on with the values of another system of the same components and connections."""
+        self.system.p[:], self.evaluation.u[:], self.evaluation.y[:] = system.p, system.u0, 0.0
 
     def rate(self, t: float, z: Vector) -> Vector:
         if not self.flat_rate(t, z, *self.memory, self._rate):

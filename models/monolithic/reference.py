@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.difference import Difference, difference, time_weights
-from ..core.evaluation import check_start
+from ..core.evaluation import Evaluation, check_start
 from ..core.quantities import Vector
 from ..core.system import ModelError, System
 from .cvode import Cvode
@@ -20,7 +20,7 @@ from .energy import EnergyBalance
 from .implicit import ImplicitProblem
 from .implicit_methods import Bdf3, ImplicitMethod, Sdirk4, march_implicit
 from .march import Method, march
-from .problem import Event, ObservableProblem, Problem, SystemProblem
+from .problem import Event, Problem, SystemProblem
 from .runge_kutta import RungeKutta
 
 # The integrators' tolerance per step and unit of nominal, over the tolerance that the user asks for: a
@@ -108,9 +108,10 @@ def solve(
     start = float(times[0]) if t0 is None else float(t0)
     check_start(system, start, z0[: system.state.size])
     runs, events, names = solve_twice(problem, z0, start, times, tolerance, progress)
-    inputs, outputs, stored = observe(problem, times, runs[0])
-    others = observe(problem, times, runs[1])[1]
+    inputs, outputs = observe(problem.evaluation, times, runs[0])
+    others = observe(problem.evaluation, times, runs[1])[1]
     n = system.state.size
+    stored = problem.energies.along(times, runs[0], inputs)
     return Reference(
         system=system,
         times=times,
@@ -233,19 +234,14 @@ def stiffness(problem: Problem, t0: float, z: Vector, times: Vector) -> tuple[bo
     return stiff, longest if longest > 0.0 else math.inf
 
 
-def observe(problem: ObservableProblem, times: Vector, states: Vector) -> tuple[Vector, Vector, Vector]:
-    """Inputs (n, n_in), outputs (n, n_out) and stored energies (n, instances) along a solution."""
-    inputs, outputs, stored = [], [], []
-    for t, z in zip(times, states, strict=True):
-        x = problem.full_state(float(t), z)
-        outputs.append(problem.evaluation.outputs(float(t), x).copy())
-        inputs.append(problem.evaluation.u.copy())
-        stored.append(problem.energies.stored(float(t), x, problem.evaluation.u))
+def observe(evaluation: Evaluation, times: Vector, states: Vector) -> tuple[Vector, Vector]:
+    """Inputs (n, n_in) and outputs (n, n_out) along a solution."""
+    inputs, outputs = evaluation.along(times, states)
     if not np.all(np.isfinite(outputs)):
         row, column = np.argwhere(~np.isfinite(outputs))[0]
-        name = problem.system.outputs.names[column]
+        name = evaluation.system.outputs.names[column]
         raise ModelError(f"{name} is not finite at t = {times[row]:g} s: check parameters and start values")
-    return np.array(inputs), np.array(outputs), np.array(stored)
+    return inputs, outputs
 
 
 def uncertainties(system: System, times: Vector, outputs: Vector, others: Vector) -> dict[str, Difference]:

@@ -45,6 +45,6 @@ def compute_trajectory(
     check_start(system, start, system.x0)
     stiff, longest = stiffness(problem, start, z0, times)
     states, _ = march(problem, Cvode(problem, tolerance, stiff, longest), z0, start, times, progress)
-    inputs, outputs, _ = observe(problem, times, states)
+    inputs, outputs = observe(problem.evaluation, times, states)
     by_name = {name: np.asarray(states[:, system.state.of(name)]) for name in system.instances}
     return Trajectory(times, by_name, inputs, outputs)

@@ -133,4 +133,4 @@ def run(problem: Any, x0: Vector, times: Vector, t0: float = 0.0, tolerance: flo
     z = problem.start(x0)
     stiff, longest = stiffness(problem, t0, z, times)
     states, _ = march(problem, Cvode(problem, tolerance, stiff, longest), z, t0, times)
-    return observe(problem, times, states)[1]
+    return observe(problem.evaluation, times, states)[1]

@@ -1,0 +1,73 @@
+"""Steady cycles of one train at many values of its parameters."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from models.core.quantities import Vector
+from models.core.system import ModelError, System
+from models.monolithic.cycle import STEADY as LARGEST_CHANGE
+from models.monolithic.cycle import TOLERANCE, Cycle, find_cycle
+from models.monolithic.problem import SystemProblem
+
+from ...errors import MistakeError, one_of
+from ...scenario.system import build_system, resolve_start
+from .subject import SAMPLES, SpeedSubject, find_period, measure_cycle
+
+
+class CycleFinder:
+    """Steady cycles of a scenario at values of its parameters, called "component.parameter", in SI units.
+
+    The system is built and compiled once. The numbers that oils, tables and drawings give vary alone. The
+    search at a speed begins with the last state of the scenario's own cycle there: what is found depends on
+    nothing that was found before.
+    """
+
+    def __init__(
+        self, subject: SpeedSubject, tolerance: float = TOLERANCE, steady: float = LARGEST_CHANGE
+    ) -> None:
+        self.subject = subject
+        self.system = build_system(subject.scenario)
+        self._tolerance, self._steady = tolerance, steady
+        self._problem = SystemProblem(self.system.with_instances(self.system.instances))
+        self._starts: dict[float, Vector] = {}
+
+    def find(self, values: Mapping[str, float], speed: float) -> Cycle:
+        """The cycle at this speed (rad/s) of the flywheel. MistakeError for an unknown parameter, ModelError
+        where a value is out of range, or where no method goes through a period."""
+        system = self.change(values, speed)
+        start = self._start(speed)
+        try:
+            return self._find(system, speed, start)
+        except ModelError:
+            return self._find(resolve_start(self.subject.scenario, system), speed, None)
+
+    def measure(self, values: Mapping[str, float], speed: float) -> dict[str, float]:
+        """The results of the cycle, as `measure_cycle` gives them."""
+        return measure_cycle(self.find(values, speed), self.subject.flywheel)
+
+    def change(self, values: Mapping[str, float], speed: float) -> System:
+        """The system with these values at this speed (rad/s)."""
+        flywheel, instances = self.subject.flywheel, dict(self.system.instances)
+        both = {f"{flywheel}.{name}": speed for name in ("initial_speed", "final_speed")}
+        for place, value in {**both, **values}.items():
+            name, _, parameter = place.partition(".")
+            if name not in instances or parameter not in instances[name].component.parameters:
+                raise MistakeError(
+                    f"{place}: no such parameter; {one_of(self.system.parameters.names, place)}"
+                )
+            own = instances[name]
+            instances[name] = replace(own, parameters={**own.parameters, parameter: value})
+        return self.system.with_instances(instances)
+
+    def _start(self, speed: float) -> Vector:
+        if speed not in self._starts:
+            system = resolve_start(self.subject.scenario, self.change({}, speed))
+            self._starts[speed] = self._find(system, speed, None).end
+        return self._starts[speed]
+
+    def _find(self, system: System, speed: float, start: Vector | None) -> Cycle:
+        turning, period = [f"{self.subject.flywheel}.angle"], find_period(system, speed)
+        return find_cycle(
+            system, period, turning, start, SAMPLES,
+            tolerance=self._tolerance, steady=self._steady, problem=self._problem,
+        )  # fmt: skip

@@ -1,0 +1,49 @@
+"""Cycles of one train at many values: the same as of scenarios with these values, in any order."""
+
+import math
+
+import numpy as np
+import pytest
+
+from orchestrator.errors import MistakeError
+from orchestrator.scenario.files import read_changed
+from orchestrator.study.speeds import finder, subject
+from orchestrator.study.speeds.finder import CycleFinder
+from orchestrator.study.speeds.subject import SpeedSubject, measure_cycle
+
+SPEED = 2000.0 * math.pi / 30.0
+DRY = ("components.contact.parameters.film_model=dry",)
+STIFFER = {"valve_spring.preload": 350.0, "valve_spring.spring_rate": 33e3}
+
+
+@pytest.fixture
+def dry(monkeypatch):
+    for module in (finder, subject):
+        monkeypatch.setattr(module, "SAMPLES", 720)
+    return CycleFinder(SpeedSubject(read_changed("valve-train", DRY), "flywheel"))
+
+
+def test_a_cycle_is_that_of_the_scenario_with_these_values(dry):
+    """Both end within 1e-5 of their nominal sizes where they began: loads follow within some 1e-5."""
+    settings = [f"components.{name.replace('.', '.parameters.')}={value}" for name, value in STIFFER.items()]
+    alone = SpeedSubject(read_changed("valve-train", (*DRY, *settings)), "flywheel")
+    expected = measure_cycle(alone.find_cycle_at(SPEED), "flywheel")
+    found = dry.measure(STIFFER, SPEED)
+    for name in ("contact.least_load", "contact.largest_load", "valve_spring.spring_margin"):
+        assert found[name] == pytest.approx(expected[name], rel=1e-4), name
+    assert found["contact.least_load"] > dry.measure({}, SPEED)["contact.least_load"] + 5.0
+    assert found["periods"] < expected["periods"]
+
+
+def test_a_cycle_depends_on_nothing_that_was_found_before(dry):
+    first = dry.find(STIFFER, SPEED)
+    dry.find({"valve_spring.valve_mass": 0.2}, SPEED)
+    dry.find({}, 1.1 * SPEED)
+    again, fresh = dry.find(STIFFER, SPEED), CycleFinder(dry.subject).find(STIFFER, SPEED)
+    for other in (again, fresh):
+        assert np.array_equal(first.outputs, other.outputs, equal_nan=True)
+
+
+def test_a_parameter_that_there_is_none_of_is_named(dry):
+    with pytest.raises(MistakeError, match=r"valve_spring\.preloads: .*did you mean valve_spring\.preload"):
+        dry.find({"valve_spring.preloads": 300.0}, SPEED)
