@@ -20,6 +20,8 @@ from .wire_materials import Fatigue, Material
 
 # Shares of the wire. The first frequency of a cylindrical spring is then too low by 4e-7.
 SHARES = 1000
+# Of D/d: closer coils cannot be wound, wider ones are a slip of the unit.
+LEAST_INDEX, LARGEST_INDEX = 2.0, 50.0
 
 
 def wahl(index: Vector) -> Vector:
@@ -52,11 +54,13 @@ class WireSpring:
     stress_factor: str = "bergstraesser"
 
     def __post_init__(self) -> None:
-        d, least = self.diameter, float(self.mean_diameter.min())
-        if least < 2.0 * d:
-            raise ValueError(
-                f"mean_diameter = {1e3 * least:g} mm: must be at least twice the wire's {1e3 * d:g} mm"
-            )
+        d = self.diameter
+        for mean in (float(self.mean_diameter.min()), float(self.mean_diameter.max())):
+            if not LEAST_INDEX <= mean / d <= LARGEST_INDEX:
+                raise ValueError(
+                    f"mean_diameter = {1e3 * mean:g} mm: must be {LEAST_INDEX:g} to {LARGEST_INDEX:g} times "
+                    f"the wire's {1e3 * d:g} mm"
+                )
         if float(self.gap.min()) < 0.0:
             raise ValueError(
                 f"pitch = {1e3 * self.pitch.min():g} mm: must leave a gap between wires of {1e3 * d:g} mm; "

@@ -1,4 +1,4 @@
-"""Where a cam comes from: a lift table, a law, or a component of a scenario."""
+"""Where a cam or a spring comes from: a lift table, a law, or a component of a scenario."""
 
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,35 @@ def find_settings(source: str, component: str | None = None) -> dict[str, Any]:
             "scenario, or a file: a lift table .csv, a scenario .toml or .ssp)"
         )
     return {"lift_table": source}
+
+
+def find_spring_settings(
+    source: str | None, component: str | None = None, cam: str | None = None
+) -> dict[str, Any]:
+    """The parameters of the analysis `spring`: of a scenario the wire and a cam, else of a cam alone."""
+    if source is None:
+        return {}
+    wires = (
+        _read_wires(source) if source in list_shipped() or Path(source).suffix in (".toml", ".ssp") else {}
+    )
+    if component is not None and component not in wires:
+        known = one_of(wires, component) if wires else f"{source} has no spring with a wire"
+        raise MistakeError((Option("component", component), f": {known}"))
+    if component is None and len(wires) > 1:
+        raise MistakeError(
+            f"{source}: has the springs {', '.join(wires)}", ("choose one with ", Option("component"))
+        )
+    wire = wires[component] if component else next(iter(wires.values()), {})
+    texts = {key: ", ".join(map(str, v)) if isinstance(v, list) else v for key, v in wire.items()}
+    wanted = {"lift_table", *list_law_parameters(), *TABLE_EVENT}
+    return texts | {key: value for key, value in find_settings(source, cam).items() if key in wanted}
+
+
+def _read_wires(source: str) -> dict[str, dict[str, Any]]:
+    """By component; of a scenario whose faults have been told."""
+    load(source)
+    components = read_contents(find(source))["components"]
+    return {name: table["wire"] for name, table in components.items() if "wire" in table}
 
 
 def _read_scenario(source: str, component: str | None) -> dict[str, Any]:

@@ -25,7 +25,7 @@ from . import Analysis, Result, list_analyses, load
 if TYPE_CHECKING:
     import xarray
 
-ENDINGS = ("nc", "csv", "png", "svg", "dxf")
+ENDINGS = ("nc", "csv", "png")
 
 
 def analyse(
@@ -50,7 +50,8 @@ def evaluate(
     values = analysis.complete(dict(given))
     if doubts := analysis.list_doubts(given):
         raise MistakeError("\n".join(doubts))
-    held = find_results(folder, analysis.name, overwrite)
+    texts = (f"{analysis.name}.{ending}" for ending in analysis.texts)
+    held = find_results(folder, analysis.name, overwrite, *texts)
     with create_folder(folder):
         with reporter.stage(analysis.description):
             table = compute_table(analysis, values)

@@ -21,6 +21,7 @@ from .run import resume_run, run_scenario
 from .scenarios import list_scenarios
 from .sensitivities import run_sensitivities
 from .speeds import run_speeds
+from .spring import print_spring
 from .ssp import ssp_export, ssp_import
 from .study import run_study
 from .wear import run_wear
@@ -40,6 +41,7 @@ app.command("friction")(print_friction)
 app.command("analyse")(run_analysis)
 app.command("masters")(run_masters)
 app.command("cam")(draw_cam)
+app.command("spring")(print_spring)
 app.command("speeds")(run_speeds)
 app.command("sensitivities")(run_sensitivities)
 app.command("compare")(compare_sweeps)
