@@ -58,6 +58,7 @@ def test_the_lock_holds_every_requirement_within_its_bounds():
     for text in [
         *PROJECT["dependencies"],
         *extras["studies"],
+        *extras["fit"],
         *extras["dev"],
         *extras["native"],
         *extras["docs"],

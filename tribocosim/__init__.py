@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .api import analyse as analyse
     from .api import build_fmu as build_fmu
     from .api import build_scenario_fmus as build_scenario_fmus
+    from .api import calibrate as calibrate
     from .api import cam as cam
     from .api import compare as compare
     from .api import compare_fmu as compare_fmu
@@ -37,8 +38,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "build_scenario_fmus",
-    "cam", "compare", "compare_fmu", "execute", "fmu_info", "load", "open", "plan", "report", "resume",
-    "run", "scenarios", "sensitivities", "session", "speeds", "study", "validate_fmu", "wear",
+    "calibrate", "cam", "compare", "compare_fmu", "execute", "fmu_info", "load", "open", "plan", "report",
+    "resume", "run", "scenarios", "sensitivities", "session", "speeds", "study", "validate_fmu", "wear",
 ]  # fmt: skip
 
 

@@ -1,10 +1,12 @@
 """Packages that are missing, and files of the user that hide one of ours."""
 
 import importlib.util
+from collections.abc import Sequence
 from pathlib import Path
 
 # What the extra `studies` installs.
 STUDY_PACKAGES = ("distributed", "zarr", "cryptography")
+FIT_PACKAGES = ("lmfit", "distributed", "cryptography")  # of `fit`
 NAMES = ("models", "fmus", "orchestrator")
 
 
@@ -25,7 +27,16 @@ def find_shadowed() -> str:
 
 def check_study_packages() -> None:
     """MistakeError with the names of those that are missing."""
+    _check(STUDY_PACKAGES, "studies need", "studies")
+
+
+def check_fit_packages() -> None:
+    """MistakeError with the names of those that are missing."""
+    _check(FIT_PACKAGES, "a fit needs", "fit")
+
+
+def _check(packages: Sequence[str], needing: str, extra: str) -> None:
     from orchestrator.errors import MistakeError
 
-    if missing := [name for name in STUDY_PACKAGES if importlib.util.find_spec(name) is None]:
-        raise MistakeError(f"studies need {', '.join(missing)}: pip install 'tribocosim[studies]'")
+    if missing := [name for name in packages if importlib.util.find_spec(name) is None]:
+        raise MistakeError(f"{needing} {', '.join(missing)}: pip install 'tribocosim[{extra}]'")

@@ -13,7 +13,7 @@ from models.compile.temporary import TemporaryFolder
 from orchestrator.analyses import load as load_analysis
 
 from .cached_fmus import build_fmu
-from .packages import check_study_packages
+from .packages import check_fit_packages, check_study_packages
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load
 
@@ -166,6 +166,41 @@ def sensitivities(
         where, reporter = Where(workers=workers), SilentReporter(progress)
         at = parse_speed("speed", speed)
         return find_sensitivities(content, at, parameters, folder, where, reporter, overwrite)
+
+
+def calibrate(  # noqa: PLR0913  # options of the command
+    scenario: Scenario | str | Path,
+    data: str | Path | Sequence[str | Path],
+    parameters: Sequence[str],
+    *,
+    signals: Sequence[str] = (),
+    bounds: Sequence[str] = (),
+    starts: int = 1,
+    profile: Sequence[str] = (),
+    out: str | Path | None = None,
+    workers: int | None = 1,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xarray.Dataset:
+    """Fit `parameters` "component.parameter" of a scenario to measured signals, as the command `calibrate`.
+
+    `data` are CSV files; the other arguments are as the options. Over `parameter` the result has `start`,
+    `fitted`, `low` and `high` (95 %), `deviation`, `identified`, and `correlation`; its attribute `notes`
+    says what the signals do not show. `out` keeps results, fitted scenario and figure. With None `workers`
+    are one a core.
+    """
+    check_fit_packages()
+    from orchestrator.study.calibration.run import Asked, Source
+    from orchestrator.study.calibration.run import calibrate as fit
+    from orchestrator.study.run import Where
+
+    found = scenario if isinstance(scenario, Scenario) else load(scenario)
+    files = [Path(data)] if isinstance(data, str | Path) else [Path(one) for one in data]
+    asked = Asked(parameters, bounds, signals, starts, profile)
+    source = Source(found.content, "" if isinstance(scenario, Scenario) else str(scenario))
+    with _open_folder(out, "calibration") as folder:
+        reporter = SilentReporter(progress)
+        return fit(source, files, asked, folder, Where(workers=workers), build_fmu, reporter, overwrite)
 
 
 def study(

@@ -73,27 +73,41 @@ class AngleTable(NamedTuple):
 
 def read_angle_table(path: Path, kind: Kind) -> AngleTable:
     """The samples of a file. AngleTableError that names the file, the line and the remedy."""
-    try:
-        text = _decode(read_bytes(path))
-    except OSError as error:
-        raise AngleTableError(f"{path}: cannot be read ({error.strerror})") from None
-    except ValueError as error:
-        raise AngleTableError(f"{path}: {error}; {kind.header}") from None
-    if "\0" in text:
-        raise AngleTableError(f"{path}: is no text file; save it as CSV; {kind.header}")
-    lines = [
-        (n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"
-    ]
-    if len(lines) > MOST_ROWS or any(len(line) > LONGEST_LINE for _, line in lines):
-        raise AngleTableError(
-            f"{path}: has more than {MOST_ROWS} rows, or a row of more than {LONGEST_LINE} characters"
-        )
+    lines = [one for one in read_lines(path, kind.header) if one[1].lstrip()[0] != "#"]
     if not lines:
         raise AngleTableError(f"{path}: is empty; {kind.header}")
     try:
         return _parse(lines, kind)
     except AngleTableError as error:
         raise AngleTableError(f"{path}: {error}") from None
+
+
+def read_lines(path: Path, header: str) -> list[tuple[int, str]]:
+    """The numbered lines of a table that are not blank; AngleTableError with the advice `header`."""
+    try:
+        text = _decode(read_bytes(path))
+    except OSError as error:
+        raise AngleTableError(f"{path}: cannot be read ({error.strerror})") from None
+    except ValueError as error:
+        raise AngleTableError(f"{path}: {error}; {header}") from None
+    if "\0" in text:
+        raise AngleTableError(f"{path}: is no text file; save it as CSV; {header}")
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip()]
+    if len(lines) > MOST_ROWS or any(len(line) > LONGEST_LINE for _, line in lines):
+        raise AngleTableError(
+            f"{path}: has more than {MOST_ROWS} rows, or a row of more than {LONGEST_LINE} characters"
+        )
+    return lines
+
+
+def split_row(line: str, separator: str) -> list[str]:
+    """The cells of a row, whose decimal sign may be a comma where another sign separates."""
+    cells = [cell.strip().strip('"') for cell in line.split(separator)]
+    return cells if separator == "," else [cell.replace(",", ".") for cell in cells]
+
+
+def find_separator(header: str) -> str | None:
+    return next((s for s in (";", "\t", ",") if s in header), None)
 
 
 def _decode(data: bytes) -> str:
@@ -108,7 +122,7 @@ def _decode(data: bytes) -> str:
 
 def _parse(lines: list[tuple[int, str]], kind: Kind) -> AngleTable:
     number, header = lines[0]
-    separator = next((s for s in (";", "\t", ",") if s in header), None)
+    separator = find_separator(header)
     if separator is None:
         raise AngleTableError(f"line {number}, {header.strip()!r}: has one column; {kind.header}")
     names = header.split(separator)
@@ -180,14 +194,12 @@ class _Row(NamedTuple):
 
 
 def _read_row(number: int, line: str, separator: str, columns: int) -> _Row:
-    cells = [cell.strip().strip('"') for cell in line.split(separator)]
+    cells = split_row(line, separator)
     if any(cells[columns:]):
         raise AngleTableError(
             f"line {number}, {line.strip()!r}: has {len(cells)} values, the header names {columns} columns; "
             "if commas are the decimal signs, separate the columns by semicolons"
         )
-    if separator != ",":
-        cells = [cell.replace(",", ".") for cell in cells]
     try:
         if max(map(len, cells[:2])) > LONGEST_NUMBER:
             raise ValueError

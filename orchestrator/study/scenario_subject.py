@@ -161,13 +161,7 @@ class ScenarioSubject:
         return [*list_oils(scenario), *list_warnings(scenario)]
 
     def content(self) -> str:
-        return to_full_toml(self.scenario) + "".join(self._list_third_party_fmus())
-
-    def _list_third_party_fmus(self) -> Iterator[str]:
-        for name, table in self.scenario.components.items():
-            path = Path(table.participant)
-            if path.suffix == ".fmu" and path.is_file():
-                yield f"# {name}: SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}\n"
+        return to_full_toml(self.scenario) + "".join(list_fmu_sums(self.scenario))
 
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
         """IncompleteError, with what was recorded, if the run does not come to its end."""
@@ -187,6 +181,14 @@ class ScenarioSubject:
         if not summary.complete:
             raise IncompleteError(in_command_line(summary.message).removeprefix("incomplete: "), found)
         return found | _collect_errors(summary.errors)
+
+
+def list_fmu_sums(scenario: Scenario) -> Iterator[str]:
+    """A line with the sum of every third-party FMU."""
+    for name, table in scenario.components.items():
+        path = Path(table.participant)
+        if path.suffix == ".fmu" and path.is_file():
+            yield f"# {name}: SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}\n"
 
 
 def _collect_contact(name: str, summary: ContactSummary | None) -> dict[str, float]:

@@ -7,7 +7,7 @@ import platform
 from importlib import metadata
 from pathlib import Path
 
-from .subjects import AnalysisSubject, Subject
+from .subjects import AnalysisSubject
 
 PACKAGES = ("models", "fmus", "orchestrator")
 LIBRARIES = ("numpy", "scipy", "numba")
@@ -35,7 +35,7 @@ def _list_libraries() -> dict[str, str]:
     return {name: metadata.version(name) for name in LIBRARIES}
 
 
-def compute_fingerprint(subject: Subject) -> dict[str, str]:
+def compute_fingerprint(subject: object) -> dict[str, str]:
     """Versions by name that give equal results if equal. MistakeError if the subject's module is missing."""
     found = {"tribocosim": hash_source(), "python": platform.python_version(), "machine": platform.machine()}
     found |= _list_libraries()

@@ -9,6 +9,7 @@ import typer
 
 from .analyse import run_analysis
 from .apart import remember_arguments
+from .calibrate import run_calibrate
 from .cam import draw_cam
 from .compare import compare_sweeps
 from .components import print_components
@@ -43,6 +44,7 @@ app.command("masters")(run_masters)
 app.command("cam")(draw_cam)
 app.command("spring")(print_spring)
 app.command("speeds")(run_speeds)
+app.command("calibrate")(run_calibrate)
 app.command("sensitivities")(run_sensitivities)
 app.command("compare")(compare_sweeps)
 app.command("study")(run_study)

@@ -1,0 +1,65 @@
+"""Measured signals with the fitted model, and what it leaves."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from models.core.quantities import Vector
+
+from ..scenario.display import show_unit
+from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots
+
+# Speeds that are drawn.
+MOST_COLUMNS = 4
+
+
+class Panel(NamedTuple):
+    """A signal at one speed (rad/s; None: a run): measured and model over positions of `shaft` (rad or s)."""
+
+    signal: str
+    unit: str
+    speed: float | None
+    shaft: str
+    positions: Vector
+    data: Vector
+    model: Vector
+
+
+def draw_calibration(panels: Sequence[Panel], title: str) -> Figure:
+    """A column for each speed; for each signal the curves, below them the residuals."""
+    signals = list(dict.fromkeys(one.signal for one in panels))
+    speeds = list(dict.fromkeys(one.speed for one in panels))
+    if len(speeds) > MOST_COLUMNS:
+        speeds = [speeds[i] for i in np.linspace(0, len(speeds) - 1, MOST_COLUMNS).round().astype(int)]
+    rows = 2 * len(signals)
+    figure, axes = create_subplots(
+        rows, len(speeds), sharex="col", sharey="row", squeeze=False,
+        figsize=(2.0 + 3.0 * len(speeds), 0.8 + 1.6 * rows), height_ratios=[2.0, 1.0] * len(signals),
+    )  # fmt: skip
+    add_title(figure, title)
+    for one in panels:
+        if one.speed not in speeds:
+            continue
+        column, row = speeds.index(one.speed), 2 * signals.index(one.signal)
+        shown, at = show_unit(one.unit or "1"), _scale(one)
+        above, below = axes[row, column], axes[row + 1, column]
+        above.plot(at, shown.factor * one.data, ".", color=MUTED, markersize=2.5, label="measured")
+        above.plot(at, shown.factor * one.model, color=COUPLED, label="model")
+        below.plot(at, shown.factor * (one.data - one.model), color=REFERENCE, linewidth=0.7)
+        if not column:
+            above.set_ylabel(f"{one.signal}\n[{shown.symbol or '1'}]")
+            below.set_ylabel("residual")
+        if not row and one.speed is not None:
+            above.set_title(f"{one.speed * 30.0 / math.pi:.0f} r/min")
+        if row == rows - 2:
+            words = {"time": "time [s]", "cam_angle": "cam angle [°]", "crank_angle": "crank angle [°]"}
+            below.set_xlabel(words[one.shaft])
+    axes[0, 0].legend(loc="best")
+    return figure
+
+
+def _scale(one: Panel) -> Vector:
+    return one.positions if one.shaft == "time" else np.degrees(one.positions)

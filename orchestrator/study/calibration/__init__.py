@@ -1,0 +1,1 @@
+"""Fits parameters of a scenario to measured signals."""

@@ -1,0 +1,273 @@
+"""What a scenario gives for measured positions: a steady cycle at each speed, or its run from the start."""
+
+import copy
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+import scipy
+from rich.console import Console
+
+from models.core.evaluation import Evaluation
+from models.core.quantities import Vector
+from models.core.system import ModelError, System
+from models.monolithic.cvode import Cvode
+from models.monolithic.cycle import find_cycle
+from models.monolithic.march import march
+from models.monolithic.problem import SystemProblem
+from models.monolithic.reference import observe, stiffness
+
+from ...assessment.trains import find_angles
+from ...engine.step import Step
+from ...errors import MistakeError, RunError, Set
+from ...reporter import Reporter
+from ...run.participants import open_participants
+from ...run.plan import make_plan
+from ...run.simulation import simulate
+from ...scenario import Scenario, build_scenario
+from ...scenario.files import put, to_full_toml
+from ...scenario.system import Builder, build_system, resolve_start
+from ...texts import parse_toml
+from ..scenario_subject import list_fmu_sums
+from ..speeds.subject import SpeedSubject, count_turns, find_flywheel, find_period
+from ..task import format_message
+from .measured import TIME, Experiment, Measured
+
+# Of a cycle: of the solver, and of the change of a state, which is far below the noise of a sensor.
+CYCLE_TOLERANCE, STEADY = 1e-10, 1e-5
+USABLE = 1e-3
+# Of a transient: near the solver's sharpest, since parameters are varied by 1e-3.
+TRANSIENT_TOLERANCE = 1e-10
+# Samples of a cycle where the data's positions have no common grid, and a grid's fit.
+SAMPLES, ON_GRID = 7200, 1e-6
+# Positions at which outputs are kept that were not measured.
+FEW = 60
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Signals (signals, positions), all outputs at some positions, and the state to go on from; of a failure
+    its message alone."""
+
+    signals: Vector
+    others: Vector
+    state: Vector
+    message: str = ""
+
+
+def failed(message: str) -> Prediction:
+    none = np.zeros((0, 0))
+    return Prediction(none, none, np.zeros(0), message)
+
+
+class Model(Protocol):
+    """Plain data, so that it can be sent to workers."""
+
+    @property
+    def outputs(self) -> Sequence[str]:
+        """The rows of `Prediction.others`."""
+        ...
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Of all outputs."""
+        ...
+
+    def content(self) -> str:
+        """Text that determines the predictions together with values and positions."""
+        ...
+
+    def predict(
+        self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
+    ) -> Prediction:
+        """With these parameters "component.parameter"; `start` is the state of a neighbour."""
+        ...
+
+
+@dataclass(frozen=True)
+class _Tables:
+    """The tables of a scenario with all values, and the outputs that were measured."""
+
+    tables: Mapping[str, Any]
+    variables: tuple[str, ...]
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        return build_scenario(copy.deepcopy(dict(self.tables)))
+
+    @property
+    def outputs(self) -> Sequence[str]:
+        return list(self.units)
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        return {
+            f"{name}.{field.name}": field.quantity.unit
+            for name, table in self.scenario.components.items()
+            for field in table.resolve().outputs.fields
+        }
+
+    def content(self) -> str:
+        return json.dumps([type(self).__name__, self.variables]) + to_full_toml(self.scenario)
+
+    def change(self, values: Mapping[str, float]) -> dict[str, Any]:
+        tables = copy.deepcopy(dict(self.tables))
+        for name, value in values.items():
+            component, _, parameter = name.partition(".")
+            put(tables, f"components.{component}.parameters.{parameter}", value)
+        return tables
+
+    def select(self, rows: Vector, names: Sequence[str], state: Vector) -> Prediction:
+        """Of outputs `rows` (positions, outputs) called `names`."""
+        place = {name: i for i, name in enumerate(names)}
+        signals = rows[:, [place[name] for name in self.variables]].T
+        few = np.unique(np.linspace(0, len(rows) - 1, FEW).round().astype(int))
+        others = rows[few][:, [place[name] for name in self.outputs]].T
+        return Prediction(np.ascontiguousarray(signals), np.ascontiguousarray(others), state)
+
+
+@dataclass(frozen=True)
+class CycleModel(_Tables):
+    """The steady cycle at the speed of an experiment."""
+
+    flywheel: str
+
+    def predict(
+        self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
+    ) -> Prediction:
+        assert experiment.speed is not None
+        system = SpeedSubject(self.change(values), self.flywheel).system_at(experiment.speed)
+        period = find_period(system, experiment.speed)
+        shares = self._find_shares(system, experiment, period)
+        samples = count_samples(shares)
+        cycle = find_cycle(
+            system,
+            period,
+            [f"{self.flywheel}.angle"],
+            start,
+            samples,
+            tolerance=CYCLE_TOLERANCE,
+            steady=STEADY,
+        )
+        if cycle.change > USABLE:
+            return failed(f"no steady cycle: a state changes by {cycle.change:.2g} of itself over it")
+        grid = np.linspace(0.0, 1.0, samples + 1)
+        at = shares * samples
+        if np.max(np.abs(at - np.round(at))) <= ON_GRID * samples:
+            rows = cycle.outputs[np.round(at).astype(int)]
+        else:
+            rows = scipy.interpolate.CubicSpline(grid, cycle.outputs)(shares)
+        return self.select(rows, system.outputs.names, cycle.end)
+
+    def _find_shares(self, system: System, experiment: Experiment, period: float) -> Vector:
+        """Where the positions are in the cycle, from 0 to 1. Cams turn once in it."""
+        if experiment.shaft == TIME:
+            return np.asarray(experiment.positions / period % 1.0)
+        angles = find_angles(system)
+        angle = angles.get(experiment.shaft, next(iter(angles.values())))
+        evaluation = Evaluation(system)
+        evaluation.outputs(0.0, system.x0)
+        ports = dict(zip(system.inputs.names, evaluation.u, strict=True))
+        ports |= dict(zip(system.outputs.names, evaluation.y, strict=True))
+        turns = count_turns(system) if angle.source == f"{self.flywheel}.angle" else 1
+        turned = angle.factor * turns * 2.0 * math.pi
+        return np.asarray((experiment.positions - angle.factor * ports[angle.source]) / turned % 1.0)
+
+
+def count_samples(shares: Vector) -> int:
+    """Of a cycle, so that all positions are samples, if there is such a number."""
+    gaps = np.diff(np.unique(np.round(np.append(shares, [0.0, 1.0]), 9)))
+    least = round(1.0 / float(np.median(gaps)))
+    for n in range(least, SAMPLES + 1, least):
+        if np.max(np.abs(shares * n - np.round(shares * n))) <= ON_GRID * n:
+            return n if n >= FEW else n * -(-FEW // n)
+    return SAMPLES
+
+
+@dataclass(frozen=True)
+class TransientModel(_Tables):
+    """The scenario's run from its start: all equations as one system where they are known, else coupled."""
+
+    build: Builder
+
+    def content(self) -> str:
+        return super().content() + "".join(list_fmu_sums(self.scenario))
+
+    def predict(
+        self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
+    ) -> Prediction:
+        scenario = build_scenario(self.change(values))
+        system = build_system(scenario)
+        known = all(instance.component.ode for instance in system.instances.values())
+        if known and not any(table.third_party for table in scenario.components.values()):
+            return self._solve(resolve_start(scenario, system), experiment)
+        return self._couple(scenario, experiment)
+
+    def _solve(self, system: System, experiment: Experiment) -> Prediction:
+        problem = SystemProblem(system)
+        times, rows_of = np.unique(np.append(0.0, experiment.positions), return_inverse=True)
+        z = problem.start(system.x0)
+        stiff, longest = stiffness(problem, 0.0, z, times)
+        states, _ = march(problem, Cvode(problem, TRANSIENT_TOLERANCE, stiff, longest), z, 0.0, times)
+        outputs = observe(problem, times, states)[1]
+        return self.select(outputs[rows_of[1:]], system.outputs.names, np.zeros(0))
+
+    def _couple(self, scenario: Scenario, experiment: Experiment) -> Prediction:
+        plan = make_plan(scenario, self.build, Reporter(Console(quiet=True)), figures=False)
+        rows = _Rows()
+        with open_participants(plan.system, plan.participants) as participants:
+            simulate(
+                plan.system, participants, plan.master, plan.make_steps(), plan.stop_time, [rows],
+                lines=plan.side_lines,
+            )  # fmt: skip
+        times, outputs = np.array(rows.times), np.array(rows.outputs)
+        found = [np.interp(experiment.positions, times, column) for column in outputs.T]
+        return self.select(np.array(found).T, plan.system.outputs.names, np.zeros(0))
+
+
+class _Rows:
+    """An observer that keeps times and outputs."""
+
+    def __init__(self) -> None:
+        self.times, self.outputs = list[float](), list[Vector]()
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        self.times.append(time)
+        self.outputs.append(outputs().copy())
+
+    def end(self, complete: bool, message: str) -> None:
+        pass
+
+
+def make_model(scenario: Scenario, measured: Measured, build: Builder) -> "CycleModel | TransientModel":
+    """For data with speeds the steady cycles, else the run; MistakeError where it ends before the data."""
+    # With the numbers that oils, tables and drawings give, so that each may vary alone.
+    tables = parse_toml(to_full_toml(scenario))
+    variables = tuple(signal.variable for signal in measured.signals)
+    if measured.experiments[0].speed is not None:
+        return CycleModel(tables, variables, find_flywheel(scenario))
+    last = float(measured.experiments[0].positions.max())
+    if measured.experiments[0].positions.min() < 0.0 or last > scenario.stop_time * (1.0 + 1e-9):
+        raise MistakeError(
+            f"data until {last:g} s: the scenario runs from 0 to {scenario.stop_time:g} s",
+            Set("stop_time", f"{last:.6g} s"),
+        )
+    return TransientModel(tables, variables, build)
+
+
+def predict(
+    model: Model, values: Mapping[str, float], experiment: Experiment, start: Vector | None
+) -> Prediction:
+    """A failure of the model, as that of a speed without cycle, is a prediction with its message."""
+    try:
+        found = model.predict(values, experiment, start)
+    except (ModelError, RunError, MistakeError, ArithmeticError, np.linalg.LinAlgError) as error:
+        return failed(format_message(error))
+    return found if np.isfinite(found.signals).all() else failed("outputs are not finite")

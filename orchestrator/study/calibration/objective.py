@@ -1,0 +1,201 @@
+"""What least squares need: residuals over the noise, and their derivatives by differences of predictions.
+
+A derivative is corrected by Broyden's rule after a step that it predicted well, and found anew after others.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from models.core.quantities import Vector
+
+from ...errors import RunError
+from ...reporter import Reporter
+from ...scenario.display import format_number
+from .measured import Measured
+from .models import Prediction
+from .parameters import Fitted
+from .predictions import Predictions, Request
+from .signals import Eliminated, eliminate_all
+
+# Of a parameter: contacts' vibrations end in another phase at ten times of it, the noise of cycles is 1e-3 of
+# a difference at a tenth.
+SHARE = 1e-3
+# Part of the change of the signals that a step's prediction may miss before the derivatives are found anew.
+MISSED = 0.3
+# Points whose predictions are held: a rejected step goes back to the last one.
+HELD = 8
+
+
+class Objective:
+    """Over x, the parameters over their sizes. `noises` are the standard deviations of the signals."""
+
+    def __init__(
+        self, parameters: Sequence[Fitted], measured: Measured, predictions: Predictions, reporter: Reporter
+    ) -> None:
+        self.parameters, self.measured, self._reporter = parameters, measured, reporter
+        self._predictions, self.units = predictions, predictions.model.units
+        self.noises = [signal.noise or 1.0 for signal in measured.signals]
+        self._held: dict[bytes, list[Prediction]] = {}
+        self._x: Vector | None = None
+        self._differenced: Vector | None = None
+        self._slopes: list[Vector] = []
+        # All outputs (outputs, some positions) and their derivatives by the parameters, of each experiment.
+        self.other_values: list[Vector] = []
+        self.other_slopes: list[Vector] = []
+
+    def values(self, x: Vector) -> dict[str, float]:
+        return {one.name: float(one.size * part) for one, part in zip(self.parameters, x, strict=True)}
+
+    def predict(self, x: Vector) -> list[Prediction]:
+        """Of all experiments, the nearest state before as start."""
+        key = np.asarray(x).tobytes()
+        if key not in self._held:
+            near = next(reversed(self._held.values()), None)
+            self._held[key] = self._predictions.make(self._list_requests(x, near))
+            for old in list(self._held)[:-HELD]:
+                del self._held[old]
+        return self._held[key]
+
+    def _list_requests(self, x: Vector, near: Sequence[Prediction] | None) -> list[Request]:
+        values = tuple(self.values(x).items())
+        starts = [one.state if one.state.size else None for one in near] if near else []
+        count = len(self.measured.experiments)
+        return [Request(k, values, starts[k] if starts else None) for k in range(count)]
+
+    def find_failure(self, x: Vector) -> str:
+        """Where there is no prediction, and why; "" if there are all."""
+        for experiment, one in zip(self.measured.experiments, self.predict(x), strict=True):
+            if one.message:
+                named = ", ".join(f"{name} = {value:.6g}" for name, value in self.values(x).items())
+                return f"{experiment.place} with {named}: {one.message}".strip()
+        return ""
+
+    def eliminate(self, x: Vector, slopes: Sequence[Vector] | None = None) -> list[Eliminated]:
+        models = [one.signals for one in self.predict(x)]
+        given = slopes or [np.zeros((*one.shape, 0)) for one in models]
+        return eliminate_all(self.measured, models, given, self.noises)
+
+    def residual(self, x: Vector) -> Vector:
+        """Over the noise, (n,); nan where an experiment has no prediction, from which a step goes back."""
+        if failure := self.find_failure(x):
+            self._reporter.line(f"a shorter step: {failure}")
+            return np.full(self.measured.count, np.nan)
+        return np.concatenate([one.residual for one in self.eliminate(x)])
+
+    def jacobian(self, x: Vector) -> Vector:
+        """Of the residual, (n, parameters)."""
+        return self.jacobian_with(x, self.find_slopes(x))
+
+    def jacobian_with(self, x: Vector, slopes: Sequence[Vector]) -> Vector:
+        """Of the residual at x by these derivatives of the signals."""
+        return np.concatenate([one.jacobian for one in self.eliminate(x, slopes)])
+
+    @property
+    def outputs(self) -> Sequence[str]:
+        """The rows of `other_values` and `other_slopes`."""
+        return self._predictions.model.outputs
+
+    def is_fresh(self, x: Vector, deviations: Vector) -> bool:
+        """Whether the derivatives were found by differences so near to x that they hold there."""
+        moved = np.abs(x - self._differenced) if self._differenced is not None else np.full(x.size, np.inf)
+        return bool(np.all(moved <= np.maximum(SHARE * np.abs(x), 0.3 * np.nan_to_num(deviations))))
+
+    def refresh(self) -> None:
+        """Have the next derivatives found by differences."""
+        self._x = None
+
+    def find_slopes(self, x: Vector) -> list[Vector]:
+        """Derivatives of the signals (signals, positions, parameters) by experiment."""
+        now = [one.signals for one in self.predict(x)]
+        if self._x is not None and np.array_equal(x, self._x):
+            return self._slopes
+        if self._x is None or not self._correct(x, now):
+            self._slopes, self.other_slopes = self._difference(x)
+            self.other_values = [one.others for one in self.predict(x)]
+            self._differenced = x.copy()
+        self._x = x.copy()
+        return self._slopes
+
+    def _correct(self, x: Vector, now: Sequence[Vector]) -> bool:
+        """Broyden's correction; False where the last step was not predicted well. Shorter steps than those of
+        differences say nothing new."""
+        assert self._x is not None
+        step = x - self._x
+        if np.linalg.norm(step) <= SHARE * np.linalg.norm(x):
+            return True
+        before = [one.signals for one in self.predict(self._x)]
+        changed = [new - old for new, old in zip(now, before, strict=True)]
+        missed = [one - slope @ step for one, slope in zip(changed, self._slopes, strict=True)]
+        if self._norm(missed) > MISSED * self._norm(changed):
+            return False
+        rule = step / (step @ step)
+        self._slopes = [s + one[..., None] * rule for s, one in zip(self._slopes, missed, strict=True)]
+        return True
+
+    def _norm(self, parts: Sequence[Vector]) -> float:
+        weights = np.array(self.noises)[:, None]
+        return float(np.sqrt(sum(np.sum((part / weights) ** 2) for part in parts)))
+
+    def _difference(self, x: Vector) -> tuple[list[Vector], list[Vector]]:
+        base = self.predict(x)
+        columns = []
+        steps = [self._choose_step(k, x) for k in range(x.size)]
+        for k, found in enumerate(self._predict_beside(x, steps, base)):
+            if any(one.message for one in found):
+                steps[k] = -steps[k]
+                (found,) = self._predict_beside(x, steps, base, [k])
+            if message := next((one.message for one in found if one.message), ""):
+                name = self.parameters[k].name
+                raise RunError(f"{name}: no derivative beside {self.values(x)[name]:g}: {message}")
+            columns.append(found)
+        slopes, others = [], []
+        for e, there in enumerate(base):
+            beside = [(found[e], step) for found, step in zip(columns, steps, strict=True)]
+            slopes.append(np.stack([(one.signals - there.signals) / step for one, step in beside], axis=-1))
+            others.append(np.stack([(one.others - there.others) / step for one, step in beside], axis=-1))
+        return slopes, others
+
+    def _choose_step(self, k: int, x: Vector) -> float:
+        """Away from the nearer bound."""
+        one = self.parameters[k]
+        step = SHARE * max(abs(float(x[k])), SHARE)
+        return -step if x[k] + step > one.high / one.size else step
+
+    def _predict_beside(
+        self,
+        x: Vector,
+        steps: Sequence[float],
+        base: Sequence[Prediction],
+        which: Sequence[int] | None = None,
+    ) -> list[list[Prediction]]:
+        """At x with one parameter changed by its step, for each of `which` (all)."""
+        requests: list[Request] = []
+        chosen = range(x.size) if which is None else which
+        for k in chosen:
+            moved = x.copy()
+            moved[k] += steps[k]
+            requests += self._list_requests(moved, base)
+        found = self._predictions.make(requests)
+        count = len(base)
+        return [found[i * count : (i + 1) * count] for i in range(len(chosen))]
+
+    def estimate_noises(self, x: Vector) -> list[float]:
+        """Given ones, and those that the residuals have, less the unknowns' share of freedom."""
+        found, count = [], self.measured.count
+        rows = zip(self.measured.signals, self.noises, self.eliminate(x), strict=True)
+        for signal, noise, one in rows:
+            n = one.residual.size
+            freedom = n - signal.unknowns - len(self.parameters) * n / count
+            squares = float(noise**2 * (one.residual @ one.residual))
+            least = 1e-9 * float(np.max(np.abs(self.measured.pool(self.measured.signals.index(signal)))))
+            found.append(signal.noise or max(np.sqrt(squares / max(freedom, 1.0)), least))
+        return found
+
+    def describe(self, x: Vector) -> str:
+        """How far the signals are from the data, over the noise."""
+        parts = [
+            f"{signal.column} {format_number(float(np.sqrt(np.mean(one.residual**2))), 3)}"
+            for signal, one in zip(self.measured.signals, self.eliminate(x), strict=True)
+        ]
+        return ", ".join(parts)

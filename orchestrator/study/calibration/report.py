@@ -1,0 +1,223 @@
+"""What a calibration leaves: table, fitted scenario, and figure."""
+
+import csv
+import json
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import tomli_w
+import xarray
+from rich.table import Column, Table
+
+from models.core.quantities import Vector
+
+from ...plots.calibration import Panel, draw_calibration
+from ...plots.style import save_figure
+from ...reporter import Reporter
+from ...scenario import Scenario, build_scenario
+from ...scenario.display import format_number
+from ...scenario.files import put, to_short_toml
+from .fit import Fit, half_width
+from .objective import Objective
+from .unseen import list_correlated
+
+TABLE, NUMBERS, FITTED = "calibration.csv", "calibration.json", "calibrated.toml"
+SIGNALS, FIGURE = "calibration-signals.csv", "calibration.png"
+
+
+class Row(NamedTuple):
+    """A parameter: its start, and the fitted value with its 95 % interval, in its unit; whether the signals
+    show it."""
+
+    name: str
+    unit: str
+    start: float
+    fitted: float
+    low: float
+    high: float
+    deviation: float
+    identified: bool
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """A fit, the residual over the noise that each start came to, and intervals by profiles."""
+
+    scenario: Scenario
+    objective: Objective
+    fit: Fit
+    ends: Sequence[float]
+    profiles: dict[str, tuple[float, float]]
+
+    @property
+    def rows(self) -> list[Row]:
+        measured, hidden = self.objective.measured, {name for one in self.fit.unseen for name in one.shares}
+        unknowns = len(self.objective.parameters) + sum(signal.unknowns for signal in measured.signals)
+        given = all(signal.noise for signal in measured.signals)
+        width = half_width(10**9 if given else measured.count - unknowns)
+        found = []
+        for one, x, deviation in zip(self.objective.parameters, self.fit.x, self.fit.deviations, strict=True):
+            value, spread = one.size * float(x), one.size * float(deviation)
+            low, high = self.profiles.get(one.name, (value - width * spread, value + width * spread))
+            found.append(Row(one.name, one.unit, one.start, value, low, high, spread, one.name not in hidden))
+        return found
+
+    @property
+    def notes(self) -> list[str]:
+        names = [one.name for one in self.objective.parameters]
+        correlated = [f"correlation of {text}" for text in list_correlated(names, self.fit.correlation)]
+        bounded = [
+            f"{one.name}: is at its bound {one.size * x:g} {one.unit}"
+            for one, x in zip(self.objective.parameters, self.fit.x, strict=True)
+            if min(abs(one.size * x - one.low), abs(one.size * x - one.high)) <= 1e-6 * one.size
+        ]
+        return [*(one.text for one in self.fit.unseen), *bounded, *correlated]
+
+
+def print_table(done: Calibration, reporter: Reporter) -> None:
+    shown = Table(
+        Column("parameter", no_wrap=True), "unit", "start", "fitted", "95 % interval", "+/- %",
+        title=f"{done.scenario.name}: fitted parameters", title_justify="left", padding=0,
+    )  # fmt: skip
+    for row in done.rows:
+        interval, share = f"{format_number(row.low)} .. {format_number(row.high)}", "–"
+        if row.fitted:
+            share = format_number(50.0 * (row.high - row.low) / abs(row.fitted), 2)
+        if not row.identified:
+            interval, share = "not identified", "–"
+        shown.add_row(
+            row.name, row.unit, format_number(row.start), format_number(row.fitted, 6), interval, share
+        )
+    reporter.console.print(shown)
+    for signal, noise, one in _list_signals(done):
+        unit = done.objective.units[signal.variable]
+        more = f", gain {format_number(one.gain)}" * signal.gain
+        more += f", offset {format_number(one.offset)} {unit}" * signal.offset
+        level = "" if signal.noise else " (estimated)"
+        reporter.line(
+            f"{signal.column}: noise {format_number(noise, 3)} {unit}{level}, residual "
+            f"{format_number(float(np.sqrt(np.mean(one.residual**2))), 3)} of it{more}"
+        )
+    for note in done.notes:
+        reporter.line(note)
+    if len(done.ends) > 1:
+        reporter.line(f"residuals over the noise by start: {', '.join(format_number(e) for e in done.ends)}")
+
+
+def _list_signals(done: Calibration) -> list[tuple[Any, float, Any]]:
+    objective = done.objective
+    found = objective.eliminate(done.fit.x)
+    return list(zip(objective.measured.signals, objective.noises, found, strict=True))
+
+
+def build_dataset(done: Calibration) -> xarray.Dataset:
+    """Over `parameter`: start, fitted, low and high end, deviation; the correlation of each with `other`."""
+    rows = done.rows
+    columns = {
+        name: ("parameter", [getattr(row, name) for row in rows])
+        for name in ("unit", "start", "fitted", "low", "high", "deviation", "identified")
+    }
+    names = [row.name for row in rows]
+    return xarray.Dataset(
+        {**columns, "correlation": (("parameter", "other"), done.fit.correlation)},
+        {"parameter": names, "other": names},
+        {"notes": done.notes, "misfit": done.fit.misfit},
+    )
+
+
+def write(done: Calibration, extends: str, out: Path) -> list[Path]:
+    """All files of the results."""
+    (out / FITTED).write_text(_write_scenario(done, extends, out), "utf-8")
+    with (out / TABLE).open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow(Row._fields)
+        table.writerows(done.rows)
+    about = {
+        "scenario": done.scenario.name,
+        "version": metadata.version("tribocosim"),
+        "misfit": done.fit.misfit,
+        "starts": list(done.ends),
+        "parameters": [row._asdict() for row in done.rows],
+        "correlation": done.fit.correlation.tolist(),
+        "signals": [
+            {
+                "column": signal.column, "variable": signal.variable, "noise": noise,
+                "gain": one.gain, "offset": one.offset,
+            }
+            for signal, noise, one in _list_signals(done)
+        ],
+        "notes": done.notes,
+    }  # fmt: skip
+    (out / NUMBERS).write_text(json.dumps(_finite(about), indent=1) + "\n", "utf-8")
+    panels = _list_panels(done)
+    with (out / SIGNALS).open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow(["signal", "unit", "speed [rad/s]", "position [rad or s]", "measured", "model"])
+        for one in panels:
+            for row in zip(one.positions, one.data, one.model, strict=True):
+                table.writerow([one.signal, one.unit, "" if one.speed is None else one.speed, *row])
+    title = f"{done.scenario.name}: measured signals and fitted model"
+    save_figure(lambda: draw_calibration(panels, title), out / FIGURE)
+    return [out / name for name in (FITTED, TABLE, NUMBERS, SIGNALS, FIGURE)]
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no infinite numbers."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _write_scenario(done: Calibration, extends: str, out: Path) -> str:
+    values = {f"components.{_path(row.name)}": row.fitted for row in done.rows}
+    if not extends:
+        tables = done.scenario.model_dump(exclude_defaults=True)
+        for path, value in values.items():
+            put(tables, path, value)
+        return to_short_toml(build_scenario(tables), out.resolve())
+    if Path(extends).suffix:
+        extends = Path(os.path.relpath(Path(extends).resolve(), out.resolve())).as_posix()
+    content: dict[str, Any] = {
+        "extends": extends,
+        "description": f"{done.scenario.name}, calibrated",
+        "components": {},
+    }
+    for row in done.rows:
+        component, _, parameter = row.name.partition(".")
+        content["components"].setdefault(component, {"parameters": {}})["parameters"][parameter] = row.fitted
+    return tomli_w.dumps(content)
+
+
+def _path(name: str) -> str:
+    component, _, parameter = name.partition(".")
+    return f"{component}.parameters.{parameter}"
+
+
+def _list_panels(done: Calibration) -> list[Panel]:
+    objective, found = done.objective, []
+    predicted = objective.predict(done.fit.x)
+    for i, (signal, _, one) in enumerate(_list_signals(done)):
+        unit = objective.units[signal.variable]
+        for experiment, model in zip(objective.measured.experiments, predicted, strict=True):
+            seen = np.isfinite(experiment.values[i])
+            order = np.argsort(experiment.positions[seen], kind="stable")
+
+            def take(values: Vector, seen: Any = seen, order: Any = order) -> Vector:
+                return np.asarray(values[seen][order])
+
+            line = one.gain * model.signals[i] + one.offset
+            found.append(
+                Panel(
+                    signal.column, unit, experiment.speed, experiment.shaft, take(experiment.positions),
+                    take(experiment.values[i]), take(line),
+                )
+            )  # fmt: skip
+    return found

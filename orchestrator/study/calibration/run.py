@@ -1,0 +1,156 @@
+"""`tribocosim calibrate`: reads the data, fits, and leaves table, scenario and figure in a folder."""
+
+import copy
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import xarray
+
+from ...analyses._evaluate import create_folder, find_results
+from ...errors import MistakeError, Option, RunError
+from ...reporter import Reporter
+from ...scenario import Scenario, build_scenario
+from ...scenario.system import Builder, build_system
+from ..run import Where
+from .fit import Fit, fit, profile
+from .measured import read_measured
+from .models import make_model
+from .objective import Objective
+from .parameters import choose, list_starts
+from .predictions import FILE, Predictions
+from .report import FITTED, SIGNALS, Calibration, build_dataset, print_table, write
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The parameters "component.name", their bounds, and the signals, as options state them; from how many
+    starts, and the parameters whose intervals are profiles of the likelihood."""
+
+    parameters: Sequence[str]
+    bounds: Sequence[str] = ()
+    signals: Sequence[str] = ()
+    starts: int = 1
+    profiles: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Source:
+    """The tables of a scenario, and the file or name that a fitted one may extend ("": it has all tables)."""
+
+    tables: Mapping[str, Any]
+    extends: str = ""
+
+
+def calibrate(
+    source: Source, data: Sequence[Path], asked: Asked, out: Path, where: Where, build: Builder,
+    reporter: Reporter, overwrite: bool = False,
+) -> xarray.Dataset:  # fmt: skip
+    """The fitted parameters with their intervals; `out` has the results and what was computed for them.
+
+    MistakeError before anything is written.
+    """
+    scenario = build_scenario(copy.deepcopy(dict(source.tables)))
+    parameters = choose(scenario, asked.parameters, asked.bounds)
+    profiled = _find_profiled([one.name for one in parameters], asked.profiles)
+    measured, notes = read_measured(data, _list_outputs(scenario), asked.signals)
+    unknowns = len(parameters) + sum(signal.unknowns for signal in measured.signals)
+    if measured.count <= unknowns:
+        raise MistakeError(
+            f"{measured.count} measured numbers cannot give {unknowns} unknowns (parameters, offsets, "
+            "gains); fit fewer"
+        )
+    model = make_model(scenario, measured, build)
+    held = find_results(out, "calibration", overwrite, "calibration.json", FITTED, SIGNALS)
+    for line in notes:
+        reporter.line(line)
+    with (
+        create_folder(out),
+        closing(sqlite3.connect(out / FILE)) as file,
+        _open_workers(where) as client,
+        _told(out),
+    ):
+        predictions = Predictions(model, measured.experiments, file, client)
+        places = len(measured.experiments)
+        reporter.line(
+            f"{measured.count} numbers of {len(measured.signals)} signals in {places} "
+            f"{'cycles' if measured.experiments[0].speed else 'run'}; a derivative takes "
+            f"{places * len(parameters)} of them"
+        )
+        objective = Objective(parameters, measured, predictions, reporter)
+        best, ends = _fit_from(objective, asked.starts, reporter)
+        limits = profile(objective, best, profiled) if profiled else {}
+        done = Calibration(scenario, objective, best, ends, limits)
+        for path in held:
+            path.unlink()
+        print_table(done, reporter)
+        files = write(done, source.extends, out)
+    reporter.line(f"results in {out}: {', '.join(path.name for path in files)}")
+    return build_dataset(done)
+
+
+def _fit_from(objective: Objective, count: int, reporter: Reporter) -> tuple[Fit, list[float]]:
+    """The best fit of all starts, and the residual over the noise (root mean square) of each."""
+    found: list[Fit] = []
+    ends: list[float] = []
+    for number, start in enumerate(list_starts(objective.parameters, count), 1):
+        if count > 1:
+            reporter.line(f"start {number} of {count}")
+        objective.refresh()
+        try:
+            one = fit(objective, start, reporter)
+        except RunError as error:
+            if number == 1:
+                raise
+            reporter.line(str(error))
+            continue
+        found.append(one)
+        ends.append(one.misfit)
+    best = min(found, key=lambda one: one.misfit)
+    if best is not found[-1]:  # its derivatives and noises again, from the file
+        objective.refresh()
+        best = fit(objective, best.x, reporter)
+    return best, ends
+
+
+def _find_profiled(names: Sequence[str], wanted: Sequence[str]) -> list[int]:
+    every = [part.strip() for text in wanted for part in text.split(",") if part.strip()]
+    for name in every:
+        if name not in names and name != "all":
+            raise MistakeError((Option("profile", name), f": must be all, or one of {', '.join(names)}"))
+    return [k for k, name in enumerate(names) if name in every or "all" in every]
+
+
+def _list_outputs(scenario: Scenario) -> dict[str, Any]:
+    system = build_system(scenario)
+    return {
+        f"{name}.{field.name}": field.quantity
+        for name, instance in system.instances.items()
+        for field in instance.component.outputs.fields
+    }
+
+
+@contextmanager
+def _open_workers(where: Where) -> Iterator[Any]:
+    """A client of the processes that compute; None for this process."""
+    if where.workers == 1 and where.scheduler is None:
+        yield None
+        return
+    from ..cluster import connect
+
+    with connect(where.scheduler, where.workers, where.timeout) as client:
+        yield client
+
+
+@contextmanager
+def _told(out: Path) -> Iterator[None]:
+    """What an interruption says."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            f"interrupted; what was computed is kept in {out / FILE}: the same command continues"
+        ) from None

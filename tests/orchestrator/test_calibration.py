@@ -1,0 +1,334 @@
+"""tribocosim calibrate: parameters from measured signals, their intervals, and what is not seen."""
+
+import math
+import sqlite3
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy
+
+import tribocosim
+from orchestrator.errors import MistakeError, RunError
+from orchestrator.scenario.files import load
+from orchestrator.study.calibration.fit import Fit, fit, half_width, profile
+from orchestrator.study.calibration.measured import Experiment, Measured, Signal, read_measured
+from orchestrator.study.calibration.models import Prediction, count_samples
+from orchestrator.study.calibration.objective import Objective
+from orchestrator.study.calibration.parameters import Fitted, choose, list_starts
+from orchestrator.study.calibration.predictions import Predictions
+from orchestrator.study.calibration.signals import eliminate
+from orchestrator.study.speeds import subject as speeds
+from tribocosim.reporting import SilentReporter
+
+from .commands import called, said
+
+TIMES = np.linspace(0.0, 2.0, 200)
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A model by a function of the parameters and the times that gives outputs, the first ones measured."""
+
+    function: Callable[..., Mapping[str, Any]]
+    units: Mapping[str, str]
+    signals: int = 1
+
+    @property
+    def outputs(self) -> list[str]:
+        return list(self.units)
+
+    def content(self) -> str:
+        return self.function.__name__
+
+    def predict(self, values: Mapping[str, float], experiment: Experiment, start: Any) -> Prediction:
+        found = self.function(experiment.positions, *values.values())
+        rows = np.array([np.broadcast_to(found[name], TIMES.shape) for name in self.units])
+        return Prediction(rows[: self.signals], rows, np.zeros(0))
+
+
+def objective_of(
+    model: Formula,
+    data: Any,
+    parameters: list[Fitted],
+    signal: Signal | None = None,
+    file: Path | None = None,
+) -> Objective:
+    one = signal or Signal("y", model.outputs[0])
+    experiment = Experiment(None, "time", TIMES, np.atleast_2d(data))
+    predictions = Predictions(model, [experiment], sqlite3.connect(file or ":memory:"), None)
+    return Objective(parameters, Measured((one,), (experiment,)), predictions, SilentReporter())
+
+
+def line(t: Any, slope: float, height: float) -> dict[str, Any]:
+    return {"line.height": slope * t + height, "line.slope": slope}
+
+
+LINE = Formula(line, {"line.height": "m", "line.slope": "m/s"})
+
+
+def fit_line(signal: Signal, data: Any, *, fixed: bool = False) -> tuple[Objective, Fit]:
+    """Slope and height, the latter `fixed`."""
+    names = ["line.slope"] if fixed else ["line.slope", "line.height"]
+    model = replace(LINE, function=lambda t, a: line(t, a, 0.0)) if fixed else LINE
+    objective = objective_of(model, data, [Fitted(name, "", 1.0) for name in names], signal)
+    return objective, fit(objective, np.ones(len(names)), SilentReporter())
+
+
+def test_a_straight_line_has_the_closed_form_of_values_and_covariance():
+    """Of linear regression: (X^T X)^-1 X^T y and s^2 (X^T X)^-1, with s^2 = r^T r / (n - 2). A column that
+    variable projection eliminates leaves the same for the others."""
+    data = 3.0 * TIMES - 0.7 + np.random.default_rng(3).normal(0.0, 0.2, TIMES.size)
+    x = np.stack([TIMES, np.ones_like(TIMES)], axis=1)
+    exact, (squares,), *_ = np.linalg.lstsq(x, data)
+    covariance = squares / (TIMES.size - 2) * np.linalg.inv(x.T @ x)
+    objective, found = fit_line(Signal("y", "line.height"), data)
+    # Steps end at 1e-5 of the parameters; derivatives by differences of a linear function are exact.
+    assert found.x == pytest.approx(exact, rel=2e-5)
+    assert found.covariance == pytest.approx(covariance, rel=1e-6)
+    assert objective.noises == pytest.approx([math.sqrt(squares / (TIMES.size - 2))], rel=1e-6)
+    _, other = fit_line(Signal("y", "line.height", offset=True), data, fixed=True)
+    assert other.x == pytest.approx(exact[:1], rel=2e-5)
+    assert other.covariance == pytest.approx(covariance[:1, :1], rel=1e-6)
+    _, given = fit_line(Signal("y", "line.height", noise=0.5), data)
+    assert given.covariance == pytest.approx(0.25 * np.linalg.inv(x.T @ x), rel=1e-6)
+
+
+def test_the_profile_of_a_linear_fit_is_its_interval():
+    """Where the likelihood is a parabola; lmfit's profile asks the F distribution, as Student's t squared."""
+    data = 3.0 * TIMES - 0.7 + np.random.default_rng(3).normal(0.0, 0.2, TIMES.size)
+    objective, found = fit_line(Signal("y", "line.height"), data)
+    (ends,) = profile(objective, found, [0]).values()
+    width = half_width(TIMES.size - 2) * found.deviations[0]
+    assert ends == pytest.approx((found.x[0] - width, found.x[0] + width), abs=2e-3 * width)
+
+
+@pytest.mark.parametrize(("gain", "offset"), [(True, False), (False, True), (True, True)])
+def test_the_derivative_of_an_eliminated_residual_is_that_of_differences(gain, offset):
+    signal, generator = Signal("y", "y", offset=offset, gain=gain), np.random.default_rng(1)
+    model, slopes, data = (generator.normal(2.0, 1.0, shape) for shape in (30, (30, 3), 30))
+    found = eliminate(signal, data, model, slopes)
+    step = 1e-5
+    for k in range(3):
+        ends = [eliminate(signal, data, model + h * slopes[:, k], slopes).residual for h in (step, -step)]
+        # The term of third order is 1e-10.
+        assert found.jacobian[:, k] == pytest.approx((ends[0] - ends[1]) / (2.0 * step), abs=1e-8)
+    assert found.residual == pytest.approx(data - found.gain * model - found.offset)
+
+
+def series(t: Any, first: float, second: float) -> dict[str, Any]:
+    force = np.sin(9.0 * t)
+    return {"rod.compression": force * (1.0 / first + 1.0 / second), "rocker.bending": force / second}
+
+
+def test_two_springs_in_series_are_named_with_what_would_tell_them_apart():
+    units = {"rod.compression": "m", "rocker.bending": "m"}
+    data = series(TIMES, 3.0, 5.0)["rod.compression"] + np.random.default_rng(2).normal(0.0, 1e-3, TIMES.size)
+    springs = [Fitted("rod.stiffness", "N/m", 4.0, low=0.1), Fitted("rocker.stiffness", "N/m", 6.0, low=0.1)]
+    objective = objective_of(Formula(series, units), data, springs)
+    found = fit(objective, np.ones(2), SilentReporter())
+    (one,) = found.unseen
+    assert one.seen == "1/rod.stiffness + 1/rocker.stiffness"
+    assert list(one.remedies) == ["rocker.bending"]
+    first, second = found.x * [4.0, 6.0]
+    assert 1.0 / first + 1.0 / second == pytest.approx(1.0 / 3.0 + 1.0 / 5.0, rel=1e-3)
+    # With its remedy measured too, at 1 % of its largest value, both are seen.
+    assert one.remedies["rocker.bending"] < 0.1 < one.deviation
+
+
+def write_oscillation(path: Path, noise: float = 0.0) -> Path:
+    """Of the second of two free masses (5 kg and 1 kg) on a spring of 48 N/m: a cosine, in mm."""
+    frequency = math.sqrt(48.0 * (1.0 / 5.0 + 1.0)) / (2.0 * math.pi)
+    values = 1500.0 * np.cos(2.0 * math.pi * frequency * TIMES) + 3.0
+    values += np.random.default_rng(0).normal(0.0, noise, values.size) if noise else 0.0
+    rows = [f"{1e3 * t:.12g}; {v:.12g}" for t, v in zip(TIMES, values, strict=True)]
+    path.write_text("\n".join(["time [ms]; way [mm]", *rows]) + "\n")
+    return path
+
+
+WAY = ["way = second.position, offset, gain"]
+
+
+def test_masses_on_a_spring_have_the_stiffness_of_their_natural_frequency(tmp_path):
+    """k = (2 pi f)^2 / (1/m + 1/M) with unknown offset and gain; the solver's tolerance is 1e-10."""
+    data, out = write_oscillation(tmp_path / "data.csv"), tmp_path / "out"
+    found = tribocosim.calibrate("two-masses", data, ["first.coupling_stiffness"], signals=WAY, out=out)
+    assert found["start"].values == [40.0]
+    assert found["fitted"].values == pytest.approx([48.0], rel=1e-7)
+    written = load(out / "calibrated.toml")
+    assert written.components["first"].parameters["coupling_stiffness"] == pytest.approx(48.0, rel=1e-7)
+
+
+def test_a_free_oscillation_shows_stiffness_over_mass_and_neither_alone(tmp_path):
+    data = write_oscillation(tmp_path / "data.csv", noise=5.0)
+    wanted = ["first.coupling_stiffness, second.mass, first.mass"]
+    found = tribocosim.calibrate("two-masses", data, wanted, signals=WAY)
+    assert not found["identified"].any()
+    stiffness, second, first = found["fitted"].values
+    frequency = stiffness * (1.0 / first + 1.0 / second)
+    assert frequency == pytest.approx(48.0 * 1.2, rel=2e-3)
+
+
+def test_a_step_goes_back_where_there_is_no_motion():
+    """Beyond 2 the model has no answer; the first step from 1, where it is flat, leads there."""
+
+    def cubic(t: Any, a: float) -> dict[str, Any]:
+        if a > 2.0:
+            raise RunError("no cycle")
+        return {"y.y": (a - 0.5) ** 3 * t}
+
+    model = Formula(cubic, {"y.y": "1"})
+    objective = objective_of(model, 1.3**3 * TIMES, [Fitted("a.a", "1", 1.0)], Signal("y", "y.y", noise=0.01))
+    assert fit(objective, np.ones(1), SilentReporter()).x == pytest.approx([1.8], rel=1e-5)
+    with pytest.raises(RunError, match=r"no motion to compare .*a\.a = 3: no cycle"):
+        fit(objective, np.array([3.0]), SilentReporter())
+
+
+def test_a_second_fit_takes_what_the_first_one_computed(tmp_path):
+    data = 3.0 * TIMES - 0.7 + np.random.default_rng(3).normal(0.0, 0.2, TIMES.size)
+    parameters = [Fitted("line.slope", "", 1.0), Fitted("line.height", "", 1.0)]
+    found = []
+    for _ in range(2):
+        objective = objective_of(LINE, data, parameters, file=tmp_path / "kept.sqlite")
+        found.append(fit(objective, np.ones(2), SilentReporter()))
+        made = objective._predictions.made
+    assert made == 0
+    assert np.array_equal(found[0].x, found[1].x)
+
+
+def test_the_command_fits_a_spring_to_a_train_and_leaves_what_it_found(monkeypatch, tmp_path):
+    """From forces of one cycle with noise of 2 N, read as the crank's angle that turns twice as far."""
+    monkeypatch.setattr(speeds, "SAMPLES", 180)
+    train = speeds.SpeedSubject(load_tables(), "flywheel")
+    cycle = train.find_cycle_at(1500.0 * math.pi / 30.0)
+    force = cycle["valve_spring.spring_force"][:-1]
+    force = force + np.random.default_rng(1).normal(0.0, 2.0, force.size)
+    rows = [f"{4.0 * k},{value:.6f}" for k, value in enumerate(force)]
+    comments = ["# speed: 1500 rpm", "# signal: force = valve_spring.spring_force, noise 2 N"]
+    (tmp_path / "force.csv").write_text("\n".join([*comments, "crank [deg], force [N]", *rows]) + "\n")
+    out = tmp_path / "out"
+    done = called(
+        "calibrate", "valve-train", str(tmp_path / "force.csv"), "--parameters", "valve_spring.spring_rate",
+        "--set", "components.valve_spring.parameters.spring_rate=38 N/mm", "--workers", "1",
+        "--out", str(out),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    (_, row) = (out / "calibration.csv").read_text("utf-8").splitlines()
+    name, unit, start, fitted, low, high, *_ = row.split(",")
+    assert (name, unit, start) == ("valve_spring.spring_rate", "N/m", "38000.0")
+    # Three deviations; the noise is given, so that the interval is 2 x 1.96 of them.
+    deviation = (float(high) - float(low)) / (2.0 * scipy.stats.norm.ppf(0.975))
+    assert abs(float(fitted) - 35e3) < 3.0 * deviation < 300.0
+    assert load(out / "calibrated.toml").components["valve_spring"].parameters["spring_rate"] == float(fitted)
+    assert (out / "calibration.png").stat().st_size > 10_000
+
+
+def load_tables() -> dict[str, Any]:
+    from orchestrator.scenario.files import read_changed
+
+    return read_changed("valve-train")
+
+
+OUTPUTS = {
+    name: field.quantity
+    for name, field in (
+        (f"{part}.{field.name}", field)
+        for part, table in load("valve-train").components.items()
+        for field in table.resolve().outputs.fields
+    )
+}
+
+
+def read(tmp_path: Path, *lines: str, signals: tuple[str, ...] = ()) -> Measured:
+    (tmp_path / "data.csv").write_text("\n".join(lines) + "\n")
+    return read_measured([tmp_path / "data.csv"], OUTPUTS, signals)[0]
+
+
+def test_data_have_their_speeds_shafts_units_and_gaps(tmp_path):
+    found = read(
+        tmp_path, "n [rpm], cam [deg], valve_spring.valve_lift [mm], F [kN]",
+        "1000, 10, 1.5,", "1001, 20, 2.5, 0.3", "2000, 10, 1.0, 0.5",
+        signals=("F = contact.load, gain",),
+    )  # fmt: skip
+    force, lift = found.signals
+    assert (force.variable, force.gain, lift.variable) == ("contact.load", True, "valve_spring.valve_lift")
+    slow, fast = found.experiments
+    assert slow.speed == pytest.approx(1000.5 * math.pi / 30.0)
+    assert slow.shaft == "cam_angle"
+    assert slow.positions == pytest.approx(np.radians([10.0, 20.0]))
+    assert slow.values == pytest.approx(np.array([[math.nan, 300.0], [1.5e-3, 2.5e-3]]), nan_ok=True)
+    assert fast.values[:, 0] == pytest.approx([500.0, 1e-3])
+    assert found.count == 5
+
+
+@pytest.mark.parametrize(
+    ("lines", "signals", "why"),
+    [
+        (("angle [deg], x [mm]", "1, 2", "2, 3"), (), "no column is of an output"),
+        (("angle [deg], x [mm]", "1, 2", "2, 3"), ("x = contact.loads",), "did you mean contact.load"),
+        (("angle [deg], x [mm]", "1, 2", "2, 3"), ("y = contact.load",), "no such column"),
+        (("angle [deg], contact.load [mm]", "1, 2", "2, 3"), (), "does not fit"),
+        (("angle [deg], contact.load", "1, 2", "2, 3"), (), "has no unit"),
+        (("angle [deg], contact.load [N]", "1, 2", "2, 3"), (), "has no speed"),
+        (("angle [deg], contact.load [N]", "1, 2", "2, x"), (), "line 3"),
+        (("# speed: 900 rpm", "angle [deg], contact.load [N]", "1, 2", "2, 2"), (), "is constant"),
+        (("angle [deg], x [N]", "1, 2", "2, 3"), ("x = contact.load, noise 3 mm",), "noise"),
+        (("angle [deg], x [N]", "1, 2", "2, 3"), ("x = contact.load, drift",), "offset, gain"),
+        (("contact.load [N]; p [bar]", "1; 2", "2; 3"), (), "no column of an angle or the time"),
+    ],
+)
+def test_data_that_cannot_be_used_are_refused_with_what_is_wrong(lines, signals, why, tmp_path):
+    with pytest.raises(MistakeError, match=why):
+        read(tmp_path, *lines, signals=signals)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "bounds", "why"),
+    [
+        (["valve_spring.spring_rat"], [], "did you mean valve_spring.spring_rate"),
+        (["contact.film_model"], [], "no values in between"),
+        (["valve_spring.preload"], ["valve_spring.lash = 0 .. 1"], "is not fitted"),
+        (["valve_spring.preload"], ["valve_spring.preload = 400 N .. 500 N"], "which is outside"),
+        (["valve_spring.preload"], ["valve_spring.preload = -5 N .. 500 N"], "may be from 0 to"),
+        (["valve_spring.preload"], ["valve_spring.preload = 500 N .. 400 N"], "must be below"),
+        (["valve_spring.preload"], ["valve_spring.preload = 3 mm .. 400 N"], "does not fit"),
+        (["valve_spring.preload"], ["valve_spring.preload = 400 N"], "low .. high"),
+    ],
+)
+def test_parameters_that_cannot_be_fitted_are_refused_with_what_is_wrong(wanted, bounds, why):
+    with pytest.raises(MistakeError, match=why):
+        choose(load("valve-train"), wanted, bounds)
+
+
+def test_further_starts_are_between_the_bounds():
+    parameters = choose(
+        load("valve-train"), ["valve_spring.preload, valve_spring.spring_rate"],
+        ["valve_spring.preload = 300 N .. 340 N"],
+    )  # fmt: skip
+    own, *others = (point * [one.size for one in parameters] for point in list_starts(parameters, 5))
+    assert own == pytest.approx([330.0, 35e3])
+    assert all(300.0 <= preload <= 340.0 and 17.5e3 <= rate <= 70e3 for preload, rate in others)
+    assert len({tuple(point) for point in others}) == 4
+
+
+def test_too_few_data_are_refused_before_anything_is_written(tmp_path):
+    (tmp_path / "data.csv").write_text("time [s], first.position [m]\n0, 1\n1, 0.5\n")
+    wanted = ["first.mass", "first.coupling_stiffness"]
+    with pytest.raises(MistakeError, match="2 measured numbers cannot give 2 unknowns"):
+        tribocosim.calibrate("two-masses", tmp_path / "data.csv", wanted, out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_mistake_is_one_sentence(tmp_path):
+    done = called("calibrate", "valve-train", str(tmp_path / "none.csv"), "--parameters", "contact.viscosity")
+    assert done.returncode == 2
+    assert "none.csv: cannot be read" in said(done)
+
+
+def test_samples_of_a_cycle_fall_on_the_data():
+    assert count_samples(np.arange(0.0, 360.0, 1.0) / 360.0) == 360
+    assert count_samples((np.arange(0.0, 360.0, 2.0) + 0.5) / 360.0) == 720
+    assert count_samples(np.random.default_rng(0).uniform(size=100)) == 7200
