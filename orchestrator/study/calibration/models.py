@@ -1,6 +1,7 @@
 """What a scenario gives for measured positions: a steady cycle at each speed, or its run from the start."""
 
 import copy
+import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -16,7 +17,6 @@ from models.core.evaluation import Evaluation
 from models.core.quantities import Vector
 from models.core.system import ModelError, System
 from models.monolithic.cvode import Cvode
-from models.monolithic.cycle import find_cycle
 from models.monolithic.march import march
 from models.monolithic.problem import SystemProblem
 from models.monolithic.reference import observe, stiffness
@@ -25,14 +25,14 @@ from ...assessment.trains import find_angles
 from ...engine.step import Step
 from ...errors import MistakeError, RunError, Set
 from ...reporter import Reporter
-from ...run.participants import open_participants
-from ...run.plan import make_plan
+from ...run.plan import make_plan, open_participants
 from ...run.simulation import simulate
 from ...scenario import Scenario, build_scenario
 from ...scenario.files import put, to_full_toml
 from ...scenario.system import Builder, build_system, resolve_start
 from ...texts import parse_toml
 from ..scenario_subject import list_fmu_sums
+from ..speeds.finder import CycleFinder
 from ..speeds.subject import SpeedSubject, count_turns, find_flywheel, find_period
 from ..task import format_message
 from .measured import TIME, Experiment, Measured
@@ -132,50 +132,68 @@ class _Tables:
 
 @dataclass(frozen=True)
 class CycleModel(_Tables):
-    """The steady cycle at the speed of an experiment."""
+    """The steady cycle at the speed of an experiment; `digest` finds what a process has built."""
 
     flywheel: str
+    digest: str
 
     def predict(
         self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
     ) -> Prediction:
+        if self.digest not in _TRAINS:
+            _TRAINS.clear()
+            _TRAINS[self.digest] = _Train(SpeedSubject(self.tables, self.flywheel))
+        return _TRAINS[self.digest].predict(self, values, experiment, start)
+
+
+class _Train:
+    """A train that is built once in a process, and where the positions of experiments are in its cycles."""
+
+    def __init__(self, subject: SpeedSubject) -> None:
+        self._finder = CycleFinder(subject, CYCLE_TOLERANCE, STEADY)
+        self._evaluation = Evaluation(self._finder.system)
+        self._shares: dict[bytes, Vector] = {}
+
+    def predict(
+        self, model: _Tables, values: Mapping[str, float], experiment: Experiment, start: Vector | None
+    ) -> Prediction:
         assert experiment.speed is not None
-        system = SpeedSubject(self.change(values), self.flywheel).system_at(experiment.speed)
-        period = find_period(system, experiment.speed)
-        shares = self._find_shares(system, experiment, period)
+        shares = self._find_shares(experiment)
         samples = count_samples(shares)
-        cycle = find_cycle(
-            system,
-            period,
-            [f"{self.flywheel}.angle"],
-            start,
-            samples,
-            tolerance=CYCLE_TOLERANCE,
-            steady=STEADY,
-        )
+        cycle = self._finder.find(values, experiment.speed, start, samples)
         if cycle.change > USABLE:
             return failed(f"no steady cycle: a state changes by {cycle.change:.2g} of itself over it")
-        grid = np.linspace(0.0, 1.0, samples + 1)
         at = shares * samples
         if np.max(np.abs(at - np.round(at))) <= ON_GRID * samples:
             rows = cycle.outputs[np.round(at).astype(int)]
         else:
-            rows = scipy.interpolate.CubicSpline(grid, cycle.outputs)(shares)
-        return self.select(rows, system.outputs.names, cycle.end)
+            rows = scipy.interpolate.CubicSpline(np.linspace(0.0, 1.0, samples + 1), cycle.outputs)(shares)
+        return model.select(rows, cycle.system.outputs.names, cycle.end)
 
-    def _find_shares(self, system: System, experiment: Experiment, period: float) -> Vector:
+    def _find_shares(self, experiment: Experiment) -> Vector:
         """Where the positions are in the cycle, from 0 to 1. Cams turn once in it."""
+        key = repr((experiment.speed, experiment.shaft)).encode() + experiment.positions.tobytes()
+        if key not in self._shares:
+            self._shares[key] = self._compute_shares(experiment)
+        return self._shares[key]
+
+    def _compute_shares(self, experiment: Experiment) -> Vector:
+        assert experiment.speed is not None
+        system, evaluation, flywheel = self._finder.system, self._evaluation, self._finder.subject.flywheel
         if experiment.shaft == TIME:
-            return np.asarray(experiment.positions / period % 1.0)
+            return np.asarray(experiment.positions / find_period(system, experiment.speed) % 1.0)
         angles = find_angles(system)
         angle = angles.get(experiment.shaft, next(iter(angles.values())))
-        evaluation = Evaluation(system)
         evaluation.outputs(0.0, system.x0)
         ports = dict(zip(system.inputs.names, evaluation.u, strict=True))
         ports |= dict(zip(system.outputs.names, evaluation.y, strict=True))
-        turns = count_turns(system) if angle.source == f"{self.flywheel}.angle" else 1
+        turns = count_turns(system) if angle.source == f"{flywheel}.angle" else 1
         turned = angle.factor * turns * 2.0 * math.pi
         return np.asarray((experiment.positions - angle.factor * ports[angle.source]) / turned % 1.0)
+
+
+# One train by its digest.
+_TRAINS: dict[str, _Train] = {}
 
 
 def count_samples(shares: Vector) -> int:
@@ -213,7 +231,7 @@ class TransientModel(_Tables):
         z = problem.start(system.x0)
         stiff, longest = stiffness(problem, 0.0, z, times)
         states, _ = march(problem, Cvode(problem, TRANSIENT_TOLERANCE, stiff, longest), z, 0.0, times)
-        outputs = observe(problem, times, states)[1]
+        outputs = observe(problem.evaluation, times, states)[1]
         return self.select(outputs[rows_of[1:]], system.outputs.names, np.zeros(0))
 
     def _couple(self, scenario: Scenario, experiment: Experiment) -> Prediction:
@@ -252,7 +270,8 @@ def make_model(scenario: Scenario, measured: Measured, build: Builder) -> "Cycle
     tables = parse_toml(to_full_toml(scenario))
     variables = tuple(signal.variable for signal in measured.signals)
     if measured.experiments[0].speed is not None:
-        return CycleModel(tables, variables, find_flywheel(scenario))
+        digest = hashlib.sha256(to_full_toml(scenario).encode()).hexdigest()
+        return CycleModel(tables, variables, find_flywheel(scenario), digest)
     last = float(measured.experiments[0].positions.max())
     if measured.experiments[0].positions.min() < 0.0 or last > scenario.stop_time * (1.0 + 1e-9):
         raise MistakeError(

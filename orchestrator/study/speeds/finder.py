@@ -31,15 +31,23 @@ class CycleFinder:
         self._problem = SystemProblem(self.system.with_instances(self.system.instances))
         self._starts: dict[float, Vector] = {}
 
-    def find(self, values: Mapping[str, float], speed: float) -> Cycle:
-        """The cycle at this speed (rad/s) of the flywheel. MistakeError for an unknown parameter, ModelError
-        where a value is out of range, or where no method goes through a period."""
-        system = self.change(values, speed)
-        start = self._start(speed)
+    def find(
+        self,
+        values: Mapping[str, float],
+        speed: float,
+        start: Vector | None = None,
+        samples: int | None = None,
+    ) -> Cycle:
+        """The cycle at this speed (rad/s) of the flywheel, from another state if `start` is given.
+        MistakeError for an unknown parameter, ModelError where a value is out of range, or where no method
+        goes through a period."""
+        system, samples = self.change(values, speed), samples or SAMPLES
+        if start is None:
+            start = self._start(speed, samples)
         try:
-            return self._find(system, speed, start)
+            return self._find(system, speed, start, samples)
         except ModelError:
-            return self._find(resolve_start(self.subject.scenario, system), speed, None)
+            return self._find(resolve_start(self.subject.scenario, system), speed, None, samples)
 
     def measure(self, values: Mapping[str, float], speed: float) -> dict[str, float]:
         """The results of the cycle, as `measure_cycle` gives them."""
@@ -59,15 +67,15 @@ class CycleFinder:
             instances[name] = replace(own, parameters={**own.parameters, parameter: value})
         return self.system.with_instances(instances)
 
-    def _start(self, speed: float) -> Vector:
+    def _start(self, speed: float, samples: int) -> Vector:
         if speed not in self._starts:
             system = resolve_start(self.subject.scenario, self.change({}, speed))
-            self._starts[speed] = self._find(system, speed, None).end
+            self._starts[speed] = self._find(system, speed, None, samples).end
         return self._starts[speed]
 
-    def _find(self, system: System, speed: float, start: Vector | None) -> Cycle:
+    def _find(self, system: System, speed: float, start: Vector | None, samples: int) -> Cycle:
         turning, period = [f"{self.subject.flywheel}.angle"], find_period(system, speed)
         return find_cycle(
-            system, period, turning, start, SAMPLES,
+            system, period, turning, start, samples,
             tolerance=self._tolerance, steady=self._steady, problem=self._problem,
         )  # fmt: skip
