@@ -13,9 +13,14 @@ CLOSE = 1e-9
 POLISHING_STEPS = 4
 # Newton's steps only halve the distance where a force begins at a contact that just touches.
 SLOW_STEPS = 40
-# Of pseudo-transient continuation: the first step (s), its growth, the largest change in a step in nominal
-# sizes, the number of steps. The last ones are longer than any motion.
-FIRST_STEP, GROWTH, FARTHEST, SETTLING_STEPS = 1e-5, 1.5, 30.0, 100
+# Of a search for least squares, where Newton's method has not found the rest.
+MOST_TRIALS = 60
+# Farther than so many nominal sizes a root of the rates may be another than that to which the motion leads.
+FAR = 10.0
+# Of pseudo-transient continuation: the first step (s), the last one, longer than any motion, the growth; most
+# steps, most Newton steps in one, the change in nominal sizes at which these end, and that which is astray.
+FIRST_STEP, LAST_STEP, GROWTH = 1e-5, 1e4, 2.0
+SETTLING_STEPS, MOST_CORRECTIONS, SETTLED, ASTRAY = 200, 12, 1e-3, 10.0
 # Of the motion to the rest while the cam stands: its duration (s), tolerance and most steps.
 DURATION, ROUGH, MOST_STEPS = 1.0, 1e-4, 50_000
 # The velocity of a lift is that of its change in this time (s), in which no cam turns noticeably.
@@ -133,10 +138,12 @@ class _Rest:
         guess = np.zeros(self.index.size)
         found = root(self.residual, guess, method="hybr", tol=1e-13).x
         if not self.is_close(found):
-            found = least_squares(self.residual, guess, xtol=1e-15, ftol=1e-15, gtol=1e-15).x
+            found = least_squares(
+                self.residual, guess, xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=MOST_TRIALS
+            ).x
         found = self.polish(found)
-        if not self.is_close(found):
-            settled = self.polish(self.settle())
+        if not self.is_close(found) or np.max(np.abs(found)) > FAR:
+            settled = self.approach(self.settle())
             found = settled if self.is_close(settled) else self.approach(found)
         if not self.is_close(found) and not self.list_moving_cams():
             found = self.approach(self.wait())
@@ -176,17 +183,31 @@ class _Rest:
 
     def settle(self) -> Vector:
         """Where implicit steps that grow lead from the start: pseudo-transient continuation (Kelley and Keyes
-        1998), for what Newton's method overshoots, such as a journal that sinks in its bearing."""
+        1998). It stays on the way of the motion, for what Newton's method overshoots: a journal that sinks in
+        its bearing, a lever that would rest upside down too."""
         scaled, step = np.zeros(self.index.size), FIRST_STEP
         for _ in range(SETTLING_STEPS):
-            speeds = self.scale / self.sizes(scaled)
-            left = np.eye(scaled.size) / step - speeds[:, None] * self.jacobian(scaled)
-            change = np.linalg.lstsq(left, speeds * self.residual(scaled), rcond=None)[0]
-            if np.max(np.abs(change)) > FARTHEST:
-                step /= GROWTH**3
-                continue
-            scaled, step = scaled + change, step * GROWTH
-        return np.asarray(scaled)
+            ahead = self.step_implicitly(scaled, step)
+            scaled, step = (scaled, step / GROWTH**2) if ahead is None else (ahead, step * GROWTH)
+            if step > LAST_STEP:
+                break
+        return scaled
+
+    def step_implicitly(self, scaled: Vector, step: float) -> Vector | None:
+        """The end of a step of the implicit Euler method; None where Newton's method does not find it."""
+        ahead = scaled.copy()
+        for _ in range(MOST_CORRECTIONS):
+            speeds = self.scale / self.sizes(ahead)
+            left = np.eye(ahead.size) / step - speeds[:, None] * self.jacobian(ahead)
+            right = speeds * self.residual(ahead) - (ahead - scaled) / step
+            change = np.linalg.lstsq(left, right, rcond=None)[0]
+            ahead += change
+            farthest = np.max(np.abs(change))
+            if farthest < SETTLED:
+                return ahead
+            if not farthest <= ASTRAY:
+                return None
+        return None
 
     def state(self, scaled: Vector) -> Vector:
         x = self.x0.copy()
