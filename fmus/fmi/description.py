@@ -267,7 +267,8 @@ class Unknowns:
 
 
 def structure(component: Any, variables: Sequence[Variable]) -> Unknowns:
-    """Outputs depend on the inputs that their feedthrough names and, at the start, on the parameters.
+    """Outputs depend on the inputs that their feedthrough names and, at the start, on the parameters;
+    derivatives on all states and inputs, which some hosts want to read.
 
     A rate goes along with the state, whose derivative may depend on every input, and with the slopes of the
     inputs that its output names.
@@ -286,11 +287,12 @@ def structure(component: Any, variables: Sequence[Variable]) -> Unknowns:
             slopes = (component.inputs.field(name).add_suffix("_der1") for name in direct)
             through = (*component.inputs.names, *slopes)
         known[variable.reference] = sorted(inputs[name] for name in through)
+    every = [inputs[name] for name in component.inputs.names]
     return Unknowns(
         outputs={y: through + states for y, through in known.items()},
-        derivatives=dict.fromkeys(rates),
+        derivatives=dict.fromkeys(rates, states + every),
         at_start={y: given + through for y, through in known.items()}
-        | dict.fromkeys(sorted([*states, *rates])),
+        | dict.fromkeys(sorted([*states, *rates]), given + every),
     )
 
 

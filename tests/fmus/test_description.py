@@ -72,6 +72,9 @@ def test_every_quantity_is_described(name: str, fmu_files: dict[str, Path]) -> N
         else:
             slopes = {component.inputs.field(name).add_suffix("_der1") for name in direct}
             assert inputs == {*component.inputs.names, *slopes}
+    states = {u.variable.derivative.name for u in described.derivatives}
+    for unknown in described.derivatives:  # hosts ask what they depend on: here everything
+        assert {v.name for v in unknown.dependencies} == {*states, *component.inputs.names}
     continuous = [field for field in component.outputs.fields if not field.quantity.discrete]
     rates = [v for v in found.values() if v.derivative is not None]
     assert [(v.name, v.derivative.name) for v in rates] == [(f"der({f.name})", f.name) for f in continuous]

@@ -268,11 +268,22 @@ static bool known(const Instance *instance, Kind kind, const uint32_t *reference
     return true;
 }
 
-static bool settable(const Instance *instance, const Variable *variable, double value)
+/* States of model exchange are given by the host, one by one too (FMI 3.0.2, 3.2.1). */
+static bool is_given_state(const Instance *instance, uint32_t reference)
 {
-    if (variable->causality == OUTPUT || variable->causality == LOCAL)
+    if (!(instance->now.phase & CONTINUOUS)) return false;
+    for (int i = 0; i < CONTINUOUS_STATES; i++)
+        if (reference == (uint32_t)(X_AT + continuous[i])) return true;
+    return false;
+}
+
+static bool settable(const Instance *instance, uint32_t reference, double value)
+{
+    const Variable *variable = instance_variable(reference);
+    bool calculated = variable->causality == OUTPUT || variable->causality == LOCAL;
+    if (calculated && !is_given_state(instance, reference))
         instance_say(instance, ERROR, "%s is calculated: it cannot be set", instance_name(variable));
-    else if (variable->fixed && !(instance->now.phase & (INSTANTIATED | INITIALIZING)))
+    else if (variable->fixed && !calculated && !(instance->now.phase & (INSTANTIATED | INITIALIZING)))
         instance_say(instance, ERROR, "%s is fixed: it cannot be set after initialisation", instance_name(variable));
     else if (!isfinite(value)) instance_say(instance, ERROR, "%s = %g: must be finite", instance_name(variable), value);
     else return true;
@@ -284,7 +295,7 @@ Status instance_can_set(const Instance *instance, Kind kind, const uint32_t *ref
 {
     if (!known(instance, kind, references, count, values)) return ERROR;
     for (size_t i = 0; i < count; i++)
-        if (!settable(instance, instance_variable(references[i]), values[i])) return ERROR;
+        if (!settable(instance, references[i], values[i])) return ERROR;
     return OK;
 }
 
