@@ -259,11 +259,12 @@ def value_attributes(variable: Variable) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Unknowns:
-    """What is calculated, by value references, and from which others: None for all of them."""
+    """What is calculated, by value references, and from which others."""
 
-    outputs: dict[int, list[int] | None]
-    derivatives: dict[int, list[int] | None]
-    at_start: dict[int, list[int] | None]
+    outputs: Mapping[int, list[int]]
+    derivatives: Mapping[int, list[int]]
+    at_start: Mapping[int, list[int]]
+    indicators: list[int]
 
 
 def structure(component: Any, variables: Sequence[Variable]) -> Unknowns:
@@ -291,15 +292,14 @@ def structure(component: Any, variables: Sequence[Variable]) -> Unknowns:
     return Unknowns(
         outputs={y: through + states for y, through in known.items()},
         derivatives=dict.fromkeys(rates, states + every),
+        indicators=states + every,
         at_start={y: given + through for y, through in known.items()}
         | dict.fromkeys(sorted([*states, *rates]), given + every),
     )
 
 
-def dependencies(from_which: Sequence[int] | None) -> dict[str, str]:
-    """Attributes of what is calculated from these; without them, from everything."""
-    if from_which is None:
-        return {}
+def dependencies(from_which: Sequence[int]) -> dict[str, str]:
+    """Attributes of what is calculated from these."""
     kinds = " ".join(["dependent"] * len(from_which))
     return {"dependencies": " ".join(map(str, from_which)), "dependenciesKind": kinds}
 
@@ -315,5 +315,5 @@ def _structure(parent: Element, unknowns: Unknowns, place: Mapping[int, int]) ->
             continue
         listed = SubElement(parent, name)
         for reference, through in calculated.items():
-            by = None if through is None else [place[r] for r in through]
-            SubElement(listed, "Unknown", {"index": str(place[reference]), **dependencies(by)})
+            by = dependencies([place[r] for r in through])
+            SubElement(listed, "Unknown", {"index": str(place[reference]), **by})

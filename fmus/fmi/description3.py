@@ -73,7 +73,7 @@ def model_description(component: Any, model_name: str, experiment: Experiment, o
         "Output": unknowns.outputs,
         "ContinuousStateDerivative": unknowns.derivatives,
         "InitialUnknown": unknowns.at_start,
-        "EventIndicator": dict.fromkeys(v.reference for v in memory.indicators()),
+        "EventIndicator": dict.fromkeys((v.reference for v in memory.indicators()), unknowns.indicators),
     }
     made = SubElement(root, "ModelStructure")
     for name, calculated in parts.items():
@@ -82,18 +82,12 @@ def model_description(component: Any, model_name: str, experiment: Experiment, o
     return to_xml(root)
 
 
-def _whole(
-    calculated: Mapping[int, Iterable[int] | None], array: Mapping[int, int]
-) -> dict[int, list[int] | None]:
+def _whole(calculated: Mapping[int, Iterable[int]], array: Mapping[int, int]) -> dict[int, list[int]]:
     """The same of arrays, which depend on all that one of their elements depends on."""
-    found: dict[int, list[int] | None] = {}
+    found: dict[int, list[int]] = {}
     for reference, through in calculated.items():
-        whole = array[reference]
-        before = found.get(whole, [])
-        if through is None or before is None:
-            found[whole] = None
-        else:
-            found[whole] = list(dict.fromkeys([*before, *(array[other] for other in through)]))
+        before = found.get(array[reference], [])
+        found[array[reference]] = list(dict.fromkeys([*before, *(array[other] for other in through)]))
     return found
 
 
