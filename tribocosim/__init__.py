@@ -33,13 +33,15 @@ if TYPE_CHECKING:
     from .api import session as session
     from .api import speeds as speeds
     from .api import study as study
+    from .api import tolerances as tolerances
     from .api import validate_fmu as validate_fmu
     from .api import wear as wear
 
 __all__ = [
     "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "build_scenario_fmus",
     "calibrate", "cam", "compare", "compare_fmu", "execute", "fmu_info", "load", "open", "plan", "report",
-    "resume", "run", "scenarios", "sensitivities", "session", "speeds", "study", "validate_fmu", "wear",
+    "resume", "run", "scenarios", "sensitivities", "session", "speeds", "study", "tolerances", "validate_fmu",
+    "wear",
 ]  # fmt: skip
 
 

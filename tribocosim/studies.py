@@ -245,6 +245,34 @@ def study(
             return found.load()
 
 
+def tolerances(
+    scenario: Scenario | str | Path,
+    given: Mapping[str, Any] | str | Path,
+    *,
+    out: str | Path | None = None,
+    workers: int | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xarray.Dataset:
+    """What scatter of parameters and grinding errors do to a train, as the command `tolerances` finds it.
+
+    `given` is a tolerance file or its tables. `percentile` and `mean` are over figures; `first` and `total`
+    are Sobol' indices over (figure, factor); `yield` is over limits, `yield_without` has that of the trains
+    amid a factor. `end` is the value or the low or high end of its interval of confidence (95 %). `linear` is
+    the answer of first order. `out` keeps the trains in a folder; a call that was stopped goes on there.
+    """
+    check_study_packages()
+    from orchestrator.study.run import Where
+    from orchestrator.study.tolerances.run import find_tolerances
+    from orchestrator.study.tolerances.table import parse_tolerances, read_tolerances
+
+    content = (scenario if isinstance(scenario, Scenario) else load(scenario)).content
+    read = parse_tolerances(dict(given)) if isinstance(given, Mapping) else read_tolerances(Path(given))
+    with _open_folder(out, "tolerances") as folder:
+        where, reporter = Where(workers=workers), SilentReporter(progress)
+        return find_tolerances(content, read, folder, where, reporter, overwrite)
+
+
 def wear(  # noqa: PLR0913  # options of the command
     scenario: Scenario | str | Path,
     until: str = "0.127 mm",

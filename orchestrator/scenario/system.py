@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from models.core.evaluation import check_start
-from models.core.quantities import Layout, Vector
+from models.core.quantities import Layout, Quantity, Vector
 from models.core.system import Instance, ModelError, System
 
 from ..engine.instants import SideLines
@@ -123,3 +123,12 @@ def list_parameters(scenario: Scenario) -> dict[str, float]:
         values = {field.name: field.start for field in layout.fields} | to_numbers(layout, table.parameters)
         found |= {f"{name}.{parameter}": value for parameter, value in values.items()}
     return found
+
+
+def list_quantities(scenario: Scenario) -> dict[str, Quantity]:
+    """What every parameter means, by "instance.parameter"."""
+    return {
+        f"{name}.{field.name}": field.quantity
+        for name, table in scenario.components.items()
+        for field in table.resolve().parameters.fields
+    }

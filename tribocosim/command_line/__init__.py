@@ -25,6 +25,7 @@ from .speeds import run_speeds
 from .spring import print_spring
 from .ssp import ssp_export, ssp_import
 from .study import run_study
+from .tolerances import run_tolerances
 from .wear import run_wear
 
 app = typer.Typer(
@@ -46,6 +47,7 @@ app.command("spring")(print_spring)
 app.command("speeds")(run_speeds)
 app.command("calibrate")(run_calibrate)
 app.command("sensitivities")(run_sensitivities)
+app.command("tolerances")(run_tolerances)
 app.command("compare")(compare_sweeps)
 app.command("study")(run_study)
 app.command("wear")(run_wear)

@@ -56,15 +56,16 @@ class CycleFinder:
     def change(self, values: Mapping[str, float], speed: float) -> System:
         """The system with these values at this speed (rad/s)."""
         flywheel, instances = self.subject.flywheel, dict(self.system.instances)
-        both = {f"{flywheel}.{name}": speed for name in ("initial_speed", "final_speed")}
-        for place, value in {**both, **values}.items():
+        changed = {name: dict(instance.parameters) for name, instance in instances.items()}
+        changed[flywheel] |= {"initial_speed": speed, "final_speed": speed}
+        for place, value in values.items():
             name, _, parameter = place.partition(".")
             if name not in instances or parameter not in instances[name].component.parameters:
                 raise MistakeError(
                     f"{place}: no such parameter; {one_of(self.system.parameters.names, place)}"
                 )
-            own = instances[name]
-            instances[name] = replace(own, parameters={**own.parameters, parameter: value})
+            changed[name][parameter] = value
+        instances = {name: replace(one, parameters=changed[name]) for name, one in instances.items()}
         return self.system.with_instances(instances)
 
     def _start(self, speed: float, samples: int) -> Vector:

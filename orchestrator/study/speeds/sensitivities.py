@@ -18,7 +18,7 @@ import xarray
 from numpy.typing import NDArray
 from rich.table import Column, Table
 
-from models.core.quantities import Quantity, Vector
+from models.core.quantities import Vector
 from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 
 from ...analyses import Parameter, Result
@@ -29,7 +29,7 @@ from ...reporter import Reporter
 from ...scenario import Scenario, build_scenario
 from ...scenario.display import format_number
 from ...scenario.files import put, to_full_toml
-from ...scenario.system import list_parameters
+from ...scenario.system import list_parameters, list_quantities
 from ...scenario.values import Value
 from ...texts import parse_toml
 from ..files import plan_axis
@@ -107,7 +107,7 @@ class SensitivitySubject:
 def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) -> tuple[str, ...]:
     """The parameters "component.name" that `wanted` names; by default the speed and all continuous ones that
     are not zero, but the drive's and elements of arrays. MistakeError for one that cannot be varied."""
-    values, quantities = list_parameters(scenario), _list_quantities(scenario)
+    values, quantities = list_parameters(scenario), list_quantities(scenario)
     varied = [name for name, value in values.items() if value != 0.0 and not quantities[name].jumps]
     if not wanted:
         return (SPEED, *(n for n in varied if not n.startswith(f"{flywheel}.") and "[" not in n))
@@ -125,14 +125,6 @@ def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) 
             raise MistakeError((Option("parameter", text), f": {why}; {one_of([SPEED, *varied], '')}"))
         found.append(name)
     return tuple(dict.fromkeys(found))
-
-
-def _list_quantities(scenario: Scenario) -> dict[str, Quantity]:
-    return {
-        f"{name}.{field.name}": field.quantity
-        for name, table in scenario.components.items()
-        for field in table.resolve().parameters.fields
-    }
 
 
 def differentiate(table: Mapping[str, Vector], count: int) -> dict[str, tuple[Vector, Vector]]:

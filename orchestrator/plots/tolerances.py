@@ -1,0 +1,82 @@
+"""Histograms of figures of merit with their limits, and which tolerance their scatter comes from."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+from matplotlib.figure import Figure
+
+from models.core.quantities import Vector
+
+from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots
+
+COLUMNS, MOST_BARS = 2, 8
+
+
+class Panel(NamedTuple):
+    """A figure of merit: its head with the unit, its values, its limits and whether they are upper ones, and
+    mean and deviation of first order."""
+
+    head: str
+    values: Vector
+    limits: Sequence[tuple[float, bool]]
+    linear: tuple[float, float]
+
+
+def draw_histograms(panels: Sequence[Panel], title: str) -> Figure:
+    """A panel for each: red where a limit is not kept; the line is the normal distribution of first order."""
+    rows = -(-len(panels) // COLUMNS)
+    figure, axes = create_subplots(rows, COLUMNS, figsize=(10.0, 0.6 + 2.5 * rows), squeeze=False)
+    add_title(figure, title)
+    places = list(axes.flat)
+    for place in places[len(panels) :]:
+        place.remove()
+    for place, panel in zip(places, panels, strict=False):
+        known = panel.values[np.isfinite(panel.values)]
+        edges = np.histogram_bin_edges(known, "auto")
+        counts, edges = np.histogram(known, edges)
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        outside = np.zeros(middle.size, dtype=bool)
+        for value, upper in panel.limits:
+            outside |= middle > value if upper else middle < value
+        colours = np.where(outside, REFERENCE, COUPLED)
+        place.bar(middle, counts, width=np.diff(edges), color=list(colours))
+        mean, deviation = panel.linear
+        if deviation > 0.0:
+            density = np.exp(-0.5 * ((middle - mean) / deviation) ** 2) / (deviation * np.sqrt(2.0 * np.pi))
+            place.plot(middle, density * known.size * np.diff(edges), color=MUTED, label="first order")
+            place.legend()
+        for value, _ in panel.limits:
+            place.axvline(value, color="black", linestyle="--", linewidth=1.0)
+        place.set_xlabel(panel.head)
+        place.set_ylabel("trains")
+    return figure
+
+
+def draw_indices(dataset: xarray.Dataset, title: str) -> Figure:
+    """A panel for each figure: first and total indices of the factors, the largest first."""
+    names = [str(name) for name in dataset["figure"].values]
+    rows = -(-len(names) // COLUMNS)
+    figure, axes = create_subplots(rows, COLUMNS, figsize=(10.0, 0.6 + 2.5 * rows), squeeze=False)
+    add_title(figure, title)
+    places = list(axes.flat)
+    for place in places[len(names) :]:
+        place.remove()
+    for place, name in zip(places, names, strict=False):
+        own = dataset.sel(figure=name)
+        order = np.argsort(-np.nan_to_num(own["total"].sel(end="value").values), kind="stable")[:MOST_BARS][
+            ::-1
+        ]
+        heads, at = [str(dataset["factor"].values[k]) for k in order], np.arange(order.size)
+        for kind, shift, colour in (("total", -0.2, MUTED), ("first", 0.2, COUPLED)):
+            value, low, high = (own[kind].sel(end=end).values[order] for end in ("value", "low", "high"))
+            errors = np.clip([value - low, high - value], 0.0, None)
+            place.barh(at + shift, value, height=0.38, color=colour, xerr=errors, label=kind)
+        place.set_yticks(at, heads)
+        place.grid(axis="y", visible=False)
+        part, _, number = name.rpartition(".")
+        place.set_title(f"{part}: {number.replace('_', ' ')}")
+        place.set_xlim(-0.05, 1.1)
+    places[0].legend(loc="lower right")
+    return figure

@@ -1,0 +1,152 @@
+"""What a tolerance study prints and writes."""
+
+import csv
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray
+from rich.table import Column, Table
+
+from ...plots.style import save_figure
+from ...plots.tolerances import Panel, draw_histograms, draw_indices
+from ...reporter import Reporter
+from ...scenario.display import Shown, add_unit, format_number, show_attributes
+from ..speeds.sensitivities import select_figures
+from .limits import Limit
+from .run import ALL
+from .statistics import PERCENTS
+
+RESULTS, PERCENTILES, INDICES, YIELD = "tolerances.nc", "percentiles.csv", "indices.csv", "yield.csv"
+HISTOGRAMS, BARS = "tolerances.png", "indices.png"
+# Percentiles of the printed table.
+SHOWN = (1.0, 50.0, 99.0, 99.9)
+
+
+def publish(
+    dataset: xarray.Dataset, limits: Sequence[Limit], title: str, out: Path, reporter: Reporter
+) -> None:
+    """Print percentiles, yields and what costs them; write all to tables, figures and a netCDF file."""
+    limited = dict.fromkeys(limit.figure for limit in limits if limit.figure in dataset["figure"])
+    main = dataset.sel(figure=list(dict.fromkeys([*limited, *select_figures(dataset)])))
+    reporter.console.print(_tabulate(main, title))
+    for line in describe(main):
+        reporter.line(line)
+    dataset.to_netcdf(out / RESULTS, engine="h5netcdf")
+    _write(out / PERCENTILES, _list_percentiles(dataset))
+    _write(out / INDICES, _list_indices(dataset))
+    _write(out / YIELD, _list_yields(dataset))
+    panels = [_panel(main, str(name), limits) for name in main["figure"].values]
+    save_figure(
+        lambda: draw_histograms(panels, f"{title}: {dataset.attrs['sampled']} trains"), out / HISTOGRAMS
+    )
+    written = [RESULTS, PERCENTILES, INDICES, YIELD, HISTOGRAMS]
+    if np.isfinite(main["total"].values).any():
+        save_figure(lambda: draw_indices(main, f"{title}: Sobol' indices"), out / BARS)
+        written.append(BARS)
+    reporter.line(f"results in {out}: {', '.join(written)}")
+
+
+def _shown(dataset: xarray.Dataset, figure: str) -> Shown:
+    own = dataset.sel(figure=figure)
+    return show_attributes(
+        {"units": str(own["unit"].values), "display_units": str(own["display_unit"].values)}
+    )
+
+
+def _tabulate(main: xarray.Dataset, title: str) -> Table:
+    heads = [f"{percent:g} %" for percent in SHOWN]
+    shown = Table(
+        Column("figure", no_wrap=True), *heads, "95 % interval", "first order",
+        title=f"{title}: percentiles; ~ where the first order lies outside the interval of {SHOWN[-1]:g} %",
+        title_justify="left", padding=0,
+    )  # fmt: skip
+    for name in map(str, main["figure"].values):
+        own, unit = main.sel(figure=name), _shown(main, name)
+        values = [unit.factor * float(own["percentile"].sel(percent=p, end="value")) for p in SHOWN]
+        low, high = (
+            unit.factor * float(own["percentile"].sel(percent=SHOWN[-1], end=end)) for end in ("low", "high")
+        )
+        linear = unit.factor * float(own["linear"].sel(percent=SHOWN[-1]))
+        mark = "~" if linear < low or linear > high else ""
+        interval = f"{format_number(low)} to {format_number(high)}" if np.isfinite(low) else "–"
+        cells = [*map(format_number, values), interval, f"{mark}{format_number(linear)}"]
+        shown.add_row(add_unit(name, unit), *cells)
+    return shown
+
+
+def describe(dataset: xarray.Dataset) -> Iterator[str]:
+    """A sentence on each limit: its yield, and the tolerance that costs most of it."""
+    if not np.isfinite(dataset["percentile"].sel(percent=SHOWN[-1], end="high").values).all():
+        yield f"{dataset.attrs['sampled']} trains are too few to bound the percentile {SHOWN[-1]:g} %"
+    for limit in map(str, dataset["limit"].values):
+        own = dataset.sel(limit=limit)
+        value, low, high = 100.0 * own["yield"].values
+        sentence = f"{limit}: {value:.4g} % of the trains keep it ({low:.4g} to {high:.4g} %)"
+        if limit == ALL:
+            sentence = f"{limit}: {value:.4g} % of the trains keep them ({low:.4g} to {high:.4g} %)"
+        without = own["yield_without"].sel(end="value").values
+        if value < 100.0 and np.isfinite(without).any():
+            k = int(np.nanargmax(without))
+            name, (best, least, most) = str(own["factor"].values[k]), 100.0 * own["yield_without"].values[k]
+            if least > value:
+                sentence += (
+                    f"; {name} costs most: of the trains amid its tolerance {best:.4g} % do "
+                    f"({least:.4g} to {most:.4g} %)"
+                )
+            else:
+                sentence += "; no single tolerance costs more than chance may"
+        yield sentence
+
+
+def _panel(dataset: xarray.Dataset, name: str, limits: Sequence[Limit]) -> Panel:
+    unit, own = _shown(dataset, name), dataset.sel(figure=name)
+    low, high = (unit.factor * float(own["linear"].sel(percent=percent)) for percent in (50.0, 99.0))
+    part, _, number = name.rpartition(".")
+    return Panel(
+        add_unit(f"{part}: {number.replace('_', ' ')}", unit),
+        unit.factor * own["sample"].values,
+        [(unit.factor * limit.value, limit.upper) for limit in limits if limit.figure == name],
+        (low, (high - low) / NORMAL_99),
+    )
+
+
+# Deviations above the mean below which 99 % of a normal distribution lie.
+NORMAL_99 = 2.3263478740408408
+
+
+def _list_percentiles(dataset: xarray.Dataset) -> Iterator[list[object]]:
+    ends = [f"{p:g} %{end}" for p in PERCENTS for end in ("", " low", " high", " first order")]
+    yield ["figure", "unit", "mean", "deviation", *ends]
+    for name in map(str, dataset["figure"].values):
+        own = dataset.sel(figure=name)
+        cells = [
+            float(x)
+            for p in PERCENTS
+            for x in (*own["percentile"].sel(percent=p).values, own["linear"].sel(percent=p).values)
+        ]
+        yield [name, str(own["unit"].values), float(own["mean"]), float(own["deviation"]), *cells]
+
+
+def _list_indices(dataset: xarray.Dataset) -> Iterator[list[object]]:
+    kinds = ("first", "total")
+    yield ["figure", "factor", *[f"{k}{e}" for k in kinds for e in ("", " low", " high")], "first order"]
+    for name in map(str, dataset["figure"].values):
+        own = dataset.sel(figure=name)
+        for k, factor in enumerate(map(str, dataset["factor"].values)):
+            cells = [float(x) for kind in kinds for x in own[kind].values[k]]
+            yield [name, factor, *cells, float(own["linear_part"].values[k])]
+
+
+def _list_yields(dataset: xarray.Dataset) -> Iterator[list[object]]:
+    yield ["limit", "factor", "yield", "low", "high", "amid", "low", "high", "index", "low", "high"]
+    for limit in map(str, dataset["limit"].values):
+        own = dataset.sel(limit=limit)
+        for k, factor in enumerate(map(str, dataset["factor"].values)):
+            tables = (own["yield"].values, own["yield_without"].values[k], own["yield_index"].values[k])
+            yield [limit, factor, *[float(x) for table in tables for x in table]]
+
+
+def _write(path: Path, rows: Iterator[list[object]]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows(rows)

@@ -1,0 +1,216 @@
+"""Runs a tolerance study and finds what it says."""
+
+import copy
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from models.core.quantities import Vector
+from models.monolithic.cycle import STEADY as LARGEST_CHANGE
+from models.valve_train.worn_cam import sample_cam
+
+from ...analyses import Result
+from ...errors import RunError
+from ...reporter import Reporter
+from ...scenario import build_scenario
+from ...scenario.cams import read_cam
+from ...scenario.files import to_full_toml
+from ...scenario.system import list_quantities
+from ..files import plan_axis
+from ..run import Where, run
+from ..speeds.subject import STEADY, describe_numbers, find_flywheel
+from ..speeds.sweep import parse_speed
+from ..store import DONE
+from ..wear.train import put_points
+from .design import BESIDE, MIXED, SAMPLE, Design, Parameters
+from .distributions import read_samples
+from .limits import Limit, parse_limits
+from .statistics import (
+    PERCENTS,
+    find_first_order,
+    find_indices,
+    find_middle_yield,
+    find_percentile,
+    find_yield,
+)
+from .subject import ToleranceSubject, make_design
+from .table import Tolerances
+
+TRAINS = "trains.zarr"
+ENDS = ("value", "low", "high")
+# Of the yield of all limits together.
+ALL = "all limits"
+RPM = 30.0 / math.pi
+
+
+def make_subject(tables: Mapping[str, Any], tolerances: Tolerances) -> tuple[ToleranceSubject, list[Limit]]:
+    """MistakeError for a fault of the scenario, the distributions or the limits."""
+    scenario = build_scenario(copy.deepcopy(dict(tables)))
+    flywheel = find_flywheel(scenario)
+    speed = parse_speed("speed", str(tolerances.speed))
+    tolerances = read_samples(tolerances, list_quantities(scenario))
+    limits = parse_limits(tolerances.limits, describe_numbers(scenario))
+    make_design(tolerances, scenario)
+    given, running = to_full_toml(scenario), dict(tables)
+    for cam in tolerances.grinding:
+        running = put_points(running, cam, sample_cam(read_cam(scenario.components[cam])))
+    text = to_full_toml(build_scenario(running)) if tolerances.grinding else given
+    return ToleranceSubject(given, text, flywheel, speed, tolerances.model_dump_json()), limits
+
+
+def find_tolerances(
+    tables: Mapping[str, Any],
+    tolerances: Tolerances,
+    out: Path,
+    where: Where,
+    reporter: Reporter,
+    overwrite: bool = False,
+) -> xarray.Dataset:
+    """Percentiles, yields and indices of all figures; all trains are kept in the folder `out`. MistakeError
+    before anything is computed, RunError where no train has a cycle."""
+    subject, limits = make_subject(tables, tolerances)
+    name, design = build_scenario(copy.deepcopy(dict(tables))).name, subject.design
+    reporter.line(
+        f"{len(design)} trains: the mean one, {2 * len(design.names)} beside it, {2 * design.half} sampled"
+        + (f", {len(design.factors) * design.half} for indices" if design.mixed else "")
+    )
+    axis = {"train": {"start": 0.0, "stop": float(len(design) - 1), "count": len(design)}}
+    description = f"{name}: trains within their tolerances at {subject.speed:.6g} rad/s"
+    status = run(plan_axis(name, description, subject, axis), out / TRAINS, where, reporter, overwrite)
+    with xarray.open_zarr(out / TRAINS) as stored:
+        trains = stored.load()
+    usable = find_usable(trains, design, reporter)
+    figures = [
+        figure
+        for figure in subject.results
+        if figure not in {*STEADY, *design.names} and not figure.endswith("_angle")
+    ]
+    values = {figure: np.where(usable, trains[figure].values, np.nan) for figure in figures}
+    values = {figure: found for figure, found in values.items() if np.isfinite(found).any()}
+    parts = [_describe(values, subject.results), _percentiles(values, design), _compare(values, design)]
+    found = xarray.merge([*parts, _yields(values, design, limits)])
+    counts = {"lost": int(np.sum(~usable)), "trains": len(design), "sampled": 2 * design.half}
+    return found.assign_attrs(speed_rpm=RPM * subject.speed, status=status, **counts)
+
+
+def _describe(values: Mapping[str, Vector], results: Mapping[str, Result]) -> xarray.Dataset:
+    """Units of the figures."""
+    units = {"unit": [results[name].unit for name in values]}
+    units["display_unit"] = [results[name].display_unit for name in values]
+    return xarray.Dataset({key: ("figure", texts) for key, texts in units.items()}, {"figure": list(values)})
+
+
+def find_usable(trains: xarray.Dataset, design: Design, reporter: Reporter) -> NDArray[np.bool_]:
+    """The trains with a steady cycle. A line names the first of the others, with its values."""
+    done = trains["status"].values == DONE
+    usable = np.asarray(done & (trains["change"].values <= LARGEST_CHANGE))
+    if not usable[_rows(design, SAMPLE)].any():
+        raise RunError("no sampled train has a steady cycle at this speed: there is nothing to compare")
+    lost = np.flatnonzero(~usable)
+    if lost.size:
+        first = int(lost[0])
+        settings = ", ".join(f"{name} = {trains[name].values[first]:.6g}" for name in design.names[:8])
+        message = str(trains["message"].values[first]) or (
+            f"a period still changes the motion by {float(trains['change'].values[first]):.2g}"
+        )
+        reporter.line(
+            f"{lost.size} of {usable.size} trains have no steady cycle: they keep no limit and are in no "
+            f"percentile. The first is train {first} with {settings}: {message}"
+        )
+    return usable
+
+
+def _rows(design: Design, kind: str) -> NDArray[np.int64]:
+    return np.flatnonzero(np.array(design.kinds) == kind)
+
+
+def _percentiles(values: Mapping[str, Vector], design: Design) -> xarray.Dataset:
+    rows = _rows(design, SAMPLE)
+    found, means, deviations = [], [], []
+    for column in values.values():
+        known = np.sort(column[rows][np.isfinite(column[rows])])
+        found.append([find_percentile(known, percent) for percent in PERCENTS])
+        means.append(known.mean() if known.size else np.nan)
+        deviations.append(known.std(ddof=1) if known.size > 1 else np.nan)
+    return xarray.Dataset(
+        {
+            "percentile": (("figure", "percent", "end"), np.array(found)),
+            "sample": (("figure", "train"), np.array([column[rows] for column in values.values()])),
+            "mean": ("figure", np.array(means)),
+            "deviation": ("figure", np.array(deviations)),
+        },
+        {"figure": list(values), "percent": list(PERCENTS), "end": list(ENDS)},
+    )
+
+
+def judge(values: Mapping[str, Vector], limits: Sequence[Limit]) -> dict[str, NDArray[np.bool_]]:
+    """Which trains keep each limit, and all of them."""
+    none = np.full(next(iter(values.values())).size, np.nan)
+    kept = {limit.text: limit.holds(values.get(limit.figure, none)) for limit in limits}
+    return {**kept, ALL: np.all(list(kept.values()), axis=0)} if kept else {}
+
+
+def _yields(values: Mapping[str, Vector], design: Design, limits: Sequence[Limit]) -> xarray.Dataset:
+    """Of every limit and of all: the yield, that of the trains amid each factor, and the pass's indices."""
+    kept, rows = judge(values, limits), _rows(design, SAMPLE)
+    factors = list(design.factors)
+    middle = np.full((len(kept), len(factors), 3), np.nan)
+    total = np.full((len(kept), len(factors), 3), np.nan)
+    for i, good in enumerate(kept.values()):
+        for k, factor in enumerate(design.factors.values()):
+            if isinstance(factor, Parameters) and factor.size == 1:
+                middle[i, k] = find_middle_yield(good[rows], design.sample[:, design.columns(k).start])
+        if design.mixed:
+            found = _index(good.astype(float), design)
+            total[i] = np.column_stack([found.total, *found.total_interval])
+    yields = np.array([find_yield(good[rows]) for good in kept.values()]).reshape(-1, 3)
+    return xarray.Dataset(
+        {
+            "yield": (("limit", "end"), yields),
+            "yield_without": (("limit", "factor", "end"), middle),
+            "yield_index": (("limit", "factor", "end"), total),
+        },
+        {"limit": list(kept), "factor": factors, "end": list(ENDS)},
+    )
+
+
+def _index(values: Vector, design: Design) -> Any:
+    a, b = values[_rows(design, SAMPLE)].reshape(2, -1)
+    return find_indices(a, b, values[_rows(design, MIXED)].reshape(-1, design.half), design.seed)
+
+
+def _compare(values: Mapping[str, Vector], design: Design) -> xarray.Dataset:
+    """Sobol' indices, and the answer of first order beside the sample's."""
+    covariances = {name: factor.covariance for name, factor in design.factors.items()}
+    beside, count = _rows(design, BESIDE), len(design.factors)
+    first, total, linear, parts = [], [], [], []
+    for column in values.values():
+        if design.mixed:
+            found = _index(column, design)
+            first.append(np.column_stack([found.first, *found.first_interval]))
+            total.append(np.column_stack([found.total, *found.total_interval]))
+        else:
+            first.append(np.full((count, 3), np.nan))
+            total.append(np.full((count, 3), np.nan))
+        about = find_first_order(column[0], column[beside].reshape(-1, 2), design.deviations, covariances)
+        linear.append([about.percentile(percent) for percent in PERCENTS])
+        parts.append(about.parts)
+    return xarray.Dataset(
+        {
+            "first": (("figure", "factor", "end"), np.array(first)),
+            "total": (("figure", "factor", "end"), np.array(total)),
+            "linear": (("figure", "percent"), np.array(linear)),
+            "linear_part": (("figure", "factor"), np.array(parts)),
+        },
+        {
+            "figure": list(values),
+            "factor": list(design.factors),
+            "percent": list(PERCENTS),
+            "end": list(ENDS),
+        },
+    )
