@@ -43,6 +43,7 @@ MODULES = {
     "piston_crank": "slider_crank.piston.piston_crank",
     "free_piston_crank": "slider_crank.piston.free_piston_crank",
     "cylinder_gas": "slider_crank.piston.cylinder_gas",
+    "piston_clearance": "slider_crank.piston_clearance",
     "quarter_car_chassis": "oscillators.quarter_car",
     "quarter_car_wheel": "oscillators.quarter_car",
     "coupled_mass": "oscillators.two_masses",

@@ -17,7 +17,7 @@ from models.compile.kernel import COMPILED, KernelDispatcher
 
 # numba's intrinsics, which Python cannot call: bound anew in the modules that use them.
 INTRINSICS = {
-    "record_of": lambda vector, dtype: vector.view(dtype)[0],
+    "record_of": lambda vector, dtype: vector.view(dtype)[0] if vector.size else np.zeros(1, dtype)[0],
     "shaped": lambda vector, shape: vector.reshape(shape),
     "scratch": lambda dtype: np.zeros(dtype.itemsize // 8),
     "_pointer": lambda address: ctypes.c_void_p(int(address)),

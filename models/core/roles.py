@@ -175,3 +175,10 @@ class DrawnShaft(Role):
 
 class CylinderGas(Role):
     """A gas whose pressure a cycle of points gives."""
+
+
+class PistonClearance(Role):
+    """Watches a valve and the piston. Input: `angle`. Parameters: `pocket_depth`, `angle_ratio`,
+    `top_angle`."""
+
+    outputs = ("clearance", "radial_clearance")

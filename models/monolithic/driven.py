@@ -122,8 +122,10 @@ def _solve_pieces(
     problems: Sequence[DrivenProblem], x0: Vector, times: Vector, make: type[Cvode | RungeKutta], sharp: float
 ) -> tuple[Vector, list[Event], str]:
     """States at `times`, the events on the way and the method's name."""
-    z, states, name = x0.copy(), np.empty((times.size, x0.size)), ""
+    z, states, name = x0.copy(), np.empty((times.size, x0.size)), "no states"
     events: list[Event] = []
+    if not x0.size:  # the outputs follow from the inputs alone
+        return states, events, name
     for i, problem in enumerate(problems):
         t0 = problem.piece.start
         if t0 > times[-1]:

@@ -17,7 +17,7 @@ from models.valve_train.cams.profile import CamProfile
 from models.valve_train.cams.ramps import RampParameters, ramp_turn
 from models.valve_train.cams.rises import RISES
 from models.valve_train.cams.smoothing import SmoothedLift
-from models.valve_train.cams.table import TABLE, Points, table_lift
+from models.valve_train.cams.table import TABLE, TURN, Points, table_lift
 from models.valve_train.camshaft import camshaft
 from models.valve_train.followers.shape import FOLLOWERS, Follower
 
@@ -52,6 +52,8 @@ GEOMETRY = {
     ),
 }
 NONE = "none"
+# A nose is level to this part of the lift.
+LEVEL = 1e-6
 TABLE_EVENT = {
     name: Parameter(0.0, "rad", f"lift table: cam angle at which the {ramp} ramp joins; 0: found")
     for name, ramp in (("event_begin", "opening"), ("event_end", "closing"))
@@ -61,7 +63,12 @@ FIELDS = {name: tuple(get_type_hints(one.geometry)) for name, one in FOLLOWERS.i
 
 def list_law_parameters() -> dict[str, Parameter]:
     """The parameters of a cam by a law, as those of an analysis."""
-    return {field.name: _convert(field.quantity, field.start) for field in Layout(LawParameters).fields}
+    return convert(LawParameters)
+
+
+def convert(record: type) -> dict[str, Parameter]:
+    """The parameters of a component as those of an analysis."""
+    return {field.name: _convert(field.quantity, field.start) for field in Layout(record).fields}
 
 
 def _convert(quantity: Quantity, default: Any) -> Parameter:
@@ -85,6 +92,13 @@ class Profile(NamedTuple):
     breaks: list[float]
     table: LiftTable | None = None
     smoothing: SmoothedLift | None = None
+
+    @property
+    def nose(self) -> float:
+        """The middle of where it lifts most (rad)."""
+        angles = np.linspace(0.0, TURN, 3601)
+        lift = np.array([self.lift(a).s for a in angles])
+        return float(np.mean(angles[lift >= lift.max() * (1.0 - LEVEL)]))
 
 
 def build_profile(values: Mapping[str, Any]) -> Profile:

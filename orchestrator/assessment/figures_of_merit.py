@@ -232,6 +232,20 @@ def _ramp_left(valve: Part) -> Found:
     return Found(lift.value / height, lift.row) if height > 0.0 else NONE
 
 
+def _least_clearance_angle(watched: Part) -> Found:
+    """Of the crank, from the top dead centre."""
+    row = _least("clearance")(watched).row
+    angle = watched.parameter("angle_ratio") * (watched["angle"][row] - watched.parameter("top_angle"))
+    return Found(math.remainder(float(angle), 2.0 * math.pi), row)
+
+
+def _least_radial_clearance(watched: Part) -> Found:
+    """While the head is in the pocket."""
+    inside = watched["clearance"] < watched.parameter("pocket_depth")
+    away = np.where(inside, watched["radial_clearance"], np.inf)
+    return _at(away, np.argmin(away)) if inside.any() else NONE
+
+
 CONTACT: Mapping[str, Figure] = {
     "least_load": (Quantity("N", "least load while the cam lifts"), _least_load),
     "least_load_angle": (
@@ -319,6 +333,20 @@ ROLLING: Mapping[str, Figure] = {
         lambda c: Found(c.mean(c["rolling_friction"] * 2.0 * c["entraining_velocity"])),
     ),
 }
+CLEARANCE: Mapping[str, Figure] = {
+    "least_clearance": (
+        Quantity("m", "least clearance between valve and piston", display_unit="mm"),
+        _least("clearance"),
+    ),
+    "least_clearance_angle": (
+        Quantity("rad", "crank angle of the least clearance, from top dead centre", display_unit="deg"),
+        _least_clearance_angle,
+    ),
+    "least_radial_clearance": (
+        Quantity("m", "least clearance to the wall of the valve's pocket", display_unit="mm"),
+        _least_radial_clearance,
+    ),
+}
 LOSS: Mapping[str, Figure] = {"friction_power": (Quantity("W", "mean friction power"), _mean("power_loss"))}
 ROLLER: Mapping[str, Figure] = {
     "largest_slip": (Quantity("m/s", "largest velocity by which the roller slides"), _slip),
@@ -349,6 +377,7 @@ TABLES: Mapping[type[roles.Role], Mapping[str, Figure]] = {
     roles.Guide: LOSS,
     roles.Roller: ROLLER,
     roles.Surface: LOSS,
+    roles.PistonClearance: CLEARANCE,
     roles.Contact: CONTACT,
     roles.RollingContact: ROLLING,
 }

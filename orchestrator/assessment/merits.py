@@ -21,7 +21,7 @@ Read = Callable[[str], Vector]
 # So many trains are told one by one: of more those whose margin is least.
 SHOWN = 4
 # Figures that are the angles of others.
-PLACES = ("least_load_angle",)
+PLACES = ("least_load_angle", "least_clearance_angle")
 GAP = Quantity("m", "largest gap", display_unit="um")
 IMPACT = Quantity("m/s", "speed of the hardest impact")
 OPEN = Quantity("1", "share of the time without contact")
@@ -103,6 +103,7 @@ def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
             *_list_landing(train, found),
             *_list_clash(train, found),
             *_list_wire(train, found),
+            *_list_clearance(train, found),
         ]
         if said := [*said, *_list_contacts(train, found)]:
             told.append((margin, f"{train.valve}: {'; '.join(said)}"))
@@ -178,6 +179,13 @@ def _list_wire(train: Train, found: Merits) -> Iterator[str]:
         stress, safety = found.get((name, "largest_stress")), found.get((name, "fatigue_safety"))
         if stress and safety:
             yield f"wire of {name} has {stress.text}, safety against fatigue {safety.value:.3g}"
+
+
+def _list_clearance(train: Train, found: Merits) -> Iterator[str]:
+    for name in train.list_parts(roles.PistonClearance):
+        if least := found.get((name, "least_clearance")):
+            met = least.value <= 0.0
+            yield f"{'meets' if met else 'stays away from'} the piston by {least.text.removeprefix('-')}"
 
 
 def _list_contacts(train: Train, found: Merits) -> Iterator[str]:

@@ -16,7 +16,7 @@ from ..store.result_file import ResultFile
 from .data import FigureData
 
 KINDS = (
-    "valve_train", "valves", "film_and_load", "solved_film", "journal_orbits", "difference",
+    "valve_train", "valves", "clearance", "film_and_load", "solved_film", "journal_orbits", "difference",
     "slider_crank_motion", "slider_crank_phase", "piston", "solution", "steps", "energy",
 )  # fmt: skip
 

@@ -11,6 +11,7 @@ from .analyse import run_analysis
 from .apart import remember_arguments
 from .calibrate import run_calibrate
 from .cam import draw_cam
+from .clearance import print_clearance
 from .compare import compare_sweeps
 from .components import print_components
 from .diagnose import print_diagnosis
@@ -43,6 +44,7 @@ app.command("friction")(print_friction)
 app.command("analyse")(run_analysis)
 app.command("masters")(run_masters)
 app.command("cam")(draw_cam)
+app.command("clearance")(print_clearance)
 app.command("spring")(print_spring)
 app.command("speeds")(run_speeds)
 app.command("calibrate")(run_calibrate)

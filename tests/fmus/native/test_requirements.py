@@ -92,6 +92,7 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"exhaust_opening": 5.0},
         {"crank_radius": 0.2, "burn_start": 4.0, "exhaust_opening": 5.0},
     ),
+    "piston_clearance": ({"crank_radius": 0.2}, {"pin_offset": -0.11}),
 }
 
 

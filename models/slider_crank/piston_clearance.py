@@ -1,0 +1,172 @@
+"""Clearance between a valve's head and the piston's crown, which has a pocket for it.
+
+The piston is below its top dead centre by
+
+    x = sqrt((l + r)^2 - e^2) - r cos a - sqrt(l^2 - (r sin a + e)^2),   a = angle - asin(e/(l + r))
+
+with the crank's radius r, the rod's length l and the offset e of the pin, so that x = 0 at the angle 0. The
+valve's axis is inclined by i to the cylinder's. Along and across it the head is away from floor and wall of
+its pocket by
+
+    axial = recess + depth + deck cos i + x cos i - lift,   radial = play - |x sin i|
+"""
+
+import math
+from dataclasses import dataclass
+
+from ..compile.kernel import kernel
+from ..core import roles
+from ..core.bonds import counts_energies
+from ..core.component import Component
+from ..core.quantities import Layout, Quantity, Vector
+from ..core.requirements import Requirement
+from ..plausible import ANGLE, CAM_LIFT, LEVER_ANGLE, OFFSET
+from .crank import CrankRadius, RodLength, crank_turns
+
+
+@dataclass
+class PistonClearanceParameters:
+    """Defaults: the crank of `cylinder_gas` and a valve at 20 degrees."""
+
+    crank_radius: CrankRadius = 0.043
+    rod_length: RodLength = 0.143
+    pin_offset: float = Quantity(
+        "m", "offset e of the piston's pin from the crank's axis",
+        nominal=1e-3, display_unit="mm", plausible=OFFSET,
+    ).default()  # fmt: skip
+    deck_height: float = Quantity(
+        "m", "from the crown to the head's face at top dead centre, with the gasket",
+        nominal=1e-3, display_unit="mm", plausible=CAM_LIFT,
+    ).default(1e-3)  # fmt: skip
+    valve_angle: float = Quantity(
+        "rad", "angle i of the valve's axis to the cylinder's", nominal=0.3, minimum=-1.5, maximum=1.5,
+        display_unit="deg", plausible=LEVER_ANGLE,
+    ).default(math.radians(20.0))  # fmt: skip
+    valve_recess: float = Quantity(
+        "m", "from the head's face to the closed valve, along its axis; negative: it stands out",
+        nominal=1e-3, display_unit="mm",
+    ).default(1e-3)  # fmt: skip
+    pocket_depth: float = Quantity(
+        "m", "depth of the valve's pocket in the crown, along the valve's axis",
+        nominal=1e-3, minimum=0.0, display_unit="mm", plausible=CAM_LIFT,
+    ).default(3e-3)  # fmt: skip
+    radial_play: float = Quantity(
+        "m", "from the valve's head to the pocket's wall at top dead centre",
+        nominal=1e-3, minimum=0.0, display_unit="mm", plausible=CAM_LIFT,
+    ).default(2e-3)  # fmt: skip
+    angle_ratio: float = Quantity(
+        "1", "angle of the crank over the input `angle`: 2 where it is the cam's", positive=True
+    ).default(1.0)
+    top_angle: float = Quantity(
+        "rad", "the input `angle` at the top dead centre of gas exchange", display_unit="deg", plausible=ANGLE
+    ).default()
+
+
+@dataclass
+class PistonClearanceState:
+    pass
+
+
+@dataclass
+class PistonClearanceInputs:
+    angle: float = Quantity("rad", "angle of the crank or cam", display_unit="deg").default()
+    valve_lift: float = Quantity("m", "lift of the valve", nominal=1e-3, display_unit="mm").default()
+
+
+@dataclass
+class PistonClearanceOutputs:
+    clearance: float = Quantity(
+        "m", "clearance along the valve's axis; negative: they meet", nominal=1e-3, display_unit="mm"
+    ).default()
+    radial_clearance: float = Quantity(
+        "m", "clearance to the pocket's wall, of a head in its pocket", nominal=1e-3, display_unit="mm"
+    ).default()
+    piston_travel: float = Quantity(
+        "m", "travel x of the piston from top dead centre", nominal=0.1, display_unit="mm"
+    ).default()
+
+
+@kernel
+def piston_travel(crank: float, p: PistonClearanceParameters) -> float:
+    """x, zero at the crank angle 0."""
+    reach, e = p.rod_length + p.crank_radius, p.pin_offset
+    a = crank - math.asin(e / reach)
+    side = p.crank_radius * math.sin(a) + e
+    return math.sqrt(reach**2 - e**2) - p.crank_radius * math.cos(a) - math.sqrt(p.rod_length**2 - side**2)
+
+
+@kernel
+def axial_clearance(travel: float, lift: float, p: PistonClearanceParameters) -> float:
+    along = (p.deck_height + travel) * math.cos(p.valve_angle)
+    return p.valve_recess + p.pocket_depth + along - lift
+
+
+@kernel
+def radial_clearance(travel: float, p: PistonClearanceParameters) -> float:
+    return p.radial_play - abs(travel * math.sin(p.valve_angle))
+
+
+@kernel
+def derivative(
+    t: float,
+    x: PistonClearanceState,
+    u: PistonClearanceInputs,
+    p: PistonClearanceParameters,
+    dx: PistonClearanceState,
+) -> None:
+    pass
+
+
+@kernel
+def output(
+    t: float,
+    x: PistonClearanceState,
+    u: PistonClearanceInputs,
+    p: PistonClearanceParameters,
+    y: PistonClearanceOutputs,
+) -> None:
+    y.piston_travel = piston_travel(p.angle_ratio * (u.angle - p.top_angle), p)
+    y.clearance = axial_clearance(y.piston_travel, u.valve_lift, p)
+    y.radial_clearance = radial_clearance(y.piston_travel, p)
+
+
+@kernel
+def energy(
+    t: float, x: PistonClearanceState, u: PistonClearanceInputs, p: PistonClearanceParameters, e: Vector
+) -> None:
+    e[:] = 0.0
+
+
+@kernel
+def rod_passes(p: PistonClearanceParameters, numbers: Vector) -> bool:
+    numbers[0], numbers[1] = p.pin_offset, p.rod_length - p.crank_radius
+    return p.crank_radius >= p.rod_length or abs(p.pin_offset) < p.rod_length - p.crank_radius
+
+
+REQUIREMENTS = (
+    Requirement(crank_turns, "crank_radius = {0:g} m: must be less than rod_length = {1:g} m"),
+    Requirement(rod_passes, "pin_offset = {0:g} m: must be less than rod_length - crank_radius = {1:g} m"),
+)
+
+
+@counts_energies
+def piston_clearance() -> Component:
+    """A kinematic observer: it acts on nothing."""
+    return Component(
+        name="piston_clearance",
+        description="Clearance between a valve and the piston",
+        roles=(roles.PistonClearance(),),
+        parameters=Layout(PistonClearanceParameters),
+        state=Layout(PistonClearanceState),
+        inputs=Layout(PistonClearanceInputs),
+        outputs=Layout(PistonClearanceOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "clearance": ("angle", "valve_lift"),
+            "radial_clearance": ("angle",),
+            "piston_travel": ("angle",),
+        },
+        requirements=REQUIREMENTS,
+    )

@@ -1,0 +1,39 @@
+"""tribocosim clearance."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .error_report import report_errors
+from .json_output import Json, build_reporter, print_json
+
+
+@report_errors
+def print_clearance(
+    source: Annotated[
+        str, typer.Argument(help="A lift table (.csv), a law such as cycloidal, or a scenario with a cam.")
+    ],
+    component: Annotated[str | None, typer.Option(help="Component of the scenario with the cam.")] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="PARAMETER=VALUE",
+            help="Set a parameter, e.g. 'lash=0.2 mm'; 'tribocosim analyse clearance --parameters' has all.",
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/clearance")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Compute the clearance between valve and piston over the crank angle, with the phases of a phaser."""
+    from orchestrator.analyses._cam_source import find_settings
+    from orchestrator.analyses._evaluate import analyse
+    from orchestrator.analyses.clearance import ANALYSIS
+
+    found = find_settings(source, component).items()
+    settings = [f"{name}={value}" for name, value in found if name in ANALYSIS.parameters]
+    result = analyse("clearance", [*settings, *(set_ or [])], out, overwrite, build_reporter(as_json))
+    if as_json:
+        print_json(result)
