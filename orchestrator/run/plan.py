@@ -43,7 +43,7 @@ from ..scenario.system import (
     list_moved_starts,
     resolve_start,
 )
-from ..scenario.warnings import list_doubtful, list_warnings
+from ..scenario.warnings import check_units, list_doubtful, list_warnings
 from ..stepping import RefinedSteps, Stepper
 from .comparison import check_witness
 
@@ -227,6 +227,7 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
 
 def _assemble(scenario: Scenario) -> Assembly:
     """The assembly; the error of one that cannot be built begins with numbers that may lack their unit."""
+    check_units(scenario)
     try:
         return assemble(scenario)
     except ModelError as error:

@@ -6,22 +6,25 @@ With [step_control] the other's `output_step` leaves too.
 """
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from models.catalogue import CATALOGUE
 from models.core.system import suggestion
 
 from ..errors import Fault, MistakeError, Option, Set
 from ..texts import DEEPEST, parse_toml, parse_value, read_text, to_path
 from . import Scenario, ScenarioError, build_scenario, find_tables
+from .component_table import ComponentTable
 from .extending import EXTENDS, WITHOUT, drop, drop_other_options, merge, replace_cam
 from .lift_table import CAM_KEYS, replace_law
 from .ssp import read_package as contents_of_package
-from .values import to_value
+from .values import ALIKE, WithUnit, build_component, to_value
 
 SET = Option("set")
+SECTIONS = "parameters", "inputs", "start"
 
 SHIPPED = Path(__file__).parent / "shipped"
 
@@ -186,8 +189,12 @@ def put(content: dict[str, Any], path: str, value: Any) -> None:
     known = list(Scenario.model_fields)
     if keys[0] not in known:
         tables = " or ".join(find_tables(keys[0]))
-        remedy = f"did you mean {tables}?" if tables else suggestion(keys[0], known)
+        meant = tables or " or ".join(find_paths(content, path.split(".")))
+        remedy = f"did you mean {meant}?" if meant else suggestion(keys[0], known)
         raise ScenarioError(f"{path}: unknown key {keys[0]!r}; {remedy}")
+    own = keys[0] != "components" or len(keys) != 3 or keys[2] in ComponentTable.model_fields
+    if not own and (meant := " or ".join(find_paths(content, keys))):
+        raise ScenarioError(f"{path}: unknown key; did you mean {meant}?")
     if path == "master.name":
         content["master"] = drop_other_options(content.get("master", {}), str(value))
         return
@@ -203,6 +210,20 @@ def put(content: dict[str, Any], path: str, value: Any) -> None:
     if keys[0] == "components" and len(keys) == 4 and keys[2] == "parameters":
         replace_cam(content["components"][keys[1]], {keys[3]: value})
     table[keys[-1]] = value
+
+
+def find_paths(content: Mapping[str, Any], keys: Sequence[str]) -> list[str]:
+    """The paths components.NAME.TABLE.VARIABLE that parts of one, such as NAME.VARIABLE, may stand for."""
+    *outer, variable = keys
+    names = set(outer) - {"components", *SECTIONS}
+    known: dict[str, str] = {}
+    for name, table in content.get("components", {}).items():
+        if isinstance(table, dict) and names <= {name} and table.get("component") in CATALOGUE:
+            made = build_component(table["component"])
+            for section, layout in zip(SECTIONS, (made.parameters, made.inputs, made.state), strict=True):
+                known |= {f"components.{name}.{section}.{one}": one for one in layout.variables}
+    close = difflib.get_close_matches(variable, known.values(), 1, ALIKE) if names else []
+    return [path for path, one in known.items() if one == variable or one in close][:3]
 
 
 def split_path(path: str) -> list[str]:
@@ -224,6 +245,20 @@ def to_short_toml(scenario: Scenario, folder: Path) -> str:
     return tomli_w.dumps(content)
 
 
+def _keep_units(table: ComponentTable, section: str) -> dict[str, str]:
+    """The values that are plausible only in another unit than the one that they were given with."""
+    component = table.resolve()
+    layout = {"parameters": component.parameters, "inputs": component.inputs, "start": component.state}[
+        section
+    ]
+    given = ((name, value, layout.field(name).quantity) for name, value in getattr(table, section).items())
+    return {
+        name: f"{float(value)!r} {quantity.unit}"
+        for name, value, quantity in given
+        if isinstance(value, WithUnit) and quantity.doubt(value)
+    }
+
+
 def to_full_toml(scenario: Scenario) -> str:
     """The scenario as TOML with all parameters; it gives the same run, bit for bit."""
     import tomli_w
@@ -234,6 +269,8 @@ def to_full_toml(scenario: Scenario) -> str:
             layout = table.resolve().parameters
             values = {f.name: to_value(f.quantity, f.start) for f in layout.fields}
             content["components"][name]["parameters"] = values | table.parameters
+        for section in SECTIONS:
+            content["components"][name][section] |= _keep_units(table, section)
         for empty in ("structure", "parameters", "start", "inputs"):
             if not content["components"][name].get(empty, True):
                 del content["components"][name][empty]

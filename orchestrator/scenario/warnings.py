@@ -1,9 +1,12 @@
 """Warnings about scenarios that run, but probably not as intended."""
 
+from collections.abc import Iterator
+
 from models.core import roles
 
+from ..errors import Fault, in_command_line
 from ..participants.third_party import ThirdPartyComponent
-from . import Scenario, parse_line
+from . import Scenario, ScenarioError, parse_line
 from .capabilities import list_renamed_libraries, list_unsynchronised
 from .fmu_limits import list_limit_warnings
 from .oil_notices import doubt_oils
@@ -39,9 +42,19 @@ def list_warnings(scenario: Scenario) -> list[str]:
     ]
 
 
+def check_units(scenario: Scenario) -> None:
+    """Refuse numbers without a unit that are plausible only in another unit; ScenarioError."""
+    if slips := [doubt for doubt in _find_doubts(scenario) if doubt.remedy]:
+        raise ScenarioError.of(slips)
+
+
 def list_doubtful(scenario: Scenario) -> list[str]:
-    """Warn of numbers without a unit that are plausible only in another unit."""
-    found = []
+    """Warn of numbers without a unit that are not plausible."""
+    return [in_command_line(doubt.words) for doubt in _find_doubts(scenario)]
+
+
+def _find_doubts(scenario: Scenario) -> Iterator[Fault]:
+    """Each has a remedy where another unit makes the number plausible."""
     for name, table in scenario.components.items():
         component = table.resolve()
         for key, layout, values in (
@@ -54,13 +67,13 @@ def list_doubtful(scenario: Scenario) -> list[str]:
                     continue
                 quantity = layout.field(variable).quantity
                 if values.get(quantity.same_as) == value:
-                    continue  # the other one is warned of
+                    continue  # the other one is doubted
                 if doubt := quantity.doubt(float(value)):
-                    found.append(
-                        f"components.{name}.{key}.{variable} = {value:g} {quantity.unit} "
-                        f"({quantity.description}): {doubt} Write the unit"
-                    )
-    return found
+                    written = f"{value:g} {quantity.unit}"
+                    said, _, meant = doubt.partition("; ")
+                    remedy = meant and f"{meant} Write the unit, that of {written} too"
+                    place = f"components.{name}.{key}.{variable}"
+                    yield Fault(place, f" = {written} ({quantity.description}): {said}", remedy)
 
 
 def _list_notes(scenario: Scenario) -> list[str]:

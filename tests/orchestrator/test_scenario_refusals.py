@@ -59,9 +59,14 @@ BAD = {
     ),
     "components.contact.parameters.film_model=3": ("film_model", "3", "one of"),
     "components.valve_spring.spring_rate=3e4": (
-        "components.valve_spring.spring_rate: unknown key; it belongs in [components.valve_spring.par",
+        "components.valve_spring.spring_rate: unknown key; did you mean "
+        "components.valve_spring.parameters.spring_rate?",
     ),
-    "components.valve_spring.spring_rat=3e4": ("did you mean spring_rate, in [components.valve_spring.par",),
+    "components.valve_spring.spring_rat=3e4": ("mean components.valve_spring.parameters.spring_rate?",),
+    "valve_spring.spring_rat=3e4": ("did you mean components.valve_spring.parameters.spring_rate?",),
+    "valve_spring.parameters.preload=300": ("did you mean components.valve_spring.parameters.preload?",),
+    "preload=300": ("did you mean components.valve_spring.parameters.preload?",),
+    "contact.film_thickness=3e-7": ("did you mean components.contact.start.film_thickness?",),
     "components.camshaft.parameters.lift_tabel=a.csv": (
         "no such parameter; did you mean lift_table, in the component's own table, one level up?",
     ),

@@ -2,8 +2,10 @@
 
 import pytest
 
-from orchestrator.scenario.files import load
-from orchestrator.scenario.warnings import list_warnings
+from models.core.remedies import in_python
+from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.files import load, to_full_toml
+from orchestrator.scenario.warnings import check_units, list_warnings
 
 from .commands import called
 
@@ -45,14 +47,32 @@ def test_a_slip_of_the_unit_is_doubted_with_both_readings(setting):
     assert list_warnings(load("valve-train", [f"components.{path}={SLIPS[setting]}"])) == []
 
 
+@pytest.mark.parametrize("setting", SLIPS)
+def test_a_run_refuses_a_slip_of_the_unit_and_takes_the_number_with_its_unit(setting, tmp_path):
+    path, number = setting.split("=")
+    with pytest.raises(ScenarioError) as refused:
+        check_units(load("valve-train", [f"components.{setting}"]))
+    (fault,) = refused.value.faults
+    assert fault.place == f"components.{path}"
+    assert in_python(fault.remedy).startswith(
+        f"did you mean {SLIPS[setting]}? Write the unit, that of {number} "
+    )
+    written = in_python(fault.remedy).partition("that of ")[2].removesuffix(" too")
+    meant = load("valve-train", [f"components.{path}={written}"])
+    check_units(meant)
+    (kept := tmp_path / "kept.toml").write_text(to_full_toml(meant))
+    check_units(load(kept))
+    assert to_full_toml(load(kept)) == to_full_toml(meant)
+
+
 def test_a_system_that_a_slip_of_the_unit_makes_impossible_names_the_slip(tmp_path):
     done = called(
         "run", "valve-train", "--set", "components.camshaft.parameters.lift=9", "--out", str(tmp_path / "a")
     )
     assert done.returncode == 2
-    slip, consequence = done.stderr.splitlines()
+    (slip,) = done.stderr.splitlines()
     assert "did you mean 9 mm?" in slip
-    assert "undercut" in consequence
+    assert not (tmp_path / "a").exists()
 
 
 @pytest.mark.parametrize(

@@ -298,6 +298,11 @@ def test_a_run_and_a_sweep_are_not_compared(tmp_path):
             "--from '2000 rpm': must be less than --to '1000 rpm'",
         ),
         (("valve-train", "--from", "2 mm"), "--from = '2 mm'"),
+        (("valve-train", "--from", "500"), "--from 500: write the unit, e.g. 500 rpm, or 500 rad/s"),
+        (
+            ("valve-train", "--set", "components.valve_spring.parameters.spring_rate=45"),
+            "did you mean 45 N/mm?",
+        ),
         (("valve-tran",), "did you mean valve-train"),
         (("valve-train", "--set", "components.camshaft.parameters.base_radius=12 mm"), "undercut"),
     ],

@@ -30,6 +30,8 @@ from ...scenario import build_scenario
 from ...scenario.display import Shown, format_number, show_attributes
 from ...scenario.files import to_full_toml
 from ...scenario.system import build_system
+from ...scenario.units import is_bare
+from ...scenario.warnings import check_units
 from ...store.output_folder import CYCLES, REPORT, STORE, SUMMARY
 from ..files import Plan, plan_axis
 from ..run import Where, run
@@ -158,9 +160,9 @@ def parse_range(low: str, high: str, count: int) -> Range:
 
 
 def parse_speed(option: str, text: str) -> float:
-    """A speed (rad/s) that an option states; MistakeError where it is none, or doubtful."""
-    if doubt := SPEED.doubt("", text):
-        raise MistakeError((Option(option), doubt))
+    """A speed (rad/s) that an option states with its unit; MistakeError where it is none."""
+    if is_bare(str(text)):
+        raise MistakeError((Option(option, text), f": write the unit, e.g. {text} rpm, or {text} rad/s"))
     try:
         return float(SPEED.check_value("", text))
     except MistakeError as error:
@@ -170,6 +172,7 @@ def parse_speed(option: str, text: str) -> float:
 def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan, SpeedSubject]:
     """The study of a scenario's cycles; MistakeError or ModelError for a fault of the scenario."""
     scenario = build_scenario(copy.deepcopy(dict(tables)))
+    check_units(scenario)
     build_system(scenario)
     subject = SpeedSubject(tables, find_flywheel(scenario), str((out / FOLDER).absolute()))
     axis = {"speed": {"start": speeds.low, "stop": speeds.high, "count": speeds.count}}
