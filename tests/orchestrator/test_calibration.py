@@ -24,6 +24,7 @@ from orchestrator.study.calibration.signals import eliminate
 from orchestrator.study.speeds import subject as speeds
 from tribocosim.reporting import SilentReporter
 
+from ..third_party.c_fmus import fmu
 from .commands import called, said
 
 TIMES = np.linspace(0.0, 2.0, 200)
@@ -170,6 +171,20 @@ def test_a_free_oscillation_shows_stiffness_over_mass_and_neither_alone(tmp_path
     stiffness, second, first = found["fitted"].values
     frequency = stiffness * (1.0 / first + 1.0 / second)
     assert frequency == pytest.approx(48.0 * 1.2, rel=2e-3)
+
+
+def test_a_rate_of_an_fmu_is_that_of_its_exponential(tmp_path):
+    """x = exp(-k t), which the FMU steps exactly; between its steps of 10 ms the model is linear."""
+    table = {"participant": str(fmu("dahlquist", 2, tmp_path)), "process": "shared"}
+    tables = {
+        "name": "decay", "stop_time": 2.0, "macro_step": 0.01, "reference": {"enabled": False},
+        "start": "given", "components": {"decay": table},
+    }  # fmt: skip
+    times = np.arange(0.0, 2.0, 0.01)
+    rows = [f"{t},{v}" for t, v in zip(times, np.exp(-1.7 * times), strict=True)]
+    (tmp_path / "data.csv").write_text("\n".join(["time [s], decay.x", *rows]) + "\n")
+    found = tribocosim.calibrate(tribocosim.Scenario(tables), tmp_path / "data.csv", ["decay.k"])
+    assert found["fitted"].values == pytest.approx([1.7], rel=1e-6)
 
 
 def test_a_step_goes_back_where_there_is_no_motion():

@@ -48,7 +48,7 @@ def choose(scenario: Scenario, wanted: Sequence[str], bounds: Sequence[str] = ()
     """Those that are named, one or several with commas in a text, with what `bounds` says of some:
     "component.name = low .. high". MistakeError for what cannot be fitted."""
     values, quantities = list_parameters(scenario), list_quantities(scenario)
-    continuous = [name for name in values if not quantities[name].jumps]
+    continuous = [name for name in values if not quantities[name].discrete]
     named = [part.strip() for text in wanted for part in text.split(",") if part.strip()]
     found: dict[str, Fitted] = {}
     for text in named:

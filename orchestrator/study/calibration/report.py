@@ -65,7 +65,10 @@ class Calibration:
         for one, x, deviation in zip(self.objective.parameters, self.fit.x, self.fit.deviations, strict=True):
             value, spread = one.size * float(x), one.size * float(deviation)
             low, high = self.profiles.get(one.name, (value - width * spread, value + width * spread))
-            found.append(Row(one.name, one.unit, one.start, value, low, high, spread, one.name not in hidden))
+            seen = one.name not in hidden
+            if not seen:
+                low, high, spread = math.nan, math.nan, math.nan
+            found.append(Row(one.name, one.unit, one.start, value, low, high, spread, seen))
         return found
 
     @property

@@ -48,7 +48,8 @@ class Unseen:
             else "its rest is free"
         )
         more = ", ".join(f"{name} (to {100.0 * left:.2g} %)" for name, left in self.remedies.items())
-        return f"{what}; {known}" + (f"; measure {more}" if more else "")
+        advice = f"measure {more}" if more else "no other output shows it: leave one parameter as it is"
+        return f"{what}; {known}; {advice}"
 
 
 def invert(jacobian: Vector) -> Vector:
@@ -87,6 +88,9 @@ def _name_seen(held: "Sequence[tuple[Fitted, float, float]]") -> str:
     (first, a, p), (second, b, q) = held
     one, other = first.name, second.name
     rules = {f"{one} x {other}": (a, b), f"{one} / {other}": (a, -b)}
+    for n in (2, 3, 4):
+        rules |= {f"{one}^{n} x {other}": (n * a, b), f"{one}^{n} / {other}": (n * a, -b)}
+        rules |= {f"{one} x {other}^{n}": (a, n * b), f"{other}^{n} / {one}": (n * b, -a)}
     if first.unit == second.unit:
         sums = {f"{one} + {other}": (a * p, b * q), f"{one} - {other}": (a * p, -b * q)}
         inverse = {f"1/{one} + 1/{other}": (a / p, b / q)}
@@ -115,7 +119,7 @@ def _find_remedies(objective: "Objective", scaled: Vector, sizes: Vector) -> dic
         found[name] = 1.0 / np.sqrt(max(least, 1e-300))
     before = 1.0 / np.sqrt(max(float(np.linalg.eigvalsh(normal)[0]), 1e-300))
     best = sorted(found, key=found.__getitem__)[:NAMED]
-    return {name: found[name] for name in best if found[name] < 0.5 * before}
+    return {name: found[name] for name in best if found[name] < min(LOOSE, 0.5 * before)}
 
 
 def _count_rows(objective: "Objective", experiment: int) -> int:
