@@ -24,7 +24,7 @@ from ..plots.motion.angles import format_angle
 from ..plots.motion.titles import add_legend, create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED
 from ._impacts import COUNTS, count_impacts, declare_impacts, simulate_impacts, tabulate_bins
-from ._table import evaluate_by
+from ._machine import evaluate_by
 from .protocol import Analysis, Draw, Parameter, Result
 
 PSI_RATE, APPROACH = "psi_rate", "approach"

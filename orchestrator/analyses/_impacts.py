@@ -10,8 +10,7 @@ from models.slider_crank.motions import histories as h
 from models.slider_crank.motions.machine import Events
 from models.slider_crank.motions.statistics import Distribution
 
-from ._machine import MACHINE, START, declare_duration, simulate_motion
-from ._table import column
+from ._machine import MACHINE, START, column, declare_duration, simulate_motion
 from .protocol import Parameter, Result
 
 # Cycles after which impacts are counted again.

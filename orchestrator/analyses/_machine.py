@@ -1,11 +1,20 @@
-"""Parameters that all analyses of the slider-crank with clearance share."""
+"""What the analyses of a mechanism share: its parameters, axes, progress and tables."""
 
-from collections.abc import Mapping
+import functools
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import fields
 from typing import Any
 
+import numpy as np
+import xarray
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from models.core.quantities import Vector
 from models.slider_crank.equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
 from models.slider_crank.motions.machine import FORMS, Machine, Motion
+from models.slider_crank.motions.maps import VARIABLES
 
 from ..errors import MistakeError
 from .protocol import Parameter
@@ -55,3 +64,62 @@ def simulate_motion(values: Mapping[str, Any]) -> Motion:
         return Motion(build_machine(values), values["psi"], values["psi_rate"]).skip(values["transient"])
     except ValueError as error:
         raise MistakeError(str(error)) from None
+
+
+def declare_axis(letter: str, name: str, first: float, last: float, count: int) -> dict[str, Parameter]:
+    """Parameters of an axis: what varies along it, first and last value, count."""
+    return {
+        letter: Parameter(name, "1", f"parameter along {letter}", choices=VARIABLES),
+        f"{letter}_from": Parameter(first, "1", f"its first value along {letter}"),
+        f"{letter}_to": Parameter(last, "1", f"its last value along {letter}"),
+        f"{letter}_count": Parameter(count, "1", f"values along {letter}", minimum=1.0, integer=True),
+    }
+
+
+def read_axis(values: Mapping[str, Any], letter: str) -> tuple[str, Vector]:
+    """The varied parameter and its equally spaced values."""
+    first, last, count = (values[f"{letter}_{part}"] for part in ("from", "to", "count"))
+    return values[letter], np.linspace(first, last, count)
+
+
+def read_coordinate(values: Mapping[str, Any], letter: str) -> xarray.Variable:
+    """The values along an axis, with unit and description."""
+    name, found = read_axis(values, letter)
+    return column(letter, found, MACHINE[name].unit, MACHINE[name].description)
+
+
+@contextmanager
+def report_mistakes() -> Iterator[None]:
+    """Report values that a machine refuses as mistakes of the user."""
+    try:
+        yield
+    except ValueError as error:
+        raise MistakeError(str(error)) from None
+
+
+@contextmanager
+def show_progress(label: str) -> Iterator[Callable[[int, int], None]]:
+    """Yield a function of points done and total; it shows a bar if standard error is a terminal."""
+    console = Console(stderr=True)
+    columns = (TextColumn(label), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(label, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def column(dimensions: str | tuple[str, ...], values: Any, unit: str, meaning: str) -> xarray.Variable:
+    """A variable of a table."""
+    return xarray.Variable(dimensions, values, {"units": unit, "long_name": meaning})
+
+
+def evaluate_by(
+    table: Callable[[Mapping[str, Any]], xarray.Dataset],
+) -> Callable[[Mapping[str, Any]], dict[str, float | str]]:
+    """The `evaluate` of an analysis whose results are the variables without dimension of its table."""
+
+    @functools.wraps(table)
+    def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+        found = table(values).data_vars.items()
+        return {str(name): variable.item() for name, variable in found if not variable.ndim}
+
+    return evaluate

@@ -14,8 +14,7 @@ from models.slider_crank.motions.portrait import trace_portrait
 from ..plots.motion.angles import set_angle_axis, shift_to_first_turn
 from ..plots.motion.titles import add_legend, create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED
-from ._machine import MACHINE, START, declare_duration, simulate_motion
-from ._table import column, evaluate_by
+from ._machine import MACHINE, START, column, declare_duration, evaluate_by, simulate_motion
 from .protocol import Analysis, Draw, Parameter, Result
 
 PARAMETERS = {

@@ -12,10 +12,7 @@ from models.slider_crank.motions.basins import LEAST, find_basins
 
 from ..plots.cells import draw_kinds
 from ..plots.motion.titles import create_figure
-from ._axes import report_mistakes
-from ._machine import MACHINE, build_machine
-from ._progress import show_progress
-from ._table import column, evaluate_by
+from ._machine import MACHINE, build_machine, column, evaluate_by, report_mistakes, show_progress
 from .protocol import Analysis, Parameter, Result
 
 

@@ -14,10 +14,17 @@ from ..plots.cells import LABELS
 from ..plots.motion.angles import format_angle
 from ..plots.motion.titles import add_legend, create_figure, drop_varied
 from ..plots.style import COUPLED, REFERENCE
-from ._axes import declare_axis, read_axis, report_mistakes
-from ._machine import MACHINE, build_machine, declare_duration
-from ._progress import show_progress
-from ._table import column, evaluate_by
+from ._machine import (
+    MACHINE,
+    build_machine,
+    column,
+    declare_axis,
+    declare_duration,
+    evaluate_by,
+    read_axis,
+    report_mistakes,
+    show_progress,
+)
 from .protocol import Analysis, Parameter, Result
 
 STARTS = ("followed", "from_rest")

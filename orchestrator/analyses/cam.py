@@ -33,7 +33,7 @@ from ._cam_profile import (
     list_law_parameters,
 )
 from ._contour import write_dxf, write_svg
-from ._table import column
+from ._machine import column
 from .protocol import Analysis, Parameter, Result
 
 POINTS = 720

@@ -12,9 +12,7 @@ from models.slider_crank.motions.machine import Motion
 
 from ..plots.motion.titles import create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE
-from ._axes import report_mistakes
-from ._machine import MACHINE, START, build_machine
-from ._table import column, evaluate_by
+from ._machine import MACHINE, START, build_machine, column, evaluate_by, report_mistakes
 from .protocol import Analysis, Parameter, Result
 
 # Cycles shown in the figure, at most, and windows of finite-time exponents in it.

@@ -12,10 +12,18 @@ from models.slider_crank.motions.maps import exponent_map
 
 from ..plots.cells import LABELS, draw_cells
 from ..plots.motion.titles import create_figure, drop_varied
-from ._axes import declare_axis, read_axis, read_coordinate, report_mistakes
-from ._machine import MACHINE, build_machine, declare_duration
-from ._progress import show_progress
-from ._table import column, evaluate_by
+from ._machine import (
+    MACHINE,
+    build_machine,
+    column,
+    declare_axis,
+    declare_duration,
+    evaluate_by,
+    read_axis,
+    read_coordinate,
+    report_mistakes,
+    show_progress,
+)
 from .protocol import Analysis, Result
 
 

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 
 from ..plots.motion.titles import create_figure
 from ..plots.style import ACCENT, COUPLED, REFERENCE
-from ._machine import MACHINE, START, declare_duration, simulate_motion
-from ._table import column
+from ._machine import MACHINE, START, column, declare_duration, simulate_motion
 from .protocol import Analysis, Result
 
 # Windows of the table at most.

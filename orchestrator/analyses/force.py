@@ -18,8 +18,7 @@ from ..errors import MistakeError
 from ..plots.motion.angles import set_angle_axis
 from ..plots.motion.titles import add_legend, create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED
-from ._machine import MECHANISM, build_machine
-from ._table import column, evaluate_by
+from ._machine import MECHANISM, build_machine, column, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 TURN = 2.0 * math.pi

@@ -11,10 +11,17 @@ from models.slider_crank.motions.maps import period_map
 
 from ..plots.cells import LABELS, draw_kinds
 from ..plots.motion.titles import create_figure, drop_varied
-from ._axes import declare_axis, read_axis, read_coordinate, report_mistakes
-from ._machine import MACHINE, build_machine
-from ._progress import show_progress
-from ._table import column, evaluate_by
+from ._machine import (
+    MACHINE,
+    build_machine,
+    column,
+    declare_axis,
+    evaluate_by,
+    read_axis,
+    read_coordinate,
+    report_mistakes,
+    show_progress,
+)
 from .protocol import Analysis, Parameter, Result
 
 

@@ -17,8 +17,7 @@ from ..plots.motion.angles import set_angle_axis
 from ..plots.motion.titles import create_figure
 from ..plots.style import COUPLED, REFERENCE
 from ._impacts import COUNTS, count_impacts, simulate_first_impacts
-from ._machine import MACHINE, START, declare_duration
-from ._table import column, evaluate_by
+from ._machine import MACHINE, START, column, declare_duration, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 

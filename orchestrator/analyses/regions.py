@@ -14,8 +14,7 @@ from models.slider_crank.motions.regions import region, thresholds
 
 from ..plots.motion.titles import create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE
-from ._machine import MECHANISM, build_machine
-from ._table import column, evaluate_by
+from ._machine import MECHANISM, build_machine, column, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 

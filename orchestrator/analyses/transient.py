@@ -17,9 +17,7 @@ from models.slider_crank.motions.transients import (
 
 from ..plots.motion.titles import add_legend, create_figure
 from ..plots.style import COUPLED, REFERENCE
-from ._machine import MACHINE, build_machine
-from ._progress import show_progress
-from ._table import column, evaluate_by
+from ._machine import MACHINE, build_machine, column, evaluate_by, show_progress
 from .protocol import Analysis, Parameter, Result
 
 

@@ -20,8 +20,7 @@ from ..plots.motion.titles import add_legend, create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED
 from ._distribution import draw_profile, read_bin_edges
 from ._impacts import COUNTS, count_impacts, declare_impacts, simulate_impacts, tabulate_bins
-from ._machine import build_machine
-from ._table import column, evaluate_by
+from ._machine import build_machine, column, evaluate_by
 from .protocol import Analysis, Result
 
 # The number of bins is also taken smaller and larger, to show what depends on it.

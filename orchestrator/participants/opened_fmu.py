@@ -1,15 +1,21 @@
-"""An FMU that is unpacked and instantiated: what its participants of each kind share."""
+"""An FMU that is unpacked and instantiated: what its participants of each kind share.
+
+Its library is loaded without a change of the working folder, which all threads share.
+"""
 
 import atexit
 import contextlib
 import ctypes
+import os
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
+import fmpy.fmi1
 from fmpy import extract
 
 from models.compile.temporary import TemporaryFolder
@@ -20,7 +26,36 @@ from .bound_variables import OpenFmu
 from .description import CO_SIMULATION, read_description
 from .failures import ErrorReporter
 from .fmi_instance import FmiInstance
-from .staying import stay_in_folder
+
+_lock = threading.Lock()
+
+
+@contextlib.contextmanager
+def stay_in_folder() -> Iterator[None]:
+    """fmpy goes into the library's folder to load it, and stays there where that fails.
+
+    Only Windows looks there for what the library needs. Elsewhere other threads would write files there.
+    """
+    with _lock:
+        if os.name == "nt":
+            with contextlib.chdir("."):
+                yield
+            return
+        fmpy.fmi1.os = _StayingOs()
+        try:
+            yield
+        finally:
+            fmpy.fmi1.os = os
+
+
+class _StayingOs:
+    """The module `os`, whose `chdir` does nothing."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(os, name)
+
+    def chdir(self, path: str) -> None:
+        pass
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ..assessment.diagnosis.text import WORDS, percent
+from ..assessment.diagnosis.report import WORDS, percent
 from ..assessment.films import FILMS, has_film
 from ..engine.step import REASONS
 from ..scenario import Scenario, parse_ends

@@ -1,4 +1,10 @@
-"""The coupled run against the monolithic reference and the witness, variable by variable."""
+"""The coupled run against the monolithic reference and the witness, variable by variable.
+
+The witness of a run: the same valve train as rigid bodies with joints, solved with multipliers.
+
+Components and reference share their equations, so that comparing them sees no error of the physics. The
+witness shares none but the law of the contact and the lift of the cam.
+"""
 
 from __future__ import annotations
 

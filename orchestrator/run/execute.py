@@ -76,7 +76,8 @@ class Noticed:
 class Interruption:
     """An observer that raises KeyboardInterrupt after the macro step in which Ctrl-C came.
 
-    A second Ctrl-C is raised at once. Outside the main thread, which alone gets signals, it does nothing.
+    Raised inside a Python FMU, it would come back as that FMU's error. A second Ctrl-C is raised at once.
+    Outside the main thread, which alone gets signals, it does nothing.
     """
 
     def __init__(self) -> None:

@@ -14,8 +14,7 @@ from models.core.system import Instance, ModelError, System
 from ..assessment.gas_phase import list_doubtful_gas
 from ..engine.energy import add_counting, add_estimates
 from ..engine.energy.correction import Compensated, bond_inputs
-from ..engine.energy.counting import counting_structure
-from ..engine.energy.estimate import EstimatedComponent, Estimating, without_estimates
+from ..engine.energy.estimate import EstimatedComponent, Estimating, counting_structure, without_estimates
 from ..engine.instants import SideLines
 from ..engine.substeps import Substepped
 from ..masters import Master

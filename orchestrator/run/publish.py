@@ -14,7 +14,7 @@ from rich.text import Text
 
 from models.core.quantities import Vector
 
-from ..assessment.summary_table import write_merits
+from ..assessment.merits import write_merits
 from ..assessment.trains import find_angles
 from ..errors import Command, MistakeError, Words, in_command_line, join, start_over
 from ..reporter import Reporter

@@ -155,7 +155,10 @@ class ResultRecorder:
 
 
 class NotFinite:
-    """Observer of every n-th macro step and of `stop` (s): `since` has, by output, the first time (s) at
+    """Outputs that were not finite. NaN in what is connected ends a run at once (`coupling`); what is only
+    recorded does not, and is told at the end.
+
+    Observer of every n-th macro step and of `stop` (s): `since` has, by output, the first time (s) at
     which it was not finite."""
 
     def __init__(self, every: int, stop: float) -> None:

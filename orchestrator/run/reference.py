@@ -1,4 +1,18 @@
-"""The reference of a run: its equations solved without splitting, or the limit of runs with smaller steps."""
+"""The reference of a run: its equations solved without splitting, or the limit of runs with smaller steps.
+
+A reference by refinement, for systems whose equations are unknown: the run again with smaller macro steps.
+
+The steps are those that the run took, each halved and quartered: of one length, or as long as step control
+made them. So all errors fall with one power. Where the error of a run with macro steps h is C h^p, three runs
+with h, h/2 and h/4 give p and the limit:
+
+    p = log2(|y_h - y_h/2| / |y_h/2 - y_h/4|)             by root mean squares over time
+    y = y_h/4 + (y_h/4 - y_h/2) / (2^p - 1)               Richardson's extrapolation
+
+The uncertainty is the larger of two differences: to the extrapolation from y_h and y_h/2, and to that with
+the nearest whole order. The reference sees the error of the coupling only: what the FMUs' own solvers miss is
+in all three runs.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The summary of a run: summary.json."""
+"""What a run is worth: its contacts, steps and errors, and their summary in summary.json."""
 
 import json
 import math

@@ -3,11 +3,10 @@
 from .component_table import BUILT_KINDS, ComponentTable
 from .connection import Line, parse_ends, parse_line
 from .fields import Written
-from .master_table import MasterTable
+from .master_table import CONVERGED, MasterTable
 from .messages import find_faults
 from .revolutions import DURATIONS
 from .scenario import EnergyTable, Scenario, ScenarioError, build_scenario, find_tables
-from .step_control_table import CONVERGED
 
 __all__ = [
     "BUILT_KINDS",

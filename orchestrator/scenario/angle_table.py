@@ -3,16 +3,24 @@
 The first line names both columns with their units, `angle [deg], lift [mm]`. Comma, semicolon or tab
 separate; with semicolon or tab a comma may be the decimal sign. Lines that begin with # are comments.
 Angles may pass zero once, as 359, 0, 1. What a file leaves open is chosen, and said in the table's `notes`.
+
+Pressure tables: files of crank angle and absolute pressure (`angle_table`) of a cycle, one turn or two.
+
+Between the points goes the monotone cubic of Fritsch and Carlson (1980), which stays between the pressures of
+its ends: a spline would swing beyond them at ignition, or where a trace is coarse.
 """
 
 import codecs
 import math
+from dataclasses import fields
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 
 from models.core.quantities import Vector
+from models.slider_crank.piston.cylinder_gas import CylinderGasParameters, CylinderParameters
 
 from ..errors import MistakeError
 from ..texts import read_bytes
@@ -240,3 +248,67 @@ def _check_order(angle: Vector, lines: list[tuple[int, str]], kind: Kind) -> Non
 def _find_step(decimals: list[int]) -> float:
     """The step of numbers with so many decimals: that of the most precise one."""
     return float(10.0 ** -max(decimals))
+
+
+PRESSURE = Kind("pressure", "Pa", 2, "the crank", "angle [deg], pressure [bar]")
+TURN = 2.0 * math.pi
+# Parameters of the formula, which a table replaces: a scenario that is extended may have them.
+OF_FORMULA = {f.name for f in fields(CylinderGasParameters)} - {f.name for f in fields(CylinderParameters)}
+# A gap at the end is longer than this many times the usual spacing; ends of a cycle agree to this share.
+GAP, AGREED = 3.0, 0.05
+# Points on both sides from which the slope at an end follows.
+BESIDE = 3
+
+
+def insert_pressure_table(table: dict[str, Any]) -> dict[str, Any]:
+    """A component's table with the points of its `pressure_table`, and `notes` of reading it."""
+    path = Path(table["pressure_table"])
+    found = read_angle_table(path, PRESSURE)
+    try:
+        turns, angle, pressure = _close_cycle(found.angle, found.value)
+    except AngleTableError as error:
+        raise AngleTableError(f"{path}: {error}") from None
+    columns = {
+        "pressure_angle": angle,
+        "point_pressure": pressure,
+        "pressure_slope": _find_slopes(angle, pressure, turns * TURN),
+    }
+    points = {f"{name}[{i}]": float(v) for name, column in columns.items() for i, v in enumerate(column, 1)}
+    kept = {name: value for name, value in table.get("parameters", {}).items() if name not in OF_FORMULA}
+    rest = {key: value for key, value in table.items() if key != "pressure_table"}
+    return rest | {
+        "notes": found.notes,
+        "structure": {**table.get("structure", {}), "pressure_points": angle.size},
+        "parameters": {"cycle_turns": float(turns), **points, **kept},
+    }
+
+
+def _close_cycle(angle: Vector, pressure: Vector) -> tuple[int, Vector, Vector]:
+    """Turns of the cycle, and the points without the last one where it is the first a cycle later."""
+    if not pressure.min() > 0.0:
+        raise AngleTableError(
+            f"its least pressure is {pressure.min():g} Pa: must be > 0; the table has absolute pressures, so "
+            "add that of the surroundings to pressures above it"
+        )
+    turns = 1 if angle[-1] - angle[0] <= TURN * (1.0 + 1e-9) else 2
+    spacing = float(np.median(np.diff(angle)))
+    gap = angle[0] + turns * TURN - angle[-1]
+    if gap > GAP * spacing:
+        raise AngleTableError(
+            f"spans {math.degrees(angle[-1] - angle[0]):g} deg: must go round the cycle, 360 or 720 deg of "
+            "the crank"
+        )
+    if gap > 0.5 * spacing:
+        return turns, angle, pressure
+    if abs(pressure[-1] - pressure[0]) > AGREED * pressure.max():
+        raise AngleTableError(
+            f"begins with {pressure[0]:g} Pa and ends, a cycle later, with {pressure[-1]:g} Pa: must agree"
+        )
+    return turns, angle[:-1], pressure[:-1]
+
+
+def _find_slopes(angle: Vector, pressure: Vector, period: float) -> Vector:
+    """dp/dtheta (Pa) at the points, which go on periodically."""
+    angles = np.r_[angle[-BESIDE:] - period, angle, angle[:BESIDE] + period]
+    pressures = np.r_[pressure[-BESIDE:], pressure, pressure[:BESIDE]]
+    return np.asarray(scipy.interpolate.PchipInterpolator(angles, pressures).derivative()(angle))

@@ -27,7 +27,7 @@ from .drawing import ShaftDrawing
 from .fields import Given, Table, Written
 from .force_table import ForceTable
 from .insertions import insert_all
-from .lift_segments import LiftSegments
+from .lift_table import LiftSegments
 from .oil import OilSheet, Temperature
 from .third_party_values import convert_enumerations, select_strings
 from .values import Faults, Value, build_component, parse_values

@@ -8,13 +8,11 @@ from models.catalogue import CATALOGUE
 from models.core import roles
 from models.core.component import Component
 
-from .angle_table import AngleTableError
+from .angle_table import AngleTableError, insert_pressure_table
 from .drawing import insert_drawing
 from .force_table import insert_force_table
-from .lift_segments import insert_lift_segments
-from .lift_table import insert_lift_table
+from .lift_table import insert_lift_segments, insert_lift_table
 from .oil import OILED, insert_oil
-from .pressure_table import insert_pressure_table
 from .values import Faults, build_component
 from .wire import insert_wire
 

@@ -16,11 +16,10 @@ from ..stepping import ControlledSteps, FixedSteps, ForwardSteps, RefinedSteps, 
 from .component_table import ComponentTable
 from .connection import parse_named_line
 from .fields import Seconds, SecondsOr0, Table, Tolerance
-from .master_table import MasterTable
+from .master_table import CONVERGED, EVENT_TOLERANCE, MasterTable, StepControlTable
 from .messages import REMEDIES, Location, find_faults
 from .oil import OilSheet, Temperature, share_oil
 from .revolutions import convert_to_seconds
-from .step_control_table import CONVERGED, EVENT_TOLERANCE, StepControlTable
 from .values import Faults, build_component, find_place
 
 # The comparison has at least this many intervals. An RMS error from n normally distributed values has a

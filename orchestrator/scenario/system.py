@@ -1,6 +1,6 @@
 """The system that a scenario describes: components with their values, connections, start values."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,14 +9,43 @@ from models.core.quantities import Layout, Quantity, Vector
 from models.core.system import Instance, ModelError, System
 
 from ..engine.instants import SideLines
-from .aliases import check_aliases
+from ..participants.third_party import ThirdPartyComponent
+from ..scenario import Line, ScenarioError
 from .checks import check_scenario
 from .component_table import ComponentTable
 from .connection import parse_line
 from .conversion import Transformations, find_transformations, replace_units, select_changing
 from .scenario import Scenario
 from .side_lines import is_side_line, read_side_lines
-from .values import to_numbers
+from .values import Value, to_numbers
+
+
+def check_aliases(tables: Mapping[str, ComponentTable], lines: Iterable[Line]) -> None:
+    """ScenarioError where two names of one variable are connected, or given different values."""
+    lines = list(lines)
+    for name, table in tables.items():
+        component = table.resolve()
+        if not isinstance(component, ThirdPartyComponent):
+            continue
+        given: list[tuple[str, str, Value | None]] = []
+        for key in ("parameters", "start", "inputs"):
+            for variable, value in getattr(table, key).items():
+                given.append((variable, f"components.{name}.{key}.{variable} = {value}", value))
+        for line in lines:
+            target, _, variable = line.target.partition(".")
+            if target == name:
+                given.append((variable, f"the connection {line}", None))
+        found: dict[object, tuple[str, str, Value | None]] = {}
+        for one in given:
+            if one[0] not in component.about.variables:
+                continue
+            first = found.setdefault(component.about.variables[one[0]].memory, one)
+            if first[0] != one[0] and (first[2] != one[2] or one[2] is None):
+                raise ScenarioError(
+                    f"{first[1]}, {one[1]}: {first[0]} and {one[0]} are two names of one variable of "
+                    f"{name} (they have one value reference); leave one out"
+                )
+
 
 # Builds the FMU of a catalogue component: name, structural sizes, kind ("fmu" or "native").
 Builder = Callable[[str, Mapping[str, int], str], Path]

@@ -5,12 +5,11 @@ from ..masters import Master, find_name
 from ..masters.gauss_seidel import GaussSeidel
 from .controlled import JUDGES, ControlledSteps, StepControl
 from .estimators import ESTIMATORS
-from .fixed import FixedSteps
+from .fixed import FixedSteps, RefinedSteps
 from .forward import ForwardSteps
 from .indicators import INDICATORS
 from .locator import list_event_outputs
 from .protocol import Stepper
-from .refined import RefinedSteps
 
 __all__ = [
     "INDICATORS", "JUDGES", "REASONS", "STOP", "ControlledSteps", "FixedSteps", "ForwardSteps",

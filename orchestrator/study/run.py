@@ -1,22 +1,79 @@
 """Evaluates and stores the pending points of a study."""
 
+from __future__ import annotations
+
+import time as clock
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 from models.core.system import ModelError
 
 from ..errors import MistakeError
-from ..reporter import Reporter
+from ..reporter import TOLD_EVERY_S, Reporter, estimate_left
 from .cluster import connect
 from .execution import Execution
 from .files import Plan
 from .points import POINT
-from .progress import StudyProgress
 from .source import compute_fingerprint
 from .store import DONE, FAILED, PENDING, Store, open_store
+
+
+class StudyProgress:
+    """Shows the points done, failed and left, those of earlier starts included."""
+
+    def __init__(self, reporter: Reporter, name: str, total: int) -> None:
+        self._reporter = reporter
+        self._name, self._total = name, total
+        self._live = reporter.console.is_terminal
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[failed]} failed"),
+            TimeElapsedColumn(),
+            TimeRemainingColumn(),
+        )
+        self._bar = Progress(*columns, console=reporter.console, transient=True, disable=not self._live)
+        self._task = self._bar.add_task(name, total=total, failed=0)
+        self._tenth = -1
+        self._begun: tuple[int, float] | None = None  # points that were there, and when
+        self._told = 0.0
+
+    def __enter__(self) -> StudyProgress:
+        self._bar.start()
+        return self
+
+    def __exit__(self, *ignored: object) -> None:
+        self._bar.stop()
+
+    def show(self, done: int, failed: int) -> None:
+        finished = done + failed
+        self._bar.update(self._task, completed=finished, failed=failed)
+        tenth, now = 10 * finished // self._total, clock.monotonic()
+        self._begun = self._begun or (finished, now)
+        if not self._live and (tenth > self._tenth or now - self._told > TOLD_EVERY_S):
+            self._tenth, self._told = tenth, now
+            left = self._total - finished
+            text = f"{self._name}: {done} done, {failed} failed, {left} to do{self._estimate(finished, left)}"
+            self._reporter.tell(text, finished / self._total)
+
+    def _estimate(self, finished: int, left: int) -> str:
+        """How long the points that are left take, if that is known."""
+        before, begun = self._begun or (0, 0.0)
+        share = (finished - before) / (finished - before + left) if left else 1.0
+        return estimate_left(share, clock.monotonic() - begun)
+
 
 COMPLETE, SOME_FAILED = 0, 1
 

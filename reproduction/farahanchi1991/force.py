@@ -30,7 +30,7 @@ from models.slider_crank.motions.regions import (
 )
 
 from ..statement import Values
-from .lagrange import evaluate_printed
+from .derivation import evaluate_printed
 from .runs import GAPS, PUBLISHED, Runs
 
 # F's figures and their regions.

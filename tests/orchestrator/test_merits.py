@@ -16,9 +16,14 @@ from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
 from orchestrator.assessment.contacts import ContactSummary, lines
 from orchestrator.assessment.figures_of_merit import VALVE, measure
-from orchestrator.assessment.merits import describe_bearings, describe_trains, list_merits, read_motion
+from orchestrator.assessment.merits import (
+    describe_bearings,
+    describe_trains,
+    list_merits,
+    read_motion,
+    write_merits,
+)
 from orchestrator.assessment.motion import Motion
-from orchestrator.assessment.summary_table import write_merits
 from orchestrator.assessment.trains import Angle
 from orchestrator.run.summary import Summary
 from orchestrator.scenario.display import show

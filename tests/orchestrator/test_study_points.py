@@ -290,7 +290,7 @@ def test_workers_of_another_version_do_not_evaluate():
 OWN = """
 import xarray
 from orchestrator.analyses import Analysis, Parameter, Result
-from orchestrator.analyses._table import evaluate_by
+from orchestrator.analyses._machine import evaluate_by
 
 ANALYSIS = Analysis(
     "own", "twice x", {"x": Parameter(1.0, "m", "x")}, {"y": Result("m", "y")},

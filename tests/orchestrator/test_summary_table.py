@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from models.core.quantities import Vector
-from orchestrator.assessment.merits import list_merits
-from orchestrator.assessment.summary_table import HEAD, write_merits
+from orchestrator.assessment.merits import HEAD, list_merits, write_merits
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 

@@ -14,10 +14,9 @@ from models.slider_crank.flight.bouncing import UPPER
 from models.slider_crank.motions.machine import Machine, Motion
 from models.slider_crank.motions.regions import TURN
 from reproduction.farahanchi1991 import CLAIMS, chapters_1_to_3
-from reproduction.farahanchi1991.derivation import M
+from reproduction.farahanchi1991.derivation import M, evaluate_lagrange, evaluate_printed
 from reproduction.farahanchi1991.figures import FIGURES, PICTURES
 from reproduction.farahanchi1991.force import find_changes, measure_shares
-from reproduction.farahanchi1991.lagrange import evaluate_lagrange, evaluate_printed
 from reproduction.farahanchi1991.runs import CORRECTED, FORMS, PUBLISHED, Case, Runs
 from reproduction.statement import Verdict
 from tests.fmus.names import mark_long

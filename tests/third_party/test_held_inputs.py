@@ -9,7 +9,7 @@ import pytest
 from models.core.system import Port
 from orchestrator.analyses.stability.analyse import survey_scenario
 from orchestrator.assessment.diagnosis.facts import Facts
-from orchestrator.assessment.diagnosis.suggestions import coupling
+from orchestrator.assessment.diagnosis.suggestions import suggest_held_inputs
 from orchestrator.engine.coupling import Coupling
 from orchestrator.engine.signals import DEGREES
 from orchestrator.masters import MASTERS
@@ -108,7 +108,7 @@ def test_signals_are_advised_for_held_inputs_by_what_they_give(tmp_path):
     limits = FmuLimits(one)
     assert (limits.held_inputs, limits.restorable, limits.controllable) == ([HELD], True, True)
     facts = Facts(summary.steps, None, one)  # type: ignore[arg-type]
-    assert 'extrapolation = "quadratic"' in (coupling.suggest_held_inputs(facts) or "")
+    assert 'extrapolation = "quadratic"' in (suggest_held_inputs(facts) or "")
 
 
 @pytest.mark.long

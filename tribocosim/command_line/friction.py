@@ -134,7 +134,7 @@ def _report_sweeps(
             friction.write_sheets(sheets, table)
         reporter.line(f"table in {table}")
     if figure:
-        from orchestrator.plots.friction_shares import draw_shares
+        from orchestrator.plots.friction import draw_shares
         from orchestrator.plots.style import save_figure
 
         with writing(figure, "figure"):

@@ -1,19 +1,152 @@
-"""The diagnosis of a run from its output folder."""
+"""The diagnosis of a run in words: a few lines after it, and everything on demand."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...errors import MistakeError
 from ...scenario import Scenario, ScenarioError
 from ...scenario.files import load
+from ...scenario.units import choose_time_unit
 from ...store.output_folder import SCENARIO, SUMMARY
 from ...texts import parse_json, read_text
 from .facts import Facts
 from .numbers import Diagnosis, diagnose_steps
 from .steps import Steps, read_steps
 from .suggestions import suggestions
-from .text import full
+
+SHOWN = 5  # variables, and spans of each
+# A reason's name in words.
+WORDS = {
+    "fixed": "macro_step",
+    "error": "error of the coupling",
+    "maximum_step": "maximum_step",
+    "stop_time": "stop_time",
+    "event": "event located",
+    "time_event": "time event",
+    "discontinuity": "minimum_step (discontinuity)",
+    "convergence": "no convergence before",
+    "discard": "refused before",
+    "growth": "growth from a shorter step",
+}
+EVEN = 1.5  # times the mean work: below, no interval is worth naming
+
+
+def brief(d: Diagnosis, suggestions: Sequence[str]) -> list[str]:
+    """A few lines for the end of a run; none for steps of one length that all went alike."""
+    lines = []
+    if set(d.reasons) - {"fixed", "stop_time"}:
+        parts = [f"{percent(share.steps)} {WORDS[reason]}" for reason, share in d.reasons.items()]
+        rejected = f"; {percent(d.rejected_share)} of the attempts rejected" if d.rejected else ""
+        lines.append(f"steps set by: {', '.join(parts)}{rejected}")
+        if d.limits:
+            whole = sum(limit.steps for limit in d.limits.values())
+            parts = [f"{name} {percent(limit.steps / whole)}" for name, limit in list(d.limits.items())[:3]]
+            lines.append(f"error limited by: {', '.join(parts)}")
+        lines.append(
+            f"step length {d.length['p05']:.2g} to {d.length['p95']:.2g} s (5 and 95 %), "
+            f"{d.mean_iterations:.1f} iterations a step"
+        )
+    lines += _over(d)
+    return lines + [f"suggestion: {text}" for text in suggestions]
+
+
+def _over(d: Diagnosis) -> list[str]:
+    """A line about steps that were kept though their error was too large."""
+    count, worst, at = d.over
+    if not count:
+        return []
+    return [
+        f"{count} of {d.steps} steps were over the tolerance and not made again, by {worst:.3g} times at "
+        f"most, at t = {at:.6g} s"
+    ]
+
+
+def full(facts: Facts, suggestions: Sequence[str], message: str) -> list[str]:
+    """Everything."""
+    d = facts.diagnosis
+    rejected = f"{d.rejected} attempts rejected ({percent(d.rejected_share)})"
+    calls = f", {d.do_steps} doStep calls" if d.do_steps is not None else ""
+    lines = [
+        f"{facts.scenario.name} ({message}): {d.steps} macro steps from {d.start:g} to {d.end:g} s, "
+        f"{rejected}, {d.total_iterations} iterations{calls}",
+        "",
+    ]
+    rows = [
+        (WORDS[reason], percent(share.steps), percent(share.time), str(d.rejections.get(reason, "")))
+        for reason, share in d.reasons.items()
+    ]
+    lines += _table(("what set the step", "steps", "time", "rejected"), rows)
+    unit, _ = choose_time_unit(d.end - d.start)
+    if d.limits:
+        lines += [
+            "",
+            *_table(("error of", "steps", "time", f"limits most steps from .. to ({unit})"), _limits(facts)),
+        ]
+    lines += ["", *_quantiles(d), "", *_work(d)]
+    if d.events:
+        told = ", ".join(f"{count} told by {name}" for name, count in d.events.items())
+        lines.append(f"events located: {told}")
+    lines += _over(d)
+    for time, variable in d.discontinuities[:SHOWN]:
+        lines.append(f"minimum step reached at t = {time:.9g} s for {variable}")
+    lines += ["", *(f"suggestion: {text}" for text in suggestions)]
+    return lines if suggestions else [*lines, "no suggestion: nothing stands out"]
+
+
+def _limits(facts: Facts) -> list[tuple[str, str, str, str]]:
+    _, factor = choose_time_unit(facts.diagnosis.end - facts.diagnosis.start)
+    rows = []
+    for name, limit in list(facts.diagnosis.limits.items())[:SHOWN]:
+        shown = sorted(limit.spans, key=lambda span: span[0] - span[1])[:SHOWN]
+        spans = ", ".join(f"{factor * a:.4g} .. {factor * b:.4g}" for a, b in sorted(shown))
+        more = f" and {len(limit.spans) - SHOWN} more" if len(limit.spans) > SHOWN else ""
+        to = ", ".join(facts.targets.get(name, []))
+        rows.append((f"{name} -> {to}", percent(limit.steps), percent(limit.time), spans + more))
+    if (hidden := len(facts.diagnosis.limits) - SHOWN) > 0:
+        rows.append((f"and {hidden} more", "", "", ""))
+    return rows
+
+
+def _quantiles(d: Diagnosis) -> list[str]:
+    lengths, counts = d.length.values(), d.iterations.values()
+    rows = [
+        ("step length (s)", *(f"{value:.3g}" for value in lengths)),
+        ("iterations", *(f"{value:.0f}" for value in counts)),
+    ]
+    return _table(("", "least", "5 %", "median", "95 %", "most"), rows)
+
+
+def _work(d: Diagnosis) -> list[str]:
+    dense = [interval for interval in d.densest if interval.density > EVEN]
+    if not dense:
+        return ["work: spread evenly over the time"]
+    unit, factor = choose_time_unit(d.end - d.start)
+    return [
+        f"work: {percent(i.work)} of it in {percent(i.time)} of the time, {factor * i.start:.6g} to "
+        f"{factor * i.end:.6g} {unit} ({i.density:.3g} times the mean)"
+        for i in dense
+    ]
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """Aligned columns; the first one to the left, a last one of texts too."""
+    whole = [tuple(head), *map(tuple, rows)]
+    widths = [max(len(row[i]) for row in whole) for i in range(len(head))]
+    return [
+        "  ".join(
+            cell.ljust(width) if i == 0 or (i == len(row) - 1 and " .. " in head[i]) else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in whole
+    ]
+
+
+def percent(share: float) -> str:
+    """A share as it is written."""
+    if 0.0 < share < 0.001:
+        return "< 0.1 %"
+    return f"{100.0 * share:.3g} %"
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,8 @@ from ...engine.coupling import Coupling
 from ...engine.energy.bonds import find_exchanged_bonds
 from ...engine.signals import evaluate
 from ...masters import Master
-from .jacobi_only import refuse_interpolation
 from .nodes import effective_degree, extrapolation_nodes
-from .protocol import Attempt
+from .protocol import Attempt, refuse_interpolation
 from .step_doubling import StepDoubling
 
 

@@ -6,7 +6,7 @@ from typing import Protocol
 from models.core.quantities import Vector
 
 from ...engine.coupling import Coupling
-from ...masters import Master
+from ...masters import Jacobi, Master, find_name
 
 
 @dataclass(frozen=True)
@@ -33,3 +33,13 @@ class Estimator(Protocol):
         Called inside `coupling.points.keep()` at `time`. Does not accept the end into the history.
         """
         ...
+
+
+def refuse_interpolation(estimator: str, compared: str, master: Master) -> None:
+    """ValueError, with the remedy, unless the master extrapolates every signal."""
+    if not isinstance(master, Jacobi):
+        better = "predictor_corrector or step_doubling" if master.implicit else "step_doubling"
+        raise ValueError(
+            f"estimator = {estimator!r}: compares extrapolations of {compared}, as the master jacobi makes "
+            f"them; {find_name(master)} interpolates some: use {better}"
+        )

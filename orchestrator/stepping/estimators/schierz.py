@@ -4,9 +4,8 @@ from ...engine.coupling import Coupling
 from ...engine.signals import move_origin
 from ...engine.sweeps import JACOBI
 from ...masters import Master
-from .jacobi_only import refuse_interpolation
 from .nodes import effective_degree
-from .protocol import Attempt
+from .protocol import Attempt, refuse_interpolation
 from .step_doubling import StepDoubling, exponent, ratios
 
 

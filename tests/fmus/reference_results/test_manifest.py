@@ -11,10 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fmus.build import build
-from fmus.reference_results.compare import compare
+from fmus.reference_results.compare import compare, find_results, read_results
 from fmus.reference_results.files import ComparisonError, Options, csv_text, read_csv, read_options
 from fmus.reference_results.inside import FOLDER, MANIFEST
-from fmus.reference_results.manifest import find_results, read_results
 from tests.fmus.names import REFERENCED, mark_long
 from tests.third_party.c_fmus import fmu
 from tests.third_party.public import public
