@@ -20,8 +20,7 @@ from models.slider_crank.motions.statistics import (
     impact_spectrum,
 )
 
-from ..plots.motion.angles import format_angle
-from ..plots.motion.titles import add_legend, create_figure
+from ..plots.motion import add_legend, create_figure, format_angle
 from ..plots.style import ACCENT, COUPLED, MUTED
 from ._impacts import COUNTS, count_impacts, declare_impacts, simulate_impacts, tabulate_bins
 from ._machine import evaluate_by

@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from models.core.quantities import Vector
 from models.slider_crank.motions.portrait import trace_portrait
 
-from ..plots.motion.angles import set_angle_axis, shift_to_first_turn
-from ..plots.motion.titles import add_legend, create_figure
+from ..plots.motion import add_legend, create_figure, set_angle_axis, shift_to_first_turn
 from ..plots.style import ACCENT, COUPLED, MUTED
 from ._machine import MACHINE, START, column, declare_duration, evaluate_by, simulate_motion
 from .protocol import Analysis, Draw, Parameter, Result

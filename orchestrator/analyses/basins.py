@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from models.slider_crank.motions.basins import LEAST, find_basins
 
 from ..plots.cells import draw_kinds
-from ..plots.motion.titles import create_figure
+from ..plots.motion import create_figure
 from ._machine import MACHINE, build_machine, column, evaluate_by, report_mistakes, show_progress
 from .protocol import Analysis, Parameter, Result
 

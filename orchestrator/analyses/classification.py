@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from models.slider_crank.motions.classification import classify, finite_time_exponents
 from models.slider_crank.motions.machine import Motion
 
-from ..plots.motion.titles import create_figure
+from ..plots.motion import create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE
 from ._machine import MACHINE, START, build_machine, column, evaluate_by, report_mistakes
 from .protocol import Analysis, Parameter, Result

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from models.slider_crank.motions.maps import exponent_map
 
 from ..plots.cells import LABELS, draw_cells
-from ..plots.motion.titles import create_figure, drop_varied
+from ..plots.motion import create_figure, drop_varied
 from ._machine import (
     MACHINE,
     build_machine,

@@ -8,7 +8,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from ..plots.motion.titles import create_figure
+from ..plots.motion import create_figure
 from ..plots.style import ACCENT, COUPLED, REFERENCE
 from ._machine import MACHINE, START, column, declare_duration, simulate_motion
 from .protocol import Analysis, Result

@@ -15,8 +15,7 @@ from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.regions import holding_intervals, region, sign_changes, wall_forces
 
 from ..errors import MistakeError
-from ..plots.motion.angles import set_angle_axis
-from ..plots.motion.titles import add_legend, create_figure
+from ..plots.motion import add_legend, create_figure, set_angle_axis
 from ..plots.style import ACCENT, COUPLED, MUTED
 from ._machine import MECHANISM, build_machine, column, evaluate_by
 from .protocol import Analysis, Parameter, Result

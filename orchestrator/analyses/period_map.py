@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from models.slider_crank.motions.maps import period_map
 
 from ..plots.cells import LABELS, draw_kinds
-from ..plots.motion.titles import create_figure, drop_varied
+from ..plots.motion import create_figure, drop_varied
 from ._machine import (
     MACHINE,
     build_machine,

@@ -13,8 +13,7 @@ from matplotlib.patches import Rectangle
 from models.core.quantities import Vector
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 
-from ..plots.motion.angles import set_angle_axis
-from ..plots.motion.titles import create_figure
+from ..plots.motion import create_figure, set_angle_axis
 from ..plots.style import COUPLED, REFERENCE
 from ._impacts import COUNTS, count_impacts, simulate_first_impacts
 from ._machine import MACHINE, START, column, declare_duration, evaluate_by

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from models.core.quantities import Vector
 from models.slider_crank.motions.regions import region, thresholds
 
-from ..plots.motion.titles import create_figure
+from ..plots.motion import create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE
 from ._machine import MECHANISM, build_machine, column, evaluate_by
 from .protocol import Analysis, Parameter, Result

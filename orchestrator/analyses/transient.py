@@ -15,7 +15,7 @@ from models.slider_crank.motions.transients import (
     measure_transients,
 )
 
-from ..plots.motion.titles import add_legend, create_figure
+from ..plots.motion import add_legend, create_figure
 from ..plots.style import COUPLED, REFERENCE
 from ._machine import MACHINE, build_machine, column, evaluate_by, show_progress
 from .protocol import Analysis, Parameter, Result

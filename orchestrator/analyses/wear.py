@@ -16,7 +16,7 @@ from models.slider_crank.motions.statistics import (
     uniformity,
 )
 
-from ..plots.motion.titles import add_legend, create_figure
+from ..plots.motion import add_legend, create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED
 from ._distribution import draw_profile, read_bin_edges
 from ._impacts import COUNTS, count_impacts, declare_impacts, simulate_impacts, tabulate_bins

@@ -13,8 +13,7 @@ from models.core.system import System
 from ..errors import NotFiniteError
 from ..participants.compiled_calls import CompiledCalls, NotCompiledError
 from ..participants.protocol import BoundVariables, Participant
-from .coupling_state import CouplingState
-from .saved_points import SavedPoints
+from .coupling_state import CouplingState, SavedPoints
 from .signals import finite
 from .wiring import wire
 

@@ -10,9 +10,8 @@ import numpy as np
 from models.core.quantities import Vector
 from models.core.system import Connection, Port, System
 
-from ..participants.capabilities import HIGHEST
+from ..participants.capabilities import HIGHEST, find_highest_degrees
 from ..participants.protocol import Participant
-from ..participants.signal_degrees import find_highest_degrees
 from .signals import STEPWISE
 
 

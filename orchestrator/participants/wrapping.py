@@ -1,13 +1,15 @@
-"""Base classes of participants that wrap another."""
+"""Participants that wrap another: base classes, and one whose inputs are linear functions (units, gains)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from models.core.quantities import Vector
 
-from .protocol import Abilities, Participant
+from .compiled_calls import CompiledCalls
+from .protocol import Abilities, BoundVariables, Participant
 
 
 class ParticipantWrapper:
@@ -71,3 +73,53 @@ class StatefulWrapper(ParticipantWrapper):
     def from_bytes(self, data: bytes) -> tuple[Any, Vector]:
         size = self._own.nbytes
         return self._participant.from_bytes(data[size:]), np.frombuffer(data[:size]).copy()
+
+
+@dataclass(frozen=True)
+class Linear:
+    """factor * value + offset."""
+
+    factor: float = 1.0
+    offset: float = 0.0
+
+
+class Transformed(StatelessWrapper):
+    """Implements `Participant` by `participant`, with `transformations` of inputs, by name."""
+
+    def __init__(self, participant: Participant, transformations: Mapping[str, Linear]) -> None:
+        super().__init__(participant)
+        self._transformations = transformations
+        self.advance = participant.advance
+
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        none = Linear()
+        own = [self._transformations.get(name, none) for name in bound.input_names]
+        self._factors = np.array([linear.factor for linear in own])
+        self._offsets = np.array([linear.offset for linear in own])
+        self._given, self._made = bound.inputs, np.zeros_like(bound.inputs)
+        rated = self._participant.connect(bound._replace(inputs=self._made))
+        self.read, self._write = self._participant.read, self._participant.write
+        return rated
+
+    def compiled_calls(self) -> CompiledCalls:
+        calls = self._participant.compiled_calls()
+        rows, columns = calls.picked
+
+        def fail(call: int, status: int, time: float, step: float) -> None:
+            self._transform()
+            calls.fail(call, status, time, step)
+
+        return replace(
+            calls,
+            factors=calls.factors * self._factors[columns],
+            offsets=calls.factors * np.where(rows == 0, self._offsets[columns], -0.0) + calls.offsets,
+            fail=fail,
+        )
+
+    def _transform(self) -> None:
+        np.multiply(self._given, self._factors, out=self._made)
+        self._made[0] += self._offsets
+
+    def write(self) -> None:
+        self._transform()
+        self._write()

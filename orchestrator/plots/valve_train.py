@@ -18,10 +18,9 @@ from models.core.quantities import Quantity, Vector
 
 from ..assessment.figures_of_merit import OPENED, VALVE
 from ..assessment.films import LIGHT
-from ..assessment.kinematics import find_kinematics
 from ..assessment.merits import read_motion
 from ..assessment.motion import Found, Part
-from ..assessment.trains import Angle, Train
+from ..assessment.trains import Angle, Train, find_kinematics
 from .data import FigureData
 from .style import ACCENT, MUTED, add_title, create_subplots, label_abscissa, plot_both, shade, shade_where
 

@@ -24,7 +24,7 @@ from ..errors import EndedError
 from ..participants.model_exchange import FmuEquations
 from ..participants.model_exchange.crossing import cross, leave_zeros
 from ..participants.third_party import NamedLayout
-from ..participants.transformed import Linear
+from ..participants.wrapping import Linear
 
 # Event iterations after which the system is taken to be stuck.
 MOST_ITERATIONS = 1000

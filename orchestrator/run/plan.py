@@ -25,8 +25,8 @@ from ..participants.own_process import Limits
 from ..participants.protocol import Participant
 from ..participants.proven import Proof, Proven
 from ..participants.third_party import ThirdPartyComponent
-from ..participants.transformed import Linear
-from ..participants.transformed import Transformed as transformed
+from ..participants.wrapping import Linear
+from ..participants.wrapping import Transformed as transformed
 from ..reporter import Reporter
 from ..scenario import BUILT_KINDS, Scenario
 from ..scenario.capabilities import is_refined, is_solved_by_parts, plan_proof

@@ -8,7 +8,7 @@ from models.core.system import Instance, parse_port
 
 from ..participants.description import Unit
 from ..participants.third_party import ThirdPartyComponent
-from ..participants.transformed import Linear
+from ..participants.wrapping import Linear
 from . import Line, ScenarioError
 from .side_lines import check_equal_types
 from .units import to_base_units

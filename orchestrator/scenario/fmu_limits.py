@@ -7,9 +7,8 @@ from typing import Any
 from models.core.quantities import Layout, Quantity
 from models.core.system import Connection, Port
 
-from ..participants.capabilities import HIGHEST, name_derivative, signal_degrees
+from ..participants.capabilities import HIGHEST, find_highest_degrees, name_derivative, signal_degrees
 from ..participants.description import Description, DescriptionError
-from ..participants.signal_degrees import find_highest_degrees
 from ..participants.third_party import ThirdPartyComponent
 from . import Scenario, parse_ends, parse_line
 from .side_lines import is_side_line

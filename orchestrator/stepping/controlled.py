@@ -17,7 +17,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
-from ..engine.saved_points import SavedPoint
+from ..engine.coupling_state import SavedPoint
 from ..engine.signals import History, interpolate, parabola
 from ..engine.step import (
     CONVERGENCE,

@@ -11,8 +11,7 @@ from models.core.system import Port, System
 
 from ..engine.consistency import make_consistent
 from ..engine.coupling import Coupling
-from ..engine.coupling_state import CouplingState
-from ..engine.saved_points import SavedPoint
+from ..engine.coupling_state import CouplingState, SavedPoint
 from ..engine.signals import hermite
 from ..masters import Master
 

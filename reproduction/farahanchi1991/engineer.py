@@ -9,8 +9,8 @@ from models.slider_crank.flight.bouncing import UPPER
 from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.statistics import energies
 
+from ..publication import format_table
 from ..statement import Numbers, Values, format_numbers
-from ..table import format_table
 from .force import compute_curve, find_changes, find_limits
 from .runs import CYCLES, FORMS, MATRIX, STARTS, Case, Runs, list_cases, observe
 

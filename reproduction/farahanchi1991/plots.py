@@ -21,8 +21,7 @@ from orchestrator.analyses._motion import draw_phase, draw_trace, draw_walls
 from orchestrator.analyses.force import draw_force
 from orchestrator.analyses.poincare import draw_poincare, magnify
 from orchestrator.analyses.regions import draw_regions
-from orchestrator.plots.motion.angles import shift_to_first_turn
-from orchestrator.plots.motion.titles import add_legend, create_figure
+from orchestrator.plots.motion import add_legend, create_figure, shift_to_first_turn
 from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 
 from .force import find_changes

@@ -9,8 +9,8 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..kushwaha2000.runs import NOSE_DEG
+from ..publication import format_bullets, format_table
 from ..statement import Numbers, format_numbers
-from ..table import format_bullets, format_table
 from .cam import CamCycle
 from .formulas import CENTRAL, FORMULAS, MINIMUM
 from .runs import Runs

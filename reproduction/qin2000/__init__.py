@@ -5,8 +5,7 @@ Qin and Zuo, "Multibody system dynamics analysis for valve trains", Journal of B
 """
 
 from ..publication import Publication
-from .figures import FIGURES
-from .runs import Runs
+from .runs import FIGURES, Runs
 from .statements import CLAIMS
 
 INTRODUCTION = """\

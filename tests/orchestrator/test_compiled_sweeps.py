@@ -21,7 +21,7 @@ from orchestrator.participants.compiled_calls import NotCompiledError
 from orchestrator.participants.fmi2 import Fmi2
 from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.participants.open_fmu import open_fmu
-from orchestrator.participants.transformed import Linear, Transformed
+from orchestrator.participants.wrapping import Linear, Transformed
 from orchestrator.run.simulation import simulate
 
 from .coupled import Wrapper, run_coupled

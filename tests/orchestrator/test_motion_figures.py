@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from orchestrator.analyses._motion import draw_phase
 from orchestrator.analyses.poincare import draw_poincare, magnify
-from orchestrator.plots.motion.angles import format_angle, shift_to_first_turn
+from orchestrator.plots.motion import format_angle, shift_to_first_turn
 from orchestrator.plots.style import create_subplots
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestrator.participants.transformed import Linear
+from orchestrator.participants.wrapping import Linear
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.system import assemble
 from orchestrator.scenario.warnings import list_warnings

@@ -19,10 +19,9 @@ from ...engine.coupling import Coupling
 from ...engine.signals import NEEDED, POINTS
 from ...errors import CannotSerializeError
 from ...masters import Master
-from ...participants.capabilities import HIGHEST
+from ...participants.capabilities import HIGHEST, find_highest_degrees
 from ...participants.compiled_calls import IN_PROCESS, NotCompiledError
 from ...participants.protocol import Abilities, BoundVariables
-from ...participants.signal_degrees import find_highest_degrees
 from .extrapolation_error import HERMITE, build_shapes, evaluate_ends
 from .linear import ROWS, Linear
 

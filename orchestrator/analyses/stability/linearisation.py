@@ -18,7 +18,7 @@ from models.monolithic.trajectory import Trajectory
 from ...errors import Option, ParticipantError, Set, Words
 from ...participants.protocol import Participant
 from ...participants.reopened import Reopened
-from ...participants.transformed import Transformed as transformed
+from ...participants.wrapping import Transformed as transformed
 from ...run.plan import ParticipantPlan
 from ...scenario import Scenario, ScenarioError
 from ...scenario.capabilities import list_foreign

@@ -1,1 +1,0 @@
-"""Parts of a figure of one slider-crank motion: functions that draw arrays into given axes."""
