@@ -22,7 +22,7 @@ from models.slider_crank.piston_clearance import (
 from ..errors import MistakeError
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 from ._cam_profile import TABLE_EVENT, build_profile, convert, list_law_parameters
-from ._table import column, evaluate_by
+from ._machine import column, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 MM = 1e3

@@ -18,7 +18,7 @@ from ..errors import MistakeError
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 from ..scenario.wire import read_wire
 from ._cam_profile import TABLE_EVENT, build_profile, list_law_parameters
-from ._table import column, evaluate_by
+from ._machine import column, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 POINTS, ORDERS, SAMPLES = 200, 40, 4096

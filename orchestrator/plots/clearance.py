@@ -5,8 +5,7 @@ from matplotlib.figure import Figure
 
 from models.core import roles
 
-from ..assessment.kinematics import find_kinematics
-from ..assessment.trains import find_trains
+from ..assessment.trains import find_kinematics, find_trains
 from .data import FigureData
 from .style import ACCENT, MUTED, create_panels, plot_both
 

@@ -1,5 +1,6 @@
 """Mechanics of crank, rod and tilting piston: against Lagrange's equations derived by sympy."""
 
+import math
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -7,8 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy as sp
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
+from models.slider_crank.piston import contact as co
 from models.slider_crank.piston import mechanics as me
+from models.slider_crank.piston.motion import machine
+
+from .slider_cranks import DRIVEN, energies
 
 # Sums of some ten terms of products of sines.
 ROUNDING = 1e-13
@@ -133,3 +140,145 @@ def test_inverses_of_the_mass_matrix(seed: int) -> None:
     driven = matrix(me.prescribed_inverse(s))
     assert not driven[0].any()
     assert driven[1:, 1:] @ matrix(s)[1:, 1:] == pytest.approx(np.eye(2), abs=worst)
+
+
+MASS, INERTIA, LENGTH, HEIGHT = 0.4, 3e-4, 0.03, 0.04
+# With a massless rod along the axis, only the piston's own inertia resists its motion across.
+BLOCK = {
+    "rod_mass": 0.0, "rod_inertia": 0.0, "piston_mass": MASS, "piston_inertia": INERTIA,
+    "half_length": LENGTH, "half_height": HEIGHT, "pin_height": 0.0, "mass_height": 0.0,
+}  # fmt: skip
+
+
+def motion(values: dict[str, float], q: me.Coordinates, v: me.Coordinates) -> tuple[co.Motion, me.Machine]:
+    m = machine(DRIVEN.parameters.view(DRIVEN.parameters.vector(values)))
+    return co.Motion(q, v, me.prescribed_inverse(me.mass_matrix(q, m)), me.Coordinates(0.0, 0.0, 0.0)), m
+
+
+def rising_block(velocity: float) -> tuple[co.Motion, me.Machine]:
+    """A block that moves to the upper wall, untilted, with a crank at dead centre and at rest."""
+    return motion(BLOCK, me.Coordinates(0.0, 0.0, 0.0), me.Coordinates(0.0, -velocity / 0.143, 0.0))
+
+
+def test_impact_of_a_free_block():
+    """Impulse (1 + e) v / (1/M + L^2/J) of one corner; flat, each of two gives (1 + e) M v / 2."""
+    s, m = rising_block(2.0)
+    jump = 1.3 * 2.0
+    found = co.solve_impulses(co.Touching(0, -1), co.Pair(0.0, 0.0), co.Pair(-jump, 1.0), s, m)
+    assert found == pytest.approx([jump / (1.0 / MASS + LENGTH**2 / INERTIA), 0.0], rel=1e-13, abs=0.0)
+    found = co.solve_impulses(co.Touching(0, 1), co.Pair(0.0, 0.0), co.Pair(-jump, -jump), s, m)
+    assert found == pytest.approx([0.5 * MASS * jump] * 2, rel=1e-12)
+
+
+@pytest.mark.parametrize("friction", [0.8, 1.0, 5.0])
+def test_corner_of_a_free_block_sticks_where_friction_suffices(friction):
+    """The impulse through the block's centre stops the corner: Lambda_T / Lambda_N = L / H. Also where more
+    friction would jam it (mu D_NT > D_NN)."""
+    s, m = rising_block(2.0)
+    w = co.Pair(-2.0, 1.0)
+    ratios = co.impact_ratios(co.Touching(0, -1), w, friction, s, m)
+    assert abs(ratios.first) == pytest.approx(LENGTH / HEIGHT, rel=1e-12)
+    v = co.add_reaction(
+        co.Touching(0, -1), co.solve_impulses(co.Touching(0, -1), ratios, w, s, m), ratios, s.v, s, m
+    )
+    assert co.sliding_velocity(0, s.q, v, m) == pytest.approx(0.0, abs=1e-12)
+    slipping = co.impact_ratios(co.Touching(0, -1), w, 0.1, s, m)
+    assert abs(slipping.first) == 0.1
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(st.lists(st.floats(-2.0, 2.0), min_size=6, max_size=6))
+def test_complementarity(numbers):
+    """z >= 0, A z + w >= 0, z (A z + w) = 0 for positive definite A."""
+    a, b, c, d, first, second = numbers
+    B = np.array([[a, b], [c, d]])
+    A, w = B @ B.T + 0.1 * np.eye(2), np.array([first, second])
+    z = np.array(co.solve_complementarity(co.Pair(*A[0]), co.Pair(*A[1]), co.Pair(*w)))
+    gaps = A @ z + w
+    size = 1.0 + np.abs(A).max() * np.abs(z).max()
+    assert z.min() >= 0.0
+    assert gaps.min() >= -1e-12 * size
+    assert np.abs(z * gaps).max() <= 1e-12 * size**2
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(
+    theta=st.floats(-3.0, 3.0),
+    tilt=st.floats(-2e-3, 2e-3),
+    speed=st.floats(-300.0, 300.0),
+    eta_rate=st.floats(-5.0, 5.0),
+    tilt_rate=st.floats(-20.0, 20.0),
+    restitution=st.floats(0.0, 1.0),
+    friction=st.floats(0.0, 0.3),
+    pair=st.sampled_from([(0, -1), (3, -1), (0, 1), (2, 3), (0, 3), (1, 2)]),
+)
+def test_law_of_impact(
+    theta, tilt, speed, eta_rate, tilt_rate, restitution,
+    friction, pair):  # fmt: skip
+    """Moreau's conditions hold after an impact of any touching corners in any motion."""
+    q = me.Coordinates(theta, math.asin(0.043 * math.sin(theta) / 0.143), tilt)
+    rod = 0.043 * math.cos(theta) * speed / (0.143 * math.cos(q.eta))
+    s, m = motion({}, q, me.Coordinates(speed, rod + eta_rate, tilt_rate))
+    touching = co.Touching(*pair)
+    corners = [i for i in pair if i >= 0]
+    before = [me.dot(co.normal(i, q, m), s.v) for i in corners]
+    assume(min(before) < -1e-6)
+    w = [rate + restitution * min(rate, 0.0) for rate in before] + [1.0]
+    ratios = co.impact_ratios(touching, co.Pair(w[0], w[1]), friction, s, m)
+    found = co.solve_impulses(touching, ratios, co.Pair(w[0], w[1]), s, m)
+    v = co.add_reaction(touching, found, ratios, s.v, s, m)
+    size = 1e-11 * (1.0 + abs(speed))
+    for i, corner in enumerate(corners):
+        xi = me.dot(co.normal(corner, q, m), v) + restitution * min(before[i], 0.0)
+        assert found[i] >= 0.0
+        assert xi >= -size
+        assert found[i] * xi <= size
+        assert abs(ratios[i]) <= friction
+    if max(abs(r) for r in ratios[: len(corners)]) < friction:  # stopped
+        assert abs(co.slip_power(touching, found, ratios, s, m)) <= size
+    else:
+        assert co.slips(touching, found, ratios, s, m)
+
+
+@pytest.mark.plain
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(
+    corner=st.sampled_from([0, 1, 2, 3]),
+    partner=st.sampled_from([None, "side", "diagonal"]),
+    theta=st.floats(-3.0, 3.0),
+    rate=st.floats(0.01, 1.0),
+    restitution=st.sampled_from([0.0, 0.6, 1.0]),
+    friction=st.sampled_from([0.0, 0.1]),
+)
+def test_energy_of_an_impact_is_work_of_the_crank_less_its_loss(
+    corner, partner, theta, rate, restitution, friction
+):
+    """Stored energy with losses and the crank's work does not jump; the crank's impulse does the work. An
+    elastic impact without friction loses nothing."""
+    p = DRIVEN.parameters.vector({"restitution": restitution, "pin_offset": 1e-3, "wall_friction": friction})
+    x, u = DRIVEN.state.vector(), DRIVEN.inputs.vector({"crank_angle": theta, "crank_speed": 200.0})
+    m = machine(DRIVEN.parameters.view(p))
+    side, along = co.side(corner), co.corner_along(corner, m)
+    if partner is None:
+        x[:4] = side * m.clearance, side * rate, 0.0, 0.0
+        x[2] = 1e-4 * side * math.copysign(1.0, along)
+        x[0] += side * 2.0 * m.half_height * math.sin(0.5 * x[2]) ** 2 - along * math.sin(x[2])
+    else:
+        other = corner ^ 1 if partner == "side" else 3 - corner
+        x[4 + other] = 1.0
+        tilt = 0.0
+        if partner == "diagonal":
+            tilt = side * math.copysign(1.0, along) * m.clearance / m.half_length
+        x[2], x[3] = tilt, side * math.copysign(rate, along) / m.half_length
+    before = energies(DRIVEN, x, u, p)[0]
+    DRIVEN.flat_transition(corner, 0.1, x, u, p)
+    stored = energies(DRIVEN, x, u, p)[0]
+    named = DRIVEN.state.named(x)
+    # The corner is also put on its wall, by 1e-7 m in the diagonal start made here.
+    allowed = 1e-12 if partner != "diagonal" else 1e-3
+    assert stored - named["impact_work"] + named["impact_loss"] == pytest.approx(before, rel=allowed)
+    if restitution == 1.0 and friction == 0.0:
+        assert named["impact_loss"] == pytest.approx(0.0, abs=allowed * before)
+    assert named[f"impact_count[{corner + 1}]"] == 1.0
+    assert named["last_impact_time"] == 0.1
+    assert named["impact_work"] == pytest.approx(200.0 * named["crank_impact_impulse"], rel=1e-12, abs=1e-12)

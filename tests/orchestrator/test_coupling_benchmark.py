@@ -1,6 +1,15 @@
-"""Masters on solved problems: what is counted and compared; the manipulator's equations."""
+"""Masters on solved problems: what is counted and compared; the manipulator's equations.
+
+The quarter car of Schierz, Arnold and Clauss (2012) against its matrix exponential: orders, errors, steps.
+
+Errors are the largest over all four states and 4 s. The ceilings at H = 1 ms are those of an independent
+script with exact subsystems (shared notes of the project); ours are rounded as it prints them. It begins with
+held inputs, which leaves its quadratic signals at second order, and happens to take 16 % off the error of its
+linear ones: hence Gauss-Seidel in that row, and the Jacobi one beside it with the method's own error.
+"""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +22,17 @@ from benchmarks.public import PUBLISHED, compare_manipulator, describe_manipulat
 from fmus.build import build
 from models.core.system import Instance, System
 from models.monolithic import solve
-from orchestrator.scenario.system import build_system
+from models.oscillators.exact import quarter_car
+from orchestrator.errors import UnstableCouplingError
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
+from orchestrator.participants.capabilities import HIGHEST
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
+from orchestrator.stepping import ControlledSteps, StepControl
+from orchestrator.stepping.guard import RunawayGuard
+
+from .coupled import run_coupled
+from .recorder import Recorder
 
 SAMPLES = 8  # of the quarter car: the wheel's first swing
 
@@ -23,16 +42,16 @@ def build_fmu(name, structure, kind):
 
 
 @pytest.fixture(scope="module")
-def quarter_car():
+def car_problem():
     return replace(build_problem("quarter-car", SAMPLES), held_halvings=(2, 3, 4))
 
 
 @pytest.fixture(scope="module")
-def files(quarter_car):
-    return build_fmus(quarter_car, build_fmu)
+def files(car_problem):
+    return build_fmus(car_problem, build_fmu)
 
 
-def test_errors_at_the_samples_ask_for_the_truth_beside_them_only(quarter_car):
+def test_errors_at_the_samples_ask_for_the_truth_beside_them_only(car_problem):
     """An error that is linear in time is met exactly, whatever the run's own times, which are many."""
     asked = []
 
@@ -41,7 +60,7 @@ def test_errors_at_the_samples_ask_for_the_truth_beside_them_only(quarter_car):
         return np.column_stack([np.sin(times), np.ones_like(times)])
 
     samples = np.linspace(0.0, 2.0 * np.pi, 65)[1:]
-    problem = replace(quarter_car, times=samples, outputs=("a", "b"), truth=truth)
+    problem = replace(car_problem, times=samples, outputs=("a", "b"), truth=truth)
     times = 2.0 * np.pi * np.linspace(0.0, 1.0, 5001)[1:] ** 2
     values = truth(times) + 0.1 * times[:, None]
     asked.clear()
@@ -51,14 +70,14 @@ def test_errors_at_the_samples_ask_for_the_truth_beside_them_only(quarter_car):
     assert found["a"] == pytest.approx(0.1 * np.sqrt(np.mean(samples**2)) / spread, rel=1e-9)
 
 
-def test_errors_are_relative_to_the_spread_of_the_true_output(quarter_car):
+def test_errors_are_relative_to_the_spread_of_the_true_output(car_problem):
     """A sine of amplitude 1 (RMS 1/sqrt 2) that is 0.1 too large everywhere, and an output without error."""
     t = np.linspace(0.0, 2.0 * np.pi, 65)[1:]
 
     def truth(at):
         return np.column_stack([np.sin(at), np.cos(at)])
 
-    problem = replace(quarter_car, times=t, outputs=("a", "b"), truth=truth)
+    problem = replace(car_problem, times=t, outputs=("a", "b"), truth=truth)
     found = compute_errors(problem, t, truth(t) + np.array([0.1, 0.0]))
     assert found == {"a": pytest.approx(0.1 * np.sqrt(2.0)), "b": 0.0}
 
@@ -71,19 +90,19 @@ def test_samples_fall_on_every_macro_step(name):
     assert problem.times[-1] == pytest.approx(problem.duration)
 
 
-def test_calls_are_steps_of_all_instances_repeated_ones_too(quarter_car, files):
+def test_calls_are_steps_of_all_instances_repeated_ones_too(car_problem, files):
     step = 1e-3
-    steps = round(quarter_car.duration / step)
-    held = measure_method(quarter_car, files, Method("jacobi", "hold"), step)
+    steps = round(car_problem.duration / step)
+    held = measure_method(car_problem, files, Method("jacobi", "hold"), step)
     assert held.calls == 2 * steps
-    repeated = measure_method(quarter_car, files, Method("iterated", "linear"), step)
+    repeated = measure_method(car_problem, files, Method("iterated", "linear"), step)
     assert repeated.calls > 4 * steps
 
 
-def test_a_run_with_step_control_counts_what_it_took_back(quarter_car, files):
+def test_a_run_with_step_control_counts_what_it_took_back(car_problem, files):
     """A smaller tolerance costs more steps and leaves a smaller error."""
     method = Method("jacobi", "quadratic", "schierz")
-    coarse, fine = (measure_method(quarter_car, files, method, tolerance) for tolerance in (1e-3, 1e-5))
+    coarse, fine = (measure_method(car_problem, files, method, tolerance) for tolerance in (1e-3, 1e-5))
     assert fine.error < 0.2 * coarse.error
     assert coarse.calls < fine.calls
 
@@ -146,3 +165,126 @@ def test_the_solution_is_the_published_one(record) -> None:
         pytest.skip(f"{PUBLISHED} is in no folder of data of others (TRIBOCOSIM_THIRD_PARTY)")
     for output, difference in compare_manipulator(folder / PUBLISHED).items():
         record("FMUs", f"hydraulic manipulator, M2: {output}", difference, 0.0, "published", tolerance=5e-4)
+
+
+STATES = ("chassis.position", "chassis.velocity", "wheel.position", "wheel.velocity")
+
+
+def run(master, steps):
+    recorder = run_coupled(build_system(load("quarter-car")), master, steps, 4.0)
+    exact = quarter_car(recorder.times)
+    error = max(np.abs(recorder[name] - exact[:, i]).max() for i, name in enumerate(STATES))
+    return error, recorder.statistics
+
+
+TIGHT = 1e-12
+
+
+@pytest.mark.parametrize(
+    ("master", "order", "ceiling"),
+    [
+        pytest.param(Jacobi("hold"), 1.0, 6.85e-3, marks=pytest.mark.long),
+        pytest.param(GaussSeidel("linear"), 2.0, 4.75e-4, marks=pytest.mark.long),
+        pytest.param(Jacobi("linear"), 2.0, 5.65e-4, marks=pytest.mark.long),
+        (Jacobi("quadratic"), 3.0, 4.75e-4),
+        (Jacobi("hermite"), 4.0, 1e-6),
+        pytest.param(Iterated("hold", TIGHT), 1.0, 6.75e-3, marks=pytest.mark.long),
+        pytest.param(Iterated("linear", TIGHT), 2.0, 1.15e-4, marks=pytest.mark.long),
+        pytest.param(Iterated("quadratic", TIGHT), 3.0, 1e-5, marks=pytest.mark.long),
+        (Iterated("hermite", TIGHT), 4.0, 7.65e-9),
+        pytest.param(Newton("hermite", TIGHT), 4.0, 7.65e-9, marks=pytest.mark.long),
+    ],
+    ids=str,
+)
+def test_error_at_one_millisecond_and_order_with_the_start_included(master, order, ceiling, record):
+    (coarse, _), (fine, _) = run(master, 2e-3), run(master, 1e-3)
+    case = f"quarter car, {type(master).__name__}, {master.extrapolation} inputs"
+    record("Coupling", f"{case}: error at 1 ms", fine, 0.0, "matrix exponential", tolerance=ceiling)
+    slope = np.log2(coarse / fine)
+    record("Coupling", f"{case}: order", slope, order, "order of the signals", tolerance=0.05)
+
+
+def test_step_controlled_hermite_coupling_takes_at_most_a_hundred_steps_for_the_published_error(record):
+    """At the published tolerance of 1e-4; published: 218 steps with quadratic signals for 2.7e-4."""
+    error, statistics = run(
+        Iterated("hermite", 1e-6), ControlledSteps(1e-3, StepControl("predictor_corrector", 1e-4, 1e-4))
+    )
+    case, steps = "quarter car, step control, Hermite", statistics.macro_steps + statistics.rejected_steps
+    record("Coupling", f"{case}: error", error, 0.0, "matrix exponential", tolerance=2.7e-4)
+    source = "218 steps in Schierz et al. (2012)"
+    quantity = f"{case}: steps over the published number"
+    record("Coupling", quantity, steps / 218, 0.0, source, tolerance=100 / 218)
+
+
+@pytest.mark.parametrize(
+    ("master", "estimator", "order"),
+    [
+        pytest.param(Jacobi("linear"), "schierz", 2, marks=pytest.mark.long),
+        pytest.param(Jacobi("quadratic"), "schierz", 3, marks=pytest.mark.long),
+        (Jacobi("hermite"), "schierz", 4),
+        (GaussSeidel("hermite"), "step_doubling", 4),
+        (Iterated("hermite", 1e-10), "predictor_corrector", 4),
+        pytest.param(Iterated("hermite", 1e-10), "step_doubling", 4, marks=pytest.mark.long),
+    ],
+    ids=str,
+)
+def test_the_error_follows_the_tolerance(master, estimator, order):
+    """Local errors of tol leave a global one ~ tol^(k / (k + 1)) for a method of order k; within a fifth."""
+    loose, tight = (run(master, ControlledSteps(1e-4, StepControl(estimator, t, t)))[0] for t in (1e-5, 1e-7))
+    assert np.log10(loose / tight) / 2.0 == pytest.approx(order / (order + 1.0), rel=0.2)
+
+
+def run_steps(master, step: float, stop: float = 2.4) -> Recorder:
+    return run_coupled(build_system(load("quarter-car")), master, step, stop)
+
+
+def error(step: float) -> float:
+    recorder = run_steps(GaussSeidel("hermite"), step)
+    return float(np.abs(recorder["chassis.position"] - quarter_car(recorder.times)[:, 0]).max())
+
+
+def test_fourth_order_holds_to_the_steps_that_are_advised(record) -> None:
+    """At 20 ms the wheel turns by 1.3 rad of its oscillation in a step: its values miss their linear
+    extrapolation, and the error is that of the method all the same. It is scaled from 10 ms."""
+    fine = error(0.01)
+    for step in (0.016, 0.02, 0.024):
+        case = f"quarter car, GaussSeidel, hermite inputs: error at {1000 * step:g} ms over (h / 10 ms)^4"
+        record("Coupling", case, error(step) / fine / (step / 0.01) ** 4, 1.0, "order 4", tolerance=0.15)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("step", [5e-6, 1e-6])
+@pytest.mark.parametrize("rpm", [3000, 4000, 7000])
+def test_a_follower_that_leaves_its_cam_does_not_end_the_run(rpm, step):
+    """One lift with steps of fixed length: below 3500 r/min the follower stays on its cam."""
+    ends = ("initial", "final")
+    speed = [f"components.flywheel.parameters.{end}_speed='{rpm} rpm'" for end in ends]
+    scenario = load("valve-train", speed)
+    system = resolve_start(scenario, build_system(scenario))
+    recorder = run_coupled(system, scenario.build_master(), step, 60.0 / rpm)
+    assert recorder.times[-1] == 60.0 / rpm
+    assert (recorder["contact.load"].min() == 0.0) == (rpm > 3500)
+
+
+@pytest.mark.parametrize("step", [0.05, 0.1])
+def test_a_swing_that_grows_is_still_an_instability(step: float) -> None:
+    with pytest.raises(UnstableCouplingError, match="unstable coupling"):
+        run_steps(Jacobi("hermite"), step, 150 * step)
+
+
+@pytest.mark.parametrize("rest", [0.0, 1e-290])
+def test_a_value_that_has_all_but_died_out_may_jump(rest: float) -> None:
+    """From a swing of 1e-290 to 2e4 in one step, as the enthalpy of a pipe that is filled at once, and then a
+    ringing over twenty steps that does not grow: as from rest."""
+    wiring = SimpleNamespace(
+        sources=["pipe.h"], connected=np.array([0]), nominal=np.array([1.0]), degrees=np.array([HIGHEST])
+    )
+    history = SimpleNamespace(times=np.array([0.0, -0.1, -0.2]), values=np.zeros((3, 1)), count=3)
+    state = SimpleNamespace(values=np.zeros(1), history=history)
+    guard = RunawayGuard(SimpleNamespace(wiring=wiring, state=state, restorable=False), Jacobi("hold"))
+    course = [*rest * (-1.0) ** np.arange(60), *2e4 * (1.0 + 0.9 * (-0.9) ** np.arange(20))]
+    for k, value in enumerate(course):
+        state.values[0] = value
+        guard.judge(0.1 * (k + 1), 0.1)
+        history.values[1:], history.times[1:] = history.values[:-1].copy(), history.times[:-1].copy()
+        history.values[0], history.times[0] = value, 0.1 * (k + 1)

@@ -1,11 +1,14 @@
-"""A run's result does not depend on who reads what it prints."""
+"""Where a command's lines and its progress go."""
 
 import subprocess
 import sys
+from io import StringIO
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
+from orchestrator import reporter
 from orchestrator.run.record import FORMULA, TextRecorder
 
 RUN = [
@@ -36,3 +39,15 @@ def test_no_text_of_an_fmu_is_a_formula_of_a_spreadsheet(text: str, tmp_path: Pa
     cell = (tmp_path / "texts.csv").read_text("utf-8").splitlines()[1].split(",", 2)[2].strip('"')
     assert not cell.startswith(FORMULA)
     assert text in cell
+
+
+@pytest.mark.parametrize("before", [0.0, 0.5])
+def test_the_time_left_counts_from_where_a_stage_begins(before, monkeypatch):
+    """A tenth of what is left in 30 s: the rest takes 270 s, whatever an earlier run had done."""
+    times = iter([0.0, 0.0, 30.0])
+    monkeypatch.setattr(reporter.clock, "monotonic", lambda: next(times, 30.0))
+    said = StringIO()
+    with reporter.Reporter(Console(file=said)).stage("coupled run") as bar:
+        bar.show(before)
+        bar.show(before + 0.1 * (1.0 - before))
+    assert said.getvalue().splitlines()[1].endswith("done, about 4 min left")

@@ -6,16 +6,21 @@ Where gcc's sanitizers are, the runtime is compiled with them; valgrind runs the
 
 import re
 import shutil
+import subprocess
+import sys
+import zipfile
 from pathlib import Path
 
+import fmpy
 import pytest
 from fmpy.model_description import ModelDescription
 
 from fmus.native.fmu import NAMES
 from fmus.native.machine_code import FMI_HEADERS
 from tests.shared import made_once
+from tests.third_party.c_fmus import compiler
 
-from . import programs
+from ..native import programs
 from .programs import TOKEN, library_in, needs_sanitizers, run, sanitizing_compiler, variables_for_c
 
 LIVES = 5_000
@@ -160,3 +165,31 @@ def test_random_calls(name, calls, fmi, files, compiled, sanitized_library, tmp_
     assert {call for call, *_ in counts} == functions(fmi)
     assert {call for call, taken, _ in counts if taken == "0"} == NEVER_TAKEN[fmi]
     assert {call for call, _, refused in counts if refused == "0"} == NEVER_REFUSED[fmi]
+
+
+PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "native-fmus.md"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the page's commands are Linux's")
+def test_the_page_s_host_steps_an_fmu(native_files, tmp_path):
+    """Its rows are those of another host, to the digits that it prints."""
+    code = re.search(r"```c\n(.+?)```", PAGE.read_text("utf-8"), re.DOTALL)
+    assert code
+    (tmp_path / "host.c").write_text(code[1])
+    command = [*compiler(), "-std=c99", f"-I{FMI_HEADERS}", "host.c", "-o", "host", "-ldl"]
+    subprocess.run(command, cwd=tmp_path, check=True, timeout=300)
+    file = native_files["valve_spring"]
+    described = fmpy.read_model_description(str(file))
+    position = next(v for v in described.modelVariables if v.name == "position")
+    with zipfile.ZipFile(file) as archive:
+        archive.extractall(tmp_path)
+    library = next((tmp_path / "binaries" / "linux64").glob("*.so"))
+    arguments = [str(library), described.guid, str(position.valueReference), "1e-4", "1e-3"]
+    done = subprocess.run([str(tmp_path / "host"), *arguments], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    rows = [tuple(map(float, line.split(","))) for line in done.stdout.splitlines()]
+    assert [time for time, _ in rows] == pytest.approx([1e-4 * n for n in range(1, 11)])
+    expected = fmpy.simulate_fmu(
+        str(file), stop_time=1e-3, step_size=1e-4, output_interval=1e-4, output=["position"]
+    )
+    assert [value for _, value in rows] == pytest.approx(list(expected["position"][1:]), rel=1e-8, abs=1e-15)

@@ -1,5 +1,6 @@
-"""Model exchange: a host that integrates native FMUs finds their own motion; their steps their references."""
+"""Model exchange of native FMUs; derivatives by calls are those by variables, to the last bit."""
 
+from ctypes import c_double, c_int, c_size_t, c_uint
 from pathlib import Path
 
 import fmpy
@@ -10,7 +11,7 @@ from fmus.reference_results.compare import compare
 
 from ..instance import Instance
 from ..names import mark_long
-from ..reference import Reference
+from ..reference import Reference, joined, wave
 from .names import EVERY, FAST
 
 # What the host's integrator is asked for; errors of many steps add up.
@@ -121,3 +122,51 @@ def test_steps_reproduce_the_reference_results(
     assert found.agrees, str(found)
     quantity, worst = f"deviation of native FMUs, FMI {fmi}", found.worst.relative
     record("FMUs", quantity, worst, 0.0, "reference results in the FMU", tolerance=found.tolerance)
+
+
+STEP, STEPS, ORDERS = 1e-5, 20, (1, 2, 3)
+
+
+def by_calls(slave: Instance, values: dict[str, float], names: list[str]) -> None:
+    slave.set({name: values[name] for name in names})
+    for name in names:
+        reference = slave.variables[name].valueReference
+        of_name = (c_double * 3)(*(values[joined(name, order)] for order in ORDERS))
+        # In one call for all orders, as the standard has it.
+        status = slave.fmu.fmi2SetRealInputDerivatives(
+            slave.fmu.component, (c_uint * 3)(*[reference] * 3), c_size_t(3), (c_int * 3)(*ORDERS), of_name
+        )
+        assert status == 0
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_inputs_by_calls_and_by_variables_give_the_same_motion(name, native_files):
+    component = Reference(name).component
+    one, other = (Instance(native_files[name]).initialize() for _ in range(2))
+    names = [n for n in component.inputs.names if one.variables[n].type == "Real"]
+    for i in range(STEPS):
+        values = wave(component, i * STEP)
+        by_calls(one, values, names)
+        other.set({joined(n, order): values[joined(n, order)] for n in names for order in (0, *ORDERS)})
+        for slave in (one, other):
+            slave.step(i * STEP, STEP)
+        assert one.outputs() == other.outputs()
+    for slave in (one, other):
+        slave.free()
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_derivatives_of_outputs_are_their_rates(name, native_files):
+    component = Reference(name).component
+    slave = Instance(native_files[name]).initialize()
+    slave.set(wave(component, 0.0))
+    slave.step(0.0, STEP)
+    rated = [f.name for f in component.outputs.fields if not f.quantity.discrete]
+    count, values = len(rated), (c_double * len(rated))()
+    references = (c_uint * count)(*(slave.variables[n].valueReference for n in rated))
+    status = slave.fmu.fmi2GetRealOutputDerivatives(
+        slave.fmu.component, references, c_size_t(count), (c_int * count)(*[1] * count), values
+    )
+    assert status == 0
+    assert list(values) == slave.get([f"der({n})" for n in rated])
+    slave.free()

@@ -1,4 +1,4 @@
-"""Q's single train of rigid and of elastic parts, against closed forms and independent numbers."""
+"""Trains as bodies and joints: K's with 21 constraints, Q's of rigid and of elastic parts."""
 
 import math
 
@@ -6,16 +6,35 @@ import numpy as np
 import pytest
 
 from models.core.quantities import Layout
+from models.multibody.direct_train import direct_train
 from models.multibody.ida import solve_ida
 from models.multibody.linear import find_frequencies
+from models.multibody.mechanism import Mechanism
 from models.multibody.pushrod_train import CAM, DRIVE, PIVOT, ROD_END, SEAT, TIP, PushrodTrain, pushrod_train
 from models.valve_train.cams.law import law_lift
+from models.valve_train.camshaft import CamshaftParameters
 from models.valve_train.rocker import RockerParameters
 from models.valve_train.rod import RodParameters
 from models.valve_train.tappet import TappetParameters
 from models.valve_train.valve_spring import ValveSpringParameters
 
 from .projected import solve_projected
+
+
+def train(speed_rpm: float, flexible: bool = True, **parameters: float) -> Mechanism:
+    camshaft, valve = Layout(CamshaftParameters).defaults(), Layout(ValveSpringParameters).defaults()
+    camshaft.flexible = float(flexible)
+    for name, value in parameters.items():
+        setattr(camshaft if name in camshaft.dtype.names else valve, name, value)
+    return direct_train(camshaft, valve, speed_rpm * math.pi / 30.0)
+
+
+def test_parts_joints_and_freedoms_are_those_of_ks_tables_1_and_2():
+    mechanism = train(1000.0)
+    assert [len(joint.constraints) for joint in mechanism.joints] == [4, 1, 1, 5, 5, 5]
+    # The shaft slides in its bearing, the cam has six but the contact, follower and coils share three.
+    assert (len(mechanism.bodies), mechanism.freedoms) == (5, 9)
+
 
 RATIO, MASS, ROD_MASS, INERTIA, ARM = 1.25, 0.1, 7850.0 * 50e-6 * 0.2, 6e-5, 32e-3
 EVALUATION = "independent evaluation"
