@@ -58,7 +58,7 @@ def cam(
     """What a cam is like: of a lift table (.csv), a law such as "cycloidal", or a scenario's `component`.
 
     `settings` are parameters of the analysis `cam`, such as {"follower": "roller", "radius": "8 mm"}. With a
-    folder `out` its table, figure, SVG and DXF are written, as by the command `cam`.
+    folder `out` its table, figure, drawings and lift tables are written, as by the command `cam`.
     """
     from orchestrator.analyses._cam_source import find_settings
     from orchestrator.analyses._evaluate import compute_table, evaluate

@@ -1,5 +1,6 @@
 """The profile and the followers that the analysis of a cam is asked for, from its parameters."""
 
+import functools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields
@@ -23,6 +24,7 @@ from models.valve_train.followers.shape import FOLLOWERS, Follower
 
 from ..errors import MistakeError
 from ..scenario.angle_table import AngleTableError
+from ..scenario.cam_files import read_contour
 from ..scenario.lift_table import LiftTable, read_lift_table
 from .protocol import Parameter
 
@@ -52,6 +54,8 @@ GEOMETRY = {
     ),
 }
 NONE = "none"
+# A contour has a base circle to this part of its radius, and lifts from this part of its lift on.
+ROUND = 1e-4
 # A nose is level to this part of the lift.
 LEVEL = 1e-6
 TABLE_EVENT = {
@@ -105,6 +109,8 @@ def build_profile(values: Mapping[str, Any]) -> Profile:
     """By the law, or through the lift table; MistakeError for a fault."""
     if values["lift_table"]:
         return _build_table_profile(values)
+    if values.get("contour"):
+        return _build_contour_profile(values)
     given = {name: values[name] for name in list_law_parameters()}
     given["law"] = float(tuple(RISES).index(given["law"]))
     record = _check_record(LAW, camshaft(), given)
@@ -113,9 +119,9 @@ def build_profile(values: Mapping[str, Any]) -> Profile:
 
 
 def _build_table_profile(values: Mapping[str, Any]) -> Profile:
+    path = Path(values["lift_table"]).expanduser()
     try:
-        table = read_lift_table(Path(values["lift_table"]).expanduser())
-        smoothed = table.smooth()
+        table, smoothed = _smooth(path, path.stat().st_mtime_ns if path.exists() else 0)
     except AngleTableError as error:
         raise MistakeError(f"lift_table: {error}") from None
     points = smoothed.points
@@ -127,6 +133,34 @@ def _build_table_profile(values: Mapping[str, Any]) -> Profile:
     return Profile(
         lambda angle: table_lift(angle, record), event, _list_breaks(TABLE, record), table, smoothed
     )
+
+
+@functools.lru_cache(maxsize=4)
+def _smooth(path: Path, changed: int) -> tuple[LiftTable, SmoothedLift]:
+    """Of a file that was changed at this time (ns)."""
+    table = read_lift_table(path)
+    return table, table.smooth()
+
+
+def _build_contour_profile(values: Mapping[str, Any]) -> Profile:
+    """The lift of the follower on the shape of a file."""
+    try:
+        shape = read_contour(Path(values["contour"]).expanduser())
+    except AngleTableError as error:
+        raise MistakeError(f"contour: {error}") from None
+    least = float(np.hypot(shape.x, shape.y).min())
+    if abs(least - values["base_radius"]) > ROUND * least:
+        raise MistakeError(
+            f"base_radius = {1e3 * values['base_radius']:.6g} mm: must be the contour's least radius, "
+            f"{1e3 * least:.6g} mm"
+        )
+    follower, geometry = build_follower(values["follower"], values)
+    try:
+        points = follower.follow(shape, geometry)
+    except ValueError as error:
+        raise MistakeError(f"contour: {error}") from None
+    lifted = points.angle[points.lift > ROUND * points.lift.max()]
+    return Profile(interpolate(points), (float(lifted[0]), float(lifted[-1])), [])
 
 
 def _check_record(profile: CamProfile, component: Component, values: Mapping[str, float]) -> Any:

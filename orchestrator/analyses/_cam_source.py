@@ -7,6 +7,7 @@ from models.core.system import suggestion
 from models.valve_train.cams.rises import RISES
 
 from ..errors import MistakeError, Option, one_of
+from ..scenario.cam_files import is_contour
 from ..scenario.cams import name_follower
 from ..scenario.component_table import ComponentTable
 from ..scenario.files import find, list_shipped, load, read_contents
@@ -31,7 +32,7 @@ def find_settings(source: str, component: str | None = None) -> dict[str, Any]:
             f"cam {source!r}: {suggestion(source, [*RISES, *list_shipped()])} (a law, a shipped "
             "scenario, or a file: a lift table .csv, a scenario .toml or .ssp)"
         )
-    return {"lift_table": source}
+    return {"contour" if is_contour(Path(source)) else "lift_table": source}
 
 
 def find_spring_settings(

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from models.valve_train.followers.shape import FOLLOWERS, Follower, sample_angle
 
 from ..errors import MistakeError
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
+from ..scenario.cam_files import write_contour, write_lift, write_s96
 from ._cam_profile import (
     FIELDS,
     GEOMETRY,
@@ -32,6 +34,7 @@ from ._cam_profile import (
     interpolate,
     list_law_parameters,
 )
+from ._cam_timing import PARAMETERS, RESULTS, find_timing
 from ._contour import write_dxf, write_svg
 from ._machine import column
 from .protocol import Analysis, Parameter, Result
@@ -157,6 +160,7 @@ def _evaluate_table(
         "least_radius_at": float(angle[np.argmin(convex)]),
         "shape": _describe_shape(radius, values),
         "largest_pressure_angle": float(np.abs(pressure).max()),
+        **find_timing(profile, values),
         "reversals": ", ".join(f"{math.degrees(a):.2f}" for a in zeros) or "none",
         "slope_at_reversals": float(max(slopes, default=math.nan)),
         "table_choices": "; ".join(read.list_notes()) or "none" if read else "",
@@ -274,13 +278,24 @@ def _draw_contour(axes: Axes, data: xarray.Dataset, values: Mapping[str, Any]) -
     axes.set_title("Contour (mm), dashed the base circle", loc="left")
 
 
+def _lift(values: Mapping[str, Any]) -> Callable[[float], float]:
+    profile = build_profile(values)
+    return lambda angle: profile.lift(angle).s
+
+
+def _write_lift(table: xarray.Dataset, values: Mapping[str, Any], unit: str) -> str:
+    return write_lift(_lift(values), unit)
+
+
 ANALYSIS = Analysis(
     name="cam",
     description="A cam by a law or lift table: shape, curvature, pressure angle, entrainment, derivatives",
     parameters={
         "lift_table": Parameter("", "1", "CSV file of cam angle and lift, instead of a law"),
+        "contour": Parameter("", "1", "CSV file of polar angle and radius of a contour, instead of a law"),
         **TABLE_EVENT,
         **list_law_parameters(),
+        **PARAMETERS,
         "speed": Parameter(
             1000.0 * math.pi / 30.0, "rad/s", "speed of the cam", positive=True, plausible=SPEED
         ),
@@ -304,6 +319,7 @@ ANALYSIS = Analysis(
         "least_radius_at": Result("rad", "cam angle there", display_unit="deg"),
         "shape": Result("1", "what the radii say", text=True),
         "largest_pressure_angle": Result("rad", "largest pressure angle", display_unit="deg"),
+        **RESULTS,
         "reversals": Result("deg", "cam angles at which the entraining velocity vanishes", text=True),
         "slope_at_reversals": Result("m/rad", "slope of the lubrication characteristic 2 u/omega there"),
         "table_choices": Result("1", "lift table: what reading it chose", text=True),
@@ -319,6 +335,14 @@ ANALYSIS = Analysis(
     evaluate=_evaluate,
     table=_tabulate,
     draw=draw_cam,
-    texts={"svg": write_svg, "dxf": write_dxf},
+    texts={
+        "svg": write_svg,
+        "dxf": write_dxf,
+        "contour.csv": lambda table, values: write_contour(
+            table["contour_x"].values, table["contour_y"].values
+        ),
+        "s96": lambda table, values: write_s96(_lift(values), build_profile(values).nose),
+        **{f"{unit}.csv": partial(_write_lift, unit=unit) for unit in ("mm", "in")},
+    },
     describe=_describe,
 )

@@ -70,8 +70,8 @@ class ComponentTable(Table):
     )
     lift_table: str | None = Field(
         None,
-        description="CSV file of cam angles and lifts, for a cam through points; it becomes `structure` and "
-        "`parameters`",
+        description="CSV file of cam angles and lifts, or .s96 file, for a cam through points; it becomes "
+        "`structure` and `parameters`",
     )
     lift_segments: LiftSegments | None = Field(
         None,

@@ -20,7 +20,8 @@ from models.valve_train.cams.law import LawParameters
 from models.valve_train.cams.segments import Rise, join_sides, scale_rise
 from models.valve_train.cams.table import TURN, TableParameters
 
-from .angle_table import AngleTableError, Kind, read_angle_table
+from .angle_table import AngleTable, AngleTableError, Kind, read_angle_table
+from .cam_files import S96, read_s96
 from .fields import Table, in_unit
 from .messages import place_faults
 from .values import Faults
@@ -190,7 +191,11 @@ def _doubt_event(begin: float, end: float) -> str:
 
 def read_lift_table(path: Path) -> LiftTable:
     """The samples of a file. AngleTableError that names the file, the line and the remedy."""
-    found = read_angle_table(path, LIFT)
+    if path.suffix.casefold() == S96:
+        angle, lift, step = read_s96(path)
+        found = AngleTable(angle, lift, step, (), True)
+    else:
+        found = read_angle_table(path, LIFT)
     angle, lift = found.angle, found.value
     if not lift.max() > 0.0:
         raise AngleTableError(f"{path}: its largest lift is {1e3 * lift.max():g} mm: must be > 0")

@@ -37,7 +37,7 @@ def draw_cam(  # noqa: PLR0913  # options of a command
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Check a cam and draw its contour; write tables (netCDF, CSV), figure, SVG and DXF."""
+    """Check a cam, its timing and contour; write tables, figure, drawings, lift tables and an .s96 file."""
     from orchestrator.analyses._cam_source import find_settings
     from orchestrator.analyses._evaluate import analyse
 
