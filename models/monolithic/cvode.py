@@ -1,6 +1,8 @@
 """Method A: SUNDIALS CVODE (variable order and step), with its own root finding for the guards."""
 
+import io
 import math
+from contextlib import redirect_stdout
 from typing import Any
 
 import numpy as np
@@ -92,7 +94,8 @@ class Cvode:
         return self._step(target, min(near, self._end))
 
     def _step(self, target: float, stop: float) -> tuple[float, Vector, tuple[int, ...]]:
-        result = self._solver.step(target, tstop=stop)
+        with redirect_stdout(io.StringIO()):  # the library prints failures, which are told here
+            result = self._solver.step(target, tstop=stop)
         t, z = float(np.ravel(result.t)[-1]), np.array(np.atleast_2d(result.y)[-1])
         z[self._whole] = self._held
         self._check(result)

@@ -17,6 +17,7 @@ from ..scenario.display import format_number, show
 from ..store import atomic_write
 from .contacts import ContactSummaries, ContactSummary
 from .figures_of_merit import measure
+from .friction.shares import list_losses
 from .motion import Motion
 from .trains import Angle, Train, find_angle, find_drive_angle, find_trains
 
@@ -100,7 +101,7 @@ def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
     """A line for each train."""
     found = {(merit.part, merit.figure): merit for merit in merits}
     told = []
-    for train in find_trains(system):
+    for train in (trains := find_trains(system)):
         margin, followed = _follow(train, found)
         said = [
             *followed,
@@ -109,7 +110,8 @@ def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
             *_list_wire(train, found),
             *_list_clearance(train, found),
         ]
-        if said := [*said, *_list_contacts(train, found)]:
+        lossy = train.parts if len(trains) > 1 else tuple(system.instances)
+        if said := [*said, *_list_contacts(train, found), *_list_friction(system, lossy, found)]:
             told.append((margin, f"{train.valve}: {'; '.join(said)}"))
     if len(told) <= SHOWN:
         return [text for _, text in told]
@@ -193,7 +195,7 @@ def _list_clearance(train: Train, found: Merits) -> Iterator[str]:
 
 
 def _list_contacts(train: Train, found: Merits) -> Iterator[str]:
-    """Highest pressure, least film ratio, and the mean power of friction."""
+    """Highest pressure and least film ratio."""
 
     def of(figure: str, parts: Sequence[str] = train.contacts) -> list[Merit]:
         known = [found.get((part, figure)) for part in parts]
@@ -203,7 +205,13 @@ def _list_contacts(train: Train, found: Merits) -> Iterator[str]:
         yield f"highest pressure {pressures[-1].text} in {pressures[-1].part}"
         if (ratios := of("least_film_ratio")) and ratios[0].value > 0.0:
             yield f"least film ratio {ratios[0].value:.2g} in {ratios[0].part}"
-        yield f"friction {sum(merit.value for merit in of('friction_power', train.parts)):.3g} W"
+
+
+def _list_friction(system: System, parts: Sequence[str], found: Merits) -> Iterator[str]:
+    """Mean power of all shares of friction (see `friction.shares`) of these parts."""
+    losses = [(loss.part, loss.figure) for loss in list_losses(system) if loss.part in parts]
+    if powers := [found[loss].value for loss in losses if loss in found]:
+        yield f"friction {sum(powers):.3g} W in the mean of the run"
 
 
 HEAD = ("part", "figure of merit", "value", "unit", "angle [deg]", "angle of", "time [ms]", "speed [r/min]")

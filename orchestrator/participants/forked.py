@@ -59,6 +59,19 @@ def _describe(environment: Mapping[str, str]) -> tuple[object, ...]:
     return os.getpid(), dict(environment), places
 
 
+def _open_pipes(count: int) -> list[int]:
+    """Both ends of each; none of them is left where there are too few descriptors."""
+    found: list[int] = []
+    try:
+        for _ in range(count):
+            found += os.pipe()
+    except OSError:
+        for descriptor in found:
+            os.close(descriptor)
+        raise
+    return found
+
+
 class Forked:
     """As `subprocess.Popen`, of the keeper of a process that runs `main` of the module `server`.
 
@@ -75,7 +88,7 @@ class Forked:
             self._fork(server, memory_mb, environment)
 
     def _fork(self, server: str, memory_mb: str, environment: Mapping[str, str]) -> None:
-        asked, send, receive, answers, read, status = (*os.pipe(), *os.pipe(), *os.pipe())
+        asked, send, receive, answers, read, status = _open_pipes(3)
         self.stdin, self.stdout = os.fdopen(send, "wb", 0), os.fdopen(receive, "rb", 0)
         self._status = os.fdopen(read, "rb", 0)
         given = [asked, answers, status]

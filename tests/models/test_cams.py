@@ -12,6 +12,7 @@ from numpy.polynomial import Polynomial
 
 from models.core.component import Component
 from models.valve_train.cams.law import law_lift
+from models.valve_train.cams.profile import time_to_turn
 from models.valve_train.cams.rises import RISES
 from models.valve_train.cams.smoothing import smooth_lift
 from models.valve_train.cams.table import Points, find_table_breaks, table_lift
@@ -292,3 +293,15 @@ def test_a_table_whose_angles_do_not_ascend_is_refused():
     assert "at most 180 deg" in fault
     with pytest.raises(ValueError, match="table_points = 2"):
         camshaft(table_points=2)
+
+
+@pytest.mark.parametrize("speed", [-2.0, 0.0, 2.0])
+@pytest.mark.parametrize("acceleration", [-3.0, 0.0, 3.0])
+def test_an_angle_is_reached_when_the_motion_has_turned_so_far(speed: float, acceleration: float) -> None:
+    assert time_to_turn(math.inf, speed, acceleration) == math.inf
+    t = time_to_turn(0.1, speed, acceleration)
+    if math.isfinite(t):
+        assert t > 0.0
+        assert speed * t + 0.5 * acceleration * t * t == pytest.approx(0.1, rel=1e-14)
+    else:
+        assert speed <= 0.0 >= acceleration

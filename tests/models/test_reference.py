@@ -160,6 +160,18 @@ def test_stiff_methods_solve_the_same_problem():
         assert difference(found, exact[:, column]).relative_rms < 1e-4
 
 
+def test_a_method_that_fails_says_so_by_its_error_alone(monkeypatch, capfd):
+    from models.monolithic import cvode
+
+    problem = SystemProblem(valve_train(1000))
+    monkeypatch.setattr(cvode, "STEP_LIMIT", 5)
+    method = cvode.Cvode(problem, 1e-9, True, 1e-4)
+    method.begin(0.0, problem.start(problem.system.x0), 1.0)
+    with pytest.raises(ModelError, match=r"CVODE BDF.* failed at t = .* s: .*max_num_steps"):
+        method.to(1.0)
+    assert capfd.readouterr() == ("", "")
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

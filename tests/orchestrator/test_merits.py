@@ -11,12 +11,13 @@ import pytest
 
 from models.catalogue import CATALOGUE
 from models.contact.records import ATOM
-from models.core.quantities import Vector
+from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
 from orchestrator.assessment.contacts import ContactSummary, lines
 from orchestrator.assessment.figures_of_merit import VALVE, measure
 from orchestrator.assessment.merits import (
+    Merit,
     describe_bearings,
     describe_trains,
     list_merits,
@@ -71,8 +72,21 @@ def test_a_run_says_first_whether_its_valve_follows_lands_and_what_it_bears():
     assert told() == (
         "valve: separation margin 75 % (least load on the open valve over its spring's force); "
         "seats with 0.25 m/s; does not bounce; no clash of coils, least gap 0.2 mm; "
-        "highest pressure 500 MPa in contact; least film ratio 0.5 in contact; friction 24 W"
+        "highest pressure 500 MPa in contact; least film ratio 0.5 in contact; "
+        "friction 24 W in the mean of the run"
     )
+
+
+def test_a_run_tells_the_friction_of_all_shares():
+    """Of a roller finger: rolling, slip, pin, tip and guide. The pad has the friction of its contact."""
+    system = build_system(load("roller-friction"))
+    merits = [
+        Merit(part, figure, 1.0, Quantity("W", "power"))
+        for part in system.instances
+        for figure in ("friction_power", "rolling_power")
+    ]
+    (line,) = describe_trains(system, merits)
+    assert "friction 5 W in the mean of the run" in line
 
 
 HOP = np.zeros(ANGLE.size)

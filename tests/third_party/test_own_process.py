@@ -166,3 +166,19 @@ def test_where_no_process_starts_the_run_says_why_and_the_other_fmus_go_on(
         first.initialise(0.0, 1.0)
         with opened(path, 1) as (other,):
             other.initialise(0.0, 1.0)
+
+
+def test_a_start_at_the_limit_of_descriptors_leaves_none_open(monkeypatch):
+    open_pipe, left = os.pipe, [0, 0]
+
+    def open_while_some_are_left() -> tuple[int, int]:
+        if not left:
+            raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
+        left.pop()
+        return open_pipe()
+
+    monkeypatch.setattr(os, "pipe", open_while_some_are_left)
+    before = psutil.Process().num_fds()
+    with pytest.raises(OSError, match=os.strerror(errno.EMFILE)):
+        Forked("orchestrator.participants.process", "0", os.environ)
+    assert psutil.Process().num_fds() == before

@@ -109,6 +109,8 @@ def turn_to_break(at: float, angle: float, breaks: Breaks) -> Breaks:
 @kernel
 def time_to_turn(angle: float, speed: float, acceleration: float) -> float:
     """The first time > 0 at which speed t + acceleration t^2/2 = angle, for angle > 0; infinite if never."""
+    if angle == math.inf:
+        return math.inf
     square = speed * speed + 2.0 * acceleration * angle
     if square < 0.0:
         return math.inf
