@@ -8,8 +8,6 @@ from typing import Any
 
 import typer
 
-from orchestrator.run.execute import Noticed
-
 from ..messages import say
 from .apart import state
 
@@ -34,12 +32,13 @@ def _carry_out(
     command: Callable[..., int | None], arguments: tuple[Any, ...], options: dict[str, Any]
 ) -> int:
     """Its exit status; an error is told."""
-    noticed = Noticed()
-    from orchestrator.reporter import unwritten  # with numba, which `--help` does not need
-
-    unwritten.clear()
+    noticed = None
     try:
-        with noticed:
+        from orchestrator.reporter import unwritten  # with numba, which `--help` does not need
+        from orchestrator.run.execute import Noticed
+
+        unwritten.clear()
+        with Noticed() as noticed:
             status = command(*arguments, **options)
         try:
             sys.stdout.flush()
@@ -60,7 +59,7 @@ def _carry_out(
         _discard_output()
         return NO_READER
     except Exception as error:
-        if noticed.asked:
+        if noticed and noticed.asked:
             say("interrupted")
             return INTERRUPTED
         if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
