@@ -61,6 +61,11 @@ class WireSpring:
                     f"mean_diameter = {1e3 * mean:g} mm: must be {LEAST_INDEX:g} to {LARGEST_INDEX:g} times "
                     f"the wire's {1e3 * d:g} mm"
                 )
+        if self.pitch.max() > self.mean_diameter.max():
+            raise ValueError(
+                f"pitch = {1e3 * self.pitch.max():g} mm: must be at most the mean diameter, "
+                f"{1e3 * self.mean_diameter.max():g} mm, as the helix is taken for flat"
+            )
         if float(self.gap.min()) < 0.0:
             raise ValueError(
                 f"pitch = {1e3 * self.pitch.min():g} mm: must leave a gap between wires of {1e3 * d:g} mm; "

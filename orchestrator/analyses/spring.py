@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 from models.plausible import CAM_LIFT, PART_LENGTH, SPEED
+from models.plausible import WIRE as PLAUSIBLE
 from models.valve_train.wire_materials import MATERIALS, MPA
 from models.valve_train.wire_spring import STRESS_FACTORS, WireSpring
 
@@ -38,7 +39,7 @@ def _stress(meaning: str) -> Parameter:
 
 
 WIRE = {
-    "diameter": _length(4e-3, "diameter of the wire"),
+    "diameter": Parameter(4e-3, "m", "diameter of the wire", positive=True, plausible=PLAUSIBLE),
     "mean_diameter": Parameter(
         "26 mm", "1", "mean diameter; several, with commas, from the fixed to the moving end"
     ),

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError
 
+from models.plausible import WIRE
 from models.valve_train.wire_materials import MATERIALS, MPA, PEENED, UNPEENED
 from models.valve_train.wire_spring import WireSpring
 
@@ -65,6 +66,8 @@ class Wire(Table):
 
     def build(self) -> WireSpring:
         """The spring. Faults if it cannot be wound."""
+        if not WIRE.holds(self.diameter):
+            raise Faults(("diameter", f" = {self.diameter:g} m: {WIRE.reason}; write the unit, e.g. '4 mm'"))
         material = MATERIALS[self.material]
         strength, modulus = self.tensile_strength, self.shear_modulus or material.shear_modulus
         endless = PEENED if self.peened else UNPEENED

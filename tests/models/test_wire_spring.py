@@ -119,6 +119,7 @@ def test_gaps_are_in_the_order_of_the_segments_from_the_moving_end():
     ("change", "said"),
     [
         ({"mean_diameter": np.array([6e-3])}, "mean_diameter = 6 mm: must be 2 to 50 times the wire's 4 mm"),
+        ({"pitch": np.array([8e-3, 9.0])}, "pitch = 9000 mm: must be at most the mean diameter, 26 mm"),
         ({"pitch": np.array([3e-3])}, "pitch = 3 mm: must leave a gap between wires of 4 mm"),
     ],
 )
