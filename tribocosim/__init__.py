@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .api import cam as cam
     from .api import compare as compare
     from .api import compare_fmu as compare_fmu
+    from .api import design as design
     from .api import execute as execute
     from .api import fmu_info as fmu_info
     from .api import load as load
@@ -39,9 +40,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "build_scenario_fmus",
-    "calibrate", "cam", "compare", "compare_fmu", "execute", "fmu_info", "load", "open", "plan", "report",
-    "resume", "run", "scenarios", "sensitivities", "session", "speeds", "study", "tolerances", "validate_fmu",
-    "wear",
+    "calibrate", "cam", "compare", "compare_fmu", "design", "execute", "fmu_info", "load", "open", "plan",
+    "report", "resume", "run", "scenarios", "sensitivities", "session", "speeds", "study", "tolerances",
+    "validate_fmu", "wear",
 ]  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load, scenarios
 from .scenario_fmus import build_scenario_fmus
 from .stepping import Session as session
-from .studies import analyse, calibrate, cam, compare, sensitivities, speeds, study, tolerances, wear
+from .studies import analyse, calibrate, cam, compare, design, sensitivities, speeds, study, tolerances, wear
 
 if TYPE_CHECKING:
     import xarray
@@ -35,9 +35,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "build_scenario_fmus",
-    "calibrate", "cam", "compare", "compare_fmu", "execute", "fmu_info", "load", "open", "plan", "report",
-    "resume", "run", "scenarios", "sensitivities", "session", "speeds", "study", "tolerances", "validate_fmu",
-    "wear",
+    "calibrate", "cam", "compare", "compare_fmu", "design", "execute", "fmu_info", "load", "open", "plan",
+    "report", "resume", "run", "scenarios", "sensitivities", "session", "speeds", "study", "tolerances",
+    "validate_fmu", "wear",
 ]  # fmt: skip
 
 

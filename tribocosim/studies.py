@@ -139,6 +139,30 @@ def speeds(
     return found.table.assign_attrs(attributes)
 
 
+def design(
+    brief: str | Path,
+    settings: Sequence[str] = (),
+    *,
+    out: str | Path | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xarray.Dataset:
+    """The cam with the most lift area within the limits of a `brief`: a shipped one, a file, or a scenario,
+    whose own cam gives the limits; `settings` ("path=value") change the scenario.
+
+    Both cams over the cam angle, with their contacts at some speeds. Attributes: `area`, that of the lift
+    over the one before; `separation` (rad/s) before and after; `active`, what holds the cam, in words;
+    `feasible`, 0 where the limits contradict each other. `out` keeps scenario, lift table and figure; a call
+    that was stopped goes on there.
+    """
+    from orchestrator.study.design.brief import read_brief
+    from orchestrator.study.design.run import design as design_cam
+
+    asked = read_brief(str(brief), settings)
+    with _open_folder(out, "design") as folder:
+        return design_cam(asked, folder, SilentReporter(progress), overwrite)
+
+
 def sensitivities(
     scenario: Scenario | str | Path,
     speed: str,

@@ -14,6 +14,7 @@ from .cam import draw_cam
 from .clearance import print_clearance
 from .compare import compare_sweeps
 from .components import print_components
+from .design import design_cam
 from .diagnose import print_diagnosis
 from .fmu import fmu_build, fmu_compare, fmu_info, fmu_validate
 from .friction import print_friction
@@ -50,6 +51,7 @@ app.command("speeds")(run_speeds)
 app.command("calibrate")(run_calibrate)
 app.command("sensitivities")(run_sensitivities)
 app.command("tolerances")(run_tolerances)
+app.command("design")(design_cam)
 app.command("compare")(compare_sweeps)
 app.command("study")(run_study)
 app.command("wear")(run_wear)

@@ -73,9 +73,12 @@ def list_speeds(speeds: Vector) -> str:
     return f"{first} r/min" if first == last else f"{len(speeds)} speeds from {first} to {last} r/min"
 
 
-def bisect_separation(separated: Callable[[float], bool], kept: float, lost: float) -> float:
-    """A speed (rad/s) of separation, to CLOSE, between one that keeps contact and one that loses it."""
-    while lost - kept > CLOSE:
+def bisect_separation(
+    separated: Callable[[float], bool], kept: float, lost: float, share: float = 0.0
+) -> float:
+    """A speed (rad/s) of separation, to CLOSE or a `share` of it, between one that keeps contact and one that
+    loses it."""
+    while lost - kept > max(CLOSE, share * lost):
         middle = 0.5 * (kept + lost)
         if separated(middle):
             lost = middle

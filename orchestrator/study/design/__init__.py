@@ -1,0 +1,1 @@
+"""Cams and other continuous parameters that do best within limits."""

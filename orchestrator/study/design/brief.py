@@ -1,0 +1,188 @@
+"""The brief of a design: what may vary, what is wanted, and the limits; read from a TOML file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, ValidationError
+
+from ...errors import MistakeError, list_faults, one_of
+from ...scenario import find_faults
+from ...scenario.fields import Table
+from ...scenario.files import find, list_shipped, read_changed
+from ...scenario.scenario import Scenario
+from ...scenario.system import list_parameters
+from ...scenario.units import to_unit
+from ...scenario.values import parse_value
+from ...texts import parse_toml, read_text, to_path
+from ..points import list_keys, parse_table
+
+SHIPPED = Path(__file__).parent / "shipped"
+# A limit that is that of the scenario's own cam, and one that is not there.
+OWN, FREE = "own", "free"
+FEWEST, MOST = 8, 40
+
+
+def _limit(unit: str) -> BeforeValidator:
+    def parse(value: Any) -> float | str:
+        if value in (OWN, FREE):
+            return str(value)
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            raise ValueError(f'must be a number in {unit}, a text with a unit, "{OWN}" or "{FREE}"')
+        number = to_unit(value, unit) if isinstance(value, str) else float(value)
+        if not (math.isfinite(number) and number > 0.0):
+            raise ValueError(f'{value}: must be > 0, "{OWN}" or "{FREE}"')
+        return number
+
+    return BeforeValidator(parse, json_schema_input_type=float | str)
+
+
+Size = float | str
+Length = Annotated[Size, _limit("m")]
+
+
+class Limits(Table):
+    """Limits; "own": as the scenario's own cam has it, "free": none."""
+
+    separation_speed: Annotated[Size, _limit("rad/s")] = Field(
+        OWN, description="Speed of the flywheel up to which contact is kept"
+    )
+    largest_lift: Length = Field(OWN, description="Largest lift")
+    largest_velocity: Annotated[Size, _limit("m/s")] = Field(
+        FREE, description="Largest velocity of the lift, at the separation speed"
+    )
+    largest_acceleration: Annotated[Size, _limit("m/s2")] = Field(
+        FREE, description="Largest acceleration of the lift, at the separation speed"
+    )
+    largest_deceleration: Annotated[Size, _limit("m/s2")] = Field(
+        FREE, description="Largest deceleration of the lift, at the separation speed"
+    )
+    largest_jerk: Annotated[Size, _limit("m/s3")] = Field(
+        FREE, description="Largest jerk of the lift, at the separation speed"
+    )
+    largest_pressure_angle: Annotated[Size, _limit("rad")] = Field(OWN, description="Largest pressure angle")
+    largest_offset: Length = Field(
+        FREE, description="How far from its middle a flat follower is touched: half its width"
+    )
+    least_radius: Length = Field(OWN, description="Least radius of curvature where the cam is convex")
+    wheel_radius: Length = Field(
+        OWN, description="Grinding wheel that a hollow flank takes; own: no hollow, where there is none"
+    )
+    peak_pressure: Annotated[Size, _limit("Pa")] = Field(
+        OWN, description="Largest Hertz pressure, of each contact"
+    )
+    least_load: Annotated[Size, _limit("N")] = Field(
+        FREE, description="Least load of each contact while the cam lifts"
+    )
+    least_gap: Length = Field(FREE, description="Least gap between coils of springs")
+
+
+def _speed(value: Any) -> float:
+    number = to_unit(value, "rad/s") if isinstance(value, str) else float(value)
+    if not (math.isfinite(number) and number > 0.0):
+        raise ValueError(f"{value}: must be a speed > 0, such as '1000 rpm'")
+    return number
+
+
+Speed = Annotated[float, BeforeValidator(_speed, json_schema_input_type=float | str)]
+Angle = Annotated[float, BeforeValidator(lambda v: to_unit(v, "rad") if isinstance(v, str) else v)]
+
+
+class Brief(Table):
+    """A design's file."""
+
+    scenario: str = Field(description="A shipped scenario, or a path beside the file")
+    description: str = Field("", description="What the design is for, in a line")
+    cam: str | None = Field(None, description="Component with the cam, where the scenario has several")
+    coefficients: int = Field(
+        30, description="Bumps that the lift is made of", ge=FEWEST, le=MOST, strict=True
+    )
+    event: tuple[Angle, Angle] | None = Field(
+        None, description="Cam angles at which the ramps join the event; left out: as in the scenario"
+    )
+    parameters: dict[str, tuple[float | str, float | str]] = Field(
+        {}, description='Parameters that may vary, "component.name", each with its least and largest value'
+    )
+    speeds: list[Speed] = Field(
+        [], description="Speeds of the flywheel whose cycles keep the limits, besides those up to separation"
+    )
+    highest_speed: Speed | None = Field(
+        None, description="Speed up to which the scenario's own separation is sought"
+    )
+    limits: Annotated[Limits, BeforeValidator(lambda value: parse_table(Limits, value))] = Field(
+        Limits(), description="Limits; those left out have their defaults"
+    )
+    starts: int = Field(2, description="Starts of the first optimum", ge=1, le=20, strict=True)
+    seed: int = Field(1, description="Seed of the starts", ge=0, strict=True)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A brief with the tables of its scenario, how a file beside the result names that, and the settings."""
+
+    brief: Brief
+    tables: Mapping[str, Any]
+    base: str | Path
+    settings: Sequence[str] = ()
+
+
+def list_briefs() -> dict[str, Path]:
+    """The briefs that come with the program, by name."""
+    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+
+
+def read_brief(source: str, settings: Sequence[str] = ()) -> Asked:
+    """That of a shipped brief or a file, or for a scenario the one without limits of its own.
+
+    MistakeError with a line for each fault.
+    """
+    path = list_briefs().get(source, to_path(source))
+    content: dict[str, Any] = {"scenario": source}
+    folder = Path()
+    if path.is_file() and path.suffix == ".toml" and source not in list_shipped():
+        try:
+            read = parse_toml(read_text(path))
+        except ValueError as error:
+            raise MistakeError(f"{path}: not a valid TOML file: {error}") from None
+        if "components" not in read and "extends" not in read:
+            content, folder = read, path.parent
+    try:
+        brief = Brief.model_validate(content)
+    except ValidationError as error:
+        faults = find_faults(error, lambda place: list_keys(Brief))
+        raise MistakeError(list_faults(faults)) from None
+    shipped = brief.scenario in list_shipped()
+    base = brief.scenario if shipped else find(brief.scenario, folder).resolve()
+    return Asked(brief, read_changed(str(base), settings), base, settings)
+
+
+def read_bounds(brief: Brief, scenario: Scenario) -> dict[str, tuple[float, float]]:
+    """The bounds of the parameters in SI units; MistakeError for unknown names and wrong values."""
+    known = {name for name in list_parameters(scenario) if "[" not in name}
+    found = {}
+    for given, ends in brief.parameters.items():
+        name = given.removeprefix("components.").replace(".parameters.", ".")
+        if name not in known:
+            raise MistakeError(f"parameters.{given}: {one_of(sorted(known), name)}")
+        part, _, parameter = name.partition(".")
+        quantity = scenario.components[part].resolve().parameters.field(parameter).quantity
+        if quantity.jumps:
+            raise MistakeError(f"parameters.{given}: has no values in between; leave it out")
+        try:
+            low, high = (float(parse_value(quantity, end)) for end in ends)
+        except ValueError as error:
+            raise MistakeError(f"parameters.{given} ({quantity.description}): {error}") from None
+        value = list_parameters(scenario)[name]
+        if not low < high:
+            raise MistakeError(f"parameters.{given} = {list(ends)}: the first must be less than the second")
+        if not low <= value <= high:
+            raise MistakeError(
+                f"parameters.{given} = {list(ends)}: the scenario's own value, {value:g} {quantity.unit}, "
+                "must be between them"
+            )
+        found[name] = low, high
+    return found

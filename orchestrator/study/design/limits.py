@@ -1,0 +1,217 @@
+"""Limits of a cam and of its train, as excesses over the event's angles: at most 0 where a limit holds.
+
+Lift, velocity, acceleration and jerk are linear in the coefficients. What a limit makes of them is
+differentiated by central differences in s, s', s'', s''' and in the load, at every angle, and by the chain
+rule in the unknowns.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from models.core.quantities import Vector
+
+from .lobe import Curve, Lobe, Touch
+from .slp import Local, Rows
+from .train import Answer
+
+# Relative steps of differences.
+STEP = 1e-6
+# The least lift (m) and derivative that a step is a part of.
+LEAST = 1e-3
+# A cam whose contact would stand still has a cusp: it moves by at least this part of the base radius.
+CUSP = 0.02
+
+
+class State(NamedTuple):
+    """Lift and contact along the event, with the least and largest values of the limit's column."""
+
+    curve: Curve
+    touch: Touch
+    low: Vector
+    high: Vector
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A limit of that name and size. `excess(state, size)` is without unit. `column` of the answer at `speed`
+    (rad/s) is the one that it needs. `shown` factor and unit are for people."""
+
+    name: str
+    size: float
+    unit: str
+    excess: Callable[[State, float], Vector]
+    column: str = ""
+    speed: float = 0.0
+    at_least: bool = False
+
+    @property
+    def label(self) -> str:
+        return self.name
+
+
+def _most(value: Callable[[State], Vector]) -> Callable[[State, float], Vector]:
+    return lambda state, size: value(state) / size - 1.0
+
+
+def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: float) -> Iterator[Limit]:
+    """Those of the cam alone. `speed` of the cam (rad/s) turns accelerations (m/s2) into m/rad2."""
+    square, cube = speed**2, speed**3
+    values: dict[str, tuple[str, Callable[[State], Vector]]] = {
+        "largest_lift": ("m", lambda q: q.curve.s),
+        "largest_velocity": ("m/s", lambda q: np.abs(q.curve.ds) * speed),
+        "largest_acceleration": ("m/s2", lambda q: q.curve.dds * square),
+        "largest_deceleration": ("m/s2", lambda q: -q.curve.dds * square),
+        "largest_jerk": ("m/s3", lambda q: np.abs(q.curve.ddds) * cube),
+        "largest_pressure_angle": ("rad", lambda q: np.abs(q.touch.pressure_angle)),
+        "largest_offset": ("m", lambda q: np.abs(q.touch.arm)),
+    }
+    for name, (unit, value) in values.items():
+        if name in sizes:
+            yield Limit(name, sizes[name], unit, _most(value))
+    if "least_radius" in sizes:
+        yield Limit(
+            "least_radius",
+            sizes["least_radius"],
+            "m",
+            lambda q, size: (q.touch.turn * size - q.touch.cam_rate) / base_radius,
+            at_least=True,
+        )
+    if "wheel_radius" in sizes:
+        yield Limit(
+            "wheel_radius",
+            sizes["wheel_radius"],
+            "m",
+            lambda q, size: -(q.touch.turn * size + q.touch.cam_rate) / base_radius,
+        )
+    yield Limit("undercut", CUSP, "1", lambda q, size: size - q.touch.cam_rate / base_radius)
+
+
+def closing_limit(ramps: Curve, largest: float) -> Limit:
+    """The event adds to its ramps and takes nothing from them."""
+    return Limit("lift >= 0", 0.0, "m", lambda q, size: (ramps.s - q.curve.s) / largest - size)
+
+
+def load_limit(name: str, column: str, speed: float, least: float, scale: float, lifted: Vector) -> Limit:
+    """A contact keeps at least this load (N) while the cam lifts."""
+
+    def excess(state: State, size: float) -> Vector:
+        return np.where(lifted, (size - state.low) / scale, -1.0)
+
+    return Limit(name, least, "N", excess, column, speed, at_least=True)
+
+
+def column_limit(name: str, column: str, speed: float, size: float, unit: str, least: bool) -> Limit:
+    """An output stays above or below."""
+    if least:
+        return Limit(
+            name, size, unit, lambda q, at: (at - q.low) / max(abs(size), 1e-12), column, speed, True
+        )
+    return Limit(name, size, unit, lambda q, at: q.high / at - 1.0, column, speed)
+
+
+def pressure_limit(
+    name: str, column: str, speed: float, most: float, stiffness: float, arc: float | None
+) -> Limit:
+    """Hertz's pressure: p^2 = `stiffness` W (1/rho + `arc`) of the cam's contact with a follower of that
+    curvature (1/m); p^2 = `stiffness` W of a contact whose curvature stays as it is (None)."""
+
+    def excess(state: State, size: float) -> Vector:
+        bend = 1.0 if arc is None else state.touch.turn / state.touch.cam_rate + arc
+        return stiffness * state.high * bend / size**2 - 1.0
+
+    return Limit(name, most, "Pa", excess, column, speed)
+
+
+@dataclass(frozen=True)
+class Model:
+    """What the optimiser sees: a lobe, its limits, and the answers of cycles at a place.
+
+    `geometry` is the follower's with the parameters among the unknowns; `area0` scales the objective.
+    """
+
+    lobe: Lobe
+    limits: Sequence[Limit]
+    answers: Mapping[float, Answer]
+    place: Vector
+    geometry: Callable[[Vector], Any]
+    scale: Vector
+    area0: float
+
+    def states(self, unknowns: Vector, curve: Curve, shift: float = 0.0) -> Iterator[State]:
+        """The state that each limit sees, with its column moved by `shift` of its largest value."""
+        touch = self.lobe.touch(curve, self.geometry(unknowns))
+        for limit in self.limits:
+            low, high = self._column(limit, unknowns)
+            if shift and low.size:
+                moved = shift * max(1e-12, float(np.abs(high).max()))
+                low, high = low + moved, high + moved
+            yield State(curve, touch, low, high)
+
+    def _column(self, limit: Limit, unknowns: Vector) -> tuple[Vector, Vector]:
+        if not limit.column:
+            return np.empty(0), np.empty(0)
+        answer = self.answers[limit.speed]
+        change = answer.gradients[limit.column] @ (unknowns - self.place)
+        column = answer.columns[limit.column]
+        return column.low + change, column.high + change
+
+    def excesses(self, unknowns: Vector, curve: Curve, shift: float = 0.0) -> list[Vector]:
+        pairs = zip(self.limits, self.states(unknowns, curve, shift), strict=True)
+        return [np.asarray(limit.excess(state, limit.size)) for limit, state in pairs]
+
+    def evaluate(self, unknowns: Vector) -> Local:
+        """Objective and limits with their derivatives."""
+        count, curve = self.lobe.count, self.lobe.curve(unknowns[: self.lobe.count])
+        base = self.excesses(unknowns, curve)
+        gradients = [np.zeros((one.size, unknowns.size)) for one in base]
+        for which, matrix in enumerate(self.lobe.matrices):
+            step = STEP * max(LEAST, float(np.abs(curve[which]).max()))
+            near = [
+                self.excesses(unknowns, curve._replace(**{Curve._fields[which]: curve[which] + side * step}))
+                for side in (-1.0, 1.0)
+            ]
+            for gradient, before, after in zip(gradients, *near, strict=True):
+                gradient[:, :count] += ((after - before) / (2.0 * step))[:, None] * matrix
+        self._add_columns(unknowns, curve, base, gradients)
+        self._add_parameters(unknowns, curve, gradients)
+        rows = []
+        states = self.states(unknowns, curve)
+        for limit, state, excess, gradient in zip(self.limits, states, base, gradients, strict=True):
+            size = limit.size * (1.0 + STEP)
+            by_limit = (limit.excess(state, size) - excess) / STEP if limit.size else np.zeros(excess.size)
+            rows.append(Rows(limit.name, excess, gradient, by_limit))
+        slope = np.zeros(unknowns.size)
+        slope[:count] = self.lobe.bumps.areas / self.area0
+        return Local(float(slope @ unknowns), slope, rows)
+
+    def _add_columns(
+        self, unknowns: Vector, curve: Curve, base: Sequence[Vector], gradients: Sequence[Vector]
+    ) -> None:
+        moved = self.excesses(unknowns, curve, STEP)
+        for limit, before, after, gradient in zip(self.limits, base, moved, gradients, strict=True):
+            if limit.column:
+                _, high = self._column(limit, unknowns)
+                step = STEP * max(1e-12, float(np.abs(high).max()))
+                answer = self.answers[limit.speed].gradients[limit.column]
+                gradient += ((after - before) / step)[:, None] * answer
+
+    def _add_parameters(self, unknowns: Vector, curve: Curve, gradients: Sequence[Vector]) -> None:
+        """By the geometry that parameters change; what they do to loads is in the columns."""
+        for which in range(self.lobe.count, unknowns.size):
+            step = STEP * self.scale[which]
+            near = []
+            for side in (-1.0, 1.0):
+                changed = unknowns.copy()
+                changed[which] += side * step
+                touch = self.lobe.touch(curve, self.geometry(changed))
+                near.append(
+                    [
+                        limit.excess(state._replace(touch=touch), limit.size)
+                        for limit, state in zip(self.limits, self.states(unknowns, curve), strict=True)
+                    ]
+                )
+            for gradient, before, after in zip(gradients, *near, strict=True):
+                gradient[:, which] += (after - before) / (2.0 * step)

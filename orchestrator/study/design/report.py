@@ -1,0 +1,164 @@
+"""What is said of a design: both cams over the angle, their figures, and what holds the new one."""
+
+import json
+import math
+from collections.abc import Mapping
+from importlib import metadata
+
+import numpy as np
+import xarray
+from rich.table import Column, Table
+
+from models.core.quantities import Vector
+from models.valve_train.worn_cam import PLACES
+
+from ...assessment.figures_of_merit import measure
+from ...assessment.motion import Motion
+from ...reporter import Reporter
+from ...scenario.display import format_number, show
+from ..wear.report import describe_place
+from .lobe import Curve, Lobe
+from .search import Improved, Wanted
+from .slp import Active
+from .train import DesignedTrain
+
+RPM = 30.0 / math.pi
+CAMS = ("before", "after")
+# Figures that are compared, the first ones first.
+COMPARED = (
+    "lift_area", "largest_lift", "least_load", "peak_pressure", "least_film_ratio", "spring_margin",
+    "seating_velocity", "bounce", "friction_power", "surge_force",
+)  # fmt: skip
+OUTPUTS = {"load": "N", "maximum_pressure": "Pa", "film_ratio": "1"}
+
+
+def sample(lobe: Lobe, unknowns: Vector | None) -> Curve:
+    """The lift at PLACES with three derivatives: the scenario's own cam (None), or a designed one."""
+    if unknowns is None:
+        columns = np.array([lobe.kind.lift(a) for a in PLACES]).T
+    else:
+        points = lobe.points(unknowns[: lobe.count])
+        columns = np.array([points.lift, points.slope, points.curvature])
+    s, ds, dds = columns
+    jerk = np.gradient(np.append(dds, dds[0]), float(PLACES[1]))[:-1]
+    return Curve(s, ds, dds, jerk)
+
+
+def tabulate(
+    train: DesignedTrain,
+    wanted: Wanted,
+    improved: Improved,
+    separations: tuple[float | None, float | None],
+    motions: tuple[Mapping[float, Motion], Mapping[float, Motion]],
+    geometries: tuple[object, object],
+) -> xarray.Dataset:
+    """Both cams over the cam angle, and their contacts at the speeds of the motions."""
+    lobe, unknowns = train.lobe, improved.found.unknowns
+    curves = [sample(lobe, None), sample(lobe, unknowns)]
+    touches = [lobe.touch(curve, g) for curve, g in zip(curves, geometries, strict=True)]
+    speeds = list(motions[0])
+    units = ("m", "m/rad", "m/rad2", "m/rad3")
+    names = ("lift", "slope", "acceleration", "jerk")
+    table: dict[str, xarray.Variable] = {
+        name: xarray.Variable(("cam", "angle"), [c[i] for c in curves], {"units": unit})
+        for i, (name, unit) in enumerate(zip(names, units, strict=True))
+    }
+    table["curvature"] = xarray.Variable(
+        ("cam", "angle"), [t.turn / t.cam_rate for t in touches], {"units": "1/m"}
+    )
+    table["pressure_angle"] = xarray.Variable(
+        ("cam", "angle"), [t.pressure_angle for t in touches], {"units": "rad"}
+    )
+    for contact in train.train.contacts:
+        for output, unit in OUTPUTS.items():
+            rows = [
+                [_over_angle(train, found[speed], f"{contact}.{output}") for speed in speeds]
+                for found in motions
+            ]
+            table[f"{contact}.{output}"] = xarray.Variable(("cam", "speed", "angle"), rows, {"units": unit})
+    figures = [_list_figures(found) for found in motions]
+    common = [name for name in figures[0] if name in figures[1]]
+    table["value"] = xarray.Variable(
+        ("cam", "speed", "figure"), [[[f[name][s] for name in common] for s in speeds] for f in figures]
+    )
+    shown = {
+        f"{part}.{name}": show(quantity)
+        for part, name, quantity, _ in measure(next(iter(motions[0].values())))
+    }
+    table["unit"] = xarray.Variable("figure", [shown[name].text for name in common])
+    table["factor"] = xarray.Variable("figure", [shown[name].factor for name in common])
+    limits = {
+        **wanted.sizes,
+        **{f"{name}.maximum_pressure": size for name, size in wanted.pressures.items()},
+        "least_load": wanted.least_load,
+    }
+    return xarray.Dataset(
+        table, {"cam": list(CAMS), "angle": PLACES, "speed": speeds, "figure": common}
+    ).assign_attrs(
+        title=f"{train.scenario.name}: {train.cam} before and after",
+        separation=[math.nan if one is None else one for one in separations],
+        area=improved.found.objective,
+        feasible=int(not improved.found.beyond),
+        active=json.dumps([describe_active(*one) for one in improved.active]),
+        limits=json.dumps(limits),
+        parameters=json.dumps(dict(zip(train.parameters, unknowns[lobe.count :].tolist(), strict=True))),
+        cam_speed=max((*wanted.speeds, *wanted.kept)) * train.ratio,
+        version=metadata.version("tribocosim"),
+    )
+
+
+def _over_angle(train: DesignedTrain, motion: Motion, name: str) -> Vector:
+    angle = motion.column(f"{train.cam}.{train.train.role.angle}") % (2.0 * math.pi)
+    order = np.argsort(angle, kind="stable")
+    return np.asarray(np.interp(PLACES, angle[order], motion.column(name)[order], period=2.0 * math.pi))
+
+
+def _list_figures(motions: Mapping[float, Motion]) -> dict[str, dict[float, float]]:
+    found: dict[str, dict[float, float]] = {}
+    for speed, motion in motions.items():
+        for part, name, _, value in measure(motion):
+            if name in COMPARED and np.isfinite(value.value):
+                found.setdefault(f"{part}.{name}", {})[speed] = value.value
+    whole = {name: by for name, by in found.items() if len(by) == len(motions)}
+    order = sorted(whole, key=lambda name: COMPARED.index(name.rpartition(".")[2]))
+    return {name: whole[name] for name in order}
+
+
+def describe_active(active: Active, angle: float) -> str:
+    """E.g. "least_radius limits 3 deg after the nose: 1 % more of it gives -0.4 % of area"."""
+    gain = 100.0 * active.gain
+    place = describe_place(angle)
+    effect = f": 1 % more of it changes the area by {gain:+.2g} %" if abs(gain) > 1e-3 else ""
+    return f"{active.name.replace('_', ' ')} limits {place}{effect}"
+
+
+def report(table: xarray.Dataset, improved: Improved, reporter: Reporter) -> None:
+    """A table of both cams, and what holds the new one."""
+    speed = float(table["speed"].values[-1])
+    shown = Table(
+        Column("figure", no_wrap=True), "before", "after", "change",
+        title=f"{table.attrs['title']}, at {speed * RPM:.0f} r/min", title_justify="left", padding=0,
+    )  # fmt: skip
+    before, after = table.attrs["separation"]
+    if math.isfinite(before) and math.isfinite(after):
+        shown.add_row("separation speed (r/min)", *_cells(RPM * before, RPM * after))
+    shown.add_row("area of the cam's lift, its ramps left out", "1", f"{table.attrs['area']:.4f}",
+                  f"{100.0 * (table.attrs['area'] - 1.0):+.2f} %")  # fmt: skip
+    for name, unit, factor in zip(
+        table["figure"].values, table["unit"].values, table["factor"].values, strict=True
+    ):
+        values = float(factor) * table["value"].sel(figure=name).values[:, -1]
+        shown.add_row(f"{name} ({unit})".removesuffix(" ()"), *_cells(*values))
+    for name, value in json.loads(table.attrs["parameters"]).items():
+        shown.add_row(name, "", format_number(value), "")
+    reporter.console.print(shown)
+    for text in json.loads(table.attrs["active"]):
+        reporter.line(text)
+    if beyond := improved.found.beyond:
+        worst = ", ".join(f"{name} by {100.0 * share:.2g} %" for name, share in beyond.items())
+        reporter.line(f"the limits contradict each other: the least violation that was reached is {worst}")
+
+
+def _cells(before: float, after: float) -> tuple[str, str, str]:
+    change = round(100.0 * (after / before - 1.0), 2) + 0.0 if before else 0.0
+    return format_number(before), format_number(after), f"{change:+.2f} %" if before else ""

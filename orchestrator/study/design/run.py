@@ -1,0 +1,188 @@
+"""`tribocosim design`: the scenario's own cam, the search for a better one, and a check of both."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+
+from ...analyses._evaluate import create_folder, find_results
+from ...assessment.motion import Motion
+from ...errors import MistakeError
+from ...plots.design import draw_design
+from ...plots.style import save_figure
+from ...reporter import Bar, Reporter
+from ...scenario.files import read_changed
+from ..speeds.separation import is_separated
+from ..speeds.subject import SpeedSubject, find_flywheel
+from .brief import FREE, OWN, Asked, Limits, read_bounds
+from .files import DESIGN, FIGURE, FILES, LIFTS, PROGRESS, SCENARIO, TABLE, keep, read_kept
+from .report import report, tabulate
+from .search import Search, Wanted, find_separation
+from .train import DesignedTrain, open_train
+
+RPM = 30.0 / math.pi
+# The scenario's own separation is sought from its own speed to this part of it, in so many steps.
+TO, STEPS = 6.0, 16
+# Speeds up to the one of separation that a search keeps in sight, and the lowest one, as parts of it. Figures
+# are compared at the lowest and at one below separation, where contact is kept.
+KEPT, LOW, BELOW = (1.0, 0.95, 0.88), 0.5, 0.95
+# The speed of separation of the designed cam is looked for from and to these parts of that asked for.
+AGAIN, TRIES = (0.8, 1.3), 10
+
+
+class Check(NamedTuple):
+    """The speed of separation (rad/s; None: contact is kept), and motions at speeds (rad/s)."""
+
+    separation: float | None
+    motions: Mapping[float, Motion]
+
+
+class _Cycles:
+    """The motions of a scenario at speeds, each found once; a bar shows the share of about `count`."""
+
+    def __init__(self, subject: SpeedSubject, bar: Bar, count: int) -> None:
+        self._subject, self._bar, self._count = subject, bar, count
+        self._found: dict[float, Motion] = {}
+
+    def __getitem__(self, speed: float) -> Motion:
+        if speed not in self._found:
+            self._found[speed] = self._subject.find_motion_at(speed)
+            self._bar.show(min(0.99, len(self._found) / self._count))
+        return self._found[speed]
+
+    def is_lost(self, speed: float) -> bool:
+        return is_separated(self[speed], "lost")
+
+
+def find_own_limits(train: DesignedTrain, limits: Limits, speed: float) -> dict[str, float]:
+    """The sizes of the limits of the cam itself, in SI units; `speed` is the cam's (rad/s)."""
+    lobe, curve = train.lobe, train.lobe.own
+    touch = lobe.touch(curve, lobe.kind.geometry)
+    bend = touch.turn / touch.cam_rate
+    own = {
+        "largest_lift": float(curve.s.max()),
+        "largest_velocity": float(np.abs(curve.ds).max() * speed),
+        "largest_acceleration": float(curve.dds.max() * speed**2),
+        "largest_deceleration": float(-curve.dds.min() * speed**2),
+        "largest_jerk": float(np.abs(curve.ddds).max() * speed**3),
+        "largest_pressure_angle": float(np.abs(touch.pressure_angle).max()),
+        "largest_offset": float(np.abs(touch.arm).max()),
+        "least_radius": float(1.0 / bend.max()),
+        "wheel_radius": float(-1.0 / bend.min()) if bend.min() < 0.0 else 1e3,
+    }
+    found = {}
+    for name, size in own.items():
+        asked = getattr(limits, name)
+        if asked != FREE and not (asked == OWN and size < 1e-9):
+            found[name] = size if asked == OWN else float(asked)
+    return found
+
+
+def find_own_separation(asked: Asked, cycles: _Cycles, speed: float) -> float | None:
+    """That of the scenario's own cam (rad/s), from its own `speed` on."""
+    highest = asked.brief.highest_speed or TO * speed
+    if highest <= speed:
+        raise MistakeError(
+            f"highest_speed = {highest * RPM:.6g} r/min: must be above the scenario's own speed, "
+            f"{speed * RPM:.6g} r/min"
+        )
+    return find_separation(cycles.is_lost, speed, highest, STEPS)
+
+
+def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float | None) -> Wanted:
+    """The limits in SI units."""
+    limits = asked.brief.limits
+    target = own if limits.separation_speed == OWN else limits.separation_speed
+    if target is None:
+        raise MistakeError(
+            "limits.separation_speed: the scenario's own cam keeps contact at all speeds that were tried; "
+            "give a speed, or a highest_speed where it loses contact"
+        )
+    free = limits.separation_speed == FREE
+    if free and not asked.brief.speeds:
+        raise MistakeError('limits.separation_speed = "free": needs speeds = [...] at which limits are kept')
+    kept = () if free else tuple(float(target) * part for part in KEPT)
+    top = max(asked.brief.speeds) if free else float(target)
+    speeds = tuple(asked.brief.speeds) or (LOW * top,)
+    below = [*speeds, *(speed for speed in kept if not cycles.is_lost(speed))]
+    parts = train.train.contacts
+
+    def own_most(part: str, column: str) -> float:
+        return max(float(cycles[speed].column(f"{part}.{column}").max()) for speed in below)
+
+    asked_for = limits.peak_pressure
+    pressures = {
+        part: own_most(part, "maximum_pressure") if asked_for == OWN else float(asked_for)
+        for part in parts
+        if asked_for != FREE
+    }
+    gaps: dict[str, float] = {}
+    if limits.least_gap != FREE:
+        for part in train.springs:
+            least = min(float(cycles[speed].column(f"{part}.least_gap").min()) for speed in below)
+            gaps[part] = least if limits.least_gap == OWN else float(limits.least_gap)
+    loads = [float(cycles[s].column(f"{p}.load").min()) for p in parts for s in below]
+    least_load = {FREE: 0.0, OWN: min(loads, default=0.0)}.get(str(limits.least_load))
+    sizes = find_own_limits(train, limits, top * train.ratio)
+    load = float(limits.least_load) if least_load is None else least_load
+    return Wanted(sizes, pressures, gaps, load, speeds, kept)
+
+
+def design(asked: Asked, out: Path, reporter: Reporter, overwrite: bool = False) -> xarray.Dataset:
+    """Find the cam of a brief and write it into `out`; returns both cams over the cam angle.
+
+    What an interrupted search found is in `out`, from where the same call goes on. MistakeError or ModelError
+    before anything is written; RunError where the limits contradict each other.
+    """
+    begun = None if overwrite else read_kept(out, asked)
+    held = [] if begun is not None else find_results(out, DESIGN, overwrite, *FILES)
+    brief = asked.brief
+    train = open_train(asked.tables, brief.coefficients, brief.cam, brief.event)
+    bounds = read_bounds(brief, train.scenario)
+    train = train.with_parameters(tuple(bounds))
+    own = SpeedSubject(asked.tables, find_flywheel(train.scenario))
+    with create_folder(out):
+        with reporter.stage("cycles of the scenario's own cam") as bar:
+            cycles = _Cycles(own, bar, 2 * STEPS)
+            separation = find_own_separation(asked, cycles, train.own_speed)
+            wanted = find_wanted(asked, train, cycles, separation)
+            speeds = [*wanted.speeds, *(BELOW * speed for speed in wanted.kept[:1])]
+            before = Check(separation, {speed: cycles[speed] for speed in speeds})
+        for file in held:
+            file.unlink()
+        area = float(np.trapezoid(train.lobe.own.s - train.lobe.ramps.s, train.lobe.angles))
+        top = max(*wanted.speeds, *wanted.kept) * train.ratio
+        search = Search(
+            train, wanted, np.array(list(bounds.values())).reshape(-1, 2), top, area, reporter.line,
+            brief.starts, brief.seed,
+        )  # fmt: skip
+        improved = search.improve(
+            search.begin() if begun is None else begun, lambda one: keep(out, asked, train, one)
+        )
+        with reporter.stage("check of the designed cam") as bar:
+            after = check(out, wanted, speeds, bar)
+        geometries = train.lobe.kind.geometry, search.geometry(improved.found.unknowns)
+        separations = before.separation, after.separation
+        motions = before.motions, after.motions
+        table = tabulate(train, wanted, improved, separations, motions, geometries)
+        table.to_netcdf(out / TABLE, engine="h5netcdf")
+        save_figure(lambda: draw_design(table), out / FIGURE)
+        (out / PROGRESS).unlink()
+    report(table, improved, reporter)
+    reporter.line(f"results in {out}: {', '.join((SCENARIO, LIFTS, TABLE, FIGURE))}")
+    return table
+
+
+def check(out: Path, wanted: Wanted, speeds: list[float], bar: Bar) -> Check:
+    """What the written scenario does, found as that of the brief."""
+    tables = read_changed(out / SCENARIO)
+    subject = SpeedSubject(tables, find_flywheel(SpeedSubject(tables, "").scenario))
+    cycles = _Cycles(subject, bar, 2 * STEPS)
+    separation = None
+    if wanted.kept:
+        low, high = (part * wanted.kept[0] for part in AGAIN)
+        separation = find_separation(cycles.is_lost, low, high, TRIES)
+    return Check(separation, {speed: cycles[speed] for speed in speeds})
