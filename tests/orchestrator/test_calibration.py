@@ -76,7 +76,7 @@ def fit_line(signal: Signal, data: Any, *, fixed: bool = False) -> tuple[Objecti
     names = ["line.slope"] if fixed else ["line.slope", "line.height"]
     model = replace(LINE, function=lambda t, a: line(t, a, 0.0)) if fixed else LINE
     objective = objective_of(model, data, [Fitted(name, "", 1.0) for name in names], signal)
-    return objective, fit(objective, np.ones(len(names)), SilentReporter())
+    return objective, fit(objective, np.ones(len(names)))
 
 
 def test_a_straight_line_has_the_closed_form_of_values_and_covariance():
@@ -130,7 +130,7 @@ def test_two_springs_in_series_are_named_with_what_would_tell_them_apart():
     data = series(TIMES, 3.0, 5.0)["rod.compression"] + np.random.default_rng(2).normal(0.0, 1e-3, TIMES.size)
     springs = [Fitted("rod.stiffness", "N/m", 4.0, low=0.1), Fitted("rocker.stiffness", "N/m", 6.0, low=0.1)]
     objective = objective_of(Formula(series, units), data, springs)
-    found = fit(objective, np.ones(2), SilentReporter())
+    found = fit(objective, np.ones(2))
     (one,) = found.unseen
     assert one.seen == "1/rod.stiffness + 1/rocker.stiffness"
     assert list(one.remedies) == ["rocker.bending"]
@@ -197,9 +197,9 @@ def test_a_step_goes_back_where_there_is_no_motion():
 
     model = Formula(cubic, {"y.y": "1"})
     objective = objective_of(model, 1.3**3 * TIMES, [Fitted("a.a", "1", 1.0)], Signal("y", "y.y", noise=0.01))
-    assert fit(objective, np.ones(1), SilentReporter()).x == pytest.approx([1.8], rel=1e-5)
+    assert fit(objective, np.ones(1)).x == pytest.approx([1.8], rel=1e-5)
     with pytest.raises(RunError, match=r"no motion to compare .*a\.a = 3: no cycle"):
-        fit(objective, np.array([3.0]), SilentReporter())
+        fit(objective, np.array([3.0]))
 
 
 def test_a_second_fit_takes_what_the_first_one_computed(tmp_path):
@@ -208,7 +208,7 @@ def test_a_second_fit_takes_what_the_first_one_computed(tmp_path):
     found = []
     for _ in range(2):
         objective = objective_of(LINE, data, parameters, file=tmp_path / "kept.sqlite")
-        found.append(fit(objective, np.ones(2), SilentReporter()))
+        found.append(fit(objective, np.ones(2)))
         made = objective._predictions.made
     assert made == 0
     assert np.array_equal(found[0].x, found[1].x)

@@ -13,7 +13,6 @@ import scipy
 from models.core.quantities import Vector
 
 from ...errors import RunError
-from ...reporter import Reporter
 from .objective import Objective
 from .unseen import Unseen, find_unseen, invert
 
@@ -51,7 +50,7 @@ class Fit:
         return np.asarray(self.covariance / np.outer(deviations, deviations))
 
 
-def fit(objective: Objective, start: Vector, reporter: Reporter) -> Fit:
+def fit(objective: Objective, start: Vector) -> Fit:
     """From `start`, with the noises that are not given estimated; RunError where it has no prediction."""
     if failure := objective.find_failure(start):
         raise RunError(
@@ -61,7 +60,7 @@ def fit(objective: Objective, start: Vector, reporter: Reporter) -> Fit:
     objective.noises = objective.estimate_noises(start)
     x = start
     for _ in range(1 if given else MOST_ESTIMATES):
-        x = _minimise(objective, x, reporter)
+        x = _minimise(objective, x)
         before, objective.noises = objective.noises, objective.estimate_noises(x)
         if np.allclose(objective.noises, before, rtol=SETTLED, atol=0.0):
             break
@@ -69,7 +68,7 @@ def fit(objective: Objective, start: Vector, reporter: Reporter) -> Fit:
     return Fit(x, invert(jacobian), float(residual @ residual), jacobian, find_unseen(objective, x, jacobian))
 
 
-def _minimise(objective: Objective, start: Vector, reporter: Reporter) -> Vector:
+def _minimise(objective: Objective, start: Vector) -> Vector:
     """With derivatives that are right at the end."""
     x = start
     for _ in range(MOST_FITS):
@@ -79,7 +78,6 @@ def _minimise(objective: Objective, start: Vector, reporter: Reporter) -> Vector
                 ftol=LEAST_GAIN, xtol=LEAST_STEP, gtol=None, max_nfev=MOST_STEPS,
             )  # fmt: skip
         x = _numbers(found.params)
-        reporter.line(f"residuals over noise: {objective.describe(x)}")
         deviations = np.sqrt(np.diag(invert(objective.jacobian(x))))
         if objective.is_fresh(x, deviations):
             break

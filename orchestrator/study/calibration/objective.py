@@ -176,7 +176,9 @@ class Objective:
             moved = x.copy()
             moved[k] += steps[k]
             requests += self._list_requests(moved, base)
-        found = self._predictions.make(requests)
+        self._reporter.line(f"residuals over noise: {self.describe(x)}")
+        with self._reporter.stage(f"derivatives by {len(requests)} predictions") as bar:
+            found = self._predictions.make(requests, bar.show)
         count = len(base)
         return [found[i * count : (i + 1) * count] for i in range(len(chosen))]
 

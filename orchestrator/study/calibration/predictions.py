@@ -5,7 +5,7 @@ import io
 import json
 import pickle
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,8 +44,11 @@ class Predictions:
         self.made = 0
         file.execute("CREATE TABLE IF NOT EXISTS predictions (key TEXT PRIMARY KEY, value BLOB)")
 
-    def make(self, requests: Sequence[Request]) -> list[Prediction]:
-        """Those of the file, and the others; each is kept as soon as it is known. A failure is not kept."""
+    def make(
+        self, requests: Sequence[Request], show: Callable[[float], None] = lambda share: None
+    ) -> list[Prediction]:
+        """Those of the file, and the others; each is kept as soon as it is known. A failure is not kept.
+        `show` gets the share that is done."""
         found = {i: kept for i, one in enumerate(requests) if (kept := self._read(one))}
         waiting = [i for i in range(len(requests)) if i not in found]
         for i, prediction in self._evaluate(requests, waiting):
@@ -53,6 +56,7 @@ class Predictions:
             self.made += 1
             if not prediction.message:
                 self._write(requests[i], prediction)
+            show(len(found) / len(requests))
         return [found[i] for i in range(len(requests))]
 
     def _evaluate(

@@ -101,7 +101,7 @@ def _fit_from(objective: Objective, count: int, reporter: Reporter) -> tuple[Fit
             reporter.line(f"start {number} of {count}")
         objective.refresh()
         try:
-            one = fit(objective, start, reporter)
+            one = fit(objective, start)
         except RunError as error:
             if number == 1:
                 raise
@@ -112,7 +112,7 @@ def _fit_from(objective: Objective, count: int, reporter: Reporter) -> tuple[Fit
     best = min(found, key=lambda one: one.misfit)
     if best is not found[-1]:  # its derivatives and noises again, from the file
         objective.refresh()
-        best = fit(objective, best.x, reporter)
+        best = fit(objective, best.x)
     return best, ends
 
 
