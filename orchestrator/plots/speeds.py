@@ -21,14 +21,16 @@ MOST_ORDERS = 24
 PALE = 0.3  # opacity of speeds at which contact is lost
 # Speeds that make a curve.
 LEAST_SHOWN = 3
+# The least range of a panel, as a share of its values: what changes less is level.
+LEAST_RANGE = 0.02
 # Colours of natural frequencies, by their kind.
 NATURAL = {"surge": REFERENCE, "torsion": COUPLED, "bending": ACCENT}
 # Title, unit with its factor, endings of results: a panel for each that the table has.
 PANELS = (
     ("Contact load (N)", 1.0, (".least_load", ".largest_load")),
-    ("Spring margin (%)", 100.0, (".spring_margin",)),
+    ("Separation margin (%)", 100.0, (".spring_margin",)),
     ("Surge force (N)", 1.0, (".surge_force",)),
-    ("Landing velocity (m/s)", 1.0, (".seating_velocity",)),
+    ("Seating velocity (m/s)", 1.0, (".seating_velocity",)),
     ("Least film (µm)", 1e6, (".least_film",)),
     ("Largest pressure (MPa)", 1e-6, (".peak_pressure",)),
     ("Drive torque (N m)", 1.0, (".least_torque", ".largest_torque", ".mean_torque")),
@@ -66,7 +68,7 @@ def draw_summary(
             _draw_curves(panel, scale, names, table, line)
         limit_to_contact(panel, scale, names, tables)
         for design, table in tables.items():
-            _shade_lost(panel, table, (separations or {}).get(design))
+            shade_lost(panel, table, (separations or {}).get(design))
         panel.set_ylabel(title)
     return figure
 
@@ -90,7 +92,8 @@ def create_panels(count: int, below: float = 0.0) -> tuple[Figure, list[Axes]]:
 def limit_to_contact(
     axes: Axes, scale: float, names: list[str], tables: Mapping[str, xarray.Dataset]
 ) -> None:
-    """Scale a panel by the speeds with contact: impacts after separation hide all else."""
+    """Scale a panel by the speeds with contact: impacts after separation hide all else, and so would a scale
+    of what hardly changes."""
     kept = [
         scale * table[name].values[_shown_speeds(table)]
         for table in tables.values()
@@ -100,8 +103,9 @@ def limit_to_contact(
     values = np.concatenate(kept)
     values = values[np.isfinite(values)]
     if values.size and np.ptp(values) > 0.0:
-        margin = 0.15 * np.ptp(values)
-        axes.set_ylim(values.min() - margin, values.max() + margin)
+        middle = 0.5 * (values.min() + values.max())
+        half = 0.65 * max(np.ptp(values), LEAST_RANGE * abs(middle))
+        axes.set_ylim(middle - half, middle + half)
 
 
 def _shown_speeds(table: xarray.Dataset) -> NDArray[np.bool_]:
@@ -129,7 +133,7 @@ def _draw_curves(axes: Axes, scale: float, names: list[str], table: xarray.Datas
     legend.set_bbox_to_anchor((-0.02, 1.0), transform=axes.transAxes)
 
 
-def _shade_lost(axes: Axes, table: xarray.Dataset, separation: float | None) -> None:
+def shade_lost(axes: Axes, table: xarray.Dataset, separation: float | None) -> None:
     """From the separation, which is marked, or half-way between computed speeds."""
     rpm, lost = RPM * table["speed"].values, find_lost(table)
     edges = np.concatenate([rpm[:1], 0.5 * (rpm[1:] + rpm[:-1]), rpm[-1:]])

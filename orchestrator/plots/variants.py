@@ -1,4 +1,4 @@
-"""Designs side by side over speed: a colour for each."""
+"""Designs side by side over speed: a colour for each, a line style for least, mean and largest values."""
 
 from collections.abc import Mapping
 
@@ -8,8 +8,12 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from .speeds import PANELS, RPM, create_panels, has_values, limit_to_contact
-from .style import add_title
+from ..assessment.lost_contact import find_lost
+from .speeds import PANELS, RPM, create_panels, has_values, limit_to_contact, shade_lost
+from .style import MUTED, add_title
+
+# Line styles of results that share a panel, by the beginning of their names; others are solid.
+STYLES = {"least": "dashed", "mean": "dotted", "largest": "solid"}
 
 
 def draw_variants(tables: Mapping[str, xarray.Dataset]) -> Figure:
@@ -24,16 +28,27 @@ def draw_variants(tables: Mapping[str, xarray.Dataset]) -> Figure:
         if names:
             shown.append((title, scale, names))
     figure, panels = create_panels(len(shown), below=0.4)
-    add_title(figure, "Designs over speed")
+    lost = any(find_lost(table).any() for table in tables.values())
+    add_title(figure, "Designs over speed" + ("; shaded where one loses contact" if lost else ""))
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(tables)))
+    used: set[str] = set()
     for panel, (title, scale, names) in zip(panels, shown, strict=True):
+        drawn = {name: name.partition(".")[2].partition("_")[0] for name in names} if len(names) > 1 else {}
+        used.update(drawn.values())
         for colour, table in zip(colours, tables.values(), strict=True):
             for name in names:
                 if name in table:
-                    panel.plot(RPM * table["speed"].values, scale * table[name].values, color=colour)
+                    style = STYLES.get(drawn.get(name, ""), "solid")
+                    panel.plot(
+                        RPM * table["speed"].values, scale * table[name].values, color=colour, ls=style
+                    )
+            shade_lost(panel, table, None)
         limit_to_contact(panel, scale, names, tables)
-        panel.set_title(title)
+        panel.set_title(f"{title}: {names[0].partition('.')[0]}")
     lines = [Line2D([], [], color=c, label=label) for c, label in zip(colours, tables, strict=True)]
+    lines += [
+        Line2D([], [], color=MUTED, ls=style, label=word) for word, style in STYLES.items() if word in used
+    ]
     figure.legend(handles=lines, loc="outside lower center", ncols=min(4, len(lines)))
     return figure
 
