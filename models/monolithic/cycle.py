@@ -83,27 +83,33 @@ def find_cycle(
     scaling = _Scaling(system, held)
     x = np.array(system.x0 if start is None else start, dtype=np.float64)
     x[held] = system.x0[held]
+    # Stops at samples take a third of a period's time: after a near start the second may be the last one.
+    near = start is not None and not problem.guard_count
     begun, ended, found = list[Vector](), list[Vector](), list[_Period]()
+    states = np.zeros((0, n))
     while len(found) < most_periods:
         try:
-            # Stops at samples take most of the time of a period: only the last one makes them.
-            end = _move(problem, x, times, times[[0, -1]], tolerance)[-1, :n]
+            rows = _move(problem, x, times, times if near and found else times[[0, -1]], tolerance)
         except ModelError:
             if len(begun) < SETTLED:
                 raise
             x = scaling.state(ended[-1], x)
             begun, ended = [], []
             continue
+        end = rows[-1, :n]
         change = np.abs(end - x)[~held] / (system.state.nominal + np.abs(x))[~held]
         found.append(_Period(x, end.copy(), float(np.max(change, initial=0.0))))
         changes = [period.change for period in found]
+        if changes[-1] == min(changes):
+            states = rows
         if changes[-1] <= steady or is_hopeless(changes, most_periods, steady):
             break
         begun.append(scaling.flat(x))
         ended.append(scaling.flat(end))
         x = scaling.state(_extrapolate(begun[-MEMORY:], ended[-MEMORY:]), x)
-    best = found[int(np.argmin(changes))]
-    states = _move(problem, best.begin, times, times, tolerance)
+    best = found[-1 - int(np.argmin(changes[::-1]))]
+    if len(states) < times.size:
+        states = _move(problem, best.begin, times, times, tolerance)
     inputs, outputs = observe(problem.evaluation, times, states)
     return Cycle(system, times, inputs, outputs, best.end, best.change, len(found))
 

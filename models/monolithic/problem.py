@@ -93,20 +93,20 @@ def _sizes(component: Component) -> str:
 
 
 class SystemProblem:
-    """A system's state, followed by the energies that its components dissipate, supply and receive.
+    """A system's state, followed by the energies that its components dissipate, supply and receive, if asked.
 
     ModelError if a component is no ODE.
     """
 
     next_event = math.inf
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, counts_energies: bool = True) -> None:
         check_ode(system)
         self.system = system
         self.evaluation = Evaluation(system)
-        self.energies = Energies(system)
+        self.energies = Energies(system, None if counts_energies else ())
         self.size = system.state.size
-        quadratures = QUADRATURES * len(system.instances)
+        quadratures = QUADRATURES * len(self.energies.instances)
         self.nominal = np.concatenate([system.state.nominal, np.ones(quadratures)])
         fields = [f for i in system.instances.values() for f in i.component.state.fields]
         self.whole = np.array([f.quantity.discrete for f in fields] + [False] * quadratures)

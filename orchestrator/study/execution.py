@@ -20,8 +20,9 @@ from .task import Outcome, evaluate
 # Points submitted for each thread: enough that none waits while outcomes are written.
 AHEAD = 4
 
-# An empty batch comes after so long without an outcome, so that progress can be shown.
-WAIT_S, LOOK_EVERY_S = 1.0, 0.01
+# An empty batch comes after so long without an outcome, so that progress can be shown. Looks for outcomes are
+# so far apart: at first the shortest, each time twice as far.
+WAIT_S, SHORTEST_LOOK_S, LONGEST_LOOK_S = 1.0, 0.002, 0.1
 
 DIED = "the worker's process died at this point, more than once (out of memory, or a crash in compiled code)"
 
@@ -120,7 +121,8 @@ class Execution:
 
 def _wait(completed: as_completed) -> list[Future]:
     """The futures that have ended, or none after WAIT_S."""
-    last = clock.monotonic() + WAIT_S
+    last, look = clock.monotonic() + WAIT_S, SHORTEST_LOOK_S
     while not (batch := completed.next_batch(block=False)) and clock.monotonic() < last:
-        clock.sleep(LOOK_EVERY_S)
+        clock.sleep(look)
+        look = min(2.0 * look, LONGEST_LOOK_S)
     return list(batch)

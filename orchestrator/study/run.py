@@ -76,6 +76,8 @@ class StudyProgress:
 
 
 COMPLETE, SOME_FAILED = 0, 1
+# Results are written so often (s): a file for each of them takes a tenth of a second together.
+WRITE_S = 1.0
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ def run(
             with StudyProgress(reporter, plan.study.name, len(plan.points)) as progress:
                 _evaluate(execution, store, progress)
         except KeyboardInterrupt:
-            store.flush()  # a batch may have been interrupted
+            store.flush()  # the last one may have been interrupted
             left = store.count(PENDING)
             raise KeyboardInterrupt(
                 f"interrupted; {len(plan.points) - left} points are kept in {out}, {left} are left: "
@@ -137,11 +139,17 @@ def _list_warnings(plan: Plan) -> list[str]:
 
 def _evaluate(execution: Execution, store: Store, progress: StudyProgress) -> None:
     progress.show(store.count(DONE), store.count(FAILED))
-    for batch in execution.outcomes(store.pending()):
-        for index, outcome in batch:
-            store.record(index, outcome)
+    try:
+        written = clock.monotonic()
+        for batch in execution.outcomes(store.pending()):
+            for index, outcome in batch:
+                store.record(index, outcome)
+            if clock.monotonic() > written + WRITE_S:
+                store.flush()
+                written = clock.monotonic()
+            progress.show(store.count(DONE), store.count(FAILED))
+    finally:
         store.flush()
-        progress.show(store.count(DONE), store.count(FAILED))
 
 
 def _publish(plan: Plan, out: Path) -> list[Path]:

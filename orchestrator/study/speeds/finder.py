@@ -28,7 +28,8 @@ class CycleFinder:
         self.subject = subject
         self.system = build_system(subject.scenario)
         self._tolerance, self._steady = tolerance, steady
-        self._problem = SystemProblem(self.system.with_instances(self.system.instances))
+        own = self.system.with_instances(self.system.instances)
+        self._problem = SystemProblem(own, counts_energies=False)
         self._starts: dict[float, Vector] = {}
 
     def find(
