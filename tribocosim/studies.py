@@ -160,7 +160,7 @@ def design(
 
     asked = read_brief(str(brief), settings)
     with _open_folder(out, "design") as folder:
-        return design_cam(asked, folder, SilentReporter(progress), overwrite)
+        return design_cam(asked, folder, build_fmu, SilentReporter(progress), overwrite)
 
 
 def sensitivities(

@@ -19,19 +19,21 @@ from orchestrator.errors import MistakeError
 from orchestrator.scenario.cams import read_cam
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.scenario.lift_table import read_lift_table
+from orchestrator.scenario.system import list_parameters
 from orchestrator.study.design.brief import Limits, list_briefs, read_bounds, read_brief
-from orchestrator.study.design.files import format_lifts
+from orchestrator.study.design.files import format_lifts, keep, read_kept
 from orchestrator.study.design.limits import (
     Limit,
     Model,
     closing_limit,
-    column_limit,
+    gap_limit,
     kinematic_limits,
     load_limit,
     pressure_limit,
 )
 from orchestrator.study.design.lobe import Lobe, find_event
 from orchestrator.study.design.run import find_own_limits
+from orchestrator.study.design.search import Found
 from orchestrator.study.design.slp import Optimum, Problem, maximise
 from orchestrator.study.design.train import Answer, Column, open_train
 
@@ -115,7 +117,7 @@ def test_gradients_are_those_of_differences() -> None:
         *kinematic_limits({**train_limits, "wheel_radius": 0.1, "largest_jerk": 1e6}, speed, 20e-3),
         closing_limit(lobe.ramps, 8e-3),
         load_limit("load", "c.load", speed, 20.0, 300.0, np.ones(rows, dtype=bool)),
-        column_limit("gap", "c.load", speed, 250.0, "N", least=True),
+        gap_limit("gap", "c.load", speed, 250.0),
         pressure_limit("pressure", "c.load", speed, 6e8, 1e15, 50.0),
     ]
     model = build_model(lobe, limits, {speed: answer})
@@ -159,7 +161,7 @@ def test_limits_that_contradict_are_named_with_the_least_violation() -> None:
     lobe = build_lobe()
     span = lobe.end - lobe.begin
     sizes = {"largest_acceleration": 8.0 * 8e-3 / span**2, "largest_deceleration": 8.0 * 8e-3 / span**2}
-    least = Limit("least lift", 8e-3, "m", lambda q, size: np.array([1.0 - q.curve.s.max() / size]))
+    least = Limit("least lift", 8e-3, lambda q, size: np.array([1.0 - q.curve.s.max() / size]))
     model = build_model(lobe, [*kinematic_limits(sizes, 1.0, 20e-3)])
 
     def evaluate(x: Vector) -> Any:
@@ -194,6 +196,23 @@ def test_a_written_lift_table_is_the_designed_lift(tmp_path: Path) -> None:
     jump = float(np.abs(lobe.curve(lobe.start).ddds[0])) * TURN / PLACES.size
     assert np.abs(read.curvature - points.curvature).max() < 0.1 * jump
     assert pytest.approx(float(read.angle[-1])) == TURN * 719 / 720
+
+
+def test_a_search_goes_on_from_what_it_has_kept(tmp_path: Path) -> None:
+    """Of the same brief alone; what is kept is a scenario that runs."""
+    path = write_brief(tmp_path, 'scenario = "valve-train"\n[limits]\nleast_radius = "5 mm"')
+    asked = read_brief(str(path), ["components.flywheel.parameters.initial_speed=1500 rpm"])
+    train = open_train(asked.tables, 24)
+    keep(tmp_path, asked, train, Found(train.lobe.start, 1.0, {}))
+    kept = read_kept(tmp_path, asked)
+    assert kept is not None
+    np.testing.assert_array_equal(kept, train.lobe.start)
+    assert read_kept(tmp_path, read_brief("valve-train")) is None
+    written = load(tmp_path / "designed.toml")
+    assert list_parameters(written)["flywheel.initial_speed"] == pytest.approx(50.0 * math.pi)
+    cam = read_cam(written.components["camshaft"])
+    assert cam.lift(math.pi).s == pytest.approx(float(train.lobe.points(kept).lift[360]), abs=1e-9)
+    assert cam.geometry.base_radius == train.lobe.kind.geometry.base_radius
 
 
 def write_brief(folder: Path, text: str) -> Path:

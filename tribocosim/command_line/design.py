@@ -33,9 +33,11 @@ def design_cam(
     from orchestrator.study.design.brief import read_brief
     from orchestrator.study.design.run import design
 
+    from ..cached_fmus import build_fmu
+
     asked = read_brief(brief, set_ or [])
     folder = out or Path("results") / f"{Path(brief).stem}-design"
-    found = design(asked, folder, build_reporter(as_json), overwrite)
+    found = design(asked, folder, build_fmu, build_reporter(as_json), overwrite)
     if as_json:
         print_json(found.to_dict())
     return 0 if found.attrs["feasible"] else 1

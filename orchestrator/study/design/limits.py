@@ -37,19 +37,15 @@ class State(NamedTuple):
 @dataclass(frozen=True)
 class Limit:
     """A limit of that name and size. `excess(state, size)` is without unit. `column` of the answer at `speed`
-    (rad/s) is the one that it needs. `shown` factor and unit are for people."""
+    (rad/s) is the one that it needs. `by_size`: derivative of the excess by the size, as a share of it, where
+    that is not the one of `excess`."""
 
     name: str
     size: float
-    unit: str
     excess: Callable[[State, float], Vector]
     column: str = ""
     speed: float = 0.0
-    at_least: bool = False
-
-    @property
-    def label(self) -> str:
-        return self.name
+    by_size: Vector | None = None
 
 
 def _most(value: Callable[[State], Vector]) -> Callable[[State, float], Vector]:
@@ -59,57 +55,52 @@ def _most(value: Callable[[State], Vector]) -> Callable[[State, float], Vector]:
 def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: float) -> Iterator[Limit]:
     """Those of the cam alone. `speed` of the cam (rad/s) turns accelerations (m/s2) into m/rad2."""
     square, cube = speed**2, speed**3
-    values: dict[str, tuple[str, Callable[[State], Vector]]] = {
-        "largest_lift": ("m", lambda q: q.curve.s),
-        "largest_velocity": ("m/s", lambda q: np.abs(q.curve.ds) * speed),
-        "largest_acceleration": ("m/s2", lambda q: q.curve.dds * square),
-        "largest_deceleration": ("m/s2", lambda q: -q.curve.dds * square),
-        "largest_jerk": ("m/s3", lambda q: np.abs(q.curve.ddds) * cube),
-        "largest_pressure_angle": ("rad", lambda q: np.abs(q.touch.pressure_angle)),
-        "largest_offset": ("m", lambda q: np.abs(q.touch.arm)),
+    values: dict[str, Callable[[State], Vector]] = {
+        "largest_lift": lambda q: q.curve.s,
+        "largest_velocity": lambda q: np.abs(q.curve.ds) * speed,
+        "largest_acceleration": lambda q: q.curve.dds * square,
+        "largest_deceleration": lambda q: -q.curve.dds * square,
+        "largest_jerk": lambda q: np.abs(q.curve.ddds) * cube,
+        "largest_pressure_angle": lambda q: np.abs(q.touch.pressure_angle),
+        "largest_offset": lambda q: np.abs(q.touch.arm),
     }
-    for name, (unit, value) in values.items():
+    for name, value in values.items():
         if name in sizes:
-            yield Limit(name, sizes[name], unit, _most(value))
-    if "least_radius" in sizes:
-        yield Limit(
-            "least_radius",
-            sizes["least_radius"],
-            "m",
-            lambda q, size: (q.touch.turn * size - q.touch.cam_rate) / base_radius,
-            at_least=True,
-        )
-    if "wheel_radius" in sizes:
-        yield Limit(
-            "wheel_radius",
-            sizes["wheel_radius"],
-            "m",
-            lambda q, size: -(q.touch.turn * size + q.touch.cam_rate) / base_radius,
-        )
-    yield Limit("undercut", CUSP, "1", lambda q, size: size - q.touch.cam_rate / base_radius)
+            yield Limit(name, sizes[name], _most(value))
+    bends: dict[str, Callable[[State, float], Vector]] = {
+        "least_radius": lambda q, size: (q.touch.turn * size - q.touch.cam_rate) / base_radius,
+        "wheel_radius": lambda q, size: -(q.touch.turn * size + q.touch.cam_rate) / base_radius,
+    }
+    for name, excess in bends.items():
+        if name in sizes:
+            yield Limit(name, sizes[name], excess)
+    yield Limit("undercut", CUSP, lambda q, size: size - q.touch.cam_rate / base_radius)
 
 
 def closing_limit(ramps: Curve, largest: float) -> Limit:
     """The event adds to its ramps and takes nothing from them."""
-    return Limit("lift >= 0", 0.0, "m", lambda q, size: (ramps.s - q.curve.s) / largest - size)
+    return Limit("lift of the ramps", 0.0, lambda q, size: (ramps.s - q.curve.s) / largest - size)
 
 
-def load_limit(name: str, column: str, speed: float, least: float, scale: float, lifted: Vector) -> Limit:
-    """A contact keeps at least this load (N) while the cam lifts."""
+def load_limit(
+    name: str, column: str, speed: float, least: float, scale: float, lifted: Vector,
+    slower: Vector | None = None,
+) -> Limit:  # fmt: skip
+    """A contact keeps at least this load (N) while the cam lifts.
+
+    With `slower`, what the loads change by for a share of the speed, the limit's size is the speed.
+    """
 
     def excess(state: State, size: float) -> Vector:
         return np.where(lifted, (size - state.low) / scale, -1.0)
 
-    return Limit(name, least, "N", excess, column, speed, at_least=True)
+    by_size = None if slower is None else np.where(lifted, -slower / scale, 0.0)
+    return Limit(name, least, excess, column, speed, by_size)
 
 
-def column_limit(name: str, column: str, speed: float, size: float, unit: str, least: bool) -> Limit:
-    """An output stays above or below."""
-    if least:
-        return Limit(
-            name, size, unit, lambda q, at: (at - q.low) / max(abs(size), 1e-12), column, speed, True
-        )
-    return Limit(name, size, unit, lambda q, at: q.high / at - 1.0, column, speed)
+def gap_limit(name: str, column: str, speed: float, least: float) -> Limit:
+    """Coils keep at least this gap (m)."""
+    return Limit(name, least, lambda q, size: (size - q.low) / least, column, speed)
 
 
 def pressure_limit(
@@ -122,7 +113,7 @@ def pressure_limit(
         bend = 1.0 if arc is None else state.touch.turn / state.touch.cam_rate + arc
         return stiffness * state.high * bend / size**2 - 1.0
 
-    return Limit(name, most, "Pa", excess, column, speed)
+    return Limit(name, most, excess, column, speed)
 
 
 @dataclass(frozen=True)
@@ -180,9 +171,10 @@ class Model:
         rows = []
         states = self.states(unknowns, curve)
         for limit, state, excess, gradient in zip(self.limits, states, base, gradients, strict=True):
-            size = limit.size * (1.0 + STEP)
-            by_limit = (limit.excess(state, size) - excess) / STEP if limit.size else np.zeros(excess.size)
-            rows.append(Rows(limit.name, excess, gradient, by_limit))
+            by_size = limit.by_size
+            if by_size is None:
+                by_size = (limit.excess(state, limit.size * (1.0 + STEP)) - excess) / STEP
+            rows.append(Rows(limit.name, excess, gradient, by_size))
         slope = np.zeros(unknowns.size)
         slope[:count] = self.lobe.bumps.areas / self.area0
         return Local(float(slope @ unknowns), slope, rows)

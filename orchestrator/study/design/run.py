@@ -1,20 +1,26 @@
 """`tribocosim design`: the scenario's own cam, the search for a better one, and a check of both."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import xarray
+from rich.console import Console
+
+from models.compile.temporary import TemporaryFolder
 
 from ...analyses._evaluate import create_folder, find_results
-from ...assessment.motion import Motion
-from ...errors import MistakeError
+from ...assessment.figures_of_merit import CONTACT
+from ...assessment.motion import Motion, Part
+from ...errors import MistakeError, Words
 from ...plots.design import draw_design
 from ...plots.style import save_figure
 from ...reporter import Bar, Reporter
-from ...scenario.files import read_changed
+from ...run.pipeline import run
+from ...scenario.files import load, read_changed
+from ...scenario.system import Builder
 from ..speeds.separation import is_separated
 from ..speeds.subject import SpeedSubject, find_flywheel
 from .brief import FREE, OWN, Asked, Limits, read_bounds
@@ -131,11 +137,13 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
     return Wanted(sizes, pressures, gaps, load, speeds, kept)
 
 
-def design(asked: Asked, out: Path, reporter: Reporter, overwrite: bool = False) -> xarray.Dataset:
+def design(
+    asked: Asked, out: Path, build: Builder, reporter: Reporter, overwrite: bool = False
+) -> xarray.Dataset:
     """Find the cam of a brief and write it into `out`; returns both cams over the cam angle.
 
-    What an interrupted search found is in `out`, from where the same call goes on. MistakeError or ModelError
-    before anything is written; RunError where the limits contradict each other.
+    What an interrupted search found is in `out`, from where the same call goes on. `build` makes the FMUs of
+    the coupled run. MistakeError or ModelError before anything is written.
     """
     begun = None if overwrite else read_kept(out, asked)
     held = [] if begun is not None else find_results(out, DESIGN, overwrite, *FILES)
@@ -147,14 +155,15 @@ def design(asked: Asked, out: Path, reporter: Reporter, overwrite: bool = False)
     with create_folder(out):
         with reporter.stage("cycles of the scenario's own cam") as bar:
             cycles = _Cycles(own, bar, 2 * STEPS)
-            separation = find_own_separation(asked, cycles, train.own_speed)
+            free = brief.limits.separation_speed == FREE
+            separation = None if free else find_own_separation(asked, cycles, train.own_speed)
             wanted = find_wanted(asked, train, cycles, separation)
             speeds = [*wanted.speeds, *(BELOW * speed for speed in wanted.kept[:1])]
             before = Check(separation, {speed: cycles[speed] for speed in speeds})
         for file in held:
             file.unlink()
         area = float(np.trapezoid(train.lobe.own.s - train.lobe.ramps.s, train.lobe.angles))
-        top = max(*wanted.speeds, *wanted.kept) * train.ratio
+        top = max((*wanted.speeds, *wanted.kept)) * train.ratio
         search = Search(
             train, wanted, np.array(list(bounds.values())).reshape(-1, 2), top, area, reporter.line,
             brief.starts, brief.seed,
@@ -164,6 +173,8 @@ def design(asked: Asked, out: Path, reporter: Reporter, overwrite: bool = False)
         )
         with reporter.stage("check of the designed cam") as bar:
             after = check(out, wanted, speeds, bar)
+        with reporter.stage("coupled run of the designed cam"):
+            coupled = list(couple(out, train.own_speed, build))
         geometries = train.lobe.kind.geometry, search.geometry(improved.found.unknowns)
         separations = before.separation, after.separation
         motions = before.motions, after.motions
@@ -172,8 +183,28 @@ def design(asked: Asked, out: Path, reporter: Reporter, overwrite: bool = False)
         save_figure(lambda: draw_design(table), out / FIGURE)
         (out / PROGRESS).unlink()
     report(table, improved, reporter)
+    for text in coupled:
+        reporter.line(text)
     reporter.line(f"results in {out}: {', '.join((SCENARIO, LIFTS, TABLE, FIGURE))}")
     return table
+
+
+def couple(out: Path, speed: float, build: Builder) -> Iterator[Words]:
+    """A coupled run of the written scenario at its own speed (rad/s) beside the cycle there, in words."""
+    scenario = load(out / SCENARIO)
+    with TemporaryFolder() as folder:
+        summary = run(scenario, folder / "coupled", build, Reporter(Console(quiet=True)), figures=False)
+    if not summary.complete:
+        yield ("the coupled run of the designed cam failed: ", summary.message)
+        return
+    subject = SpeedSubject(read_changed(out / SCENARIO), find_flywheel(scenario))
+    motion = subject.find_motion_at(speed)
+    for name, contact in summary.contacts.items():
+        pressure = CONTACT["peak_pressure"][1](Part(motion, name)).value
+        yield (
+            f"coupled run at {speed * RPM:.0f} r/min: largest pressure in {name} "
+            f"{1e-6 * contact.pressure:.1f} MPa, of the cycle {1e-6 * pressure:.1f} MPa"
+        )
 
 
 def check(out: Path, wanted: Wanted, speeds: list[float], bar: Bar) -> Check:

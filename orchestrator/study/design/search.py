@@ -24,7 +24,7 @@ from .limits import (
     Limit,
     Model,
     closing_limit,
-    column_limit,
+    gap_limit,
     kinematic_limits,
     load_limit,
     pressure_limit,
@@ -248,19 +248,19 @@ class Search:
         touch = lobe.touch(curve, geometry)
         arc = 1.0 / geometry.radius if hasattr(geometry, "radius") else 0.0
         first = next(iter(self.contacts), "")
+        slowest = answers[min(answers)]
         for speed, answer in answers.items():
             at = f"at {speed * RPM:.0f} r/min"
             for name in self.contacts:
                 load = answer.columns[f"{name}.load"]
                 scale = float(np.max(load.high))
                 least = self.wanted.least_load
-                if speed in self.wanted.kept or least > 0.0:
-                    spare = SPARE * scale
-                    column = f"{name}.load"
-                    word = "separation" if speed in self.wanted.kept else "least load"
-                    limits.append(
-                        load_limit(f"{word} of {name} {at}", column, speed, least + spare, scale, lifted)
-                    )
+                kept = speed in self.wanted.kept
+                if kept or least > 0.0:
+                    size, column = least + SPARE * scale, f"{name}.load"
+                    change = _by_speed(slowest, answer, column) if kept and speed > slowest.speed else None
+                    word = f"{'separation' if kept else 'least load'} of {name} {at}"
+                    limits.append(load_limit(word, column, speed, size, scale, lifted, change))
                 if name in self.wanted.pressures:
                     own = name == first
                     bend = touch.turn / touch.cam_rate + arc if own else np.ones(curve.s.size)
@@ -279,9 +279,7 @@ class Search:
                         )
                     )
             for name, gap in self.wanted.gaps.items():
-                limits.append(
-                    column_limit(f"gap of {name} {at}", f"{name}.least_gap", speed, gap, "m", least=True)
-                )
+                limits.append(gap_limit(f"gap of {name} {at}", f"{name}.least_gap", speed, gap))
         return Model(lobe, limits, answers, x.copy(), self.geometry, self.scale, self.area0)
 
     def solve(self, model: Model, x: Vector, box: float, starts: int) -> Optimum:
@@ -302,6 +300,12 @@ def describe(found: Found) -> str:
     area = f"area {100.0 * (found.objective - 1.0):+.2f} %"
     beyond = (f"{name} by {100.0 * share:.2g} %" for name, share in found.beyond.items())
     return f"{area}; beyond limits: {', '.join(beyond)}" if found.beyond else f"{area}, all limits kept"
+
+
+def _by_speed(low: Answer, high: Answer, column: str) -> Vector:
+    """Derivative of a column at the higher speed by its logarithm, as of a + b speed^2."""
+    share = 2.0 * high.speed**2 / (high.speed**2 - low.speed**2)
+    return np.asarray(share * (high.columns[column].low - low.columns[column].low))
 
 
 def _continue(low: Answer, high: Answer, speed: float) -> Answer:
