@@ -23,7 +23,10 @@ class MasterStep(NamedTuple):
 
 @dataclass(frozen=True)
 class SignalOptions:
-    """The option that all masters have: `extrapolation` names the input signals over a step."""
+    """The option that all masters have: `extrapolation` names the input signals over a step.
+
+    `order` and `iterate` are options of some.
+    """
 
     extrapolation: str = "linear"
 
@@ -34,6 +37,14 @@ class SignalOptions:
     def degree(self) -> int:
         """Degree of the input signals."""
         return find_degree(self.extrapolation)
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        return ()
+
+    @property
+    def iterate(self) -> tuple[str, ...]:
+        return ()
 
 
 class Master(Protocol):
@@ -52,6 +63,16 @@ class Master(Protocol):
     @property
     def degree(self) -> int:
         """Degree of the input signals: 0 held, 1 linear, 2 quadratic, 3 Hermite."""
+        ...
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """The order of participants; empty: that of the scenario, or it makes no difference."""
+        ...
+
+    @property
+    def iterate(self) -> tuple[str, ...]:
+        """The participants that are iterated together; empty: every loop of connections, or none."""
         ...
 
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:

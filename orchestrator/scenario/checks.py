@@ -40,7 +40,7 @@ def check_reference(scenario: Scenario, system: System) -> None:
 def _check_master(scenario: Scenario) -> None:
     """The master's order names every component once; what it iterates are components."""
     master = scenario.master.build()
-    order: tuple[str, ...] = getattr(master, "order", ())
+    order, iterate = master.order, master.iterate
     if order and sorted(order) != sorted(scenario.components):
         raise ScenarioError(
             f"master.order = {', '.join(order)}: must name each of {', '.join(scenario.components)} once"
@@ -50,7 +50,6 @@ def _check_master(scenario: Scenario) -> None:
                 if name not in scenario.components
             )
         )
-    iterate: tuple[str, ...] = getattr(master, "iterate", ())
     if len(iterate) == 1:
         raise ScenarioError(
             f"master.iterate = {iterate[0]}: there is nothing to iterate one component with; name "

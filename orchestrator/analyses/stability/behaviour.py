@@ -31,11 +31,9 @@ class ConvergedMaster:
 
     def __init__(self, master: Master, coupling: LinearCoupling, step: float) -> None:
         self.extrapolation, self.degree, self._count = master.extrapolation, master.degree, coupling.count
-        # Options that an implicit master may have.
-        self._order: Any = getattr(master, "order", ())
-        self._iterate: Any = getattr(master, "iterate", ())
+        self.order, self.iterate = master.order, master.iterate
         e = coupling.coupling
-        loops = [part for part in e.bind(find_parts, self._order, self._iterate) if len(part) > 1]
+        loops = [part for part in e.bind(find_parts, self.order, self.iterate) if len(part) > 1]
         self.sweeps = {part[0]: self._build_sweep_matrix(coupling, part, step) for part in loops}
 
     def _build_sweep_matrix(self, coupling: LinearCoupling, part: tuple[int, ...], step: float) -> Vector:
@@ -71,7 +69,7 @@ class ConvergedMaster:
                 coupling.sweep(GAUSS_SEIDEL, part, time, step)
             return 2
 
-        return step_in_parts(coupling, self._order, self._iterate, time, step, iterate)
+        return step_in_parts(coupling, self.order, self.iterate, time, step, iterate)
 
 
 # Growth per macro step that rounding alone may cause: a double eigenvalue one (angle and speed of a free

@@ -174,7 +174,7 @@ def format_settings(method: AssessedMethod) -> str:
         f'[master] name = "{find_name(method.master)}"',
         f'extrapolation = "{method.master.extrapolation}"',
     ]
-    named = {key: getattr(method.master, key, ()) for key in ("order", "iterate")}
+    named = {"order": method.master.order, "iterate": method.master.iterate}
     lines += [f"{key} = [{', '.join(json.dumps(n) for n in names)}]" for key, names in named.items() if names]
     return ", ".join(lines)
 

@@ -54,7 +54,7 @@ class AssessedMethod:
     @property
     def order(self) -> tuple[str, ...]:
         """The order of participants; empty if it makes no difference."""
-        return getattr(self.master, "order", ())
+        return self.master.order
 
     @property
     def contracting_step(self) -> float:
@@ -178,7 +178,8 @@ def _list_masters(scenario: Scenario, system: System, surveyor: _Surveyor, resto
     own = scenario.master.build()
     signals = list(DEGREES)[: surveyor.highest + 1]
     orders, stiff = {signal: surveyor.find_order(signal) for signal in signals}, surveyor.partition.stiff
-    if getattr(own, "order", None) == () and orders[own.extrapolation] == tuple(system.instances):
+    unset = any(item.name == "order" for item in fields(own)) and not own.order
+    if unset and orders[own.extrapolation] == tuple(system.instances):
         own = replace(own, order=orders[own.extrapolation])
     masters: list[Master] = [own]
     for kind in dict.fromkeys((*MASTERS.values(), type(own))):
@@ -263,7 +264,7 @@ class _Surveyor:
 
     def assess(self, master: Master) -> AssessedMethod:
         """Assess a master. Implicit masters converge to the same step, so only their costs differ."""
-        key = (master.degree, getattr(master, "order", ()), getattr(master, "iterate", ()))
+        key = (master.degree, master.order, master.iterate)
         if master.implicit and key in self._converged:
             found = replace(self._converged[key], master=master)
         else:
