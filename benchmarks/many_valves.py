@@ -64,11 +64,7 @@ TRAIN: dict[str, Any] = {
     "components": {
         "flywheel": {"component": "flywheel"},
         "tappet": {"component": "tappet", "parameters": {"mass": "220 g", **CAM}},
-        "spring": {
-            "component": "coil_spring",
-            "structure": {"segments": 3},
-            "parameters": {"gap": "6 mm"},
-        },
+        "spring": {"component": "coil_spring", "structure": {"segments": 3}, "parameters": {"gap": "6 mm"}},
         "contact": {"component": "ehl_contact", "parameters": {"film_model": "dowson_toyoda"}},
     },
 }

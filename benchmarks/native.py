@@ -74,10 +74,7 @@ def measure() -> Iterator[tuple[str, str]]:
         "plain fmpy script, inputs held": lambda paths: 1.0 / run_script(system, paths),
         **{name: partial(measure_rate, system, master=master) for name, master in masters.items()},
         "step control of valve-train-controlled": partial(
-            measure_rate,
-            controlled_system,
-            master=controlled.build_master(),
-            steps=controlled.build_steps,
+            measure_rate, controlled_system, master=controlled.build_master(), steps=controlled.build_steps
         ),
     }
     try:

@@ -53,11 +53,7 @@ def build_content() -> dict[str, Any]:
         "output_step": "50 us",
         "start": "given",
         "master": {"name": "gauss_seidel", "extrapolation": "quadratic"},
-        "tolerance": {
-            "cam_contact_1.load": 1e-3,
-            "cam_contact_8.load": 1e-3,
-            "shaft.drive_torque": 1e-3,
-        },
+        "tolerance": {"cam_contact_1.load": 1e-3, "cam_contact_8.load": 1e-3, "shaft.drive_torque": 1e-3},
         "connections": connections,
         "components": components,
     }

@@ -155,11 +155,7 @@ def collect_files(
     package, code = collect_sources(factory)
     files = {f"resources/{path}": content for path, content in code.items()}
     script = _SCRIPT.format(
-        name=called,
-        package=package,
-        module=name_module(factory),
-        factory=factory.__name__,
-        structure=sizes,
+        name=called, package=package, module=name_module(factory), factory=factory.__name__, structure=sizes
     ).encode()
     stem = f"{called}_{compute_digest({package: script})[:16]}"
     files[f"resources/{stem}.py"] = script

@@ -33,10 +33,7 @@ LOAD_TOLERANCE = 1e-12
 
 
 def solve_adherence(
-    system: System,
-    times: Vector,
-    tolerance: float = 1e-10,
-    massless_spring: bool = False,
+    system: System, times: Vector, tolerance: float = 1e-10, massless_spring: bool = False
 ) -> Reference:
     """Solve a valve train, given in its compliant form, with the follower held to the cam, from t = 0 on.
 

@@ -19,7 +19,7 @@ TERMINALS = {
             "impulse": "load_impulse[*]",
         },
         partial=True,
-    ),
+    )
 }
 
 STIMULUS = Stimulus(

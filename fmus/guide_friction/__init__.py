@@ -18,7 +18,7 @@ TERMINALS = {
             "moment": "side_moment",
             "force": "friction_force",
         },
-    ),
+    )
 }
 
 TIMES = np.arange(51) * 1e-3

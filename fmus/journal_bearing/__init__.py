@@ -24,7 +24,7 @@ TERMINALS = {
             "force_y": "force_y",
         },
         partial=True,
-    ),
+    )
 }
 
 SPEED = 100.0  # rad/s

@@ -20,14 +20,7 @@ from ..sources import collect_sources
 from ..variable_layout import Memory
 from .differentiate import differentiate
 from .entries import smooth
-from .machine_code import (
-    FMI_HEADERS,
-    PLATFORMS,
-    RUNTIME,
-    NativeBuildError,
-    shared_library,
-    this_platform,
-)
+from .machine_code import FMI_HEADERS, PLATFORMS, RUNTIME, NativeBuildError, shared_library, this_platform
 from .tables import tables
 from .translate import TranslationError, translate
 

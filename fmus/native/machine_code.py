@@ -72,10 +72,7 @@ _C = ["-std=c11", "-Os", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanit
 _C += ["-fno-unwind-tables", "-fno-asynchronous-unwind-tables", "-fomit-frame-pointer"]
 _STRICT = ["-Wall", "-Wextra", "-Werror"]
 # By the suffix of libraries: without what identifies builds or names what is not exported.
-_LINKED = {
-    ".so": ["-Wl,--hash-style=sysv", "-Wl,--build-id=none", "-Wl,--gc-sections"],
-    ".dylib": ["-Wl,-x"],
-}
+_LINKED = {".so": ["-Wl,--hash-style=sysv", "-Wl,--build-id=none", "-Wl,--gc-sections"], ".dylib": ["-Wl,-x"]}
 
 # Of Windows' C library, by the part that has them.
 _UCRT = {

@@ -13,7 +13,7 @@ TERMINALS = {
         "pad_friction",
         "the pad and its contact",
         {"velocity": "sliding_velocity", "load": "load", "force": "friction_force"},
-    ),
+    )
 }
 
 TIMES = np.arange(51) * 1e-3

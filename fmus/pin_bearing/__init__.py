@@ -11,7 +11,7 @@ EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
 TERMINALS = {
     "body": pivot_friction(
         "the roller or lever on the pin", "rotation_rate", "applied_load", "friction_torque"
-    ),
+    )
 }
 
 TIMES = np.arange(51) * 1e-3

@@ -16,7 +16,7 @@ TERMINALS = {
             "chassis_position": "position",
             "chassis_velocity": "velocity",
         },
-    ),
+    )
 }
 
 STIMULUS = Stimulus(

@@ -16,7 +16,7 @@ TERMINALS = {
             "chassis_position": "chassis_position",
             "chassis_velocity": "chassis_velocity",
         },
-    ),
+    )
 }
 
 STIMULUS = Stimulus(

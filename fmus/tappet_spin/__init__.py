@@ -19,7 +19,7 @@ TERMINALS = {
             "contact_sliding": "contact_sliding",
             "cam_friction": "cam_friction",
         },
-    ),
+    )
 }
 
 TIMES = np.arange(61) * 1e-3

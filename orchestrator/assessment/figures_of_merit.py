@@ -293,7 +293,7 @@ VALVE: Mapping[str, Figure] = {
     "largest_seat_force": (Quantity("N", "largest seat force"), _largest("seat_force")),
 }
 SPRING: Mapping[str, Figure] = {
-    "least_gap": (Quantity("m", "least gap between coils", display_unit="mm"), _least_gap),
+    "least_gap": (Quantity("m", "least gap between coils", display_unit="mm"), _least_gap)
 }
 LOADED_SPRING: Mapping[str, Figure] = {
     "largest_spring_force": (Quantity("N", "largest spring force"), _largest("spring_force")),
@@ -303,10 +303,7 @@ LOADED_SPRING: Mapping[str, Figure] = {
 }
 COIL_SPRING: Mapping[str, Figure] = {
     **SPRING,
-    "largest_clash_force": (
-        Quantity("N", "largest force between coils that clash"),
-        _largest("clash_force"),
-    ),
+    "largest_clash_force": (Quantity("N", "largest force between coils that clash"), _largest("clash_force")),
     **_wire("force"),
 }
 DRIVE: Mapping[str, Figure] = {
@@ -315,7 +312,7 @@ DRIVE: Mapping[str, Figure] = {
     "mean_torque": (Quantity("N.m", "mean torque"), _mean("supplied_torque")),
 }
 SHAFT: Mapping[str, Figure] = {
-    "largest_twist": (Quantity("rad", "largest twist", display_unit="deg"), _twist),
+    "largest_twist": (Quantity("rad", "largest twist", display_unit="deg"), _twist)
 }
 ADJUSTER: Mapping[str, Figure] = {
     "peak_pressure": (
@@ -331,7 +328,7 @@ ROLLING: Mapping[str, Figure] = {
     "rolling_power": (
         Quantity("W", "mean power of the rolling friction"),
         lambda c: Found(c.mean(c["rolling_friction"] * 2.0 * c["entraining_velocity"])),
-    ),
+    )
 }
 CLEARANCE: Mapping[str, Figure] = {
     "least_clearance": (
@@ -349,7 +346,7 @@ CLEARANCE: Mapping[str, Figure] = {
 }
 LOSS: Mapping[str, Figure] = {"friction_power": (Quantity("W", "mean friction power"), _mean("power_loss"))}
 ROLLER: Mapping[str, Figure] = {
-    "largest_slip": (Quantity("m/s", "largest velocity by which the roller slides"), _slip),
+    "largest_slip": (Quantity("m/s", "largest velocity by which the roller slides"), _slip)
 }
 BEARING: Mapping[str, Figure] = {
     "bearing_load": (Quantity("N", "largest load of the bearing"), _largest("load")),

@@ -59,10 +59,7 @@ class Wiring:
 
 
 def wire(
-    system: System,
-    participants: Mapping[str, Participant],
-    degree: int,
-    watched: Mapping[str, Sequence[str]],
+    system: System, participants: Mapping[str, Participant], degree: int, watched: Mapping[str, Sequence[str]]
 ) -> Wiring:
     """The wiring for signals of `degree`, or of the highest that any participant follows if that is lower.
 

@@ -6,13 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from models.compile.array_pointers import (
-    ArrayPointers,
-    integer_table,
-    integers,
-    numbers,
-    table,
-)
+from models.compile.array_pointers import ArrayPointers, integer_table, integers, numbers, table
 from models.compile.compiled import compiled
 from models.core.quantities import Vector
 

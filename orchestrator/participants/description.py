@@ -1,9 +1,7 @@
 """Reads modelDescription.xml of FMI 1.0, 2.0 and 3.0, with all scalars by their names."""
 
-import contextlib
 import functools
 import math
-import zipfile
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -12,12 +10,10 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from fmpy import read_model_description
-
 from ..errors import MistakeError
 from . import description1, description3
 from .description3 import STRUCTURAL, EventMode, resize
-from .description_faults import find_fault
+from .description_faults import read_file, read_root
 
 VERSIONS = ("1.0", "2.0", "3.0")
 # The interfaces by which an FMU can take part.
@@ -217,8 +213,8 @@ def _describe(
 ) -> Description:
     """The same, read once for a file: those of thousands of variables take half a second."""
     try:
-        root = _read_root(path)
-        found = _read(path, root)
+        root = read_root(path)
+        found = read_file(path, root)
     except Exception as error:
         raise DescriptionError(f"cannot be read as an FMU: {' '.join(str(error).split())}") from None
     if found.fmiVersion == "1.0":
@@ -286,23 +282,6 @@ def _read_exchange(found: Any) -> Exchange | None:
         return None
     counts = found.numberOfContinuousStates, found.numberOfEventIndicators
     return Exchange(about.modelIdentifier, *(int(count or 0) for count in counts))
-
-
-def _read(path: Path, root: ElementTree.Element) -> Any:
-    """fmpy's description; without validation if that fails for nothing that has to be known."""
-    try:
-        return read_model_description(str(path))
-    except Exception as error:
-        if fault := find_fault(root):
-            raise ValueError(f"{fault}, in its modelDescription.xml") from None
-        with contextlib.suppress(Exception):
-            return read_model_description(str(path), validate=False)
-        raise error
-
-
-def _read_root(path: Path) -> ElementTree.Element:
-    with zipfile.ZipFile(path) as archive:
-        return ElementTree.fromstring(archive.read("modelDescription.xml"))
 
 
 def _complete_relative(found: Any, root: ElementTree.Element) -> None:

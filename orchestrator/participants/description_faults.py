@@ -1,9 +1,33 @@
-"""What of a modelDescription.xml keeps it from being read, by element and attribute."""
+"""Reads a modelDescription.xml, and says what keeps it from being read, by element and attribute."""
 
+import contextlib
+import zipfile
 from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
+from fmpy import read_model_description
+
 INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
+
+
+def read_file(path: Path, root: Element) -> Any:
+    """fmpy's description; without validation if that fails for nothing that has to be known."""
+    try:
+        return read_model_description(str(path))
+    except Exception as error:
+        if fault := find_fault(root):
+            raise ValueError(f"{fault}, in its modelDescription.xml") from None
+        with contextlib.suppress(Exception):
+            return read_model_description(str(path), validate=False)
+        raise error
+
+
+def read_root(path: Path) -> Element:
+    with zipfile.ZipFile(path) as archive:
+        return ElementTree.fromstring(archive.read("modelDescription.xml"))
 
 
 def find_fault(root: Element) -> str:

@@ -39,13 +39,7 @@ def draw_cells(figure: Figure, axes: Axes, x: Vector, y: Vector, values: Vector,
 
 
 def draw_kinds(
-    figure: Figure,
-    axes: Axes,
-    x: Vector,
-    y: Vector,
-    kinds: Any,
-    colours: Sequence[str],
-    names: Sequence[str],
+    figure: Figure, axes: Axes, x: Vector, y: Vector, kinds: Any, colours: Sequence[str], names: Sequence[str]
 ) -> Colorbar:
     """Cells of kinds 0, 1, ..., each of which has its colour and its name."""
     norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))

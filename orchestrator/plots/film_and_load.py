@@ -10,14 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .data import FigureData
-from .style import (
-    ACCENT,
-    add_title,
-    create_subplots,
-    label_abscissa,
-    plot_both,
-    shade,
-)
+from .style import ACCENT, add_title, create_subplots, label_abscissa, plot_both, shade
 
 # Contacts side by side at most.
 COLUMNS = 4

@@ -50,8 +50,7 @@ class ShaftDrawing(Table):
     cams: list[CamDrawing] = Field(description="Cams, in the order of their numbers", min_length=1)
     bearings: list[Place] = Field([], description="Distances of pinned bearings from the driven end (m)")
     journals: list[Place] = Field(
-        [],
-        description="Distances of journals from the driven end (m), which have the numbers after the cams",
+        [], description="Distances of journals from the driven end (m), which have the numbers after the cams"
     )
     drive_stiffness: TurningStiffness | None = Field(
         None,

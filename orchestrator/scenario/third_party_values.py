@@ -24,12 +24,7 @@ def select_strings(
         if name not in component.about.strings:
             array = "an element of an array of texts" if variable.size > 1 else ""
             kind = array or f"of type {variable.type}"
-            faults.append(
-                (
-                    name,
-                    f": is {kind}, which cannot be set; leave it out (its start value stays)",
-                )
-            )
+            faults.append((name, f": is {kind}, which cannot be set; leave it out (its start value stays)"))
         elif not isinstance(value, str) or "\0" in value:
             faults.append((name, f" = {value!r} (String): must be a string without null characters"))
         elif variable.type == BINARY and not _is_hexadecimal(value):

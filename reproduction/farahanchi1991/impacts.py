@@ -154,10 +154,7 @@ def find_fastest(runs: Runs, form: str) -> Values:
         damping: [float(runs.events(case).impacts.approach.max(initial=0.0)) for case in row]
         for damping, row in _list_by_gap(HIGH_DAMPINGS, form).items()
     }
-    return {
-        "each": _format_rows(rows, ".3f"),
-        "rising": all(is_rising(row) for row in rows.values()),
-    }
+    return {"each": _format_rows(rows, ".3f"), "rising": all(is_rising(row) for row in rows.values())}
 
 
 def compare_walls(runs: Runs, form: str, dampings: tuple[float, ...]) -> Values:

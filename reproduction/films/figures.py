@@ -79,10 +79,7 @@ def plot_cycles(found: Sequence[CamCycle]) -> Figure:
 
 def _draw_films(ax: Axes, c: CamCycle) -> None:
     inside, history = c.in_event, c.history
-    looks = (
-        (CENTRAL, history.film_thickness, INK),
-        (MINIMUM, history.minimum_film_thickness, COUPLED),
-    )
+    looks = ((CENTRAL, history.film_thickness, INK), (MINIMUM, history.minimum_film_thickness, COUPLED))
     for film, values, colour in looks:
         ax.plot(c.history_deg[inside], MICRO * values[inside], color=colour, label=f"{film}, transient")
         ax.plot(c.angle_deg, MICRO * c.steady[film], color=colour, lw=0.9, ls=(0, (3, 1.5)),

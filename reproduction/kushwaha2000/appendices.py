@@ -234,10 +234,7 @@ def find_ranks(runs: Runs) -> Values:
         rows = [[found.get(k, {}).get(name, 0.0) for name in names] for k in constraints]
         return int(np.linalg.matrix_rank(rows, tol=1e-9))
 
-    return {
-        "bearing": rank(["C1", "C2", "C3", "C4"]),
-        "guide": rank(["C5", "C6", "C7", "C8", "C9"]),
-    }
+    return {"bearing": rank(["C1", "C2", "C3", "C4"]), "guide": rank(["C5", "C6", "C7", "C8", "C9"])}
 
 
 def swing_axis(runs: Runs) -> Values:

@@ -14,16 +14,7 @@ from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from models.monolithic import solve
 
-from .slider_cranks import (
-    CRANK,
-    DRIVEN,
-    ROLLER,
-    STATE,
-    advance,
-    power_imbalance,
-    thesis_parameters,
-    turn,
-)
+from .slider_cranks import CRANK, DRIVEN, ROLLER, STATE, advance, power_imbalance, thesis_parameters, turn
 
 CORNERS = ("upper_front", "upper_rear", "lower_front", "lower_rear")
 ENGINE_SPEED = 2000.0 * math.pi / 30.0

@@ -21,11 +21,7 @@ from models.slider_crank.motions.recurrence import (
     find_recurrence,
     run_until_recurrent,
 )
-from models.slider_crank.motions.transients import (
-    Transients,
-    draw_starts,
-    fit_escape_time,
-)
+from models.slider_crank.motions.transients import Transients, draw_starts, fit_escape_time
 
 
 def states(psi, side=0.0):

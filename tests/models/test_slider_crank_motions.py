@@ -12,11 +12,7 @@ from models.slider_crank.forms import wall_rate
 from models.slider_crank.motions.classification import CHAOTIC, TRANSIENT_CHAOS, classify
 from models.slider_crank.motions.machine import FORMS, Machine, Motion
 from models.slider_crank.motions.portrait import Portrait, trace_portrait
-from models.slider_crank.motions.transients import (
-    Transients,
-    draw_starts,
-    measure_transients,
-)
+from models.slider_crank.motions.transients import Transients, draw_starts, measure_transients
 
 from .slider_cranks import CRANK, STATE, TURN, thesis_parameters, turn
 

@@ -25,14 +25,7 @@ MIDDLE = 1.0 / SHARES**2
 def test_a_cylindrical_spring_has_the_closed_forms_of_rate_mass_surge_and_length(record):
     rate = STEEL.shear_modulus * D**4 / (8.0 * MEAN**3 * COILS)
     mass = STEEL.density * math.pi * D**2 / 4.0 * math.pi * MEAN * COILS
-    record(
-        "Spring",
-        "rate of a cylinder (N/m)",
-        CYLINDER.rate(0.0),
-        rate,
-        "G d^4/(8 D^3 n)",
-        relative=1e-12,
-    )
+    record("Spring", "rate of a cylinder (N/m)", CYLINDER.rate(0.0), rate, "G d^4/(8 D^3 n)", relative=1e-12)
     assert CYLINDER.active_mass == pytest.approx(mass, rel=1e-12)
     surge = 0.5 * np.sqrt(rate / mass) * np.array([1.0, 2.0])
     found = CYLINDER.surge_frequencies(0.0)

@@ -35,11 +35,7 @@ def error(master, step, stop=STOP, **parameters):
 # car has every master and signal.
 @pytest.mark.parametrize(
     ("master", "order", "ceiling"),
-    [
-        (Jacobi("linear"), 2, 6e-5),
-        (GaussSeidel("quadratic"), 3, 4e-7),
-        (Iterated("hold"), 1, 6e-3),
-    ],
+    [(Jacobi("linear"), 2, 6e-5), (GaussSeidel("quadratic"), 3, 4e-7), (Iterated("hold"), 1, 6e-3)],
     ids=lambda value: f"{type(value).__name__}-{value.extrapolation}" if hasattr(value, "step") else None,
 )
 def test_order_of_convergence_on_the_finest_pair(master, order, ceiling, record):

@@ -7,12 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import tribocosim
 from models.core.quantities import Quantity, Vector
 from models.core.system import System
 from orchestrator.assessment.diagnosis import Steps
 from orchestrator.assessment.films import LIGHT
-from orchestrator.errors import MistakeError, RunError
+from orchestrator.errors import RunError
 from orchestrator.plots import (
     difference,
     draw_all,
@@ -30,9 +29,6 @@ from orchestrator.plots.data import FigureData
 from orchestrator.scenario import parse_ends
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, list_parameters
-from orchestrator.study import run_overlay
-
-from .commands import called
 
 METRE, RADIAN, FORCE, NUMBER = (Quantity(unit, unit) for unit in ("m", "rad", "N", "1"))
 
@@ -42,17 +38,11 @@ def build_data(name: str, time: Vector, coupled: dict[str, tuple[Vector, Quantit
     scenario = load(name)
     values = {variable: value for variable, (value, _) in coupled.items()}
     return FigureData(
-        title=name,
-        time=time,
-        coupled=values,
-        reference_time=time,
-        reference=values,
+        title=name, time=time, coupled=values, reference_time=time, reference=values,
         quantities={variable: quantity for variable, (_, quantity) in coupled.items()},
         drivers={target: source for source, target in map(parse_ends, scenario.connections)},
-        parameters=list_parameters(scenario),
-        system=build_system(scenario),
-        tolerance=scenario.tolerance,
-    )
+        parameters=list_parameters(scenario), system=build_system(scenario), tolerance=scenario.tolerance,
+    )  # fmt: skip
 
 
 @pytest.fixture
@@ -251,34 +241,6 @@ def test_films_are_scaled_by_the_last_turn(long):
     film = long.coupled["contact.film_thickness"] * np.where(long.time < 0.001, 100.0, 1.0)
     figure = film_and_load.draw(replace(long, coupled={**long.coupled, "contact.film_thickness": film}))
     assert figure.axes[2].get_ylim()[1] == pytest.approx(1.1 * 3e-6)
-
-
-def test_two_runs_lie_over_each_other_with_their_names(tmp_path):
-    short = {"stop_time": "60 ms", "macro_step": "20 us", "reference.enabled": False}
-    for name, preload in (("soft", 250.0), ("stiff", 400.0)):
-        own = {**short, "components.valve_spring.parameters.preload": preload}
-        tribocosim.run(tribocosim.load("valve-train").with_(own), tmp_path / name)
-    one, other = (run_overlay.read_run(tmp_path / name) for name in ("soft", "stiff"))
-    folders = [str(tmp_path / name) for name in ("soft", "stiff")]
-    done = called("compare", *folders, "--out", str(tmp_path / "both"))
-    assert done.returncode == 0
-    (row,) = (line for line in done.stdout.splitlines() if "contact: largest load" in line)
-    assert " at " in row
-    assert [float(cell.split()[0]) for cell in row.split("│")[3:5]] == pytest.approx(
-        [one.coupled["contact.load"].max(), other.coupled["contact.load"].max()], rel=1e-3
-    )
-    again = called("compare", *folders[::-1], "--out", str(tmp_path / "both"))
-    assert "both.png: replaced a different file of this name" in again.stderr
-    assert (tmp_path / "both.png").stat().st_size > 10_000
-    refused = called("compare", *folders, "--out", str(tmp_path / "both.txt"))
-    assert refused.returncode == 2
-    assert "must be a PNG file" in refused.stderr
-    both = replace(one, names=("soft", "stiff"), reference=other.coupled, reference_time=other.time)
-    load = next(ax for ax in valve_train.draw(both).axes if ax.get_ylabel() == "Load (N)")
-    lines = {line.get_label(): line.get_ydata() for line in load.lines}
-    assert np.mean(lines["stiff"] - lines["soft"]) == pytest.approx(150.0, abs=1.0)
-    with pytest.raises(MistakeError, match="holds no finished run"):
-        run_overlay.read_run(tmp_path)
 
 
 def test_the_kinematic_motion_is_the_cams_lift_and_its_derivatives(bouncing):

@@ -2,6 +2,7 @@
 
 import signal
 from contextlib import suppress
+from dataclasses import replace
 from io import StringIO
 
 import numpy as np
@@ -9,15 +10,20 @@ import pytest
 import xarray
 from rich.console import Console
 
+import tribocosim
 from orchestrator.errors import MistakeError
+from orchestrator.plots import valve_train
 from orchestrator.plots.speeds import PANELS
 from orchestrator.plots.variants import draw_variants
 from orchestrator.reporter import Reporter
 from orchestrator.scenario.display import format_number
+from orchestrator.study import run_overlay
 from orchestrator.study.speeds.compare import Choice, select_speeds
 from orchestrator.study.speeds.sweep import Swept, select_columns
 from orchestrator.study.speeds.variants import TABLE, Variant, list_variants, sweep_variants, tabulate
 from tribocosim.reporting import SilentReporter
+
+from .commands import called
 
 
 def make_swept(load: float, lost_from: float) -> Swept:
@@ -154,3 +160,31 @@ def test_the_torques_of_a_design_differ_by_their_line_and_lost_contact_is_shaded
     assert words == ["a", "least", "mean", "largest"]
     assert all(panel.patches for panel in figure.axes)
     assert np.ptp(lift.get_ylim()) > 0.08
+
+
+def test_two_runs_lie_over_each_other_with_their_names(tmp_path):
+    short = {"stop_time": "60 ms", "macro_step": "20 us", "reference.enabled": False}
+    for name, preload in (("soft", 250.0), ("stiff", 400.0)):
+        own = {**short, "components.valve_spring.parameters.preload": preload}
+        tribocosim.run(tribocosim.load("valve-train").with_(own), tmp_path / name)
+    one, other = (run_overlay.read_run(tmp_path / name) for name in ("soft", "stiff"))
+    folders = [str(tmp_path / name) for name in ("soft", "stiff")]
+    done = called("compare", *folders, "--out", str(tmp_path / "both"))
+    assert done.returncode == 0
+    (row,) = (line for line in done.stdout.splitlines() if "contact: largest load" in line)
+    assert " at " in row
+    assert [float(cell.split()[0]) for cell in row.split("│")[3:5]] == pytest.approx(
+        [one.coupled["contact.load"].max(), other.coupled["contact.load"].max()], rel=1e-3
+    )
+    again = called("compare", *folders[::-1], "--out", str(tmp_path / "both"))
+    assert "both.png: replaced a different file of this name" in again.stderr
+    assert (tmp_path / "both.png").stat().st_size > 10_000
+    refused = called("compare", *folders, "--out", str(tmp_path / "both.txt"))
+    assert refused.returncode == 2
+    assert "must be a PNG file" in refused.stderr
+    both = replace(one, names=("soft", "stiff"), reference=other.coupled, reference_time=other.time)
+    load = next(ax for ax in valve_train.draw(both).axes if ax.get_ylabel() == "Load (N)")
+    lines = {line.get_label(): line.get_ydata() for line in load.lines}
+    assert np.mean(lines["stiff"] - lines["soft"]) == pytest.approx(150.0, abs=1.0)
+    with pytest.raises(MistakeError, match="holds no finished run"):
+        run_overlay.read_run(tmp_path)

@@ -18,14 +18,10 @@ def compare_sweeps(  # options of a command
     ],
     second: Annotated[Path, typer.Argument(help="Output folder of the other design or run.")],
     out: Annotated[Path, typer.Option(help="File of the figure.")] = Path("results/compare.png"),
-    low: Annotated[
-        str | None,
-        typer.Option("--from", metavar="SPEED", help="Lowest speed."),
-    ] = None,
+    low: Annotated[str | None, typer.Option("--from", metavar="SPEED", help="Lowest speed.")] = None,
     high: Annotated[str | None, typer.Option("--to", metavar="SPEED", help="Highest speed.")] = None,
     at: Annotated[
-        str | None,
-        typer.Option(metavar="SPEED", help="One speed: the nearest that was computed."),
+        str | None, typer.Option(metavar="SPEED", help="One speed: the nearest that was computed.")
     ] = None,
     lost: Annotated[
         bool, typer.Option("--lost", help="Include speeds at which one of them loses contact.")

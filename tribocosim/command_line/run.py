@@ -20,8 +20,7 @@ if TYPE_CHECKING:
 
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures and write no report.")]
 Verbose = Annotated[
-    bool,
-    typer.Option("--verbose", help="Print all errors, the effort, and the output of FMUs."),
+    bool, typer.Option("--verbose", help="Print all errors, the effort, and the output of FMUs.")
 ]
 
 
@@ -42,8 +41,7 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     ] = False,
     master: Annotated[str | None, typer.Option(help="Use another master.")] = None,
     witness: Annotated[
-        str | None,
-        typer.Option(help="multibody: also solve the train as bodies with joints, and compare."),
+        str | None, typer.Option(help="multibody: also solve the train as bodies with joints, and compare.")
     ] = None,
     overwrite: Annotated[
         bool,

@@ -15,8 +15,7 @@ def ssp_export(
     scenario: ScenarioName,
     out: Annotated[Path | None, typer.Option(help="Output file.", show_default="SCENARIO.ssp")] = None,
     set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario, as for run."),
+        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario, as for run.")
     ] = None,
     version: Annotated[
         str, typer.Option(help="Of SSP: 1.0, or 2.0 for arrays and types of FMI 3.0.")

@@ -252,11 +252,7 @@ def _bisect(behaviour: Behaviour, good: float, bad: float) -> float:
 
 
 def find_hardest_point(
-    points: Iterable[Point],
-    master: Master,
-    first: float,
-    longest: float,
-    couplings: Couplings | None = None,
+    points: Iterable[Point], master: Master, first: float, longest: float, couplings: Couplings | None = None
 ) -> tuple[Point, float]:
     """Find the point at which `master` has its smallest stability limit, and that limit."""
     worst: Point | None = None

@@ -186,11 +186,7 @@ class LinearCoupling:
     """
 
     def __init__(
-        self,
-        system: System,
-        degree: int,
-        watched: Mapping[str, Sequence[str]] | None = None,
-        count: int = 1,
+        self, system: System, degree: int, watched: Mapping[str, Sequence[str]] | None = None, count: int = 1
     ) -> None:
         self.system, self.degree, self.count = system, degree, count
         self._linears: Mapping[str, Linear] | None = None

@@ -260,10 +260,7 @@ def needs_run(scenario: Scenario) -> bool:
 
 @contextmanager
 def open_linearisations(
-    scenario: Scenario,
-    system: System,
-    participants: Mapping[str, ParticipantPlan],
-    every: bool = False,
+    scenario: Scenario, system: System, participants: Mapping[str, ParticipantPlan], every: bool = False
 ) -> Iterator[dict[str, Linearisation]]:
     """Choose the linearisation of every instance; participants live as long as the block.
 
@@ -327,9 +324,7 @@ def check_repetition(scenario: Scenario, name: str, inputs: int) -> None:
         )
 
 
-def select_participants(
-    linearisations: Mapping[str, Linearisation],
-) -> dict[str, ParticipantLinearisation]:
+def select_participants(linearisations: Mapping[str, Linearisation]) -> dict[str, ParticipantLinearisation]:
     """Those of participants, without components."""
     return {
         name: source

@@ -20,14 +20,7 @@ from ...run.plan import ParticipantPlan, open_participants
 from ...scenario import Scenario, ScenarioError
 from ...scenario.fmu_limits import FmuLimits
 from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
-from .linearisation import (
-    POINTS,
-    Linearisation,
-    Point,
-    linearise_points,
-    needs_run,
-    select_participants,
-)
+from .linearisation import POINTS, Linearisation, Point, linearise_points, needs_run, select_participants
 from .macro_step import SampledTrajectory, predict_errors, sample_trajectory
 from .partition import Partition
 from .trajectory import STRIDE, ParticipantLinearisation, run_course, solve_course
@@ -258,8 +251,7 @@ class _Surveyor:
         if len(equal) == 1 or not limit > self.scenario.macro_step:
             return equal[0]
         return min(
-            equal,
-            key=lambda order: max(self._predict_errors(build(self.typical, order), FINER).values()),
+            equal, key=lambda order: max(self._predict_errors(build(self.typical, order), FINER).values())
         )
 
     def assess(self, master: Master) -> AssessedMethod:

@@ -102,12 +102,7 @@ class ExchangeFmu(OpenedFmu):
     instances: ClassVar[Mapping[str, Any]] = {"2.0": _Fmi2, "3.0": _Fmi3}
 
     def __init__(
-        self,
-        name: str,
-        path: Path,
-        settings: FmuSettings,
-        inputs: Sequence[str],
-        folder: Path | None = None,
+        self, name: str, path: Path, settings: FmuSettings, inputs: Sequence[str], folder: Path | None = None
     ) -> None:
         super().__init__(name, path, settings, folder)
         about = self._fmu.description

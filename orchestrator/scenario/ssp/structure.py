@@ -200,8 +200,7 @@ class _SystemReader:
             self._found.integrated.add(path)
         if implementation == "ScheduledExecution":
             raise self._refuse(
-                f"{shown}: implementation 'ScheduledExecution'",
-                "give it as CoSimulation or ModelExchange",
+                f"{shown}: implementation 'ScheduledExecution'", "give it as CoSimulation or ModelExchange"
             )
         self._found.components[path] = resolve_source(source, f"{self._where}: {shown}")
         self._read_connectors(element, path)

@@ -8,13 +8,7 @@ from hypothesis import strategies as st
 
 from models.contact.fluid import VISCOSITY_LAWS, Lubricant, log_viscosity
 from models.contact.oil_grades import GRADES
-from models.contact.oils import (
-    ROELANDS_PRESSURE,
-    ZERO_CELSIUS,
-    density,
-    evaluate_oil,
-    kinematic_viscosity,
-)
+from models.contact.oils import ROELANDS_PRESSURE, ZERO_CELSIUS, density, evaluate_oil, kinematic_viscosity
 from models.contact.rheology import (
     GRADUAL,
     LIMITING_LAWS,
