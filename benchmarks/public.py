@@ -25,8 +25,15 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import assemble, build_system
 
 from .coupling.methods import Method, Trace, measure_method
-from .coupling.problem import PROBLEMS, CouplingProblem, build_problem, solve_reference
-from .coupling.row import Row, build_fmus, compute_errors
+from .coupling.problem import (
+    PROBLEMS,
+    CouplingProblem,
+    Row,
+    build_fmus,
+    build_problem,
+    compute_errors,
+    solve_reference,
+)
 
 VARIABLE = "TRIBOCOSIM_THIRD_PARTY"
 BESIDE = Path(__file__).parents[1].parent / "shared" / "third_party"

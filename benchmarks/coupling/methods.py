@@ -15,8 +15,7 @@ from orchestrator.run.plan import FmuFile
 from orchestrator.run.simulation import Statistics, simulate
 from orchestrator.stepping import StepControl, Stepper, control_steps
 
-from .problem import CouplingProblem
-from .row import Row, compute_errors
+from .problem import CouplingProblem, Row, compute_errors
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 

@@ -15,7 +15,7 @@ from models.slider_crank.flight.bouncing import LOWER, UPPER
 
 from ..plots.motion import create_figure, set_angle_axis
 from ..plots.style import COUPLED, REFERENCE
-from ._impacts import COUNTS, count_impacts, simulate_first_impacts
+from ._distribution import COUNTS, count_impacts, simulate_first_impacts
 from ._machine import MACHINE, START, column, declare_duration, evaluate_by
 from .protocol import Analysis, Parameter, Result
 

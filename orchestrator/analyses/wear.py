@@ -18,8 +18,15 @@ from models.slider_crank.motions.statistics import (
 
 from ..plots.motion import add_legend, create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED
-from ._distribution import draw_profile, read_bin_edges
-from ._impacts import COUNTS, count_impacts, declare_impacts, simulate_impacts, tabulate_bins
+from ._distribution import (
+    COUNTS,
+    count_impacts,
+    declare_impacts,
+    draw_profile,
+    read_bin_edges,
+    simulate_impacts,
+    tabulate_bins,
+)
 from ._machine import build_machine, column, evaluate_by
 from .protocol import Analysis, Result
 

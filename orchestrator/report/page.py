@@ -19,7 +19,7 @@ from ..store import atomic_write
 from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY
 from ..texts import parse_json, read_text
 from .content import collect_run
-from .records import Records, open_records
+from .packing import Records, open_records
 
 SCRIPTS = (
     "series.js", "axes.js", "view.js", "marks.js", "panel.js", "phase.js", "steps.js", "scene.js",

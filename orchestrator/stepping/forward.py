@@ -9,9 +9,8 @@ from ..engine.coupling import Coupling
 from ..engine.signals import evaluate, extrapolate
 from ..engine.step import ERROR, GROWTH, LONGEST, STOP, TIME_EVENT, Step
 from ..masters import Master
-from .controlled import StepControl
-from .controller import GROW, PI
-from .estimators.nodes import effective_degree
+from .controlled import GROW, PI, StepControl
+from .estimators import effective_degree
 from .guard import RunawayGuard
 from .indicators import INDICATORS
 

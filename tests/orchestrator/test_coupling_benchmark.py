@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 
 from benchmarks.coupling.methods import Method, measure_method
-from benchmarks.coupling.problem import PROBLEMS, build_problem
-from benchmarks.coupling.row import build_fmus, compute_errors
+from benchmarks.coupling.problem import PROBLEMS, build_fmus, build_problem, compute_errors
 from benchmarks.hydraulic_manipulator import OPENING, PRESSURE_1, PRESSURE_2, WEIGHT, links
 from benchmarks.public import PUBLISHED, compare_manipulator, describe_manipulator, find_data
 from fmus.build import build

@@ -13,7 +13,7 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.masters.acceleration import ACCELERATIONS
 from orchestrator.masters.newton import Correction
 from orchestrator.participants.in_process import InProcessParticipant as in_process
-from orchestrator.stepping.controller import PI
+from orchestrator.stepping.controlled import PI
 
 from .coupled import Wrapper, build_participants, run_coupled
 from .recorder import Recorder
