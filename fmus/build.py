@@ -187,7 +187,7 @@ def compute_references(name: str, structure: Mapping[str, int] | None) -> dict[s
     sizes = resolve_component(name, structure)[1].structure
     if is_own(name) or sizes != CATALOGUE[name]().structure or find_extra(name, "STIMULUS", None) is None:
         return {}
-    from .reference_results.files import build_references  # its solvers take long to import
+    from .reference_results.inside import build_references  # its solvers take long to import
 
     return build_references(name)
 

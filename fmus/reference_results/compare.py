@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, open_archive
 from models.core.remedies import Option
 
-from .files import FOLDER, MANIFEST, ComparisonError, Options, Table, read_csv, read_options
+from .files import ComparisonError, Options, Table, read_csv, read_options
+from .inside import FOLDER, MANIFEST
 
 TRUTH = {"true": "1", "false": "0"}
 # Where neither file nor FMU states a tolerance: what is seen in a plot.

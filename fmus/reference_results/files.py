@@ -1,25 +1,18 @@
 """Reference results as files, by the rules 4.1 of FMI Cross-Check: `NAME_in.csv`, `_ref.csv`, `_ref.opt`.
 
 CSV: names in double quotes, commas, numbers as in C, time first and never falling, no units, no comments.
-
-Reference results inside an FMU, as the layered standard FMI-LS-REF (1.0.0-alpha.1) places related files.
-
-`extra/` is for additional data in FMI 2.0 (since 2.0.2) and 3.0; tools that do not know the standard skip it.
 """
 
 import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
 
 from models.core.errors import MistakeError
 from models.core.quantities import Vector
-
-from .results import compute_results
 
 REQUIRED = ("StartTime", "StopTime", "StepSize", "RelTol")
 
@@ -124,37 +117,3 @@ def read_options(text: str, name: str) -> Options:
     if tolerance < 0.0:
         raise ComparisonError(f"{name}: RelTol = {tolerance:g}: must not be negative")
     return Options(start, stop, step, tolerance, found.get("OutputIntervalLength"))
-
-
-FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
-MANIFEST = f"{FOLDER}/fmi-ls-manifest.xml"
-
-_NAMESPACE = "http://fmi-standard.org/fmi-ls-manifest"
-_HEAD = f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiReferences xmlns:fmi-ls="{_NAMESPACE}"
-    fmi-ls:fmi-ls-name="org.fmi-standard.fmi-ls-ref"
-    fmi-ls:fmi-ls-version="1.0.0-alpha.1"
-    fmi-ls:fmi-ls-description="Layered Standard providing information on related files included in an FMU.">
-"""
-_KINDS = {
-    "_in.csv": ("text/csv", "testcase", "Inputs of the reference run"),
-    "_ref.csv": ("text/csv", "result", "Reference results of an independent solver"),
-    "_ref.opt": ("text/plain", "testcase", "Times, step size and tolerance of the reference run"),
-    "README.md": ("text/markdown", "document", "What the reference run is, and how near an FMU comes"),
-}
-
-
-def build_references(name: str) -> dict[str, bytes]:
-    """The files to ship with the FMU `name`, by path: inputs and computed results."""
-    files = compute_results(name).files
-    found = {f"{FOLDER}/{path}": text.encode() for path, text in sorted(files.items())}
-    return found | {MANIFEST: _manifest(sorted(files)).encode()}
-
-
-def _manifest(paths: Iterable[str]) -> str:
-    lines = []
-    for path in paths:
-        kind, role, says = next(kind for suffix, kind in _KINDS.items() if path.endswith(suffix))
-        attributes = f'source={quoteattr(path)} role="{role}" description={quoteattr(says)}'
-        lines.append(f'    <Related type="{kind}" {attributes}/>\n')
-    return _HEAD + "".join(lines) + "</fmiReferences>\n"

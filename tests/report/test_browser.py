@@ -16,8 +16,7 @@ from orchestrator.report import write_report
 from orchestrator.store.result_file import ResultFile
 
 from .large import write_large
-from .sweeps import SPEEDS, load_of, write_sweep
-from .test_page import write_evil
+from .test_page import SPEEDS, load_of, write_evil, write_sweep
 
 # A browser that asks nothing of any network by itself.
 QUIET = [
