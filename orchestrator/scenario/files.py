@@ -251,11 +251,10 @@ def _keep_units(table: ComponentTable, section: str) -> dict[str, str]:
     layout = {"parameters": component.parameters, "inputs": component.inputs, "start": component.state}[
         section
     ]
-    given = ((name, value, layout.field(name).quantity) for name, value in getattr(table, section).items())
     return {
         name: f"{float(value)!r} {quantity.unit}"
-        for name, value, quantity in given
-        if isinstance(value, WithUnit) and quantity.doubt(value)
+        for name, value in getattr(table, section).items()
+        if isinstance(value, WithUnit) and (quantity := layout.field(name).quantity).doubt(value)
     }
 
 
