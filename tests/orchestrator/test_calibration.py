@@ -347,3 +347,14 @@ def test_samples_of_a_cycle_fall_on_the_data():
     assert count_samples(np.arange(0.0, 360.0, 1.0) / 360.0) == 360
     assert count_samples((np.arange(0.0, 360.0, 2.0) + 0.5) / 360.0) == 720
     assert count_samples(np.random.default_rng(0).uniform(size=100)) == 7200
+
+
+def test_a_residual_above_the_given_noise_is_told(tmp_path):
+    """The oscillation has noise of 5 mm where 1 mm is given."""
+    data = write_oscillation(tmp_path / "data.csv", noise=5.0)
+    signals = [f"{WAY[0]}, noise 1 mm"]
+    found = tribocosim.calibrate("two-masses", data, ["first.coupling_stiffness"], signals=signals)
+    (note,) = found.attrs["notes"]
+    assert note.startswith("way: the residual is ")
+    # The mean square of 200 numbers is within 20 %.
+    assert float(note.split()[4]) == pytest.approx(5.0, rel=0.2)

@@ -28,6 +28,8 @@ from .objective import Objective
 from .unseen import list_correlated
 
 TABLE, NUMBERS, FITTED = "calibration.csv", "calibration.json", "calibrated.toml"
+# A residual over the given noise above this is told.
+MISFIT = 1.5
 SIGNALS, FIGURE = "calibration-signals.csv", "calibration.png"
 
 
@@ -80,7 +82,19 @@ class Calibration:
             for one, x in zip(self.objective.parameters, self.fit.x, strict=True)
             if min(abs(one.size * x - one.low), abs(one.size * x - one.high)) <= 1e-6 * one.size
         ]
-        return [*(one.text for one in self.fit.unseen), *bounded, *correlated]
+        return [*(one.text for one in self.fit.unseen), *bounded, *self._list_misfits(), *correlated]
+
+    def _list_misfits(self) -> list[str]:
+        """Signals with a given noise that the model does not reach."""
+        found = []
+        for signal, _, one in _list_signals(self):
+            times = float(np.sqrt(np.mean(one.residual**2)))
+            if signal.noise and times > MISFIT:
+                found.append(
+                    f"{signal.column}: the residual is {times:.2g} times the noise that was given: the model "
+                    "lacks something, or the fit was trapped; begin elsewhere, or from several starts"
+                )
+        return found
 
 
 def print_table(done: Calibration, reporter: Reporter) -> None:
