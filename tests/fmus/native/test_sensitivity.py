@@ -81,8 +81,8 @@ class Point:
     def noise(self) -> np.ndarray:
         """The rounding of each, but for its own size."""
         c, found = self.component, self.calculated()
-        states, inputs = found[-c.state.size :] / c.state.nominal, self.du / c.inputs.nominal
-        pace = max(1.0, np.abs(states).max(), np.abs(inputs).max())
+        states, inputs = found[found.size - c.state.size :] / c.state.nominal, self.du / c.inputs.nominal
+        pace = max(1.0, np.abs(states).max(initial=0.0), np.abs(inputs).max())
         size = np.abs(found) * ROUNDING
         outputs = slice(0, c.outputs.size)
         size[c.outputs.size + 3 :][outputs] += ROUNDING_OF_RATES * pace * np.abs(found[outputs])
