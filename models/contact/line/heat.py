@@ -14,6 +14,7 @@ and oil turns back in the inlet. In a column the heat that shear makes is linear
 (Newton's method, by Sherman's and Morrison's formula): cooler oil resists more, and all share one stress.
 """
 
+import math
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
@@ -21,9 +22,13 @@ from .newton import FilmProblem
 from .reynolds import Nodes, cell
 from .shear import SOLID_LAYERS, Heat, HeatLaws, depth
 
-# Vectors of a column in Heat.columns: below, diagonal, above, right side, and the stress' answer.
-BELOW, DIAGONAL, ABOVE, RIGHT, ANSWER = range(5)
-COLUMNS = 5
+# Vectors of a column in Heat.columns: elements of its matrix, right side, and the answer to the stress' heat;
+# of bodies' rows heat capacity (J/(m2 K)) and conductance to the next row (W/(m2 K)).
+BELOW, DIAGONAL, ABOVE, RIGHT, ANSWER, HELD, LINKED = range(7)
+
+
+# Rises (K) below which changes are taken relative to this one.
+COOL = 1.0
 
 
 @kernel
@@ -57,22 +62,15 @@ def resistance(row: int, layers: int, film: float, laws: HeatLaws) -> float:
 
 
 @kernel
-def carried(
-    flow: float, outward: float, near: int, far: int, behind: int, reach: float, back: float, i: int,
-    r: int, rise: Any, column: Any,
-) -> None:  # fmt: skip
-    """What `flow` (W/(m K), ascending x) through a face carries into or out of node i.
-
-    `outward`: +1 at the right face. Oil that comes in does so from near and far of it, by `reach`; what
-    leaves has the node's temperature, by `back` less like that behind it.
-    """
-    out = flow * outward
-    if out > 0.0:
-        column[DIAGONAL, r] += out * back
-        column[RIGHT, r] += out * back * rise[behind, r]
-    else:
-        column[DIAGONAL, r] -= out
-        column[RIGHT, r] -= out * ((1.0 + reach) * rise[near, r] - reach * rise[far, r])
+def fill_bodies(layers: int, laws: HeatLaws, column: Any) -> None:
+    """What rows of the bodies are in every column."""
+    for r in range(column.shape[1]):
+        column[HELD, r], column[LINKED, r] = capacity(r, layers, 0.0, 1.0, laws), 0.0
+    for first in (0, SOLID_LAYERS + layers):
+        for r in range(first, first + SOLID_LAYERS - 1):
+            column[LINKED, r] = 1.0 / (
+                resistance(r, layers, 0.0, laws) + resistance(r + 1, layers, 0.0, laws)
+            )
 
 
 @kernel
@@ -84,41 +82,64 @@ def reach_of(X: Any, face: float, near: int, far: int) -> float:
 
 
 @kernel
-def solve_column(i: int, heat: Heat) -> float:
-    """New temperatures of a column; the largest change (K)."""
-    c, rows = heat.columns, heat.rise.shape[1]
-    layers = rows - 2 * SOLID_LAYERS
-    for r in range(1, rows):
-        factor = c[BELOW, r] / c[DIAGONAL, r - 1]
-        c[DIAGONAL, r] -= factor * c[ABOVE, r - 1]
-        c[RIGHT, r] -= factor * c[RIGHT, r - 1]
-        c[ANSWER, r] -= factor * c[ANSWER, r - 1]
-    for r in range(rows - 1, -1, -1):
-        if r < rows - 1:
-            c[RIGHT, r] -= c[ABOVE, r] * c[RIGHT, r + 1]
-            c[ANSWER, r] -= c[ABOVE, r] * c[ANSWER, r + 1]
-        c[RIGHT, r] /= c[DIAGONAL, r]
-        c[ANSWER, r] /= c[DIAGONAL, r]
-    plain, softer = 0.0, 1.0
-    for k in range(layers):
-        plain += heat.softening[i, k] * c[RIGHT, SOLID_LAYERS + k]
-        softer += heat.softening[i, k] * c[ANSWER, SOLID_LAYERS + k]
-    largest = 0.0
-    for r in range(rows):
-        c[RIGHT, r] -= c[ANSWER, r] * plain / softer
-        largest = max(largest, abs(c[RIGHT, r] - heat.rise[i, r]))
+def solve_column(
+    c: Any, rise: Any, softening: Any, heating: Any, growth: Any, response: float
+) -> tuple[float, float, float]:
+    """New temperatures of a column, with their heat; the largest change and the largest rise (K), and the
+    stress' factor.
+
+    The bodies are eliminated from their depth, the film from body 1; the diagonal becomes its inverse.
+    """
+    rows = rise.shape[0]
+    first, last = SOLID_LAYERS, rows - SOLID_LAYERS - 1
+    below, diagonal, above, right, answer = c[BELOW], c[DIAGONAL], c[ABOVE], c[RIGHT], c[ANSWER]
+    diagonal[0], diagonal[rows - 1] = 1.0 / diagonal[0], 1.0 / diagonal[rows - 1]
+    for j in range(1, SOLID_LAYERS):
+        r = rows - 1 - j
+        one, other = below[j] * diagonal[j - 1], above[r] * diagonal[r + 1]
+        right[j] -= one * right[j - 1]
+        right[r] -= other * right[r + 1]
+        diagonal[j] = 1.0 / (diagonal[j] - one * above[j - 1])
+        diagonal[r] = 1.0 / (diagonal[r] - other * below[r + 1])
+    one, other = below[first] * diagonal[first - 1], above[last] * diagonal[last + 1]
+    right[first] -= one * right[first - 1]
+    right[last] -= other * right[last + 1]
+    diagonal[last] -= other * below[last + 1]
+    diagonal[first] = 1.0 / (diagonal[first] - one * above[first - 1])
+    for r in range(first + 1, last + 1):
+        one = below[r] * diagonal[r - 1]
+        right[r] -= one * right[r - 1]
+        answer[r] -= one * answer[r - 1]
+        diagonal[r] = 1.0 / (diagonal[r] - one * above[r - 1])
+    plain, softer, after, after_answer = 0.0, 1.0, 0.0, 0.0
+    for r in range(last, first - 1, -1):
+        after = (right[r] - above[r] * after) * diagonal[r] if r < last else right[r] * diagonal[r]
+        after_answer = (
+            (answer[r] - above[r] * after_answer) * diagonal[r] if r < last else answer[r] * diagonal[r]
+        )
+        right[r], answer[r] = after, after_answer
+        plain += softening[r - first] * after
+        softer += softening[r - first] * after_answer
+    plain /= softer
     # Heat and stress that go with the new temperatures.
     fall = 0.0
-    for k in range(layers):
-        fall += heat.softening[i, k] * (c[RIGHT, SOLID_LAYERS + k] - heat.rise[i, SOLID_LAYERS + k])
-    for k in range(layers):
-        r = SOLID_LAYERS + k
-        change = heat.growth[i, k] * (c[RIGHT, r] - heat.rise[i, r])
-        heat.heating[i, k] += change - heat.response[i] * heat.heating[i, k] * fall
-    heat.stress[i] *= 1.0 - (heat.response[i] - 1.0) * fall
+    for k in range(softening.shape[0]):
+        right[first + k] -= answer[first + k] * plain
+        fall += softening[k] * (right[first + k] - rise[first + k])
+    for k in range(softening.shape[0]):
+        change = growth[k] * (right[first + k] - rise[first + k])
+        heating[k] += change - response * heating[k] * fall
+    for j in range(SOLID_LAYERS - 1, -1, -1):
+        r = rows - 1 - j
+        right[j] = (right[j] - above[j] * right[j + 1]) * diagonal[j]
+        right[r] = (right[r] - below[r] * right[r - 1]) * diagonal[r]
+    largest, highest = 0.0, 0.0
     for r in range(rows):
-        heat.rise[i, r] = c[RIGHT, r]
-    return largest
+        largest = max(largest, abs(right[r] - rise[r]))
+        highest = max(highest, abs(right[r]))
+        rise[r] = right[r]
+    # A sum, as the larger of a number and nan is the number.
+    return largest + 0.0 * plain, highest, 1.0 - (response - 1.0) * fall
 
 
 class Faces(NamedTuple):
@@ -154,75 +175,179 @@ def find_faces(i: int, width: float, per_time: float, old: Any, X: Any, nodes: A
     )  # fmt: skip
 
 
-@kernel
-def carry_along(i: int, r: int, left: float, right: float, at: Faces, rise: Any, column: Any) -> None:
-    """What flows (W/(m K)) through both faces carry."""
-    far_left, far_right = max(i - 2, 0), min(i + 2, rise.shape[0] - 1)
-    carried(left, -1.0, i - 1, far_left, i + 1, at.from_left, at.to_left, i, r, rise, column)
-    carried(right, 1.0, i + 1, far_right, i - 1, at.from_right, at.to_right, i, r, rise, column)
+class Come(NamedTuple):
+    """What flows of both faces bring from the nodes beside (m2/s), less what they bring from those beyond."""
+
+    left: float
+    far_left: float
+    right: float
+    far_right: float
 
 
 @kernel
-def fill_column(
-    i: int, p: Any, h: Any, problem: FilmProblem, old: Any, rough: float, laws: HeatLaws, X: Any,
-    nodes: Nodes, heat: Heat,
+def carry(left: float, right: float, at: Faces) -> Come:
+    """Of flows through both faces (m2/s, ascending x).
+
+    Oil that comes in does so from the node next to the face and that beyond it; what leaves has the node's
+    temperature, more by as much as it exceeds that of the node it came from.
+    """
+    gone_right, come_right = max(right, 0.0), max(-right, 0.0)
+    gone_left, come_left = max(-left, 0.0), max(left, 0.0)
+    return Come(
+        gone_right * at.to_right + come_left * (1.0 + at.from_left), come_left * at.from_left,
+        gone_left * at.to_left + come_right * (1.0 + at.from_right), come_right * at.from_right,
+    )  # fmt: skip
+
+
+@kernel
+def fill_body(
+    i: int, first: int, kept: float, width: float, per_time: float, come: Come, c: Any, base: Any, rise: Any
+) -> None:
+    """The equations of one body's rows at node i, without what they exchange with the film; `kept` (m2/s):
+    width of the volume before over the time."""
+    end, n = first + SOLID_LAYERS, rise.shape[0]
+    kept += come.left + come.right - come.far_left - come.far_right
+    held, linked = c[HELD, first:end], c[LINKED, first:end]
+    below, diagonal = c[BELOW, first:end], c[DIAGONAL, first:end]
+    above, right, stored = c[ABOVE, first:end], c[RIGHT, first:end], base[i, first:end]
+    T_left, T_right = rise[i - 1, first:end], rise[i + 1, first:end]
+    T_far_left, T_far_right = rise[max(i - 2, 0), first:end], rise[min(i + 2, n - 1), first:end]
+    before = 0.0
+    for j in range(SOLID_LAYERS):
+        after = linked[j] * width
+        below[j], above[j] = -before, -after
+        diagonal[j] = held[j] * kept + before + after
+        before = after
+    for j in range(SOLID_LAYERS):
+        right[j] = stored[j] * per_time + held[j] * (
+            come.left * T_left[j] - come.far_left * T_far_left[j]
+            + come.right * T_right[j] - come.far_right * T_far_right[j]
+        )  # fmt: skip
+
+
+@kernel
+def fill_layers(
+    i: int, held: float, grown: float, share: float, inner: float, per_time: float, at: Faces, c: Any,
+    base: Any, rise: Any, speed: Any,
 ) -> None:  # fmt: skip
-    """The equations of node i's temperatures; `rough` (W/m): heat of its asperities, half to either body."""
-    c, rows = heat.columns, heat.rise.shape[1]
-    layers = rows - 2 * SOLID_LAYERS
-    width, per_time = problem.scale * cell(X, i), 1.0 / problem.time_step
-    base_width = width - problem.scale_rate * problem.time_step * cell(X, i)
-    at = find_faces(i, width, per_time, old, X, nodes)
-    share = laws.capacity / layers
-    grown = share * ((nodes.mass[i] * width - old[i]) * per_time - at.over)
+    """The equations of the film's rows at node i, without their heat and what they exchange with the bodies.
+
+    `held`, `grown` (W/(m K)): heat capacity of a layer before over the time, and its growth; `inner`:
+    conductance between layers; `share` (J/(m3 K)) of the oil's heat capacity.
+    """
+    layers, n = speed.shape[1], rise.shape[0]
+    first, end = SOLID_LAYERS, SOLID_LAYERS + layers
+    below, diagonal, above = c[BELOW, first:end], c[DIAGONAL, first:end], c[ABOVE, first:end]
+    right, stored = c[RIGHT, first:end], base[i, first:end]
+    T_left, T_right = rise[i - 1, first:end], rise[i + 1, first:end]
+    T_far_left, T_far_right = rise[max(i - 2, 0), first:end], rise[min(i + 2, n - 1), first:end]
+    v_left, v, v_right = speed[i - 1], speed[i], speed[i + 1]
     crossing, across = 0.0, 0.0
-    for r in range(rows):
-        k = r - SOLID_LAYERS
-        in_film = 0 <= k < layers
-        c[BELOW, r], c[DIAGONAL, r], c[ANSWER, r] = -across - 0.5 * crossing, across + 0.5 * crossing, 0.0
-        c[RIGHT, r] = heat.base[i, r] * per_time
-        if in_film:
-            c[DIAGONAL, r] += share * old[i] * per_time
-            left = at.q_left + at.m_left * 0.5 * (heat.speed[i - 1, k] + heat.speed[i, k])
-            right = at.q_right + at.m_right * 0.5 * (heat.speed[i, k] + heat.speed[i + 1, k])
-            carry_along(i, r, share * left, share * right, at, heat.rise, c)
-            # What a layer has too much leaves it upwards; none of the last.
-            crossing = crossing - grown - share * (right - left) if k < layers - 1 else 0.0
-        else:
-            one = capacity(r, layers, 0.0, 1.0, laws)
-            c[DIAGONAL, r] += one * base_width * per_time
-            half = 0.5 if r < SOLID_LAYERS else -0.5
-            velocity = problem.drive.velocity + half * problem.drive.sliding
-            left, right = velocity - problem.scale_rate * at.left, velocity - problem.scale_rate * at.right
-            carry_along(i, r, one * left, one * right, at, heat.rise, c)
-        if r < rows - 1:
-            # Crossing oil has the mean temperature of both sides where conduction smooths that.
-            across = width / (resistance(r, layers, h[i], laws) + resistance(r + 1, layers, h[i], laws))
-            across = max(across, 0.5 * abs(crossing))
-            c[DIAGONAL, r] += across - 0.5 * crossing
-            c[ABOVE, r] = -across + 0.5 * crossing
-    heat_layers(i, p, h, problem, at.passing, laws, X, heat)
-    c[RIGHT, SOLID_LAYERS - 1] += 0.5 * rough
-    c[RIGHT, SOLID_LAYERS + layers] += 0.5 * rough
+    for k in range(layers):
+        q_left = at.q_left + at.m_left * 0.5 * (v_left[k] + v[k])
+        q_right = at.q_right + at.m_right * 0.5 * (v[k] + v_right[k])
+        come = carry(q_left, q_right, at)
+        right[k] = stored[k] * per_time + share * (
+            come.left * T_left[k] - come.far_left * T_far_left[k]
+            + come.right * T_right[k] - come.far_right * T_far_right[k]
+        )  # fmt: skip
+        below[k] = -across - 0.5 * crossing
+        diagonal[k] = held + share * (come.left + come.right - come.far_left - come.far_right)
+        diagonal[k] += across + 0.5 * crossing
+        # What a layer has too much leaves it upwards. Crossing oil has the mean temperature of both sides
+        # where conduction smooths that.
+        crossing = crossing - grown - share * (q_right - q_left)
+        across = max(inner, 0.5 * abs(crossing))
+        if k == layers - 1:
+            crossing, across = 0.0, 0.0
+        diagonal[k] += across - 0.5 * crossing
+        above[k] = -across + 0.5 * crossing
 
 
 @kernel
 def heat_layers(
-    i: int, p: Any, h: Any, problem: FilmProblem, passing: float, laws: HeatLaws, X: Any, heat: Heat
-) -> None:
-    """Heat of shear and compression in the film's rows of node i; mean velocity past the node (m/s)."""
-    c, layers = heat.columns, heat.speed.shape[1]
-    pressed = (p[i] - heat.pressure_base[i]) / problem.time_step
-    gradient = (p[i + 1] - p[i - 1]) / (problem.scale * (X[i + 1] - X[i - 1])) if p[i] > 0.0 else 0.0
-    volume = h[i] * problem.scale * cell(X, i) / layers
+    c: Any, rise: Any, softening: Any, heating: Any, growth: Any, speed: Any, response: float,
+    temperature: float, volume: float, pressed: float, gradient: float, passing: float,
+) -> None:  # fmt: skip
+    """Heat of shear and compression in the film's rows of a node; `volume` (m2) of a layer times the oil's
+    expansion, mean velocity past the node (m/s), the pressure's rate and gradient."""
+    first, end = SOLID_LAYERS, SOLID_LAYERS + softening.shape[0]
+    diagonal, right, answer = c[DIAGONAL, first:end], c[RIGHT, first:end], c[ANSWER, first:end]
+    T = rise[first:end]
     fall = 0.0
-    for k in range(layers):
-        fall += heat.softening[i, k] * heat.rise[i, SOLID_LAYERS + k]
-    for k in range(layers):
-        r = SOLID_LAYERS + k
-        answer, rise = heat.response[i] * heat.heating[i, k], heat.rise[i, r]
-        c[DIAGONAL, r] -= heat.growth[i, k]
-        c[ANSWER, r] = answer
-        c[RIGHT, r] += heat.heating[i, k] - heat.growth[i, k] * rise + answer * fall
-        changing = pressed + (passing + heat.speed[i, k]) * gradient
-        c[RIGHT, r] += laws.expansion * (laws.thermal.temperature + rise) * changing * volume
+    for k in range(softening.shape[0]):
+        fall += softening[k] * T[k]
+    for k in range(softening.shape[0]):
+        answer[k] = response * heating[k]
+        hot = (temperature + T[k]) * volume * (pressed + (passing + speed[k]) * gradient)
+        diagonal[k] -= growth[k]
+        right[k] += heating[k] - growth[k] * T[k] + answer[k] * fall + hot
+
+
+@kernel
+def exchange(c: Any, film: int, body: int, link: float) -> None:
+    """Conduction (W/(m K)) between the surface's rows of film and body."""
+    to_film, to_body = (BELOW, ABOVE) if body < film else (ABOVE, BELOW)
+    c[to_film, film], c[to_body, body] = -link, -link
+    c[DIAGONAL, film] += link
+    c[DIAGONAL, body] += link
+
+
+@kernel
+def warm(
+    p: Any,
+    h: Any,
+    problem: FilmProblem,
+    old: Any,
+    laws: HeatLaws,
+    X: Any,
+    nodes: Nodes,
+    heat: Heat,
+    step: int,
+) -> float:
+    """Temperatures after the time step under p and h, along the film (step = 1) or back (-1); the largest
+    change over the highest rise.
+
+    nan where a temperature is not finite.
+    """
+    c, n, layers = heat.columns, p.shape[0], heat.speed.shape[1]
+    rise, base, end = heat.rise, heat.base, SOLID_LAYERS + layers
+    largest, highest, total = 0.0, COOL, 0.0
+    drive, scale_rate, per_time = problem.drive, problem.scale_rate, 1.0 / problem.time_step
+    share = laws.capacity / layers
+    fill_bodies(layers, laws, c)
+    for k in range(1, n - 1):
+        i = k if step > 0 else n - 1 - k
+        width = problem.scale * cell(X, i)
+        at = find_faces(i, width, per_time, old, X, nodes)
+        kept = width * per_time - scale_rate * cell(X, i)
+        for body in range(2):
+            velocity = drive.velocity + (0.5 - body) * drive.sliding
+            come = carry(velocity - scale_rate * at.left, velocity - scale_rate * at.right, at)
+            fill_body(i, body * end, kept, width, per_time, come, c, base, rise)
+        held = share * old[i] * per_time
+        grown = share * ((nodes.mass[i] * width - old[i]) * per_time - at.over)
+        inner = width * layers * laws.conductivity / h[i]
+        fill_layers(i, held, grown, share, inner, per_time, at, c, base, rise, heat.speed)
+        gradient = (p[i + 1] - p[i - 1]) / (problem.scale * (X[i + 1] - X[i - 1])) if p[i] > 0.0 else 0.0
+        heat_layers(
+            c, rise[i], heat.softening[i], heat.heating[i], heat.growth[i], heat.speed[i], heat.response[i],
+            laws.thermal.temperature, laws.expansion * h[i] * width / layers,
+            (p[i] - heat.pressure_base[i]) * per_time, gradient, at.passing,
+        )  # fmt: skip
+        half = resistance(SOLID_LAYERS, layers, h[i], laws)
+        exchange(
+            c,
+            SOLID_LAYERS,
+            SOLID_LAYERS - 1,
+            width / (resistance(SOLID_LAYERS - 1, layers, 0.0, laws) + half),
+        )
+        exchange(c, end - 1, end, width / (resistance(end, layers, 0.0, laws) + half))
+        c[RIGHT, SOLID_LAYERS - 1] += 0.5 * heat.rough[i]
+        c[RIGHT, end] += 0.5 * heat.rough[i]
+        changed, hottest, weaker = solve_column(
+            c, rise[i], heat.softening[i], heat.heating[i], heat.growth[i], heat.response[i]
+        )
+        heat.stress[i] *= weaker
+        largest, highest, total = max(largest, changed), max(highest, hottest), total + changed
+    return largest / highest if math.isfinite(total) else math.nan

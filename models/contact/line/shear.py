@@ -50,11 +50,15 @@ class HeatLaws(NamedTuple):
 
 class Heat(NamedTuple):
     """Scratch over nodes. Rises of temperature (K) over rows (n, rows): body 1 from the depth to its surface,
-    film, body 2 to the depth; `flat` is `rise` as one vector. Over layers (n, layers): heat (W/m), its
+    film, body 2 to the depth; `flat` is `rise` as one vector, `guess` and `trail` (4) are such of the turns
+    of film and heat. Over layers (n, layers): heat (W/m), its
     growth by the layer's own temperature, what all temperatures make of the stress (1/K), and velocity
-    (m/s) less the mean. Over nodes: stress (Pa), how heat answers the stress, pressure at the base (Pa)."""
+    (m/s) less the mean. Over nodes: stress (Pa), how heat answers the stress, pressure at the base (Pa),
+    heat of asperities (W/m)."""
 
     flat: Any
+    guess: Any
+    trail: Any
     rise: Any
     start: Any
     middle: Any
@@ -67,6 +71,7 @@ class Heat(NamedTuple):
     stress_middle: Any
     response: Any
     pressure_base: Any
+    rough: Any
     columns: Any
 
 

@@ -20,7 +20,7 @@ _VECTORS = 21
 # Of Mixed.
 _MIXED = 8
 # Of Heat: over rows, over layers and over nodes; and over rows of one column.
-_ROWS, _LAYERS, _STRESSES, _COLUMNS = 4, 4, 4, 5
+_ROWS, _LAYERS, _STRESSES, _COLUMNS = 9, 4, 5, 7
 # Says that grid and matrix are filled; so much more for every layer.
 _FILLED, _PER_LAYER = 0.25, 2.0**-10
 
@@ -95,15 +95,18 @@ def heat_size(n: int, layers: int) -> int:
 def heat_in(work: Any, n: int, layers: int) -> Heat:
     """Views on the first `heat_size(n, layers)` elements of work."""
     rows = rows_of(layers)
-    size, k = n * rows, _ROWS * n * rows
+    size = n * rows
+    k = _ROWS * size
     t = work[:k].reshape((_ROWS, n, rows))
+    trail = work[5 * size : k].reshape((_ROWS - 5, size))
     v = work[k : k + _LAYERS * n * layers].reshape((_LAYERS, n, layers))
     k += _LAYERS * n * layers
     s = work[k : k + _STRESSES * n].reshape((_STRESSES, n))
     k += _STRESSES * n
     columns = work[k : k + _COLUMNS * rows].reshape((_COLUMNS, rows))
     return Heat(
-        work[:size], t[0], t[1], t[2], t[3], v[0], v[1], v[2], v[3], s[0], s[1], s[2], s[3], columns
+        work[:size], work[4 * size : 5 * size], trail, t[0], t[1], t[2], t[3], v[0], v[1], v[2], v[3],
+        s[0], s[1], s[2], s[3], s[4], columns,
     )  # fmt: skip
 
 

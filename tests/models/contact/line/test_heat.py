@@ -10,9 +10,9 @@ from models.contact.asperities import Asperities, pressure_scale
 from models.contact.ehl_line_contact import HeatedLineContactParameters, ehl_line_contact
 from models.contact.fluid import Lubricant
 from models.contact.friction import profile_friction
-from models.contact.line.heat import capacity, resistance
+from models.contact.line.heat import capacity, resistance, warm
 from models.contact.line.heat_state import build_heat
-from models.contact.line.heated import solve_film, warm, warm_asperities
+from models.contact.line.heated import solve_film, warm_asperities
 from models.contact.line.newton import FilmProblem
 from models.contact.line.reynolds import Flow, cell
 from models.contact.line.shear import SOLID_LAYERS, shear_film
@@ -48,7 +48,8 @@ def warmed(laws, layers, heating=None, nodes=201, velocity=1.0, sliding=0.0, fil
             w.heat.growth[:], w.heat.softening[:] = 0.0, 0.0
             width = np.array([1e-4 * cell(w.X, i) if abs(w.X[i]) < 1.0 else 0.0 for i in range(1, nodes - 1)])
             w.heat.heating[1:-1] = heating * width[:, None] / layers
-        warm(p, h, problem, BODIES, old, laws, w)
+        for way in (1, -1):
+            warm(p, h, problem, old, laws, w.X, w.nodes, w.heat, way)
     return w
 
 
@@ -181,15 +182,12 @@ def test_the_heat_of_asperities_is_the_power_of_boundary_friction(stress):
     for _ in range(5):
         film.advance(1e-5)
     w, h, at = film.w, film.h, film.scale * film.w.X
-    made = sum(
-        warm_asperities(h[i], film.scale * cell(w.X, i), film.sliding, film.bodies, film.laws)
-        for i in range(1, h.size - 1)
-    )
+    warm_asperities(h, film.scale, film.sliding, film.bodies, film.laws, w)
     shown = profile_friction(
         at, film.p, h, w.heat.stress, 1.0, film.sliding, BODIES.compliance, film.rough, traction
     )
     assert (traction.boundary_coefficient * shown.asperity_load < 0.9 * abs(shown.boundary)) == (stress > 0.0)
-    assert made == pytest.approx(shown.boundary * film.sliding, rel=1e-9)
+    assert np.sum(w.heat.rough) == pytest.approx(shown.boundary * film.sliding, rel=1e-9)
 
 
 @pytest.mark.parametrize("lost", ["rise", "base"])
