@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from models.core.quantities import Vector
+from models.core.system import ModelError
 from models.monolithic.cycle import Cycle
 
 from ...assessment.figures_of_merit import CONTACT
@@ -34,7 +35,7 @@ from .train import Answer, Column, DesignedTrain
 
 # Of the largest lift: the box of the coefficients at first, at most, and where the search ends.
 BOX, LARGEST, SMALLEST = 0.05, 0.15, 2e-3
-MOST_ROUNDS = 12
+SHORTER, MOST_ROUNDS = 0.35, 12
 # A round that adds less of the objective is the last.
 LITTLE = 5e-4
 # Further starts differ by up to this part of the box.
@@ -145,7 +146,15 @@ class Search:
         x, box, found, gained = start, BOX, None, True
         model: Model | None = None
         for number in range(MOST_ROUNDS):
-            seen = self.look(x)
+            try:
+                seen = self.look(x)
+            except ModelError as error:
+                if found is None or model is None:
+                    raise
+                self.tell(f"round {number}: no cycles ({error}); a smaller step is tried")
+                box *= SHORTER
+                x = self.solve(model, found.unknowns, box, 1).unknowns
+                continue
             here = self.judge(x, seen)
             self.tell(f"round {number}: {describe(here)}")
             if found is None or here.rank > found.rank:
@@ -155,7 +164,7 @@ class Search:
                 best(found)
                 model = self.model(x, dict(self.list_answers(x, seen)))
             else:
-                box *= 0.35
+                box *= SHORTER
             if not gained or box < SMALLEST:
                 break
             assert model is not None
