@@ -168,7 +168,8 @@ def test_the_yield_amid_a_tolerance_is_that_without_it():
 
 def test_an_end_of_an_interval_that_the_sample_is_too_small_for_is_unknown():
     """Of n values all lie below the 99.9 % quantile with a chance of 0.999^n: 2.5 % for 3688."""
-    few, enough = np.arange(3680.0), np.arange(3690.0)
+    few, enough, fewest = np.arange(3680.0), np.arange(3690.0), np.arange(16.0)
+    assert find_percentile(fewest, 99.9)[:2] == (15.0, 15.0)
     assert math.isnan(find_percentile(few, 99.9).high)
     assert math.isfinite(find_percentile(enough, 99.9).high)
 

@@ -92,6 +92,12 @@ def find_tolerances(
     ]
     values = {figure: np.where(usable, trains[figure].values, np.nan) for figure in figures}
     values = {figure: found for figure, found in values.items() if np.isfinite(found).any()}
+    for limit in limits:
+        if limit.figure not in values:
+            reporter.line(
+                f"{limit.text}: no train has this number (as a valve without a seat has no seating "
+                "velocity); leave the limit out"
+            )
     parts = [_describe(values, subject.results), _percentiles(values, design), _compare(values, design)]
     found = xarray.merge([*parts, _yields(values, design, limits)])
     counts = {"lost": int(np.sum(~usable)), "trains": len(design), "sampled": 2 * design.half}

@@ -42,7 +42,9 @@ def find_percentile(values: Vector, percent: float) -> Interval:
     # The largest of few values may lie below the quantile with a greater chance than the interval allows.
     ends = (int(low) - 1, int(high))
     below, above = (float(values[k]) if 0 <= k < n else np.nan for k in ends)
-    return Interval(float(np.quantile(values, share)), below, above)
+    # Interpolation leaves an interval that begins with the last value; `fmax` passes over unknown ends.
+    value = np.fmin(np.fmax(np.quantile(values, share), below), above)
+    return Interval(float(value), below, above)
 
 
 def find_yield(good: NDArray[np.bool_]) -> Interval:
