@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus.native.translate import translate
+from models.native.translate import translate
 from tribocosim.packages import NAMES
 
 ROOT = Path(__file__).parents[1]

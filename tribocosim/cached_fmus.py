@@ -47,7 +47,7 @@ def _build_in_python(name: str, destination: Path | None, structure: Mapping[str
 def _build_native_here(name: str, destination: Path | None, structure: Mapping[str, int]) -> Path:
     from fmus.native.fmu import build
     from fmus.native.machine_code import NativeBuildError, this_platform
-    from fmus.native.translate import TranslationError
+    from models.native.translate import TranslationError
 
     try:
         return build(name, destination, structure, [this_platform()])
@@ -63,7 +63,7 @@ def check_native(scenario: Scenario) -> None:
         return
     from fmus.native.fmu import check_component, check_tools
     from fmus.native.machine_code import NativeBuildError
-    from fmus.native.translate import TranslationError
+    from models.native.translate import TranslationError
 
     try:
         check_tools()

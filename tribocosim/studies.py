@@ -174,7 +174,8 @@ def sensitivities(
     progress: Progress | None = None,
 ) -> xarray.Dataset:
     """How the figures of merit of the steady cycle at `speed` change with `parameters`, over (figure,
-    parameter): `elasticity`, the relative change over that of the parameter, and its `error`.
+    parameter): `elasticity`, the relative change over that of the parameter, and its `error`. The
+    attribute `method` is "tangents" where derivatives are exact, else "differences" of whole cycles.
 
     Parameters are called "component.parameter", or "speed"; by default they are the speed and all continuous
     ones but zeros and elements of arrays. `out` keeps the cycles in a folder; a call that was stopped goes on

@@ -9,6 +9,9 @@ from pathlib import Path
 from fmus.fmi.archive import compute_digest
 from models.catalogue import find_factory, identify, is_own
 from models.core.component import Component
+from models.native.differentiate import differentiate
+from models.native.entries import smooth
+from models.native.translate import TranslationError, translate
 
 from .. import build as python_build
 from .. import declared
@@ -18,11 +21,8 @@ from ..fmi.terminals import FOLDER, terminals_and_icons
 from ..fmu_cache import cache_path, recall, tidy, use_cached
 from ..sources import collect_sources
 from ..variable_layout import Memory
-from .differentiate import differentiate
-from .entries import smooth
 from .machine_code import FMI_HEADERS, PLATFORMS, RUNTIME, NativeBuildError, shared_library, this_platform
 from .tables import tables
-from .translate import TranslationError, translate
 
 # What makes machine code, and the constants in it; other versions may make others.
 _TOOLS = ("numba", "llvmlite", "ziglang", "fmpy", "numpy", "scipy")
@@ -124,7 +124,9 @@ def _digest_inputs(name: str, sizes: Mapping[str, int], platforms: Sequence[str]
     """The digest of all that the FMU is made of."""
     package, _ = collect_sources(find_factory(name))
     here = Path(__file__).parent
-    files = {f"fmus/{path.relative_to(here.parent)}": path.read_bytes() for path in here.parent.rglob("*.py")}
+    root = here.parents[1]
+    makers = (*here.parent.rglob("*.py"), *(root / "models" / "native").glob("*.py"))
+    files = {str(path.relative_to(root)): path.read_bytes() for path in makers}
     documents: dict[str, bytes] = {}
     if not is_own(name):
         folder = here.parent / name

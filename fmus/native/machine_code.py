@@ -16,9 +16,8 @@ import fmpy
 
 from models.compile.temporary import TemporaryFolder
 from models.core.errors import MistakeError
-
-from .differentiate import llvm
-from .translate import MATHEMATICS
+from models.native.differentiate import llvm
+from models.native.translate import MATHEMATICS
 
 RUNTIME = Path(__file__).parent / "runtime"
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"

@@ -8,10 +8,10 @@ from typing import Any
 from models.core.component import NO_EVENT
 from models.core.integrator import FAILURES
 from models.core.requirements import PLACES, Requirement
+from models.native.entries import REQUIREMENT, START_REQUIREMENT
 
 from ..fmi.arrays import group_arrays
 from ..variable_layout import Memory, Variable, name_as_start_value
-from .entries import REQUIREMENT, START_REQUIREMENT
 
 _KINDS = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "Enumeration": "ENUMERATION"}
 # Nobody sets time as a variable.

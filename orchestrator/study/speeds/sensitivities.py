@@ -1,4 +1,6 @@
-"""How the figures of merit of a steady cycle change with parameters: differences of whole cycles.
+"""How the figures of merit of a steady cycle change with parameters: by its tangents, or by differences.
+
+Where the cycle has no tangents, whole cycles are compared.
 
 For a share h of the parameter, D(h) = (g(1 + h) - g(1 - h))/(2 h) is the change of a figure g, and
 (4 D(h) - D(2 h))/3 has an error of order h^4. Its distance from D(h) is published with it: it is large where
@@ -35,6 +37,7 @@ from ...texts import parse_toml
 from ..files import plan_axis
 from ..run import Where, run
 from ..store import DONE
+from .figure_slopes import SPEED, find_slopes
 from .subject import STEADY, SpeedSubject, describe_numbers, find_flywheel, measure_cycle
 
 # Of a parameter; of the solver; of a cycle. At a tenth of this share the noise of figures, 1e-7, makes errors
@@ -42,7 +45,6 @@ from .subject import STEADY, SpeedSubject, describe_numbers, find_flywheel, meas
 SHARE, TOLERANCE, CLOSED = 1e-3, 1e-11, 1e-9
 SHARES = (-2.0, -1.0, 1.0, 2.0)
 CASE = Parameter(0.0, "1", "number of the cycle: the first is that of the scenario itself")
-SPEED = "speed"
 CYCLES, TABLE, FIGURE = "cycles.zarr", "sensitivities.csv", "sensitivities.png"
 # A difference of more than this of itself between both steps is told.
 DOUBTFUL = 0.05
@@ -108,7 +110,9 @@ def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) 
     """The parameters "component.name" that `wanted` names; by default the speed and all continuous ones that
     are not zero, but the drive's and elements of arrays. MistakeError for one that cannot be varied."""
     values, quantities = list_parameters(scenario), list_quantities(scenario)
-    varied = [name for name, value in values.items() if value != 0.0 and not quantities[name].jumps]
+    # Only whole ratios of speeds have a period.
+    fixed = {name for name in values if quantities[name].jumps or name.endswith(".drive_ratio")}
+    varied = [name for name, value in values.items() if value != 0.0 and name not in fixed]
     if not wanted:
         return (SPEED, *(n for n in varied if not n.startswith(f"{flywheel}.") and "[" not in n))
     found = []
@@ -117,11 +121,7 @@ def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) 
         if name != SPEED and name not in varied:
             if name not in values:
                 raise MistakeError((Option("parameter", text), f": {one_of([SPEED, *varied], name)}"))
-            why = (
-                "has no values in between"
-                if quantities[name].jumps
-                else "is zero, of which there is no share"
-            )
+            why = "has no values in between" if name in fixed else "is zero, of which there is no share"
             raise MistakeError((Option("parameter", text), f": {why}; {one_of([SPEED, *varied], '')}"))
         found.append(name)
     return tuple(dict.fromkeys(found))
@@ -173,6 +173,9 @@ def find_sensitivities(
     # With the numbers that oils, tables and drawings give, so that each may vary alone.
     base = SpeedSubject(parse_toml(to_full_toml(scenario)), flywheel)
     subject = SensitivitySubject(base, speed, parameters)
+    exact = _find_exact(base, speed, parameters, reporter)
+    if exact is not None:
+        return exact
     last = len(parameters) * len(SHARES)
     reporter.line(
         f"{last + 1} steady cycles: {len(SHARES)} for each of {len(parameters)} parameters, and one"
@@ -198,7 +201,31 @@ def find_sensitivities(
             "value": ("figure", np.array([values[name][0] for name in found])),
         },
         {"figure": list(found), "parameter": list(parameters)},
-        {"speed": speed, "status": status},
+        {"speed": speed, "status": status, "method": "differences"},
+    )
+
+
+def _find_exact(
+    base: SpeedSubject, speed: float, parameters: Sequence[str], reporter: Reporter
+) -> xarray.Dataset | None:
+    """The same by the cycle's tangents; None, and why, where it has none. RunError without a steady cycle."""
+    values = {SPEED: speed, **list_parameters(base.scenario)}
+    try:
+        found = find_slopes(base, speed, [{name: values[name]} for name in parameters])
+    except MistakeError as error:
+        reporter.line(f"no exact derivatives, but differences of whole cycles: {error}")
+        return None
+    found = {name: one for name, one in found.items() if one.value and np.any(one.slopes)}
+    sizes = np.abs([[one.value] for one in found.values()])
+    reporter.line(f"exact derivatives of the cycle by {len(parameters)} parameters")
+    return xarray.Dataset(
+        {
+            "elasticity": (("figure", "parameter"), [one.slopes / one.value for one in found.values()]),
+            "error": (("figure", "parameter"), np.array([one.corners for one in found.values()]) / sizes),
+            "value": ("figure", [one.value for one in found.values()]),
+        },
+        {"figure": list(found), "parameter": list(parameters)},
+        {"speed": speed, "status": 0, "method": "tangents"},
     )
 
 
@@ -220,13 +247,14 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     order = np.argsort(-largest, kind="stable")[:SHOWN]
     results = describe_numbers(scenario)
     at = f"{scenario.name} at {RPM * dataset.attrs['speed']:.0f} r/min"
-    title = f"{at}: change in % for 1 % more of a parameter; ~ where both steps differ by more than 5 %"
+    title = f"{at}: change in % for 1 % more of a parameter; ~ where it is uncertain by more than 5 %"
     heads = (str(name).rpartition(".")[2].replace("_", " ") for name in main["figure"].values)
     shown = Table(Column("parameter", no_wrap=True), *heads, title=title, title_justify="left", padding=0)
     for k in order:
         cells = zip(main["elasticity"].values[:, k], main["error"].values[:, k], strict=True)
         shown.add_row(str(main["parameter"].values[k]), *(_cell(one, error) for one, error in cells))
     reporter.console.print(shown)
+    out.mkdir(parents=True, exist_ok=True)
     frame = dataset["elasticity"].to_pandas()
     frame.insert(0, "value", dataset["value"].values)
     frame.insert(1, "unit", [results[name].unit for name in dataset["figure"].values])

@@ -158,11 +158,14 @@ def describe_numbers(scenario: Scenario) -> dict[str, Result]:
     }
 
 
+def find_angle(system: System, flywheel: str) -> Angle:
+    """Over which parts without a cam of their own are read: the first one's, without any the flywheel's."""
+    cams = [train.angle for train in find_trains(system)]
+    return next(iter(cams), Angle("shaft_angle", f"{flywheel}.angle"))
+
+
 def to_motion(cycle: Cycle, flywheel: str) -> Motion:
-    """Parts without a cam of their own are read over the first one's angle, without any the flywheel's."""
-    cams = [train.angle for train in find_trains(cycle.system)]
-    angle = next(iter(cams), Angle("shaft_angle", f"{flywheel}.angle"))
-    return Motion(cycle.system, cycle.times, cycle.__getitem__, angle)
+    return Motion(cycle.system, cycle.times, cycle.__getitem__, find_angle(cycle.system, flywheel))
 
 
 def cycle_path(folder: Path, speed: float) -> Path:

@@ -14,8 +14,6 @@ import pytest
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 from fmus.build import resolve_component
-from fmus.native.differentiate import differentiate
-from fmus.native.entries import smooth
 from fmus.native.machine_code import (
     FMI_HEADERS,
     PLATFORMS,
@@ -25,7 +23,9 @@ from fmus.native.machine_code import (
     this_platform,
 )
 from fmus.native.tables import tables
-from fmus.native.translate import translate
+from models.native.differentiate import differentiate
+from models.native.entries import smooth
+from models.native.translate import translate
 
 HERE = Path(__file__).parent
 TOKEN = "{sanitized}"

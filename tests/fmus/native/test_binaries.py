@@ -13,7 +13,7 @@ from fmus.fmi.libraries import libraries
 from fmus.fmi.validate import validate
 from fmus.native.fmu import NAMES, build
 from fmus.native.machine_code import PLATFORMS
-from fmus.native.translate import TranslationError, translate
+from models.native.translate import TranslationError, translate
 from tests.orchestrator.commands import called, said
 
 from ..names import mark_long
@@ -77,7 +77,7 @@ def test_what_the_compiler_says_is_one_line_without_colours(monkeypatch: pytest.
 def test_kernels_do_not_depend_on_what_was_compiled_before(tmp_path: Path) -> None:
     """With an empty cache and with the one that this fills."""
     environment = os.environ | {"TRIBOCOSIM_CACHE": str(tmp_path / "cache"), "XDG_CACHE_HOME": str(tmp_path)}
-    command = [sys.executable, "-m", "fmus.native.translate", "flywheel"]
+    command = [sys.executable, "-m", "models.native.translate", "flywheel"]
     cold, warm = (
         subprocess.run(command, env=environment, capture_output=True, check=True, text=True).stdout
         for _ in range(2)

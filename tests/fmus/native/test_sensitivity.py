@@ -15,9 +15,9 @@ import pytest
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
-from fmus.native.differentiate import DifferentiationError, differentiate
 from fmus.variable_layout import ENERGIES
 from models.core.component import Component
+from models.native.differentiate import DifferentiationError, differentiate
 
 from ..instance import Instance
 from ..reference import Reference, joined, wave

@@ -5,17 +5,17 @@ What the code calls must be elementary mathematics or LLVM's own: kernels that a
 are refused by name.
 """
 
+import hashlib
 import os
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fmus.fmi.archive import compute_digest
-from models.compile.cache_folder import private_folder
-from models.core.errors import MistakeError
+from ..compile.cache_folder import private_folder
+from ..core.errors import MistakeError
 
 # Of the C library; LLVM's intrinsics become calls of the same.
 _FUNCTIONS = """
@@ -41,21 +41,21 @@ class TranslationError(MistakeError):
     """A kernel does what machine code without Python cannot; the message says what."""
 
 
-def translate(name: str, structure: Mapping[str, int]) -> str:
-    """The entries of the component `name` with these sizes, as functions kernel_<entry>."""
+def translate(name: str, structure: Mapping[str, int], wanted: Sequence[str] = ()) -> str:
+    """The `wanted` entries (none: all) of the component `name`, with these sizes, as kernel_<entry>."""
     sizes = [f"{key}={value}" for key, value in sorted(structure.items())]
     root = Path(__file__).parents[2]
     file = name.rpartition(":")[0]
     beside = str(Path(file).parent) if file.endswith(".py") else ""
     path = os.pathsep.join(filter(None, (str(root), beside, os.environ.get("PYTHONPATH"))))
     # Kernels that were compiled otherwise, for this process, are not taken from the cache.
-    options = compute_digest({"": repr((_PLAIN_PROCESSOR, _SMALL)).encode()})
+    options = hashlib.sha256(repr((_PLAIN_PROCESSOR, _SMALL)).encode()).hexdigest()
     try:
         kept = private_folder(f"translated-{options[:16]}")
     except OSError:
         kept = Path(os.devnull)  # which holds no folders: nothing is kept
     made = subprocess.run(
-        [sys.executable, "-P", "-m", __spec__.name, name, *sizes],
+        [sys.executable, "-P", "-m", __spec__.name, name, ",".join(wanted), *sizes],
         env=os.environ | _PLAIN_PROCESSOR | {"PYTHONPATH": path, "TRIBOCOSIM_CACHE": str(kept)},
         capture_output=True,
         text=True,
@@ -73,8 +73,8 @@ def _summarise(text: str) -> str:
     return " ".join(lines) or "the compiler says nothing"
 
 
-def _translate(name: str, structure: Mapping[str, int]) -> str:
-    """As `translated`, in this process."""
+def _translate(name: str, structure: Mapping[str, int], wanted: Sequence[str]) -> str:
+    """As `translate`, in this process."""
     import llvmlite.binding as llvm
     import numba
 
@@ -83,13 +83,14 @@ def _translate(name: str, structure: Mapping[str, int]) -> str:
     for option in _SMALL:  # before what is imported calls its kernels
         llvm.set_option("", option)
 
-    from models.catalogue import find_factory
-
+    from ..catalogue import find_factory
     from .entries import entries
 
     whole = llvm.parse_assembly("")
     symbols = {}
     for entry in entries(find_factory(name)(**structure)):
+        if wanted and entry.name not in wanted:
+            continue
         compiled = njit(entry.signature, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)(
             entry.function
         )
@@ -142,5 +143,6 @@ def _drop_unused(module: object) -> None:
 
 
 if __name__ == "__main__":
-    sizes = (word.split("=") for word in sys.argv[2:])
-    print(_translate(sys.argv[1], {key: int(value) for key, value in sizes}), end="")
+    sizes = (word.split("=") for word in sys.argv[3:])
+    chosen = [word for word in sys.argv[2].split(",") if word]
+    print(_translate(sys.argv[1], {key: int(value) for key, value in sizes}, chosen), end="")

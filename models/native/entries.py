@@ -9,9 +9,9 @@ from typing import Any
 
 import numba
 
-from models.compile.kernel import record_of
-from models.core.quantities import Layout
-from models.core.requirements import PLACES
+from ..compile.kernel import record_of
+from ..core.quantities import Layout
+from ..core.requirements import PLACES
 
 # The names of entries for requirements, each followed by its number.
 REQUIREMENT, START_REQUIREMENT = "requirement", "start_requirement"

@@ -12,8 +12,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence, Set
 from typing import Any
 
-from models.core.errors import MistakeError
-
+from ..core.errors import MistakeError
 from .rules import RULES, ZERO, Code
 
 # Instructions that have no tangent: of whole numbers, comparisons, jumps.

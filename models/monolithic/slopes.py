@@ -1,0 +1,147 @@
+"""Derivatives of a whole system: how rates, inputs and outputs change with states and parameters.
+
+Tangents of the components' kernels one after the other, in the order in which outputs are computed. Where
+outputs depend on themselves (algebraic loops) their tangents are found as fixed points of that.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..compile.kernel import kernel
+from ..core.evaluation import Evaluation
+from ..core.quantities import Vector
+from ..core.system import ModelError, System, alike, bounds
+from ..native.tangents import call_tangent, find_tangents
+
+# Passes through all outputs for tangents of loops, and their closure over the largest.
+PASSES, CLOSED = 30, 1e-13
+
+
+class Slopes:
+    """Of a system in directions: one for each state by itself, then changes of parameters by their `shares`.
+
+    `parameters[k]` are the places and shares of the k-th of these, in the vector of all parameters.
+    """
+
+    def __init__(self, system: System, parameters: Sequence[Sequence[tuple[int, float]]]) -> None:
+        s = self.system = system
+        self.evaluation = Evaluation(system)
+        self.count = s.state.size + len(parameters)
+        self.steps = np.zeros((len(parameters), s.p.size))
+        for k, changes in enumerate(parameters):
+            for place, share in changes:
+                self.steps[k, place] = share
+        names = list(s.instances)
+        # Kept: the addresses are theirs.
+        self._tangents = dict(
+            zip(names, find_tangents([s.instances[n].component for n in names]), strict=True)
+        )
+        outputs = [(n, "output", s.outputs) for n in s.order]
+        rates = [(n, "derivative", s.state) for n in alike(s.instances)]
+        calls = [*outputs, *rates]
+        self._addresses = np.array(
+            [self._tangents[n].address[entry] for n, entry, _ in calls], dtype=np.int64
+        )
+        self._bounds = np.array([bounds(n, s.state, s.inputs, s.parameters, into) for n, _, into in calls])
+        self._outputs = len(outputs)
+        self._torn = np.array([s.outputs.index(port) for port in s.torn], dtype=np.int64)
+        self._room = np.zeros(s.inputs.size), np.zeros(s.outputs.size), np.zeros(s.state.size)
+
+    def rates(self, times: Vector, states: Vector) -> Vector:
+        """At k instants, (k, n)."""
+        derivative = self.evaluation.derivative
+        return np.array([derivative(float(t), x).copy() for t, x in zip(times, states, strict=True)])
+
+    def at(self, times: Vector, states: Vector) -> Vector:
+        """Slopes of the rates at k instants, (k, n, directions)."""
+        n, m = self.system.state.size, self.count
+        starts = np.vstack([np.eye(n), np.zeros((m - n, n))])
+        steps = np.vstack([np.zeros((n, self.system.p.size)), self.steps])
+        found = np.empty((times.size, m, n))
+        for row in range(times.size):
+            found[row] = self.along(float(times[row]), states[row], starts, steps)[0]
+        return found.transpose(0, 2, 1)
+
+    def variables_at(self, t: float, x: Vector, tangents: Vector) -> tuple[Vector, Vector, Vector, Vector]:
+        """Inputs, outputs, and their slopes (d, size), of states whose slopes by the parameters are
+        `tangents` (n, d)."""
+        _, inputs, outputs = self.along(t, x, np.ascontiguousarray(tangents.T), self.steps)
+        return self.evaluation.u.copy(), self.evaluation.y.copy(), inputs, outputs
+
+    def along(self, t: float, x: Vector, starts: Vector, steps: Vector) -> tuple[Vector, Vector, Vector]:
+        s, e, m = self.system, self.evaluation, starts.shape[0]
+        x = np.ascontiguousarray(x)
+        e.derivative(t, x)
+        rates, inputs, outputs = (np.empty((m, part.size)) for part in (s.state, s.inputs, s.outputs))
+        calls = self._addresses, self._bounds, self._outputs
+        wires = s.source_index, s.target_index, self._torn
+        if not fill(t, x, e.u, s.p, e.y, starts, steps, calls, wires, self._room, rates, inputs, outputs):
+            raise ModelError(
+                f"algebraic loop through {s.loops()}: its derivative is not found at t = {t:g} s"
+            )
+        return rates, inputs, outputs
+
+
+@kernel
+def fill(  # noqa: PLR0913  # a kernel
+    t: float, x: Any, u: Any, p: Any, y: Any, starts: Any, steps: Any, calls: Any, wires: Any, room: Any,
+    rates: Any, inputs: Any, outputs: Any,
+) -> bool:  # fmt: skip
+    """By direction the slopes of rates, inputs and outputs; whether those of loops are found."""
+    du, dy, dx = room
+    source, target, torn = wires
+    addresses, parts, first = calls
+    for k in range(starts.shape[0]):
+        for i in range(dy.shape[0]):
+            dy[i] = 0.0
+        given = before = change = 0.0
+        closed = torn.shape[0] == 0
+        for turn in range(PASSES):
+            for i in range(torn.shape[0]):
+                given = dy[torn[i]]
+            for c in range(first):
+                for i in range(source.shape[0]):
+                    u[target[i]], du[target[i]] = y[source[i]], dy[source[i]]
+                b = parts[c]
+                call(addresses[c], t, x, starts[k], u, du, p, steps[k], y, dy, b)
+            if closed:
+                break
+            miss = dy[torn[0]] - given
+            if turn > 0 and abs(miss) <= CLOSED * abs(given):
+                closed = True
+            elif turn > 0 and miss != change:
+                # The secant of a straight line.
+                dy[torn[0]] = given - miss * (given - before) / (miss - change)
+            before, change = given, miss
+            if closed or (turn == 0 and miss == 0.0):
+                closed = True
+                break
+        if not closed:
+            return False
+        for i in range(source.shape[0]):
+            u[target[i]], du[target[i]] = y[source[i]], dy[source[i]]
+        for c in range(first, addresses.shape[0]):
+            call(addresses[c], t, x, starts[k], u, du, p, steps[k], dx, rates[k], parts[c])
+        for i in range(du.shape[0]):
+            inputs[k, i] = du[i]
+        for i in range(dy.shape[0]):
+            outputs[k, i] = dy[i]
+    return True
+
+
+@kernel
+def call(  # noqa: PLR0913  # a kernel
+    address: int, t: float, x: Any, dx: Any, u: Any, du: Any, p: Any, dp: Any, y: Any, dy: Any, b: Any
+) -> None:
+    places = (
+        place(x, b[0]), place(dx, b[0]), place(u, b[2]), place(du, b[2]), place(p, b[4]), place(dp, b[4]),
+        place(y, b[6]), place(dy, b[6]),
+    )  # fmt: skip
+    call_tangent(address, t, places)
+
+
+@kernel
+def place(vector: Any, start: int) -> Any:
+    return np.int64(vector.ctypes.data) + 8 * start

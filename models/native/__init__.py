@@ -1,0 +1,1 @@
+"""Kernels as machine code without Python: their translation, and their derivatives."""

@@ -1,0 +1,129 @@
+"""How the figures of merit of a steady cycle change with parameters, from the cycle's tangents.
+
+A figure is a function of the rows of a cycle, and its change that of this function along the rows' tangents.
+Rows stand at equal distances, on both sides of every event, and close together where figures stand: an
+extreme changes as the value at its instant does.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from models.core.quantities import Vector
+from models.core.system import ModelError, System
+from models.monolithic.cycle_tangents import CycleTangents, Direction, Rows, differentiate_cycle
+
+from ...assessment.figures_of_merit import measure
+from ...assessment.motion import Motion
+from .subject import SAMPLES, SpeedSubject, find_angle
+
+SPEED = "speed"
+# Rows around a figure's in each of so many turns, over the distance of the last one's.
+NEAR, TURNS = 20, 3
+# Of a parameter: by this much rows are moved along their tangents.
+SHARE = 1e-6
+
+
+class FigureSlopes(NamedTuple):
+    """A figure's value, its changes in each direction, and by how much those to both sides differ."""
+
+    value: float
+    slopes: Vector
+    corners: Vector
+
+
+def find_slopes(
+    subject: SpeedSubject, speed: float, parameters: Sequence[Mapping[str, float]]
+) -> dict[str, FigureSlopes]:
+    """Of the cycle at a speed (rad/s), in directions: changes of parameters "component.name", in their units,
+    or of the `SPEED` (rad/s). ModelError where the cycle has no tangents, or there is none."""
+    cycle, flywheel = subject.find_cycle_at(speed), subject.flywheel
+    period, directions = float(cycle.times[-1]), []
+    if not cycle.steady:
+        raise ModelError(f"no steady cycle: a period changes states by {cycle.change:.2g} of their sizes")
+    for changes in parameters:
+        own = {name: size for name, size in changes.items() if name != SPEED}
+        faster = changes.get(SPEED, 0.0)
+        if faster:
+            own |= {f"{flywheel}.initial_speed": faster, f"{flywheel}.final_speed": faster}
+        directions.append(Direction(own, -period * faster / speed))
+    turning = [f"{flywheel}.angle"]
+    return differentiate_figures(
+        differentiate_cycle(cycle.system, period, turning, directions, cycle.end), flywheel
+    )
+
+
+def differentiate_figures(tangents: CycleTangents, flywheel: str) -> dict[str, FigureSlopes]:
+    """Of all figures by "part.figure", but angles and those that a cycle has not."""
+    rows = tangents.rows_at(_find_times(tangents, flywheel))
+    values = _measure(_move(tangents, rows, 0, 0.0, flywheel))
+    count = len(tangents.directions)
+    sides = [
+        [_measure(_move(tangents, rows, k, sign * SHARE, flywheel)) for sign in (-1.0, 1.0)]
+        for k in range(count)
+    ]
+    found = {}
+    for name, (value, _) in values.items():
+        below = np.array([side[0][name][0] for side in sides])
+        above = np.array([side[1][name][0] for side in sides])
+        slopes, corners = (above - below) / (2.0 * SHARE), np.abs(above - 2.0 * value + below) / SHARE
+        if np.isfinite(value) and not name.endswith("_angle"):
+            found[name] = FigureSlopes(value, slopes, corners)
+    return found
+
+
+def _find_times(tangents: CycleTangents, flywheel: str) -> Vector:
+    """Where the rows stand."""
+    times = np.union1d(np.linspace(0.0, tangents.period, SAMPLES + 1), tangents.event_times())
+    events = tangents.event_times()
+    distance = tangents.period / SAMPLES
+    for _ in range(TURNS):
+        inputs, outputs = tangents.values_at(times)
+        motion = _build_motion(tangents.system, times, inputs, outputs, flywheel)
+        stand = {row for _, row in _measure(motion).values() if row is not None and times[row] not in events}
+        near = distance / NEAR * np.arange(-NEAR, NEAR + 1)
+        added = (times[sorted(stand)][:, None] + near).ravel()
+        times = np.union1d(times, added[(added > 0.0) & (added < tangents.period)])
+        distance /= NEAR
+    return times
+
+
+def _move(tangents: CycleTangents, rows: Rows, direction: int, share: float, flywheel: str) -> Motion:
+    def moved(values: Vector, by: Vector) -> Vector:
+        return values if share == 0.0 else values + share * by[direction]
+
+    return _build_motion(
+        _change(tangents, direction, share),
+        moved(rows.times, rows.times_by),
+        moved(rows.inputs, rows.inputs_by),
+        moved(rows.outputs, rows.outputs_by),
+        flywheel,
+    )
+
+
+def _change(tangents: CycleTangents, direction: int, share: float) -> System:
+    """The system whose parameters the figures ask for."""
+    system = tangents.system
+    if share == 0.0:
+        return system
+    instances = dict(system.instances)
+    for place, size in tangents.directions[direction].parameters.items():
+        name, _, parameter = place.partition(".")
+        value = float(system.p[system.parameters.names.index(place)]) + share * size
+        one = instances[name]
+        instances[name] = replace(one, parameters={**one.parameters, parameter: value})
+    return system.with_instances(instances)
+
+
+def _build_motion(system: System, times: Vector, inputs: Vector, outputs: Vector, flywheel: str) -> Motion:
+    columns: Mapping[str, Vector] = {
+        **dict(zip(system.inputs.names, inputs.T, strict=True)),
+        **dict(zip(system.outputs.names, outputs.T, strict=True)),
+    }
+    return Motion(system, times, columns.__getitem__, find_angle(system, flywheel))
+
+
+def _measure(motion: Motion) -> dict[str, tuple[float, int | None]]:
+    return {f"{part}.{name}": (found.value, found.row) for part, name, _, found in measure(motion)}
