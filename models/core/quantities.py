@@ -52,7 +52,8 @@ class Quantity:
     `boolean` a truth value, `count` a whole number; `relative` makes it a difference, whose unit has no
     offset; a `stepwise` one changes at events only. `size` names the structural size of a vector-valued
     field. An `internal` state is evolving data as any other, saved and restored with it, but no variable:
-    it begins as its component lets it and is not set, shown or brought to rest from outside. `same_as`
+    it begins as its component lets it and is not set, shown or brought to rest from outside. A state that
+    `accumulates` is a sum over time on which no motion depends: steady cycles begin it anew. `same_as`
     names the parameter whose value a scenario takes where this one is not given. A value outside the
     `plausible` magnitudes is allowed, but probably a slip of the unit.
     """
@@ -71,6 +72,7 @@ class Quantity:
     stepwise: bool = False
     size: str = ""
     internal: bool = False
+    accumulates: bool = False
     same_as: str = ""
     plausible: Plausible | None = None
 

@@ -66,10 +66,11 @@ def find_cycle(
 ) -> Cycle:
     """The cycle of that period (s), from the state `start` (default: the system's start).
 
-    Each period begins at time 0 with the states `turning` at their starts. All others go on from where the
-    last period ended, extrapolated by Anderson's method; where that leads to a state from which nothing can
-    move, from the end itself, until a period changes no state by more than `steady`. Where it does not settle
-    in `most_periods`, or would not at its rate, the period of the least change is returned. `tolerance` is
+    Each period begins at time 0 with the states `turning`, and those that accumulate, at their starts. All
+    others go on from where the last period ended, extrapolated by Anderson's method; where that leads to a
+    state from which nothing can move, from the end itself, until a period changes no state by more than
+    `steady`. Where it does not settle in `most_periods`, or would not at its rate, the period of the least
+    change is returned. `tolerance` is
     the integrator's, over nominal + |value|. A `problem` of the same components and connections takes the
     system's values, so that nothing is compiled again. ModelError if a method fails.
     """
@@ -79,7 +80,8 @@ def find_cycle(
         problem.take(system)
     times = np.linspace(0.0, period, samples + 1)
     n = system.state.size
-    held = np.isin(system.state.names, list(turning))
+    fields = [f for instance in system.instances.values() for f in instance.component.state.fields]
+    held = np.isin(system.state.names, list(turning)) | [f.quantity.accumulates for f in fields]
     scaling = _Scaling(system, held)
     x = np.array(system.x0 if start is None else start, dtype=np.float64)
     x[held] = system.x0[held]

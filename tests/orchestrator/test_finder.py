@@ -47,3 +47,10 @@ def test_a_cycle_depends_on_nothing_that_was_found_before(dry):
 def test_a_parameter_that_there_is_none_of_is_named(dry):
     with pytest.raises(MistakeError, match=r"valve_spring\.preloads: .*did you mean valve_spring\.preload"):
         dry.find({"valve_spring.preloads": 300.0}, SPEED)
+
+
+def test_work_that_adds_up_leaves_a_cycle_steady():
+    """The gas of an engine gives work in each cycle; the motion of the valve does not depend on its sum."""
+    cycle = SpeedSubject(read_changed("exhaust-valve", ()), "flywheel").find_cycle_at(SPEED)
+    assert cycle.steady
+    assert cycle["gas.indicated_work"][-1] > 100.0

@@ -118,7 +118,7 @@ class GasTableParameters(CylinderParameters):
 @dataclass
 class CylinderGasState:
     indicated_work: float = Quantity(
-        "J", "work given to a piston without clearance and pin offset", nominal=100.0
+        "J", "work given to a piston without clearance and pin offset", nominal=100.0, accumulates=True
     ).default()
 
 
