@@ -10,6 +10,7 @@
 
 const char *const kinds[] = {"Real", "Integer", "Boolean", "Enumeration"};
 const bool integers_are_choices = true;
+const bool states_are_settable = false;
 
 static void tell(const Instance *instance, Status status, const char *category, const char *message)
 {

@@ -11,6 +11,7 @@
 
 const char *const kinds[] = {"Float64", "Int32", "Boolean", "Enumeration"};
 const bool integers_are_choices = false;
+const bool states_are_settable = true;
 
 static void tell(const Instance *instance, Status status, const char *category, const char *message)
 {

@@ -271,7 +271,7 @@ static bool known(const Instance *instance, Kind kind, const uint32_t *reference
 /* States of model exchange are given by the host, one by one too (FMI 3.0.2, 3.2.1). */
 static bool is_given_state(const Instance *instance, uint32_t reference)
 {
-    if (!(instance->now.phase & CONTINUOUS)) return false;
+    if (!states_are_settable || !(instance->now.phase & CONTINUOUS)) return false;
     for (int i = 0; i < CONTINUOUS_STATES; i++)
         if (reference == (uint32_t)(X_AT + continuous[i])) return true;
     return false;

@@ -47,6 +47,8 @@ extern const Requirement start_requirements[]; /* of states at the start */
 /* Of the version of FMI: what it calls kinds, and whether its calls for integers take enumerations. */
 extern const char *const kinds[];
 extern const bool integers_are_choices;
+/* Whether a host may set single states, in continuous-time mode. */
+extern const bool states_are_settable;
 
 /* As the numbers of fmi2Status and fmi3Status. */
 enum { OK, WARNING, DISCARD, ERROR, FATAL };

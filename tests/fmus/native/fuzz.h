@@ -67,7 +67,7 @@ static double no_number(void)
 typedef struct {
     unsigned reference;
     char kind;      /* r, i, b: real, integer or enumeration, boolean */
-    char causality; /* p, i, d, o, l: parameter, input, derivative of one by time, output, local */
+    char causality; /* p, i, d, o, s, l: parameter, input, derivative of one by time, output, state, local */
     char change;    /* f, t, d, c: fixed, tunable, discrete, continuous */
     unsigned size;  /* elements: 1 of scalars */
     double start;   /* of the first */

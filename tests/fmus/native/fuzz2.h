@@ -54,7 +54,7 @@ static fmi2Status with_vectors(int f, const char **wrong)
     switch (f) {
     case AT_GetReal: case AT_SetReal: case AT_GetInteger: case AT_SetInteger: case AT_GetBoolean: case AT_SetBoolean: {
         const char kind = real ? 'r' : f == AT_GetInteger || f == AT_SetInteger ? 'i' : 'b';
-        *wrong = choose(kind, set, set ? "pid" : "pidol", &count, &no_references, &no_values);
+        *wrong = choose(kind, set, set ? "pids" : "pidosl", &count, &no_references, &no_values);
         const unsigned *r = no_references ? NULL : vr;
         if (real) return set ? SetReal(at->unit, r, count, no_values ? NULL : reals)
                              : GetReal(at->unit, r, count, no_values ? NULL : more);

@@ -40,7 +40,7 @@ static fmi3Status with_values(int f, const char **wrong)
     const bool set = f >= AT_SetFloat64;
     const char kind = "rieb"[f - (set ? AT_SetFloat64 : AT_GetFloat64)];
     size_t count, size;
-    *wrong = choose(kind, set, set ? "pid" : "pidol", &count, &no_references, &no_values);
+    *wrong = choose(kind, set, set ? "pids" : "pidosl", &count, &no_references, &no_values);
     const fmi3ValueReference *r = no_references ? NULL : vr;
     size = percent(90) ? values : percent(50) ? count : below(MOST);
     if (size != values && (set || size != count)) *wrong = "size";

@@ -132,6 +132,7 @@ static const char *choose(char kind, bool to_set, const char *causalities, size_
         vr[i] = v->reference;
         if (v->kind != kind) wrong = "another kind";
         if (to_set && strchr("ol", v->causality)) wrong = "calculated";
+        if (to_set && v->causality == 's' && (FMI == 2 || at->phase != TIME)) wrong = "calculated";
         if (to_set && v->change == 'f' && !(at->phase & (NEW | INIT))) wrong = "fixed";
         for (unsigned j = 0; j < v->size; j++, values++) {
             reals[values] = at->tame ? near : wild_real();

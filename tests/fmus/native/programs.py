@@ -106,7 +106,8 @@ def run(command: Sequence[object], timeout: float) -> str:
 def variables_for_c(description: ModelDescription) -> str:
     """The variables as fuzz.h reads them."""
     known = [v for v in description.modelVariables if v.causality != "independent"]
-    return "".join(f"{_variable(v, description.fmiVersion[0])}\n" for v in known)
+    states = {unknown.variable.derivative.name for unknown in description.derivatives}
+    return "".join(f"{_variable(v, description.fmiVersion[0], v.name in states)}\n" for v in known)
 
 
 _KINDS = {
@@ -115,10 +116,10 @@ _KINDS = {
 }
 
 
-def _variable(variable: ScalarVariable, fmi: str) -> str:
+def _variable(variable: ScalarVariable, fmi: str, state: bool) -> str:
     kind = _KINDS[fmi][variable.type]
     derivative = variable.causality == "input" and re.search(r"_der\d", variable.name)
-    causality = "d" if derivative else variable.causality[0]
+    causality = "d" if derivative else "s" if state else variable.causality[0]
     words = {"true": 1.0, "false": 0.0}
     start = (variable.start or "0.0").split()[0]
     size = math.prod(variable.shape or ())
