@@ -20,6 +20,7 @@ from orchestrator.study.calibration.models import Prediction, count_samples
 from orchestrator.study.calibration.objective import Objective
 from orchestrator.study.calibration.parameters import Fitted, choose, list_starts
 from orchestrator.study.calibration.predictions import Predictions
+from orchestrator.study.calibration.run import _fit_from
 from orchestrator.study.calibration.signals import eliminate
 from orchestrator.study.speeds import subject as speeds
 from tribocosim.reporting import SilentReporter
@@ -200,6 +201,21 @@ def test_a_step_goes_back_where_there_is_no_motion():
     assert fit(objective, np.ones(1)).x == pytest.approx([1.8], rel=1e-5)
     with pytest.raises(RunError, match=r"no motion to compare .*a\.a = 3: no cycle"):
         fit(objective, np.array([3.0]))
+
+
+@pytest.mark.parametrize("noise", [None, 0.1])
+def test_of_several_starts_the_one_nearest_to_the_data_is_kept(noise):
+    """A sine has many frequencies that a fit stays at. Its residual is the noise's at the true one, and above
+    half the amplitude's mean square, 0.5, at others; the last start is one of those."""
+    data = np.sin(12.0 * TIMES) + np.random.default_rng(1).normal(0.0, 0.1, TIMES.size)
+    model = Formula(lambda t, a: {"y.y": np.sin(a * t)}, {"y.y": "1"})
+    wanted, signal = [Fitted("a.a", "1", 5.0, low=2.0, high=20.0)], Signal("y", "y.y", noise=noise)
+    best, ends = _fit_from(objective_of(model, data, wanted, signal), 8, SilentReporter())
+    # The deviation of the frequency is 0.1/(12 of the sum's root) = 6e-3 at most.
+    assert 5.0 * best.x == pytest.approx([12.0], abs=0.03)
+    assert min(ends) == pytest.approx(1.0, abs=0.1)
+    assert ends[-1] > 5.0
+    assert ends[0] > 5.0
 
 
 def test_a_second_fit_takes_what_the_first_one_computed(tmp_path):

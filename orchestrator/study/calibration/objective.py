@@ -194,6 +194,20 @@ class Objective:
             found.append(signal.noise or max(np.sqrt(squares / max(freedom, 1.0)), least))
         return found
 
+    def sum_squares(self, x: Vector) -> Vector:
+        """Of the residuals of each signal, in its unit."""
+        rows = zip(self.noises, self.eliminate(x), strict=True)
+        return np.array([noise**2 * float(one.residual @ one.residual) for noise, one in rows])
+
+    def find_unlikelihood(self, squares: Vector) -> float:
+        """The likelihood's negative logarithm for these sums of squares: residuals over a noise that is
+        estimated from them say nothing."""
+        total = 0.0
+        for i, (signal, own) in enumerate(zip(self.measured.signals, squares, strict=True)):
+            n = self.measured.pool(i).size
+            total += 0.5 * (own / signal.noise**2 if signal.noise else n * np.log(max(own, 1e-300) / n))
+        return float(total)
+
     def describe(self, x: Vector) -> str:
         """How far the signals are from the data, over the noise."""
         parts = [

@@ -8,7 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray
+
+from models.core.quantities import Vector
 
 from ...analyses._evaluate import create_folder, find_results
 from ...errors import MistakeError, Option, RunError
@@ -93,9 +96,10 @@ def calibrate(
 
 
 def _fit_from(objective: Objective, count: int, reporter: Reporter) -> tuple[Fit, list[float]]:
-    """The best fit of all starts, and the residual over the noise (root mean square) of each."""
+    """The likeliest fit of all starts, and the residual of each over the noise of that fit (root mean
+    square)."""
     found: list[Fit] = []
-    ends: list[float] = []
+    squares: list[Vector] = []
     for number, start in enumerate(list_starts(objective.parameters, count), 1):
         if count > 1:
             reporter.line(f"start {number} of {count}")
@@ -108,12 +112,14 @@ def _fit_from(objective: Objective, count: int, reporter: Reporter) -> tuple[Fit
             reporter.line(str(error))
             continue
         found.append(one)
-        ends.append(one.misfit)
-    best = min(found, key=lambda one: one.misfit)
+        squares.append(objective.sum_squares(one.x))
+    which = int(np.argmin([objective.find_unlikelihood(one) for one in squares]))
+    best = found[which]
     if best is not found[-1]:  # its derivatives and noises again, from the file
         objective.refresh()
         best = fit(objective, best.x)
-    return best, ends
+    noises = np.square(objective.noises)
+    return best, [float(np.sqrt(np.sum(one / noises) / objective.measured.count)) for one in squares]
 
 
 def _find_profiled(names: Sequence[str], wanted: Sequence[str]) -> list[int]:
