@@ -53,6 +53,13 @@ class Cycle:
         raise KeyError(f"{name!r} is no input or output of the system")
 
 
+def list_held(system: System, turning: Sequence[str]) -> NDArray[np.bool_]:
+    """By state whether each period begins it at its start: those `turning`, and those that accumulate."""
+    fields = [f for instance in system.instances.values() for f in instance.component.state.fields]
+    names = zip(system.state.names, fields, strict=True)
+    return np.array([name in turning or field.quantity.accumulates for name, field in names])
+
+
 def find_cycle(
     system: System,
     period: float,
@@ -70,9 +77,9 @@ def find_cycle(
     others go on from where the last period ended, extrapolated by Anderson's method; where that leads to a
     state from which nothing can move, from the end itself, until a period changes no state by more than
     `steady`. Where it does not settle in `most_periods`, or would not at its rate, the period of the least
-    change is returned. `tolerance` is
-    the integrator's, over nominal + |value|. A `problem` of the same components and connections takes the
-    system's values, so that nothing is compiled again. ModelError if a method fails.
+    change is returned. `tolerance` is the integrator's, over nominal + |value|. A `problem` of the same
+    components and connections takes the system's values, so that nothing is compiled again. ModelError if a
+    method fails.
     """
     if problem is None:
         problem = SystemProblem(system)
@@ -80,8 +87,7 @@ def find_cycle(
         problem.take(system)
     times = np.linspace(0.0, period, samples + 1)
     n = system.state.size
-    fields = [f for instance in system.instances.values() for f in instance.component.state.fields]
-    held = np.isin(system.state.names, list(turning)) | [f.quantity.accumulates for f in fields]
+    held = list_held(system, turning)
     scaling = _Scaling(system, held)
     x = np.array(system.x0 if start is None else start, dtype=np.float64)
     x[held] = system.x0[held]

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.quantities import Vector
 from ..core.system import ModelError, System
+from .cycle import list_held
 from .slopes import Slopes
 from .variation import Flow, Variation
 
@@ -115,7 +116,7 @@ def differentiate_cycle(
     places = [[(names.index(name), size) for name, size in one.parameters.items()] for one in directions]
     slopes = Slopes(system, places)
     variation, n = Variation(slopes), system.state.size
-    free = ~np.isin(system.state.names, list(turning))
+    free = ~list_held(system, turning)
     nominal = system.state.nominal[free]
     x = np.array(start)
     x[~free] = system.x0[~free]

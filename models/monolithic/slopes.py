@@ -64,12 +64,6 @@ class Slopes:
             found[row] = self.along(float(times[row]), states[row], starts, steps)[0]
         return found.transpose(0, 2, 1)
 
-    def variables_at(self, t: float, x: Vector, tangents: Vector) -> tuple[Vector, Vector, Vector, Vector]:
-        """Inputs, outputs, and their slopes (d, size), of states whose slopes by the parameters are
-        `tangents` (n, d)."""
-        _, inputs, outputs = self.along(t, x, np.ascontiguousarray(tangents.T), self.steps)
-        return self.evaluation.u.copy(), self.evaluation.y.copy(), inputs, outputs
-
     def along(self, t: float, x: Vector, starts: Vector, steps: Vector) -> tuple[Vector, Vector, Vector]:
         s, e, m = self.system, self.evaluation, starts.shape[0]
         x = np.ascontiguousarray(x)

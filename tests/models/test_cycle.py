@@ -19,6 +19,7 @@ from models.monolithic.cycle import (
     find_cycle,
     is_hopeless,
 )
+from models.monolithic.cycle_tangents import Direction, differentiate_cycle
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
 from orchestrator.study.speeds.separation import CLOSE, _count_halvings, bisect_separation
@@ -193,3 +194,31 @@ def test_halvings_between_speeds():
     """Until the largest distance is CLOSE; of one speed there is none."""
     assert _count_halvings(np.array([100.0])) == 1
     assert _count_halvings(np.array([0.0, 8.0 * CLOSE, 9.0 * CLOSE])) == 3
+
+
+def test_tangents_of_a_cycle_know_what_adds_up():
+    """A spring under the gas of a cylinder, whose work grows in each cycle. Its motion is linear in the area
+    of the head: without it the spring rests where nothing is left of its preload, 400 N over 20 N/mm."""
+    area, speed = 1e-3, 200.0
+    turning = {"motion": 1.0, "initial_speed": speed, "final_speed": speed}
+    spring = {"preload": 400.0, "spring_rate": 20e3, "damping_ratio": 0.1}
+    system = System(
+        {
+            "flywheel": Instance(CATALOGUE["flywheel"](), turning, start={"speed": speed}),
+            "gas": Instance(CATALOGUE["cylinder_gas"](valves=1), {"valve_area[1]": area}),
+            "spring": Instance(CATALOGUE["valve_spring"](coil_masses=2), spring),
+        },
+        (
+            ("flywheel.angle", "gas.crank_angle"),
+            ("flywheel.speed", "gas.crank_speed"),
+            ("gas.valve_force[1]", "spring.gas_force"),
+        ),
+    )
+    direction = Direction({"gas.valve_area[1]": 1.0})
+    cycle = differentiate_cycle(system, 4.0 * math.pi / speed, TURNING, [direction], system.x0)
+    rows = cycle.rows_at(np.linspace(0.0, cycle.period, 9)[:-1])
+    place = system.outputs.names.index("spring.position")
+    position, slope = rows.outputs[:, place], rows.outputs_by[0, :, place]
+    assert position.std() > 1e-3
+    # Tangents are sought to 1e-8 of their largest.
+    assert position - area * slope == pytest.approx(-0.02, abs=1e-7 * np.abs(position).max())
