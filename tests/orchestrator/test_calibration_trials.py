@@ -99,7 +99,7 @@ def test_intervals_of_95_per_cent_hold_in_so_many_trials():
 def predict_truth() -> tuple[Objective, np.ndarray]:
     scenario, empty = load("pushrod-train"), [np.zeros((2, ANGLES.size))] * len(SPEEDS)
     measured = measure(empty, np.random.default_rng(0))
-    model, values = make_model(scenario, measured, build_fmu), list_parameters(scenario)
+    model, values = make_model(scenario, measured, list(STARTS), build_fmu), list_parameters(scenario)
     parameters = [Fitted(name, "", values[name]) for name in STARTS]
     predictions = Predictions(model, measured.experiments, sqlite3.connect(":memory:"))
     return Objective(parameters, measured, predictions, SilentReporter()), np.ones(len(STARTS))

@@ -47,6 +47,8 @@ def test_a_cycle_depends_on_nothing_that_was_found_before(dry):
 def test_a_parameter_that_there_is_none_of_is_named(dry):
     with pytest.raises(MistakeError, match=r"valve_spring\.preloads: .*did you mean valve_spring\.preload"):
         dry.find({"valve_spring.preloads": 300.0}, SPEED)
+    with pytest.raises(MistakeError, match=r"flywheel\.final_speed: is the speed of the cycle"):
+        dry.find({"flywheel.final_speed": 300.0}, SPEED)
 
 
 def test_work_that_adds_up_leaves_a_cycle_steady():

@@ -209,6 +209,11 @@ def test_trains_without_a_cycle_keep_no_limit_and_are_named(monkeypatch):
         ({"parameters": {"valve_spring.preload": {"kind": "normal", "deviation": 0}}}, "must be > 0"),
         ({"parameters": {"valve_spring.preload": {"kind": "uniform", "low": 9, "high": 1}}}, "less than"),
         ({"parameters": {"valve_spring.preload": {"kind": "gaussian"}}}, "one of normal, uniform"),
+        ({"parameters": {"flywheel.initial_speed": NORMAL}}, "speed of the cycle"),
+        ({"parameters": {"valve_spring.preload": {**NORMAL, "low": "900 N"}}}, "leave .* % of the distr"),
+        ({"speed": 2000}, r"^speed = 2000.*: write the unit"),
+        ({"limits": ["peak_pressure < 600"]}, "600 Pa"),
+        ({"grinding": {"flywheel": {"amplitudes": {3: "1 um"}}}}, "is no cam; .*camshaft"),
         ({"limits": ["seating < 1 m/s"]}, "seating_velocity"),
         ({"limits": ["seating_velocity < 1 mm"]}, "does not fit"),
         ({"limits": ["seating_velocity"]}, "write a figure"),
@@ -222,6 +227,23 @@ def test_trains_without_a_cycle_keep_no_limit_and_are_named(monkeypatch):
 def test_a_mistake_is_named_with_its_remedy(changes, why):
     with pytest.raises(MistakeError, match=why):
         make_subject(read_changed("valve-train", DRY), parse_tolerances({**GIVEN, **changes}))
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "a head and two values"),
+        ("preload [N]\n300\n", "a head and two values"),
+        ("preload\n300\n310\n", r"has no unit; .* preload \[N\]"),
+        ("preload [N]\n300\nnan\n310\n", "not a number"),
+        ("first [N],second [N]\n300,1\n310,2\n", "must be one of first, second"),
+    ],
+)
+def test_a_file_of_measured_values_that_cannot_be_used_is_named(text, why, tmp_path):
+    (tmp_path / "lots.csv").write_text(text)
+    measured = {"valve_spring.preload": {"kind": "measured", "file": tmp_path / "lots.csv"}}
+    with pytest.raises(MistakeError, match=f"lots.csv.*{why}"):
+        make_subject(read_changed("valve-train", DRY), parse_tolerances({**GIVEN, "parameters": measured}))
 
 
 def test_a_train_is_the_same_in_any_process_and_order(monkeypatch):

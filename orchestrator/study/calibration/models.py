@@ -33,7 +33,7 @@ from ...scenario.system import Builder, build_system, resolve_start
 from ...texts import parse_toml
 from ..scenario_subject import list_fmu_sums
 from ..speeds.finder import CycleFinder
-from ..speeds.subject import SpeedSubject, count_turns, find_flywheel, find_period
+from ..speeds.subject import SpeedSubject, check_varied, count_turns, find_flywheel, find_period
 from ..task import format_message
 from .measured import TIME, Experiment, Measured
 
@@ -264,14 +264,20 @@ class _Rows:
         pass
 
 
-def make_model(scenario: Scenario, measured: Measured, build: Builder) -> "CycleModel | TransientModel":
-    """For data with speeds the steady cycles, else the run; MistakeError where it ends before the data."""
+def make_model(
+    scenario: Scenario, measured: Measured, parameters: Sequence[str], build: Builder
+) -> "CycleModel | TransientModel":
+    """For data with speeds the steady cycles, else the run; MistakeError where it ends before the data, or
+    one of the `parameters` that are fitted says the speed of cycles."""
     # With the numbers that oils, tables and drawings give, so that each may vary alone.
     tables = parse_toml(to_full_toml(scenario))
     variables = tuple(signal.variable for signal in measured.signals)
     if measured.experiments[0].speed is not None:
         digest = hashlib.sha256(to_full_toml(scenario).encode()).hexdigest()
-        return CycleModel(tables, variables, find_flywheel(scenario), digest)
+        flywheel = find_flywheel(scenario)
+        for name in parameters:
+            check_varied(name, flywheel)
+        return CycleModel(tables, variables, flywheel, digest)
     last = float(measured.experiments[0].positions.max())
     if measured.experiments[0].positions.min() < 0.0 or last > scenario.stop_time * (1.0 + 1e-9):
         raise MistakeError(

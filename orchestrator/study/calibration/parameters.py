@@ -11,7 +11,7 @@ from models.core.quantities import Quantity, Vector
 
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario
-from ...scenario.system import list_parameters
+from ...scenario.system import list_parameters, list_quantities
 from ...scenario.units import UnitError, to_unit
 
 # Where a positive parameter has no other lower bound, in its start.
@@ -35,20 +35,11 @@ class Fitted:
         return abs(self.start) or 1.0
 
 
-def list_quantities(scenario: Scenario) -> dict[str, Quantity]:
-    """Of all parameters, by "component.name"."""
-    return {
-        f"{name}.{field.name}": field.quantity
-        for name, table in scenario.components.items()
-        for field in table.resolve().parameters.fields
-    }
-
-
 def choose(scenario: Scenario, wanted: Sequence[str], bounds: Sequence[str] = ()) -> tuple[Fitted, ...]:
     """Those that are named, one or several with commas in a text, with what `bounds` says of some:
     "component.name = low .. high". MistakeError for what cannot be fitted."""
     values, quantities = list_parameters(scenario), list_quantities(scenario)
-    continuous = [name for name in values if not quantities[name].discrete]
+    continuous = [name for name in values if not quantities[name].jumps]
     named = [part.strip() for text in wanted for part in text.split(",") if part.strip()]
     found: dict[str, Fitted] = {}
     for text in named:

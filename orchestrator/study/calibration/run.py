@@ -66,7 +66,7 @@ def calibrate(
             f"{measured.count} measured numbers cannot give {unknowns} unknowns (parameters, offsets, "
             "gains); fit fewer"
         )
-    model = make_model(scenario, measured, build)
+    model = make_model(scenario, measured, [one.name for one in parameters], build)
     held = find_results(out, "calibration", overwrite, "calibration.json", FITTED, SIGNALS)
     for line in notes:
         reporter.line(line)

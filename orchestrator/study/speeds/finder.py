@@ -11,7 +11,7 @@ from models.monolithic.problem import SystemProblem
 
 from ...errors import MistakeError, one_of
 from ...scenario.system import build_system, resolve_start
-from .subject import SAMPLES, SpeedSubject, find_period, measure_cycle
+from .subject import SAMPLES, SpeedSubject, check_varied, find_period, measure_cycle
 
 
 class CycleFinder:
@@ -30,7 +30,7 @@ class CycleFinder:
         self._tolerance, self._steady = tolerance, steady
         own = self.system.with_instances(self.system.instances)
         self._problem = SystemProblem(own, counts_energies=False)
-        self._starts: dict[float, Vector] = {}
+        self._starts: dict[tuple[float, int], Vector] = {}
 
     def find(
         self,
@@ -65,15 +65,16 @@ class CycleFinder:
                 raise MistakeError(
                     f"{place}: no such parameter; {one_of(self.system.parameters.names, place)}"
                 )
+            check_varied(place, flywheel)
             changed[name][parameter] = value
         instances = {name: replace(one, parameters=changed[name]) for name, one in instances.items()}
         return self.system.with_instances(instances)
 
     def _start(self, speed: float, samples: int) -> Vector:
-        if speed not in self._starts:
+        if (speed, samples) not in self._starts:
             system = resolve_start(self.subject.scenario, self.change({}, speed))
-            self._starts[speed] = self._find(system, speed, None, samples).end
-        return self._starts[speed]
+            self._starts[speed, samples] = self._find(system, speed, None, samples).end
+        return self._starts[speed, samples]
 
     def _find(self, system: System, speed: float, start: Vector | None, samples: int) -> Cycle:
         turning, period = [f"{self.subject.flywheel}.angle"], find_period(system, speed)

@@ -126,6 +126,12 @@ def find_flywheel(scenario: Scenario) -> str:
     )
 
 
+def check_varied(parameter: str, flywheel: str) -> None:
+    """MistakeError for one that says the speed of a cycle, which is given apart."""
+    if parameter in (f"{flywheel}.initial_speed", f"{flywheel}.final_speed"):
+        raise MistakeError(f"{parameter}: is the speed of the cycle, which has no other one; leave it out")
+
+
 def count_turns(system: System) -> int:
     """Turns of the drive in a period: two where a camshaft turns at half its speed."""
     ratios = list_ratios(system)

@@ -18,6 +18,8 @@ from .table import Correlation, Distributed, Listed, Measured, Tolerances, Unifo
 
 # Least eigenvalue of a correlation matrix; below it some combination is certain, or impossible.
 LEAST_EIGENVALUE = 1e-9
+# Part of a normal distribution that its bounds leave: none that is made has more of its parts outside.
+LEAST_LEFT = 1e-4
 
 
 class Distribution(Protocol):
@@ -77,6 +79,12 @@ def resolve(name: str, given: Distributed, quantity: Quantity, value: float) -> 
     low = -np.inf if given.low is None else read("low", given.low)
     high = np.inf if given.high is None else read("high", given.high)
     _check_order(name, low, high)
+    left = float(np.diff(stats.norm(mean, deviation).cdf([low, high]))[0])
+    if left < LEAST_LEFT:
+        raise MistakeError(
+            f"parameters.{name}: low and high leave {100.0 * left:.1g} % of the distribution around "
+            f"{mean:g} {quantity.unit}; give another mean, or a larger deviation"
+        )
     return stats.truncnorm((low - mean) / deviation, (high - mean) / deviation, mean, deviation)
 
 
@@ -99,9 +107,12 @@ def _check_order(name: str, low: float, high: float) -> None:
 def _read_sample(name: str, given: Measured, quantity: Quantity) -> Listed:
     try:
         with given.file.open(encoding="utf-8-sig", newline="") as file:
-            head, *rows = [row for row in csv.reader(file) if row]
-    except (OSError, UnicodeDecodeError, ValueError) as error:
+            rows = [row for row in csv.reader(file) if row]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise MistakeError(f"parameters.{name}.file = {given.file}: cannot be read ({error})") from None
+    if len(rows) < 3:
+        raise MistakeError(f"parameters.{name}: {given.file.name} must have a head and two values or more")
+    head, *rows = rows
     columns = {column.name: i for i, column in enumerate(map(split_column, head))}
     if given.column is None and len(columns) > 1:
         raise MistakeError(
@@ -111,12 +122,15 @@ def _read_sample(name: str, given: Measured, quantity: Quantity) -> Listed:
     if chosen not in columns:
         raise MistakeError(f"parameters.{name}.column = {chosen!r}: {one_of(columns, chosen)}")
     unit = split_column(head[columns[chosen]]).unit or ""
+    if not unit and quantity.unit != "1":
+        raise MistakeError(
+            f"parameters.{name}: {given.file.name}, column {chosen}: has no unit; write it behind the name, "
+            f"e.g. {chosen} [{quantity.unit}]"
+        )
     try:
         values = [to_unit(f"{row[columns[chosen]].strip()} {unit}", quantity.unit) for row in rows]
     except (IndexError, UnitError) as error:
         raise MistakeError(f"parameters.{name}: {given.file.name}, column {chosen}: {error}") from None
-    if len(values) < 2:
-        raise MistakeError(f"parameters.{name}: {given.file.name} must have two values or more")
     return Listed(kind="values", values=[float(value) for value in values])
 
 

@@ -11,7 +11,7 @@ from models.core.quantities import Vector
 
 from ...analyses import Result
 from ...errors import MistakeError, one_of
-from ...scenario.units import UnitError, to_unit
+from ...scenario.units import UnitError, is_bare, to_unit
 
 _LIMIT = re.compile(r"\s*([\w.\[\]-]+)\s*(<=?|>=?)\s*(.+?)\s*")
 
@@ -55,7 +55,10 @@ def _parse(text: str, results: Mapping[str, Result]) -> Limit:
         raise MistakeError(f"limits: {text!r}: no figure {name}; {one_of(names, name)}")
     if len(named) > 1:
         raise MistakeError(f"limits: {text!r}: several parts have {name}; write one of {', '.join(named)}")
+    unit = results[named[0]].unit
+    if is_bare(value) and unit != "1":
+        raise MistakeError(f"limits: {text!r}: write the value with its unit, as {value} {unit}")
     try:
-        return Limit(text, named[0], sign[0] == "<", to_unit(value, results[named[0]].unit))
+        return Limit(text, named[0], sign[0] == "<", to_unit(value, unit))
     except UnitError as error:
         raise MistakeError(f"limits: {text!r}: {error}") from None

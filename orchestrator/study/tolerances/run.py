@@ -15,16 +15,16 @@ from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 from models.valve_train.worn_cam import sample_cam
 
 from ...analyses import Result
-from ...errors import RunError
+from ...errors import MistakeError, RunError
 from ...reporter import Reporter
 from ...scenario import build_scenario
 from ...scenario.cams import read_cam
 from ...scenario.files import to_full_toml
 from ...scenario.system import list_quantities
+from ...scenario.units import is_bare
 from ..files import plan_axis
 from ..run import Where, run
-from ..speeds.subject import STEADY, describe_numbers, find_flywheel
-from ..speeds.sweep import parse_speed
+from ..speeds.subject import SPEED, STEADY, describe_numbers, find_flywheel
 from ..store import DONE
 from ..wear.train import put_points
 from .design import BESIDE, MIXED, SAMPLE, Design, Parameters
@@ -52,7 +52,7 @@ def make_subject(tables: Mapping[str, Any], tolerances: Tolerances) -> tuple[Tol
     """MistakeError for a fault of the scenario, the distributions or the limits."""
     scenario = build_scenario(copy.deepcopy(dict(tables)))
     flywheel = find_flywheel(scenario)
-    speed = parse_speed("speed", str(tolerances.speed))
+    speed = _read_speed(str(tolerances.speed))
     tolerances = read_samples(tolerances, list_quantities(scenario))
     limits = parse_limits(tolerances.limits, describe_numbers(scenario))
     make_design(tolerances, scenario)
@@ -61,6 +61,12 @@ def make_subject(tables: Mapping[str, Any], tolerances: Tolerances) -> tuple[Tol
         running = put_points(running, cam, sample_cam(read_cam(scenario.components[cam])))
     text = to_full_toml(build_scenario(running)) if tolerances.grinding else given
     return ToleranceSubject(given, text, flywheel, speed, tolerances.model_dump_json()), limits
+
+
+def _read_speed(text: str) -> float:
+    if is_bare(text):
+        raise MistakeError(f'speed = {text}: write the unit, e.g. "{text} rpm"')
+    return float(SPEED.check_value("speed", text))
 
 
 def find_tolerances(

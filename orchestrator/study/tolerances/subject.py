@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from models.core import roles
 from models.core.system import ModelError
 from models.valve_train.worn_cam import sample_cam
 
@@ -18,7 +19,7 @@ from ...scenario.units import UnitError, to_unit
 from ...scenario.values import Value
 from ...texts import parse_toml
 from ..speeds.finder import CycleFinder
-from ..speeds.subject import SpeedSubject
+from ..speeds.subject import SpeedSubject, check_varied, find_flywheel
 from .design import Design, Factor, GrindingError, Parameters
 from .distributions import group, resolve
 from .table import Tolerances, parse_tolerances
@@ -101,6 +102,7 @@ def make_design(tolerances: Tolerances, scenario: Scenario) -> Design:
     for name in tolerances.parameters:
         if name not in values:
             raise MistakeError(f"parameters.{name}: no such parameter; {one_of(values, name)}")
+        check_varied(name, find_flywheel(scenario))
     distributions = {
         name: resolve(name, given, quantities[name], values[name])
         for name, given in tolerances.parameters.items()
@@ -118,6 +120,9 @@ def _make_grinding(tolerances: Tolerances, scenario: Scenario, cam: str) -> Grin
     table = scenario.components.get(cam)
     if table is None:
         raise MistakeError(f"grinding.{cam}: no such component; {one_of(scenario.components, cam)}")
+    if not table.resolve().has_role(roles.Cam):
+        cams = [name for name, one in scenario.components.items() if one.resolve().has_role(roles.Cam)]
+        raise MistakeError(f"grinding.{cam}: is no cam; {one_of(cams, cam)}")
     fresh = sample_cam(read_cam(table))
     given = tolerances.grinding[cam].amplitudes
     amplitudes = []
