@@ -102,7 +102,10 @@ class Profile(NamedTuple):
         """The middle of where it lifts most (rad)."""
         angles = np.linspace(0.0, TURN, 3601)
         lift = np.array([self.lift(a).s for a in angles])
-        return float(np.mean(angles[lift >= lift.max() * (1.0 - LEVEL)]))
+        top = angles[lift >= lift.max() * (1.0 - LEVEL)]
+        if top[-1] - top[0] > 0.5 * TURN:  # on both sides of zero
+            top = (top + 0.5 * TURN) % TURN - 0.5 * TURN
+        return float(np.mean(top) % TURN)
 
 
 def build_profile(values: Mapping[str, Any]) -> Profile:

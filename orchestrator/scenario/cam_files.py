@@ -17,7 +17,7 @@ from models.valve_train.cams.table import TURN
 from models.valve_train.followers.shape import CamShape
 
 from ..texts import read_bytes
-from .angle_table import AngleTableError, Kind, read_angle_table
+from .angle_table import AngleTableError, Kind, read_angle_table, read_lines
 
 INCH, MM = 0.0254, 1e3
 DEGREES, AGAIN, DECIMALS = 360, 36, 8
@@ -35,8 +35,7 @@ def write_s96(lift: Callable[[float], float], nose: float) -> str:
 
 def read_s96(path: Path) -> tuple[Vector, Vector, float]:
     """Angles (rad), lifts (m) and their step; the nose is at pi. AngleTableError for another file."""
-    lines = [line.strip() for line in read_bytes(path).decode("ascii", "replace").split("\n")]
-    lines = [line for line in lines if line]
+    lines = [line.strip() for _, line in read_lines(path, "an .s96 file has one lift in inches to a line")]
     if len(lines) != DEGREES + AGAIN:
         raise AngleTableError(f"{path}: has {len(lines)} lines; an .s96 file has {DEGREES + AGAIN} lifts")
     lifts = np.empty(len(lines))

@@ -49,7 +49,7 @@ INSERTIONS = (
 def insert_all(table: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """A component's table with all that its keys become, and what was chosen and doubted; Faults."""
     notes: list[str] = []
-    for insertion in INSERTIONS:
+    for insertion in INSERTIONS if _is_readable(table) else ():
         given = [key for key in insertion.keys if table.get(key) is not None]
         component = _find_component(table.get("component"))
         if not given or component is None:
@@ -65,6 +65,18 @@ def insert_all(table: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
         except AngleTableError as error:
             raise Faults((key, f": {error}")) from None
     return table, notes
+
+
+def _is_readable(table: dict[str, Any]) -> bool:
+    """Whether it has values of the types that inserting asks for; else the check of the fields names them."""
+    files = [table.get(key) or "" for key in ("lift_table", "pressure_table")]
+    structure, parameters = table.get("structure", {}), table.get("parameters", {})
+    return (
+        all(isinstance(file, str) for file in files)
+        and isinstance(parameters, dict)
+        and isinstance(structure, dict)
+        and all(isinstance(size, int) for size in structure.values())
+    )
 
 
 def _find_component(name: Any) -> Component | None:

@@ -130,8 +130,7 @@ def insert_wire(table: dict[str, Any]) -> dict[str, Any]:
     except Faults as error:
         raise Faults(*(replace(one, place=join_keys("wire", one.place)) for one in error.faults)) from None
     component = build_component(table["component"], tuple(table.get("structure", {}).items()))
-    lash = given.get("lash", 0.0)  # the closed valve has compressed the spring by it
-    lash = to_unit(lash, "m") if isinstance(lash, str) else lash
+    lash = _read_lash(given.get("lash", 0.0))  # the closed valve has compressed the spring by it
     travel = spring.solid_travel - spring.compress(force)
     found = {
         "spring_rate": spring.rate(force),
@@ -154,6 +153,14 @@ def insert_wire(table: dict[str, Any]) -> dict[str, Any]:
         ],
         "parameters": {**{name: WithUnit(value) for name, value in found.items()}, **given},
     }
+
+
+def _read_lash(written: Any) -> float:
+    """In m; 0 for what is no length, which the check of the parameters names."""
+    try:
+        return to_unit(written, "m") if isinstance(written, str) else float(written)
+    except (TypeError, ValueError):
+        return 0.0
 
 
 def replace_rate(table: dict[str, Any]) -> None:

@@ -49,6 +49,19 @@ def test_an_s96_file_begins_opposite_to_the_nose_and_repeats_its_first_tenth(fol
     assert float(max(lines)) == float(lines[180]) == pytest.approx(9.0 / 25.4, abs=1e-8)
 
 
+def test_a_nose_at_zero_has_the_timing_of_one_at_half_a_turn(folder: Path, tmp_path: Path) -> None:
+    """A lift table may have its nose anywhere. Its lifts have 6 decimals of a mm."""
+    header, *rows = (folder / "cam.mm.csv").read_text().splitlines()
+    lifts = [row.partition(",")[2] for row in [*rows[180:], *rows[:180]]]
+    turned = tmp_path / "turned.csv"
+    turned.write_text("\n".join([header, *(f"{angle},{lift}" for angle, lift in enumerate(lifts))]))
+    profile = build_profile(ANALYSIS.complete({"lift_table": str(turned)}))
+    assert math.sin(0.5 * profile.nose) == pytest.approx(0.0, abs=1e-4)
+    expected, found = find_timing(PROFILE, VALUES), find_timing(profile, VALUES)
+    for name in ("duration_1mm", "opening_1mm", "closing_1mm", "lift_at_centre"):
+        assert found[name] == pytest.approx(expected[name], abs=1e-4), name
+
+
 @pytest.mark.parametrize("follower", ["flat", "roller"])
 def test_a_contour_that_is_read_lifts_its_follower_as_before(tmp_path: Path, follower: str) -> None:
     """A spline through radii each half degree is off by less than 0.1 um."""
@@ -76,6 +89,7 @@ def test_a_contour_that_is_read_lifts_its_follower_as_before(tmp_path: Path, fol
             lambda lines: [*lines[:395], "0.3"],
             "line 396, '0.3': must repeat line 36, '0.0+'",
         ),
+        (lambda lines: [], "has 0 lines"),
         (lambda lines: ["0.0"] * 396, "its largest lift is 0 mm: must be > 0"),
     ],
 )
@@ -85,6 +99,8 @@ def test_bad_s96_files_are_refused_with_the_line(folder: Path, tmp_path: Path, c
     bad.write_text("\n".join(change(lines)))
     with pytest.raises(AngleTableError, match=said):
         read_lift_table(bad)
+    with pytest.raises(AngleTableError, match="cannot be read"):
+        read_lift_table(tmp_path / "none.s96")
 
 
 @pytest.mark.parametrize(

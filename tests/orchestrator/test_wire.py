@@ -81,6 +81,22 @@ def test_wires_that_are_none(tmp_path: Path, wire: dict[str, Any], said: str) ->
         read_spring(tmp_path, **wire)
 
 
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ("parameters = 5", "parameters = 5: must be a table"),
+        ("structure = 5", "structure = 5: must be a table"),
+        ('structure = { segments = "x" }', "structure.segments = 'x': must be an integer"),
+        ("parameters = { lash = [1, 2] }", "parameters.lash: must be a number"),
+        ('parameters = { lash = "0.3 N" }', "parameters.lash.*the unit N does not fit"),
+    ],
+)
+def test_what_stands_beside_a_wire_and_is_no_value_is_named(tmp_path: Path, more: str, said: str) -> None:
+    base, name = ("coil-clash", "spring") if "segments" in more else ("seat-and-lash", "valve_spring")
+    with pytest.raises(ScenarioError, match=said):
+        read_spring(tmp_path, base, name, f"[components.{name}]\n{more}\n")
+
+
 def test_what_follows_from_the_wire_is_not_given_beside_it(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"parameters.spring_rate: follows from the wire; leave one"):
         read_spring(tmp_path, more="[components.spring.parameters]\nspring_rate = 3e4\n")
