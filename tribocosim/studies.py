@@ -152,7 +152,7 @@ def design(
 
     Both cams over the cam angle, with their contacts at some speeds. Attributes: `area`, that of the lift
     over the one before; `separation` (rad/s) before and after; `active`, what holds the cam, in words;
-    `feasible`, 0 where the limits contradict each other. `out` keeps scenario, lift table and figure; a call
+    `feasible`, 0 where no cam keeps all limits. `out` keeps scenario, lift table and figure; a call
     that was stopped goes on there.
     """
     from orchestrator.study.design.brief import read_brief

@@ -15,6 +15,8 @@ from models.core.quantities import Vector
 from models.valve_train.cams.table import TURN
 from models.valve_train.followers.mechanisms import Flat
 from models.valve_train.worn_cam import PLACES
+from orchestrator.assessment.motion import Motion
+from orchestrator.assessment.trains import Angle
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.cams import read_cam
 from orchestrator.scenario.files import load, read_changed
@@ -32,7 +34,7 @@ from orchestrator.study.design.limits import (
     pressure_limit,
 )
 from orchestrator.study.design.lobe import Lobe, find_event
-from orchestrator.study.design.run import find_own_limits
+from orchestrator.study.design.run import find_own_limits, find_wanted
 from orchestrator.study.design.search import Found
 from orchestrator.study.design.slp import Optimum, Problem, maximise
 from orchestrator.study.design.train import Answer, Column, open_train
@@ -250,6 +252,56 @@ def test_mistakes_in_a_brief_are_named(tmp_path: Path, text: str, words: str) ->
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("speeds = [1600]", '1600: write the number with its unit, such as "1000 rpm"'),
+        ("speeds = [[1]]", "write the number with its unit"),
+        ('highest_speed = "4000"', "4000: write the number with its unit"),
+        ("[limits]\nlargest_pressure_angle = 22", 'such as "22 deg"'),
+        ('event = ["250 deg", "110 deg"]', "must end after its begin"),
+        ('event = ["0 deg", "400 deg"]', "within a turn"),
+        ("event = [110, 250]", 'such as "110 deg"'),
+        ('[parameters]\n"flywheel.initial_speed" = ["500 rpm", "3000 rpm"]', "is the speed of the cycle"),
+    ],
+)
+def test_numbers_that_would_be_misread_are_refused(tmp_path: Path, text: str, words: str) -> None:
+    path = write_brief(tmp_path, f'scenario = "valve-train"\n{text}')
+
+    def read() -> None:
+        asked = read_brief(str(path))
+        train = open_train(asked.tables, 24, event=asked.brief.event)
+        read_bounds(asked.brief, train.scenario, "flywheel")
+
+    with pytest.raises(MistakeError, match=re.escape(words)):
+        read()
+
+
+def test_the_least_load_of_the_own_cam_is_that_while_it_lifts(tmp_path: Path) -> None:
+    """A train with lash has none on the base circle, which is no limit."""
+    brief = '[limits]\nseparation_speed = "3000 rpm"\nleast_load = "own"'
+    asked = read_brief(str(write_brief(tmp_path, f'scenario = "valve-train"\n{brief}')))
+    train = open_train(asked.tables, 24)
+    times = np.linspace(0.0, 0.06, 361)
+    angle = TURN * times / times[-1]
+    lift = np.array([train.lobe.kind.lift(a).s for a in angle])
+    columns = {
+        "camshaft.angle": angle, "contact.load": np.where(lift > 0.0, 300.0 - 2e4 * lift, 0.0),
+        "camshaft.cam_lift": lift, "contact.maximum_pressure": np.full(361, 5e8),
+    }  # fmt: skip
+    turned = Angle("cam_angle", "camshaft.angle")
+
+    class Cycles:
+        def __getitem__(self, speed: float) -> Motion:
+            return Motion(train.finder.system, times, columns.__getitem__, turned)
+
+        def is_lost(self, speed: float) -> bool:
+            return False
+
+    found = find_wanted(asked, train, Cycles(), None)  # type: ignore[arg-type]
+    assert found.least_load == pytest.approx(300.0 - 2e4 * lift.max())
+
+
 PAGE = (ROOT / "docs" / "how-to" / "design-a-cam.md").read_text("utf-8")
 
 
@@ -257,7 +309,7 @@ PAGE = (ROOT / "docs" / "how-to" / "design-a-cam.md").read_text("utf-8")
 def test_shipped_and_printed_briefs_are_read(tmp_path: Path, brief: str) -> None:
     asked = read_brief(brief if brief in list_briefs() else str(write_brief(tmp_path, brief)))
     scenario = open_train(asked.tables, asked.brief.coefficients, asked.brief.cam, asked.brief.event).scenario
-    assert set(read_bounds(asked.brief, scenario)) == set(asked.brief.parameters)
+    assert set(read_bounds(asked.brief, scenario, "flywheel")) == set(asked.brief.parameters)
     assert asked.brief.limits.separation_speed == "own"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,10 +15,11 @@ from ...scenario.fields import Table
 from ...scenario.files import find, list_shipped, read_changed
 from ...scenario.scenario import Scenario
 from ...scenario.system import list_parameters
-from ...scenario.units import to_unit
+from ...scenario.units import is_bare, to_unit
 from ...scenario.values import parse_value
 from ...texts import parse_toml, read_text, to_path
 from ..points import list_keys, parse_table
+from ..speeds.subject import check_varied
 
 SHIPPED = Path(__file__).parent / "shipped"
 # A limit that is that of the scenario's own cam, and one that is not there.
@@ -27,44 +27,55 @@ OWN, FREE = "own", "free"
 FEWEST, MOST = 8, 40
 
 
-def _limit(unit: str) -> BeforeValidator:
+def _read(value: Any, unit: str, example: str) -> float:
+    """A number with its unit: those of a speed or an angle would pass unseen in another one."""
+    if not isinstance(value, str) or is_bare(value):
+        raise ValueError(f'{value}: write the number with its unit, such as "{example}"')
+    return to_unit(value, unit)
+
+
+def _read_positive(value: Any, unit: str, example: str, or_else: str = "") -> float:
+    number = _read(value, unit, example)
+    if not number > 0.0:
+        raise ValueError(f"{value}: must be > 0{or_else}")
+    return number
+
+
+def _limit(unit: str, example: str) -> BeforeValidator:
     def parse(value: Any) -> float | str:
         if value in (OWN, FREE):
             return str(value)
-        if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise ValueError(f'must be a number in {unit}, a text with a unit, "{OWN}" or "{FREE}"')
-        number = to_unit(value, unit) if isinstance(value, str) else float(value)
-        if not (math.isfinite(number) and number > 0.0):
-            raise ValueError(f'{value}: must be > 0, "{OWN}" or "{FREE}"')
-        return number
+        return _read_positive(value, unit, example, f', "{OWN}" or "{FREE}"')
 
-    return BeforeValidator(parse, json_schema_input_type=float | str)
+    return BeforeValidator(parse)
 
 
 Size = float | str
-Length = Annotated[Size, _limit("m")]
+Length = Annotated[Size, _limit("m", "8 mm")]
 
 
 class Limits(Table):
     """Limits; "own": as the scenario's own cam has it, "free": none."""
 
-    separation_speed: Annotated[Size, _limit("rad/s")] = Field(
+    separation_speed: Annotated[Size, _limit("rad/s", "3000 rpm")] = Field(
         OWN, description="Speed of the flywheel up to which contact is kept"
     )
     largest_lift: Length = Field(OWN, description="Largest lift")
-    largest_velocity: Annotated[Size, _limit("m/s")] = Field(
+    largest_velocity: Annotated[Size, _limit("m/s", "4 m/s")] = Field(
         FREE, description="Largest velocity of the lift, at the separation speed"
     )
-    largest_acceleration: Annotated[Size, _limit("m/s2")] = Field(
+    largest_acceleration: Annotated[Size, _limit("m/s2", "3000 m/s2")] = Field(
         FREE, description="Largest acceleration of the lift, at the separation speed"
     )
-    largest_deceleration: Annotated[Size, _limit("m/s2")] = Field(
+    largest_deceleration: Annotated[Size, _limit("m/s2", "3000 m/s2")] = Field(
         FREE, description="Largest deceleration of the lift, at the separation speed"
     )
-    largest_jerk: Annotated[Size, _limit("m/s3")] = Field(
+    largest_jerk: Annotated[Size, _limit("m/s3", "1e7 m/s3")] = Field(
         FREE, description="Largest jerk of the lift, at the separation speed"
     )
-    largest_pressure_angle: Annotated[Size, _limit("rad")] = Field(OWN, description="Largest pressure angle")
+    largest_pressure_angle: Annotated[Size, _limit("rad", "22 deg")] = Field(
+        OWN, description="Largest pressure angle"
+    )
     largest_offset: Length = Field(
         FREE, description="How far from its middle a flat follower is touched: half its width"
     )
@@ -72,24 +83,17 @@ class Limits(Table):
     wheel_radius: Length = Field(
         OWN, description="Grinding wheel that a hollow flank takes; own: no hollow, where there is none"
     )
-    peak_pressure: Annotated[Size, _limit("Pa")] = Field(
+    peak_pressure: Annotated[Size, _limit("Pa", "600 MPa")] = Field(
         OWN, description="Largest Hertz pressure, of each contact"
     )
-    least_load: Annotated[Size, _limit("N")] = Field(
+    least_load: Annotated[Size, _limit("N", "50 N")] = Field(
         FREE, description="Least load of each contact while the cam lifts"
     )
     least_gap: Length = Field(FREE, description="Least gap between coils of springs")
 
 
-def _speed(value: Any) -> float:
-    number = to_unit(value, "rad/s") if isinstance(value, str) else float(value)
-    if not (math.isfinite(number) and number > 0.0):
-        raise ValueError(f"{value}: must be a speed > 0, such as '1000 rpm'")
-    return number
-
-
-Speed = Annotated[float, BeforeValidator(_speed, json_schema_input_type=float | str)]
-Angle = Annotated[float, BeforeValidator(lambda v: to_unit(v, "rad") if isinstance(v, str) else v)]
+Speed = Annotated[float, BeforeValidator(lambda value: _read_positive(value, "rad/s", "1000 rpm"))]
+Angle = Annotated[float, BeforeValidator(lambda value: _read(value, "rad", "110 deg"))]
 
 
 class Brief(Table):
@@ -160,7 +164,7 @@ def read_brief(source: str, settings: Sequence[str] = ()) -> Asked:
     return Asked(brief, read_changed(str(base), settings), base, settings)
 
 
-def read_bounds(brief: Brief, scenario: Scenario) -> dict[str, tuple[float, float]]:
+def read_bounds(brief: Brief, scenario: Scenario, flywheel: str) -> dict[str, tuple[float, float]]:
     """The bounds of the parameters in SI units; MistakeError for unknown names and wrong values."""
     known = {name for name in list_parameters(scenario) if "[" not in name}
     found = {}
@@ -168,6 +172,7 @@ def read_bounds(brief: Brief, scenario: Scenario) -> dict[str, tuple[float, floa
         name = given.removeprefix("components.").replace(".parameters.", ".")
         if name not in known:
             raise MistakeError(f"parameters.{given}: {one_of(sorted(known), name)}")
+        check_varied(name, flywheel)
         part, _, parameter = name.partition(".")
         quantity = scenario.components[part].resolve().parameters.field(parameter).quantity
         if quantity.jumps:

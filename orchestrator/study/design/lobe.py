@@ -14,6 +14,8 @@ from models.valve_train.cams.ramps import add_ramp
 from models.valve_train.cams.table import TURN, Points
 from models.valve_train.worn_cam import PLACES, CamKind
 
+from ...errors import MistakeError
+
 # Half a step (rad) for the jerk of ramps and of the scenario's own cam, and rows of a bump's interval.
 STEP, FINE = 1e-4, 8
 
@@ -111,6 +113,12 @@ class Lobe:
 def find_event(kind: CamKind, given: tuple[float, float] | None) -> tuple[float, float]:
     """The cam angles (rad) at which the scenario's ramps join its event; `given` ones go first."""
     if given is not None:
+        begin, end = given
+        if not begin < end < begin + TURN:
+            raise MistakeError(
+                f"event = from {math.degrees(begin):g} to {math.degrees(end):g} deg: must end after its "
+                "begin, within a turn"
+            )
         return given
     record = kind.record
     if hasattr(record, "event_begin"):

@@ -156,7 +156,7 @@ def report(table: xarray.Dataset, improved: Improved, reporter: Reporter) -> Non
         reporter.line(text)
     if beyond := improved.found.beyond:
         worst = ", ".join(f"{name} by {100.0 * share:.2g} %" for name, share in beyond.items())
-        reporter.line(f"the limits contradict each other: the least violation that was reached is {worst}")
+        reporter.line(f"no cam within all limits was found; the nearest one is beyond {worst}")
 
 
 def _cells(before: float, after: float) -> tuple[str, str, str]:

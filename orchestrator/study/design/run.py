@@ -130,8 +130,8 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
         for part in train.springs:
             least = min(float(cycles[speed].column(f"{part}.least_gap").min()) for speed in below)
             gaps[part] = least if limits.least_gap == OWN else float(limits.least_gap)
-    loads = [float(cycles[s].column(f"{p}.load").min()) for p in parts for s in below]
-    least_load = {FREE: 0.0, OWN: min(loads, default=0.0)}.get(str(limits.least_load))
+    loads = [CONTACT["least_load"][1](Part(cycles[s], p)).value for p in parts for s in below]
+    least_load = {FREE: 0.0, OWN: min(filter(math.isfinite, loads), default=0.0)}.get(str(limits.least_load))
     sizes = find_own_limits(train, limits, top * train.ratio)
     load = float(limits.least_load) if least_load is None else least_load
     return Wanted(sizes, pressures, gaps, load, speeds, kept)
@@ -149,8 +149,8 @@ def design(
     held = [] if begun is not None else find_results(out, DESIGN, overwrite, *FILES)
     brief = asked.brief
     train = open_train(asked.tables, brief.coefficients, brief.cam, brief.event)
-    bounds = read_bounds(brief, train.scenario)
-    train = train.with_parameters(tuple(bounds))
+    bounds = read_bounds(brief, train.scenario, train.subject.flywheel)
+    train = train.with_parameters(bounds)
     own = SpeedSubject(asked.tables, find_flywheel(train.scenario))
     with create_folder(out):
         with reporter.stage("cycles of the scenario's own cam") as bar:

@@ -50,13 +50,13 @@ class Answer(NamedTuple):
 @dataclass(frozen=True)
 class DesignedTrain:
     """A scenario with its cam through points. `parameters` are unknowns besides the lift, by
-    "component.name"."""
+    "component.name", each with the width of its range."""
 
     scenario: Scenario
     subject: SpeedSubject
     cam: str
     lobe: Lobe
-    parameters: tuple[str, ...] = ()
+    parameters: Mapping[str, float] = field(default_factory=dict)
     _ends: dict[float, Vector] = field(default_factory=dict)
 
     @cached_property
@@ -83,9 +83,9 @@ class DesignedTrain:
         """Speed of the cam over that of the flywheel."""
         return 1.0 / count_turns(self.finder.system)
 
-    def with_parameters(self, names: tuple[str, ...]) -> "DesignedTrain":
+    def with_parameters(self, bounds: Mapping[str, tuple[float, float]]) -> "DesignedTrain":
         """The train with these parameters as unknowns."""
-        return replace(self, parameters=names)
+        return replace(self, parameters={name: high - low for name, (low, high) in bounds.items()})
 
     @property
     def given(self) -> dict[str, float]:
@@ -145,7 +145,8 @@ class DesignedTrain:
 
         bumps = {place: differ(place, BUMP * largest) for place in places}
         others = [
-            differ(count + i, SHARE * abs(float(unknowns[count + i]))) for i in range(len(self.parameters))
+            differ(count + i, SHARE * (abs(float(unknowns[count + i])) or width))
+            for i, width in enumerate(self.parameters.values())
         ]
         gradients = {}
         for name in names:
