@@ -257,6 +257,14 @@ def test_the_command_fits_a_spring_to_a_train_and_leaves_what_it_found(monkeypat
     assert (out / "calibration.png").stat().st_size > 10_000
 
 
+def test_all_rows_of_a_speed_that_wavers_are_used(tmp_path):
+    """By 0.9 % to each side of its mean, which lies nearer to one."""
+    rows = [f"{n}, {k}, {k}" for k, n in enumerate((991, 991, 991, 991, 1000, 1009))]
+    (one,) = read(tmp_path, "n [rpm], cam [deg], contact.load [N]", *rows).experiments
+    assert one.positions.size == 6
+    assert one.speed == pytest.approx(995.5 * math.pi / 30.0)
+
+
 def load_tables() -> dict[str, Any]:
     from orchestrator.scenario.files import read_changed
 
@@ -307,6 +315,14 @@ def test_data_have_their_speeds_shafts_units_and_gaps(tmp_path):
         (("angle [deg], contact.load [N]", "1, 2", "2, x"), (), "line 3"),
         (("# speed: 900 rpm", "angle [deg], contact.load [N]", "1, 2", "2, 2"), (), "is constant"),
         (("angle [deg], x [N]", "1, 2", "2, 3"), ("x = contact.load, noise 3 mm",), "noise"),
+        (("angle [deg], x [N]", "1, 2", "2, 3"), ("x = contact.load, noise 3",), "write the unit, e.g. 3 N"),
+        (("# speed: 900", "angle [deg], contact.load [N]", "1, 2", "2, 3"), (), "e.g. # speed: 900 rpm"),
+        (("# speed: 900 rpm", "angle [deg], contact.load [N]", "1, 2", "2, inf"), (), "line 4"),
+        (
+            ("n [rpm], cam [deg], contact.load [N]", *(f"{1000 + 8 * k}, {k}, {k}" for k in range(4))),
+            (),
+            "speeds from 1000 to 1024 r/min have no gap",
+        ),
         (("angle [deg], x [N]", "1, 2", "2, 3"), ("x = contact.load, drift",), "offset, gain"),
         (("contact.load [N]; p [bar]", "1; 2", "2; 3"), (), "no column of an angle or the time"),
     ],

@@ -16,11 +16,12 @@ from models.core.quantities import Quantity, Vector
 from ...errors import MistakeError, Option, one_of
 from ...scenario.angle_table import find_separator, read_lines, split_row
 from ...scenario.table_header import Column, find_crank_word, find_factor, split_column
-from ...scenario.units import UnitError, to_unit
+from ...scenario.units import UnitError, is_bare, to_unit
 
 HEADER = "the first line names the columns with their units, e.g. speed [rpm], angle [deg], lift [mm]"
 # Speeds that are nearer to each other than this are one.
 SAME_SPEED = 0.01
+RPM = 30.0 / math.pi
 CAM, CRANK, TIME = "cam_angle", "crank_angle", "time"
 # A signal that changes by less than this part of itself says nothing.
 CONSTANT = 1e-9
@@ -60,7 +61,7 @@ class Experiment:
 
     @property
     def place(self) -> str:
-        return "" if self.speed is None else f"at {self.speed * 30.0 / math.pi:.6g} r/min"
+        return "" if self.speed is None else f"at {self.speed * RPM:.6g} r/min"
 
 
 @dataclass(frozen=True)
@@ -107,6 +108,8 @@ def _parse_noise(option: Option, text: str, unit: str) -> float:
         noise = to_unit(text, unit, relative=True)
     except UnitError as error:
         raise MistakeError((option, f": noise {error}")) from None
+    if is_bare(text) and unit != "1":
+        raise MistakeError((option, f": noise {text}: write the unit, e.g. {text} {unit}"))
     if not (noise > 0.0 and math.isfinite(noise)):
         raise MistakeError((option, f": noise {text}: must be > 0"))
     return noise
@@ -143,15 +146,20 @@ def _read_file(path: Path) -> _File:
         speed = to_unit(told["speed"][0], "rad/s") if told["speed"] else None
     except UnitError as error:
         raise MistakeError(f"{path}: # speed: {error}") from None
+    if len(told["speed"]) > 1:
+        raise MistakeError(f"{path}: # speed: is there twice; give each speed a file, or add a column of it")
+    if speed is not None and is_bare(told["speed"][0]):
+        raise MistakeError(f"{path}: # speed: {speed:g}: write the unit, e.g. # speed: {speed:g} rpm")
     return _File(path, columns, np.array(numbers), told["signal"], speed)
 
 
 def _read_row(number: int, line: str, separator: str, columns: int, path: Path) -> list[float]:
     cells = split_row(line, separator)
     try:
-        if len(cells) != columns:
+        numbers = [float(cell) if cell else math.nan for cell in cells]
+        if len(cells) != columns or any(map(math.isinf, numbers)):
             raise ValueError
-        return [float(cell) if cell else math.nan for cell in cells]
+        return numbers
     except ValueError:
         raise MistakeError(
             f"{path}: line {number}, {line.strip()[:80]!r}: must have {columns} numbers, as the header has "
@@ -225,16 +233,24 @@ def _split(
             )
         yield Experiment(None, shaft, positions[kept], values[:, kept])
         return
-    for speed in _find_speeds(speeds[kept]):
-        own = kept & (np.abs(speeds - speed) <= SAME_SPEED * speed)
-        yield Experiment(speed, shaft, positions[own], values[:, own])
+    if lost := int(np.sum(kept & ~np.isfinite(speeds))):
+        notes.append(f"{file.path}: {lost} rows that have no speed are not used")
+    for part in _group_speeds(speeds[kept]):
+        low, high = part[[0, -1]]
+        if high - low > 2.0 * SAME_SPEED * abs(low):
+            raise MistakeError(
+                f"{file.path}: speeds from {RPM * low:.6g} to {RPM * high:.6g} r/min have no gap between; "
+                f"cycles have one speed: keep rows that are within {100.0 * SAME_SPEED:g} % of it"
+            )
+        own = kept & (speeds >= low) & (speeds <= high)
+        yield Experiment(float(part.mean()), shaft, positions[own], values[:, own])
 
 
-def _find_speeds(speeds: Vector) -> list[float]:
-    """The means of speeds that are one."""
+def _group_speeds(speeds: Vector) -> list[Vector]:
+    """In ascending order, those together that have no gap between them."""
     ordered = np.sort(speeds[np.isfinite(speeds)])
     gaps = np.flatnonzero(np.diff(ordered) > SAME_SPEED * ordered[:-1])
-    return [float(part.mean()) for part in np.split(ordered, gaps + 1) if part.size]
+    return [part for part in np.split(ordered, gaps + 1) if part.size]
 
 
 def _fits(column: Column, unit: str) -> bool:
