@@ -261,6 +261,7 @@ REFUSED = {
                             'x-ssp-definition" source="SystemStructure.ssd')}, "contains itself"),
     "elsewhere": ({"replace": ("resources/dahlquist", "https://host/dahlquist")}, "not in this package"),
     "outside": ({"replace": ("resources/dahlquist", "../dahlquist")}, "not in this package"),
+    "outside on Windows": ({"replace": ("resources/dahlquist", r"..\dahlquist")}, "not in this package"),
     "lost": ({"replace": ("resources/dahlquist", "resources/other")}, r"other.fmu is not in the package"),
     "text": ({"bound": binding({"k": 'String value="much"'})}, "k is a String in the set, but not in"),
     "unit": ({"bound": binding({"real in": 'Real value="1" unit="K"'}), "units": True}, "K does not fit"),
@@ -309,6 +310,32 @@ def test_what_is_not_as_the_schema_has_it_is_refused_with_its_line(case, tmp_pat
     replace_text(path, tmp_path / "b.ssp", *DAMAGED[case][:2], "SystemStructure.ssd")
     with pytest.raises(ValueError, match=rf"b\.ssp: not as SSP has it: .*{DAMAGED[case][2]}; correct"):
         load(tmp_path / "b.ssp")
+
+
+def test_a_damaged_file_is_named_where_another_is_no_number(tmp_path, files):
+    path = package(tmp_path / "a.ssp", component("decay", "dahlquist", DECAY), files=files)
+    replace_text(path, tmp_path / "b.ssp", 'stopTime="1"', 'stopTime="late"', "SystemStructure.ssd")
+    with zipfile.ZipFile(tmp_path / "b.ssp", "a") as archive:
+        archive.writestr("A.ssv", "<open")
+    with pytest.raises(ValueError, match=r"b\.ssp: not as SSP has it: A\.ssv: .*; correct"):
+        load(tmp_path / "b.ssp")
+
+
+VALUE = 'Real value="1"'
+
+
+def test_connections_in_a_circle_are_named(tmp_path, files):
+    """Between a system inside and that around it; a value would go round without end."""
+    through = '<ssd:Connector name="{}" kind="inout"><ssc:Real/></ssd:Connector>'
+    inner = (
+        f'<ssd:System name="s"><ssd:Connectors>{through.format("a")}{through.format("b")}</ssd:Connectors>'
+        f"<ssd:Elements>{component('decay', 'dahlquist', DECAY)}</ssd:Elements>"
+        f"<ssd:Connections>{connection('.a', '.b')}</ssd:Connections></ssd:System>"
+    )
+    bound = f"<ssd:ParameterBindings>{binding({'s.a': VALUE})}</ssd:ParameterBindings>"
+    path = package(tmp_path / "a.ssp", inner, connection("s.b", "s.a"), inside=bound, files=files)
+    with pytest.raises(ValueError, match=r"s\.a: its connections lead back to it; take one out"):
+        load(path)
 
 
 @pytest.mark.parametrize(

@@ -92,9 +92,10 @@ VALUES = (
 SIZED = {"u": "input", "y": "output", "x0": "parameter"}
 
 
-def build_chain(folder, connections: str, size: int = 3, more: str = "") -> Scenario:
+def build_chain(folder, connections: str, size: int = 3, more: str = "", sized: str = "") -> Scenario:
     """Two components of three elements in a system `s` that has a connector of them, and one outside."""
-    inner = component("one", "sized", SIZED, VALUES.format(size=size))
+    values = VALUES.replace('UInt64 value="3"', sized) if sized else VALUES
+    inner = component("one", "sized", SIZED, values.format(size=size))
     other = component("two", "sized", SIZED, VALUES.format(size=3)).replace('source="', f'{more} source="')
     hub = (
         '<ssd:System name="s"><ssd:Connectors><ssd:Connector name="w" kind="output"><ssc:Float64/>'
@@ -123,6 +124,12 @@ def test_a_connection_may_be_of_one_element(tmp_path):
 def test_what_does_not_fit_is_refused(tmp_path):
     with pytest.raises(ScenarioError, match="x0 has 3 values: must be 2; correct"):
         build_chain(tmp_path, "", size=2)
+    with pytest.raises(ScenarioError, match="n = inf: must be a whole number"):
+        build_chain(tmp_path, "", sized='Float64 value="INF"')
+    with pytest.raises(
+        ScenarioError, match=r"s_one: n = 99999999999 \(n\): must be at least 1 and at most 4"
+    ):
+        build_chain(tmp_path, "", sized='UInt64 value="99999999999"')
     both = connection("s.w", "two.u") + connection("s.w", "two.u", more='startIndices="3" endIndices="1"')
     with pytest.raises(ScenarioError, match=r"two\.u\[1\] has two sources"):
         build_chain(tmp_path, both)

@@ -25,6 +25,7 @@ from ...participants.description import (
 from ...participants.third_party import ThirdPartyComponent, read_component
 from ...texts import parse_json
 from .. import ScenarioError
+from ..arrays import check_sizes
 from ..component_table import KINDS
 from ..values import WithUnit, build_component
 from .lines import build_lines, get_units
@@ -185,7 +186,9 @@ def _find_component(table: Mapping[str, Any], where: str, name: str) -> Componen
         if table.get("component"):
             return build_component(table["component"], tuple(sorted(table.get("structure", {}).items())))
         sizes = {name: int(size) for name, size in table.get("structure", {}).items()}
-        return read_component(Path(table["participant"]), table.get("interface", CO_SIMULATION), sizes)
+        path, interface = Path(table["participant"]), table.get("interface", CO_SIMULATION)
+        check_sizes(path, interface, sizes)
+        return read_component(path, interface, sizes)
     except ValueError as error:
         raise ScenarioError(f"{where}: {name}: {error}") from None
 
@@ -230,7 +233,7 @@ def _set_sizes(table: dict[str, Any], stated: dict[str, StatedValue], where: str
     about = _read_description(Path(table["participant"]), where)
     for name in [name for name in stated if name in about.structural]:
         value = stated.pop(name).value
-        if not isinstance(value, float) or value != int(value):
+        if not isinstance(value, float) or not value.is_integer():
             raise ScenarioError(f"{where}: {name} = {value}: must be a whole number; correct it")
         table.setdefault("structure", {})[name] = int(value)
 

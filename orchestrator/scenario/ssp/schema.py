@@ -14,7 +14,10 @@ def find_schema_fault(folder: Path) -> str:
     for file in sorted(folder.rglob("*")):
         if file.suffix not in SCHEMAS:
             continue
-        root = etree.parse(str(file))
+        try:
+            root = etree.parse(str(file))
+        except etree.XMLSyntaxError as error:
+            return f"{file.relative_to(folder).as_posix()}: {error}"
         if not (root.getroot().get("version") or "1.0").startswith("1."):
             continue
         schema = etree.XMLSchema(etree.parse(str(FOLDER / f"SystemStructure{SCHEMAS[file.suffix]}.xsd")))

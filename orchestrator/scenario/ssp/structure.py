@@ -298,7 +298,7 @@ def _parse_float(text: str | None) -> float | None:
 def resolve_source(source: str, where: str) -> str:
     """The archive's path of a source; ScenarioError for one elsewhere."""
     path = source.removeprefix("./")
-    plain = unquote(path)
+    plain = unquote(path).replace("\\", "/")  # which Windows takes for /
     if not path or ":" in plain or plain.startswith("/") or ".." in plain.split("/"):
         raise ScenarioError(
             f"{where}: source {source!r} is not in this package; put the file into resources/"

@@ -208,6 +208,8 @@ def _find_targets(
         yield path, name, stated
         return
     if port in found.kinds or port.array in found.kinds:
+        if len(stated.way) > len(found.edges) + 1:
+            raise ScenarioError(f"{where}: {port}: its connections lead back to it; take one out")
         entered = stated.enter(found.get_unit(port))
         for target, edge in found.list_edges(port):
             step = Conversion(found.get_unit(target), edge.factor, edge.offset, edge.suppressed)
