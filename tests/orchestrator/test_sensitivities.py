@@ -1,12 +1,15 @@
 """tribocosim sensitivities: elasticities of a steady cycle's figures of merit."""
 
+import io
 import math
 
 import numpy as np
 import pytest
 import xarray
+from rich.console import Console
 
 from orchestrator.errors import MistakeError, RunError
+from orchestrator.reporter import Reporter
 from orchestrator.scenario.files import load, put, read_changed, to_full_toml
 from orchestrator.scenario.system import list_parameters, list_quantities
 from orchestrator.study.run import Where
@@ -19,6 +22,7 @@ from orchestrator.study.speeds.sensitivities import (
     differentiate,
     find_sensitivities,
     find_usable,
+    publish,
 )
 from orchestrator.study.speeds.subject import SpeedSubject
 from orchestrator.study.store import DONE
@@ -172,3 +176,22 @@ def test_an_unsteady_motion_has_no_sensitivities():
     assert find_usable(cycles, SilentReporter()).tolist() == [True, True, False]
     with pytest.raises(RunError, match="no steady cycle"):
         find_usable(cycles.isel(case=[2, 0]), SilentReporter())
+
+
+@pytest.mark.parametrize(("method", "marked"), [("tangents", [False, True]), ("differences", [True, True])])
+def test_what_differs_by_more_than_5_per_cent_is_marked(tmp_path, method, marked):
+    """Tangents tell by how much both sides differ, differences of steps a third of what these do."""
+    dataset = xarray.Dataset(
+        {
+            "elasticity": (("figure", "parameter"), [[2.0, 1.0]]),
+            "error": (("figure", "parameter"), [[2.0 * 0.03, 0.06]]),
+            "value": ("figure", [300.0]),
+        },
+        {"figure": ["contact.least_load"], "parameter": ["contact.viscosity", "speed"]},
+        {"speed": 200.0, "status": 0, "method": method},
+    )
+    text = io.StringIO()
+    reporter = Reporter(Console(file=text, width=200))
+    publish(dataset, load("valve-train"), tmp_path, reporter)
+    rows = [line for line in text.getvalue().splitlines() if "contact.viscosity" in line or "speed " in line]
+    assert ["~" in row for row in rows] == marked, text.getvalue()

@@ -293,6 +293,10 @@ def test_the_command_continues_what_was_interrupted_and_finds_percentiles_and_yi
     assert done.returncode == 0, done.stderr
     assert here.left == 7 - (1 + 2 + GIVEN["count"])
     assert "of the trains keep it" in done.stdout
+    file.write_text(file.read_text().replace("< 700 N", "< 600 N"))
+    judged = called(*arguments)
+    assert "largest_spring_force < 600 N: " in judged.stdout, judged.stderr
+    assert here.left == 7 - (1 + 2 + GIVEN["count"])
     table = (out / "percentiles.csv").read_text("utf-8")
     assert table.startswith("figure,unit,mean,deviation,0.1 %")
     with xarray.open_dataset(out / "tolerances.nc", engine="h5netcdf") as found:

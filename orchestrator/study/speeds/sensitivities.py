@@ -38,7 +38,7 @@ from ..files import plan_axis
 from ..run import Where, run
 from ..store import DONE
 from .figure_slopes import SPEED, find_slopes
-from .subject import STEADY, SpeedSubject, describe_numbers, find_flywheel, measure_cycle
+from .subject import STEADY, SpeedSubject, check_varied, describe_numbers, find_flywheel, measure_cycle
 
 # Of a parameter; of the solver; of a cycle. At a tenth of this share the noise of figures, 1e-7, makes errors
 # of 1e-3; at ten times of it contacts' vibrations end in another phase.
@@ -46,7 +46,7 @@ SHARE, TOLERANCE, CLOSED = 1e-3, 1e-11, 1e-9
 SHARES = (-2.0, -1.0, 1.0, 2.0)
 CASE = Parameter(0.0, "1", "number of the cycle: the first is that of the scenario itself")
 CYCLES, TABLE, FIGURE = "cycles.zarr", "sensitivities.csv", "sensitivities.png"
-# A difference of more than this of itself between both steps is told.
+# A difference of more than this of itself between both steps, or both sides, is told.
 DOUBTFUL = 0.05
 # An elasticity below this is none.
 LEAST = 1e-3
@@ -118,6 +118,7 @@ def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) 
     found = []
     for text in wanted:
         name = text.removeprefix("components.").replace(".parameters.", ".")
+        check_varied(name, flywheel)
         if name != SPEED and name not in varied:
             if name not in values:
                 raise MistakeError((Option("parameter", text), f": {one_of([SPEED, *varied], name)}"))
@@ -250,8 +251,10 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     title = f"{at}: change in % for 1 % more of a parameter; ~ where it is uncertain by more than 5 %"
     heads = (str(name).rpartition(".")[2].replace("_", " ") for name in main["figure"].values)
     shown = Table(Column("parameter", no_wrap=True), *heads, title=title, title_justify="left", padding=0)
+    # The error of differences is a third of what both steps differ by, that of tangents what both sides do.
+    differing = main["error"].values * (3.0 if dataset.attrs["method"] == "differences" else 1.0)
     for k in order:
-        cells = zip(main["elasticity"].values[:, k], main["error"].values[:, k], strict=True)
+        cells = zip(main["elasticity"].values[:, k], differing[:, k], strict=True)
         shown.add_row(str(main["parameter"].values[k]), *(_cell(one, error) for one, error in cells))
     reporter.console.print(shown)
     out.mkdir(parents=True, exist_ok=True)
@@ -263,8 +266,8 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     reporter.line(f"results in {out}: {TABLE}, {FIGURE}")
 
 
-def _cell(elasticity: float, error: float) -> str:
+def _cell(elasticity: float, differing: float) -> str:
     if not math.isfinite(elasticity):
         return "–"
-    doubtful = 3.0 * error > DOUBTFUL * max(abs(elasticity), LEAST)
+    doubtful = differing > DOUBTFUL * max(abs(elasticity), LEAST)
     return f"{'~' if doubtful else ''}{format_number(elasticity, 3)}"

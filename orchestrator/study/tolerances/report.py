@@ -95,7 +95,9 @@ def describe(dataset: xarray.Dataset) -> Iterator[str]:
                     f"({least:.4g} to {most:.4g} %)"
                 )
             else:
-                sentence += "; no single tolerance costs more than chance may"
+                sentence += "; no single parameter's tolerance costs more than chance may"
+            if hidden := [str(name) for name in own["factor"].values[~np.isfinite(without)]]:
+                sentence += f" (not judged: {', '.join(hidden)}; see {YIELD})"
         yield sentence
 
 
