@@ -34,7 +34,7 @@ from orchestrator.study.design.limits import (
     pressure_limit,
 )
 from orchestrator.study.design.lobe import Lobe, find_event
-from orchestrator.study.design.run import find_own_limits, find_wanted
+from orchestrator.study.design.run import find_own_limits, find_own_separation, find_wanted
 from orchestrator.study.design.search import Found
 from orchestrator.study.design.slp import Optimum, Problem, maximise
 from orchestrator.study.design.train import Answer, Column, open_train
@@ -275,6 +275,18 @@ def test_numbers_that_would_be_misread_are_refused(tmp_path: Path, text: str, wo
 
     with pytest.raises(MistakeError, match=re.escape(words)):
         read()
+
+
+def test_a_cam_that_has_lost_contact_at_its_own_speed_gives_no_limit() -> None:
+    class Lost:
+        def is_lost(self, speed: float) -> bool:
+            return speed > 100.0
+
+    asked = read_brief("valve-train")
+    with pytest.raises(MistakeError, match=r"lost contact at the scenario's own speed, 1909\.86 r/min"):
+        find_own_separation(asked, Lost(), 200.0)  # type: ignore[arg-type]
+    found = find_own_separation(asked, Lost(), 50.0)  # type: ignore[arg-type]
+    assert found == pytest.approx(100.0, rel=2e-3)
 
 
 def test_the_least_load_of_the_own_cam_is_that_while_it_lifts(tmp_path: Path) -> None:

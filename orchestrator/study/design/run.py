@@ -95,6 +95,11 @@ def find_own_separation(asked: Asked, cycles: _Cycles, speed: float) -> float | 
             f"highest_speed = {highest * RPM:.6g} r/min: must be above the scenario's own speed, "
             f"{speed * RPM:.6g} r/min"
         )
+    if asked.brief.limits.separation_speed == OWN and cycles.is_lost(speed):
+        raise MistakeError(
+            f"limits.separation_speed: the scenario's own cam has lost contact at the scenario's own speed, "
+            f"{speed * RPM:.6g} r/min; begin with a lower speed of the flywheel, or give a limit"
+        )
     return find_separation(cycles.is_lost, speed, highest, STEPS)
 
 
