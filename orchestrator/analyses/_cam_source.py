@@ -6,7 +6,7 @@ from typing import Any
 from models.core.system import suggestion
 from models.valve_train.cams.rises import RISES
 
-from ..errors import MistakeError, Option, one_of
+from ..errors import Command, MistakeError, Option, one_of
 from ..scenario.cam_files import is_contour
 from ..scenario.cams import name_follower
 from ..scenario.component_table import ComponentTable
@@ -52,9 +52,26 @@ def find_spring_settings(
             f"{source}: has the springs {', '.join(wires)}", ("choose one with ", Option("component"))
         )
     wire = wires[component] if component else next(iter(wires.values()), {})
-    texts = {key: ", ".join(map(str, v)) if isinstance(v, list) else v for key, v in wire.items()}
+    return {key: _write(value) for key, value in wire.items()} | find_lift_settings(source, cam)
+
+
+def find_lift_settings(source: str, component: str | None = None) -> dict[str, Any]:
+    """Those of `find_settings` that make the lift; MistakeError for a contour, which alone makes none."""
+    found = find_settings(source, component)
+    if "contour" in found:
+        raise MistakeError(
+            f"{source}: is a contour, whose lift is that of a follower",
+            ("take the lift table that ", Command("cam", (source,)), " writes"),
+        )
     wanted = {"lift_table", *list_law_parameters(), *TABLE_EVENT}
-    return texts | {key: value for key, value in find_settings(source, cam).items() if key in wanted}
+    return {key: value for key, value in found.items() if key in wanted}
+
+
+def _write(value: Any) -> Any:
+    """As a setting has it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return ", ".join(map(str, value)) if isinstance(value, list) else value
 
 
 def _read_wires(source: str) -> dict[str, dict[str, Any]]:

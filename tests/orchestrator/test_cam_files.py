@@ -8,7 +8,7 @@ import pytest
 
 from orchestrator.analyses import load
 from orchestrator.analyses._cam_profile import build_profile
-from orchestrator.analyses._cam_source import find_settings
+from orchestrator.analyses._cam_source import find_lift_settings, find_settings
 from orchestrator.analyses._cam_timing import find_timing
 from orchestrator.analyses.cam import ANALYSIS
 from orchestrator.errors import MistakeError
@@ -69,6 +69,10 @@ def test_a_contour_that_is_read_lifts_its_follower_as_before(tmp_path: Path, fol
     file = tmp_path / "bought.csv"
     file.write_text(ANALYSIS.texts["contour.csv"](ANALYSIS.table(values), values))
     assert find_settings(str(file)) == {"contour": str(file)}
+    with pytest.raises(
+        MistakeError, match="is a contour, whose lift is that of a follower; take the lift table"
+    ):
+        find_lift_settings(str(file))  # of `clearance` and `spring`, which ask for no follower
     back = build_profile(ANALYSIS.complete(CAM | {"follower": follower, "contour": str(file)}))
     angles = np.radians(np.arange(0.0, 360.0, 3.3))
     assert [back.lift(a).s for a in angles] == pytest.approx([PROFILE.lift(a).s for a in angles], abs=1e-7)

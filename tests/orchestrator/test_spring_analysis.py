@@ -67,6 +67,7 @@ def test_a_scenario_gives_wire_and_cam(tmp_path: Path):
     file.write_text(
         'extends = "coil-clash"\n[components.spring.wire]\ndiameter = "3.8 mm"\nactive_coils = 5.5\n'
         'mean_diameter = ["26 mm", "20 mm"]\nfree_length = "52 mm"\ninstalled_length = "40 mm"\n'
+        "peened = false\n"
     )
     found = find_spring_settings(str(file))
     assert found["mean_diameter"] == "26 mm, 20 mm"

@@ -28,12 +28,10 @@ def print_clearance(
     as_json: Json = False,
 ) -> None:
     """Compute the clearance between valve and piston over the crank angle, with the phases of a phaser."""
-    from orchestrator.analyses._cam_source import find_settings
+    from orchestrator.analyses._cam_source import find_lift_settings
     from orchestrator.analyses._evaluate import analyse
-    from orchestrator.analyses.clearance import ANALYSIS
 
-    found = find_settings(source, component).items()
-    settings = [f"{name}={value}" for name, value in found if name in ANALYSIS.parameters]
+    settings = [f"{name}={value}" for name, value in find_lift_settings(source, component).items()]
     result = analyse("clearance", [*settings, *(set_ or [])], out, overwrite, build_reporter(as_json))
     if as_json:
         print_json(result)
