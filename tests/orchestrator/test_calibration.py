@@ -106,6 +106,10 @@ def test_the_profile_of_a_linear_fit_is_its_interval():
     (ends,) = profile(objective, found, [0]).values()
     width = half_width(TIMES.size - 2) * found.deviations[0]
     assert ends == pytest.approx((found.x[0] - width, found.x[0] + width), abs=2e-3 * width)
+    objective, found = fit_line(Signal("y", "line.height"), data, fixed=True)
+    (ends,) = profile(objective, found, [0]).values()
+    width = half_width(TIMES.size - 1) * found.deviations[0]
+    assert ends == pytest.approx((found.x[0] - width, found.x[0] + width), abs=2e-3 * width)
 
 
 @pytest.mark.parametrize(("gain", "offset"), [(True, False), (False, True), (True, True)])
@@ -139,6 +143,13 @@ def test_two_springs_in_series_are_named_with_what_would_tell_them_apart():
     assert 1.0 / first + 1.0 / second == pytest.approx(1.0 / 3.0 + 1.0 / 5.0, rel=1e-3)
     # With its remedy measured too, at 1 % of its largest value, both are seen.
     assert one.remedies["rocker.bending"] < 0.1 < one.deviation
+
+
+def test_a_parameter_that_the_noise_hides_is_named_alone():
+    data = 0.01 * TIMES + np.random.default_rng(3).normal(0.0, 1.0, TIMES.size)
+    _, found = fit_line(Signal("y", "line.height", noise=1.0), data, fixed=True)
+    (one,) = found.unseen
+    assert one.text.startswith("line.slope is hardly seen; it is known to ")
 
 
 def write_oscillation(path: Path, noise: float = 0.0) -> Path:

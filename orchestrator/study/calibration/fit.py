@@ -111,6 +111,8 @@ def profile(objective: Objective, found: Fit, which: Sequence[int]) -> dict[str,
 
     Fits with one parameter held use the derivatives of the fit. nan where an end is not found.
     """
+    if found.x.size == 1:  # lmfit asks for two
+        return {objective.parameters[0].name: _find_ends(objective, found)} if which else {}
     slopes = objective.find_slopes(found.x)
     minimizer = _open(
         objective,
@@ -132,6 +134,27 @@ def profile(objective: Objective, found: Fit, which: Sequence[int]) -> dict[str,
         one = objective.parameters[k]
         ends[one.name] = one.size * _finite(low), one.size * _finite(high)
     return ends
+
+
+def _find_ends(objective: Objective, found: Fit) -> tuple[float, float]:
+    """Of the only parameter, where the sum of squares is that of lmfit's test, by the F distribution."""
+    (one,), (best,), (deviation,) = objective.parameters, found.x, found.deviations
+    freedom = max(len(found.jacobian) - 1, 1)
+    allowed = found.squares * (1.0 + float(scipy.stats.f.ppf(CONFIDENCE, 1, freedom)) / freedom)
+
+    def excess(x: float) -> float:
+        residual = objective.residual(np.array([x]))
+        return float(np.nan_to_num(residual @ residual, nan=1e9 * allowed)) - allowed
+
+    ends = []
+    for side, bound in ((-1.0, one.low), (1.0, one.high)):
+        far = (best + side * reach * deviation for reach in (2.5, 5.0, 10.0, 20.0))
+        inside = (x for x in far if side * (bound / one.size - x) > 0.0)
+        end = next((x for x in inside if excess(x) > 0.0), None)
+        ends.append(
+            math.nan if end is None else scipy.optimize.brentq(excess, best, end, xtol=1e-3 * deviation)
+        )
+    return one.size * ends[0], one.size * ends[1]
 
 
 def _finite(value: float) -> float:

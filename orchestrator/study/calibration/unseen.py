@@ -42,10 +42,12 @@ class Unseen:
     def text(self) -> str:
         changes = ", ".join(f"{name} {100.0 * share:+.3g} %" for name, share in self.shares.items())
         what = f"only {self.seen} is seen" if self.seen else f"a change of {changes} together is not seen"
+        what = what if len(self.shares) > 1 else f"{next(iter(self.shares))} is hardly seen"
+        rest = "its rest" if len(self.shares) > 1 else "it"
         known = (
-            f"its rest is known to {100.0 * self.deviation:.3g} %"
+            f"{rest} is known to {100.0 * self.deviation:.3g} %"
             if self.deviation < 10.0
-            else "its rest is free"
+            else f"{rest} is free"
         )
         more = ", ".join(f"{name} (to {100.0 * left:.2g} %)" for name, left in self.remedies.items())
         advice = f"measure {more}" if more else "no other output shows it: leave one parameter as it is"
