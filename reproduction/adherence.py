@@ -22,7 +22,7 @@ from models.core.system import ModelError, Port, System
 from models.monolithic.energy import QUADRATURES, Energies
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import Event, check_ode
-from models.monolithic.reference import Reference, check_times, observe, solve_twice, uncertainties
+from models.monolithic.reference import Reference, check_times, solve_twice, uncertainties
 from models.valve_train.valve_spring import lumping
 
 # Two loads (N) between which the relative acceleration is known to be affine.
@@ -49,10 +49,8 @@ def solve_adherence(
     start = problem.start(equilibrium(system, 0.0))
     runs, events, names = solve_twice(problem, start, 0.0, times, tolerance)
     n = problem.size
-    states, others = (
-        np.array([problem.full_state(float(t), z) for t, z in zip(times, run, strict=True)]) for run in runs
-    )
-    inputs, outputs = observe(problem.evaluation, times, states)
+    states, inputs, outputs = problem.observe(times, runs[0])
+    others = problem.observe(times, runs[1])[2]
     stored = problem.energies.along(times, states, inputs)
     return Reference(
         system=problem.system,
@@ -60,9 +58,7 @@ def solve_adherence(
         state=states,
         inputs=inputs,
         outputs=outputs,
-        uncertainty=uncertainties(
-            problem.system, times, outputs, observe(problem.evaluation, times, others)[1]
-        ),
+        uncertainty=uncertainties(problem.system, times, outputs, others),
         events=events,
         energy=problem.energies.balances(stored, runs[0][:, n:], states),
         wall_time_s=time.perf_counter() - begun,
@@ -146,6 +142,16 @@ class AdherenceProblem:
             x[self._coil_rates] = x[self._velocity]
         self._solve_load(t, x)
         return x.copy()
+
+    def observe(self, times: Vector, rows: Vector) -> tuple[Vector, Vector, Vector]:
+        """States, inputs and outputs at `times`, each with the load that is solved for there."""
+        found = []
+        for t, z in zip(times, rows, strict=True):
+            x = self.full_state(float(t), z)
+            outputs = self.evaluation.outputs(float(t), x).copy()
+            found.append((x, self.evaluation.u.copy(), outputs))
+        states, inputs, outputs = (np.array(column) for column in zip(*found, strict=True))
+        return states, inputs, outputs
 
     def rate(self, t: float, z: Vector) -> Vector:
         x = self.full_state(t, z)

@@ -128,9 +128,13 @@ def find_whirl(matrix: Vector, x: int, y: int) -> Vector:
     return np.sort(-np.sign(turned) * values.imag[moving])
 
 
-def run(problem: Any, x0: Vector, times: Vector, t0: float = 0.0, tolerance: float = 1e-9) -> Vector:
-    """Outputs (n, n_out) at `times` by the reference's first method alone."""
+def march_alone(problem: Any, x0: Vector, times: Vector, t0: float = 0.0, tolerance: float = 1e-9) -> Vector:
+    """States and energies at `times` by the reference's first method alone."""
     z = problem.start(x0)
     stiff, longest = stiffness(problem, t0, z, times)
-    states, _ = march(problem, Cvode(problem, tolerance, stiff, longest), z, t0, times)
-    return observe(problem.evaluation, times, states)[1]
+    return march(problem, Cvode(problem, tolerance, stiff, longest), z, t0, times)[0]
+
+
+def run(problem: Any, x0: Vector, times: Vector, t0: float = 0.0, tolerance: float = 1e-9) -> Vector:
+    """Outputs (n, n_out) at `times` by the reference's first method alone."""
+    return observe(problem.evaluation, times, march_alone(problem, x0, times, t0, tolerance))[1]

@@ -10,7 +10,7 @@ from models.core.system import ModelError
 from models.monolithic import equilibrium
 from models.monolithic.problem import SystemProblem
 from reproduction.adherence import AdherenceProblem, solve_adherence
-from tests.models.systems import DRY, column, run, turn, valve_train
+from tests.models.systems import DRY, column, march_alone, run, turn, valve_train
 
 SAMPLES = 3600
 # Turns after which surge (and the shaft's modes) have decayed by 1e-6: damping 64 1/s.
@@ -26,7 +26,9 @@ def adherence(speed_rpm, massless=False, **parts):
     system = valve_train(speed_rpm, **parts)
     turns = 1 if massless else TURNS[speed_rpm]
     problem = AdherenceProblem(system, massless)
-    outputs = run(problem, equilibrium(system), last_turn(speed_rpm, turns), tolerance=1e-8)
+    times = last_turn(speed_rpm, turns)
+    rows = march_alone(problem, equilibrium(system), times, tolerance=1e-8)
+    _, _, outputs = problem.observe(times, rows)
     return lambda name: column(problem.system, outputs, name)
 
 
