@@ -184,7 +184,14 @@ def test_a_cam_has_the_results_of_the_command(tmp_path: Path) -> None:
     """Of a law, and of a scenario's component; its contour is written where a folder is given."""
     law = tribocosim.cam("cycloidal", {"base_radius": "30 mm"}, out=tmp_path / "cam")
     assert float(law["largest_lift"]) == pytest.approx(8e-3, rel=1e-9)
-    assert {path.suffix for path in (tmp_path / "cam").iterdir()} == {".nc", ".csv", ".png", ".svg", ".dxf"}
+    assert {path.suffix for path in (tmp_path / "cam").iterdir()} == {
+        ".nc",
+        ".csv",
+        ".png",
+        ".svg",
+        ".dxf",
+        ".s96",
+    }
     own = tribocosim.cam("valve-train")
     assert float(own["largest_lift"]) == pytest.approx(8e-3, rel=1e-9)
 

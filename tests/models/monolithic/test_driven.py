@@ -8,9 +8,10 @@ import pytest
 
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.core.component import Component
+from models.core.evaluation import Evaluation
 from models.core.system import ModelError
 from models.monolithic.driven import Piece, solve_driven
-from models.monolithic.equilibrium import equilibrium, list_moving_cams
+from models.monolithic.equilibrium import _Rest, equilibrium, list_moving_cams
 from models.oscillators.bouncing_mass import falling_mass
 from models.oscillators.two_masses import sprung_mass
 
@@ -110,8 +111,19 @@ def test_a_cam_that_moves_its_follower_is_told_with_its_velocity(phase: float) -
         assert [float(n) for n in numbers.groups()] == pytest.approx([1e3 * lift, velocity], rel=5e-3)
 
 
-def test_where_it_leaves_no_equilibrium_the_cam_is_named() -> None:
+def test_a_train_rests_on_its_lifted_cam() -> None:
+    """With bent and twisted shaft: the contact carries the preload and what the lift compresses."""
     system = valve_train(3000.0, camshaft={"phase": math.radians(150.0), "flexible": 1.0})
+    evaluation = Evaluation(system)
+    y = evaluation.outputs(0.0, equilibrium(system, 0.0))
+    load, lift = (y[system.outputs.names.index(n)] for n in ("contact.load", "valve_spring.valve_lift"))
+    assert 6e-3 < lift < 6.55e-3
+    assert load == pytest.approx(330.0 + 35e3 * lift, rel=1e-9)
+
+
+def test_where_no_equilibrium_is_found_the_cam_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_Rest, "solve", lambda self: np.ones(self.index.size))
+    system = valve_train(3000.0, camshaft={"phase": math.radians(150.0)})
     with pytest.raises(
         ModelError, match=r"camshaft: .* its cam lifts by 6\.55 mm .* begin on the base circle"
     ):
