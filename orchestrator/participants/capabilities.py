@@ -1,13 +1,18 @@
 """What the file of an FMU offers, before anything of it is run."""
 
+from __future__ import annotations
+
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from models.core.quantities import INPUT_COEFFICIENTS, Field, Quantity
-from models.core.system import Connection, Port
+
+if TYPE_CHECKING:  # which imports a compiler, that the process of an FMU does without
+    from models.core.system import Connection, Port
 
 from .description import Description, DescriptionError, read_description
 
