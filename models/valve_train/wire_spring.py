@@ -149,13 +149,17 @@ class WireSpring:
         return 1.0 / (float(self.is_open(force) @ self.flexibility) * self.share)
 
     def surge_frequencies(self, force: float, count: int = 2) -> Vector:
-        """The first natural frequencies (Hz) of the open coils, whose ends stand still."""
+        """The first natural frequencies (Hz) of the open coils, whose ends stand still; closed ones between
+        them move as one mass."""
         opened = self.is_open(force) > 0.0
-        stiffness = 1.0 / (self.flexibility[opened] * self.share)
-        mass = self._masses[opened]
+        inside = slice(int(np.argmax(opened)), opened.size - int(np.argmax(opened[::-1])))
+        opened = opened[inside]
+        node = np.cumsum(opened | np.append(True, opened[:-1])) - 1
+        mass = np.bincount(node, self._masses[inside])
         # Masses in the middle of their shares: half a share to each neighbour, and to the ends.
-        between = 2.0 / (1.0 / stiffness[:-1] + 1.0 / stiffness[1:])
-        rates = np.concatenate([[2.0 * stiffness[0]], between, [2.0 * stiffness[-1]]])
+        half = 0.5 * self.share * np.bincount(node, self.flexibility[inside] * opened)
+        between = 1.0 / (half[:-1] + half[1:])
+        rates = np.concatenate([[1.0 / half[0]], between, [1.0 / half[-1]]])
         diagonal = (rates[:-1] + rates[1:]) / mass
         beside = -between / np.sqrt(mass[:-1] * mass[1:])
         squares = scipy.linalg.eigh_tridiagonal(diagonal, beside, True, "i", (0, count - 1))

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from models.valve_train.wire_materials import MATERIALS, Fatigue
 from models.valve_train.wire_spring import SHARES, WireSpring
@@ -70,6 +71,17 @@ def test_open_coils_alone_surge():
     ratio = PROGRESSIVE.surge_frequencies(force)[0] / PROGRESSIVE.surge_frequencies(0.0)[0]
     assert ratio == pytest.approx(1.0 / share, rel=1e-5)
     assert 0.4 < share < 0.6
+
+
+def test_closed_coils_between_open_ones_are_a_mass_that_moves():
+    """Each side swings as a rod with half of it at its end: q tan q = m/(M/2), q = w sqrt(m/k) of a side."""
+    barrel = replace(CYLINDER, pitch=np.array([8e-3, 8e-3, 5e-3, 5e-3, 8e-3, 8e-3]))
+    force = 0.5 * (barrel.closing_force.min() + barrel.closing_force.max())
+    side = 0.5 * float(barrel.is_open(force).mean())
+    mass, closed = barrel.active_mass * side, barrel.active_mass * (1.0 - 2.0 * side)
+    q = brentq(lambda q: q * math.tan(q) - 2.0 * mass / closed, 1e-3, 1.57)
+    expected = q / (2.0 * math.pi) * math.sqrt(2.0 * barrel.rate(force) / mass)
+    assert barrel.surge_frequencies(force)[0] == pytest.approx(expected, rel=1e-5)
 
 
 def test_stress_factors_and_stress_of_the_textbooks():
