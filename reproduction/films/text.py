@@ -17,8 +17,6 @@ from .runs import Runs
 from .statements import CLAIMS, judge_in_cycle
 
 MICRO = 1e6
-# A second maximum of the pressure counts where it rises so much of the highest above its surroundings.
-PROMINENCE = 0.01
 # A power law, for whose conditions all stand.
 POWER_LAW = "pan_hamrock_central"
 # What the sentences take from statements.
