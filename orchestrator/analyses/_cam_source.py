@@ -36,14 +36,25 @@ def find_settings(source: str, component: str | None = None) -> dict[str, Any]:
 
 
 def find_spring_settings(
-    source: str | None, component: str | None = None, cam: str | None = None
+    source: str | None, component: str | None = None, cam: str | None = None, given: str = ""
 ) -> dict[str, Any]:
-    """The parameters of the analysis `spring`: of a scenario the wire and a cam, else of a cam alone."""
+    """The parameters of the analysis `spring`: of a scenario the wire and a cam, else of a cam alone.
+
+    MistakeError for a scenario without a wire, unless the settings `given` have its diameter.
+    """
     if source is None:
         return {}
-    wires = (
-        _read_wires(source) if source in list_shipped() or Path(source).suffix in (".toml", ".ssp") else {}
-    )
+    scenario = source in list_shipped() or Path(source).suffix in (".toml", ".ssp")
+    wires = _read_wires(source) if scenario else {}
+    if scenario and not wires and "diameter" not in given:
+        raise MistakeError(
+            f"{source}: its springs have no wire",
+            (
+                "give one by [components.SPRING.wire], or by ",
+                Option("set", "'diameter=4 mm'"),
+                " and the like",
+            ),
+        )
     if component is not None and component not in wires:
         known = one_of(wires, component) if wires else f"{source} has no spring with a wire"
         raise MistakeError((Option("component", component), f": {known}"))

@@ -93,7 +93,8 @@ def _tabulate(values: Mapping[str, Any]) -> xarray.Dataset:
 def draw_clearance(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     """Lift and piston above, clearance below."""
     figure, (motion, clear) = create_subplots(2, 1, figsize=(7.2, 5.4), sharex=True)
-    add_title(figure, f"Valve and piston: least clearance {MM * data['least_clearance'].item():.3g} mm")
+    own, least = (MM * data[name].item() for name in ("least_clearance", "least_over_phases"))
+    add_title(figure, f"Valve and piston: least clearance {own:.3g} mm, over all phases {least:.3g} mm")
     degrees = np.degrees(data["angle"].values)
     motion.plot(degrees, MM * data["lift"].values, color=COUPLED, label="lift of the valve")
     room = values["valve_recess"] + values["pocket_depth"]

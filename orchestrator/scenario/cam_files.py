@@ -30,7 +30,9 @@ RADIUS = Kind("radius", "m", 1, "the cam", "angle [deg], radius [mm]", names=("r
 def write_s96(lift: Callable[[float], float], nose: float) -> str:
     """Of a lift (m) of the cam angle (rad) with its nose there."""
     angles = nose - math.pi + np.radians(np.arange(DEGREES + AGAIN) % DEGREES)
-    return "".join(f"{lift(a % TURN) / INCH:.{DECIMALS}f}\n" for a in angles)
+    # No lift is -0, which rounding would leave.
+    rounded = (round(lift(a % TURN) / INCH, DECIMALS) + 0.0 for a in angles)
+    return "".join(f"{value:.{DECIMALS}f}\n" for value in rounded)
 
 
 def read_s96(path: Path) -> tuple[Vector, Vector, float]:

@@ -44,6 +44,7 @@ def test_lifts_that_are_written_are_read_back_within_half_a_step(
 
 def test_an_s96_file_begins_opposite_to_the_nose_and_repeats_its_first_tenth(folder: Path) -> None:
     lines = (folder / "cam.s96").read_text().splitlines()
+    assert "-0.00000000" not in lines
     assert len(lines) == 396
     assert lines[360:] == lines[:36] == ["0.00000000"] * 36
     assert float(max(lines)) == float(lines[180]) == pytest.approx(9.0 / 25.4, abs=1e-8)

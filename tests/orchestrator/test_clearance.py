@@ -67,8 +67,10 @@ def test_cranks_and_phases_that_are_none(values, said):
 
 
 def test_the_command_says_where_a_shipped_cam_comes_closest(tmp_path: Path):
-    done = called("clearance", "coil-clash", "--json", "--set", "advance=20 deg", "--out", str(tmp_path))
+    sets = ("--set", "advance=80 deg", "--set", "pocket_depth=0 mm")
+    done = called("clearance", "coil-clash", "--json", *sets, "--out", str(tmp_path))
     found = json.loads(done.stdout)
+    assert "the valve meets the piston: least clearance -" in done.stderr
     assert done.returncode == 0
     assert found["least_over_phases"] < found["least_clearance"] < found["clearance_at_centre"]
     assert sorted(path.name for path in tmp_path.iterdir()) == [

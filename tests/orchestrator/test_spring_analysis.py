@@ -62,6 +62,12 @@ def test_the_table_ends_at_the_solid_length_with_the_rate_of_a_cylinder():
     assert table["full_force"].item() - table["installed_force"].item() == pytest.approx(8e-3 * RATE)
 
 
+def test_a_scenario_without_a_wire_has_no_spring_to_wind():
+    with pytest.raises(MistakeError, match="valve-train: its springs have no wire"):
+        find_spring_settings("valve-train")
+    assert "law" in find_spring_settings("valve-train", given="diameter=4 mm")
+
+
 def test_a_scenario_gives_wire_and_cam(tmp_path: Path):
     file = tmp_path / "wound.toml"
     file.write_text(

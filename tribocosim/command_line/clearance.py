@@ -32,6 +32,13 @@ def print_clearance(
     from orchestrator.analyses._evaluate import analyse
 
     settings = [f"{name}={value}" for name, value in find_lift_settings(source, component).items()]
-    result = analyse("clearance", [*settings, *(set_ or [])], out, overwrite, build_reporter(as_json))
+    reporter = build_reporter(as_json)
+    result = analyse("clearance", [*settings, *(set_ or [])], out, overwrite, reporter)
+    least = float(result["least_over_phases"])
+    if least < 0.0:
+        reporter.line(f"the valve meets the piston: least clearance {1e3 * least:.3g} mm over all phases")
+    reporter.line(
+        "what is not set, as crank_radius and pocket_depth, is that of 'analyse clearance --parameters'"
+    )
     if as_json:
         print_json(result)

@@ -36,7 +36,7 @@ def print_spring(
     from orchestrator.analyses._cam_source import find_spring_settings
     from orchestrator.analyses._evaluate import analyse
 
-    found = find_spring_settings(source, component, cam)
+    found = find_spring_settings(source, component, cam, " ".join(set_ or []))
     settings = [f"{name}={value}" for name, value in found.items() if value != ""]
     result = analyse("spring", [*settings, *(set_ or [])], out, overwrite, build_reporter(as_json))
     if as_json:

@@ -141,7 +141,10 @@ def _list_indices(dataset: xarray.Dataset) -> Iterator[list[object]]:
 
 
 def _list_yields(dataset: xarray.Dataset) -> Iterator[list[object]]:
-    yield ["limit", "factor", "yield", "low", "high", "amid", "low", "high", "index", "low", "high"]
+    yield [
+        "limit", "factor", "yield", "yield_low", "yield_high", "amid", "amid_low", "amid_high", "index",
+        "index_low", "index_high",
+    ]  # fmt: skip
     for limit in map(str, dataset["limit"].values):
         own = dataset.sel(limit=limit)
         for k, factor in enumerate(map(str, dataset["factor"].values)):
