@@ -178,11 +178,12 @@ def test_masses_on_a_spring_have_the_stiffness_of_their_natural_frequency(tmp_pa
 def test_a_free_oscillation_shows_stiffness_over_mass_and_neither_alone(tmp_path):
     data = write_oscillation(tmp_path / "data.csv", noise=5.0)
     wanted = ["first.coupling_stiffness, second.mass, first.mass"]
-    found = tribocosim.calibrate("two-masses", data, wanted, signals=WAY)
+    found = tribocosim.calibrate("two-masses", data, wanted, signals=WAY, out=tmp_path / "out")
     assert not found["identified"].any()
     stiffness, second, first = found["fitted"].values
     frequency = stiffness * (1.0 / first + 1.0 / second)
     assert frequency == pytest.approx(48.0 * 1.2, rel=2e-3)
+    assert (tmp_path / "out" / "calibrated.toml").read_text().count("not identified") == 3
 
 
 def test_a_rate_of_an_fmu_is_that_of_its_exponential(tmp_path):

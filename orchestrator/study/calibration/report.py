@@ -150,7 +150,12 @@ def build_dataset(done: Calibration) -> xarray.Dataset:
 
 def write(done: Calibration, extends: str, out: Path) -> list[Path]:
     """All files of the results."""
-    (out / FITTED).write_text(_write_scenario(done, extends, out), "utf-8")
+    hidden = [
+        f"# {row.name}: not identified, its value alone says nothing\n"
+        for row in done.rows
+        if not row.identified
+    ]
+    (out / FITTED).write_text("".join(hidden) + _write_scenario(done, extends, out), "utf-8")
     with (out / TABLE).open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(Row._fields)
