@@ -132,7 +132,8 @@ def build_quantity(variable: Variable) -> Quantity:
         boolean=variable.type in BOOLEANS,
         count=variable.discrete and variable.type not in BOOLEANS,
         relative=variable.relative,
-        stepwise=variable.stepwise,
+        # A parameter is no signal: any value may be given.
+        stepwise=variable.stepwise and variable.causality != "parameter",
     )
 
 

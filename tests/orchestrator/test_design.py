@@ -154,6 +154,8 @@ def test_limits_hold_between_the_angles_at_which_they_are_looked_at() -> None:
     # A row of limits is an eighth of a knot's interval: a cubic's peak between rows is 1e-3 of it higher.
     assert s.max() < (1.0 + 1e-4) * sizes["largest_lift"]
     assert s.min() > -1e-5 * s.max()
+    # One nose: a lift that only has a largest value dips there, with more area.
+    assert dds[np.abs(fine - 0.5 * (lobe.begin + lobe.end)) < (lobe.end - lobe.begin) / 6.0].max() < 1e-5
     assert radius.min() > 0.99 * sizes["least_radius"]
     assert np.abs(ddds).max() * 300.0**3 < 1.01 * sizes["largest_jerk"]
 

@@ -23,6 +23,8 @@ STEP = 1e-6
 LEAST = 1e-3
 # A cam whose contact would stand still has a cusp: it moves by at least this part of the base radius.
 CUSP = 0.02
+# The part of the event about its middle in which the lift has one nose.
+NOSE = 1.0 / 3.0
 
 
 class State(NamedTuple):
@@ -75,6 +77,12 @@ def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: floa
         if name in sizes:
             yield Limit(name, sizes[name], excess)
     yield Limit("undercut", CUSP, lambda q, size: size - q.touch.cam_rate / base_radius)
+
+    def rises(state: State, size: float) -> Vector:
+        middle = np.abs(np.linspace(-1.0, 1.0, state.curve.dds.size)) <= NOSE
+        return np.where(middle, state.curve.dds / base_radius - size, -1.0)
+
+    yield Limit("dip of the nose", 0.0, rises)
 
 
 def closing_limit(ramps: Curve, largest: float) -> Limit:
