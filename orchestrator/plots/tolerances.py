@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
@@ -24,15 +25,21 @@ class Panel(NamedTuple):
     linear: tuple[float, float]
 
 
-def draw_histograms(panels: Sequence[Panel], title: str) -> Figure:
-    """A panel for each: red where a limit is not kept; the line is the normal distribution of first order."""
-    rows = -(-len(panels) // COLUMNS)
+def _create_panels(count: int, title: str) -> tuple[Figure, list[Axes]]:
+    """A figure with so many axes, row by row."""
+    rows = -(-count // COLUMNS)
     figure, axes = create_subplots(rows, COLUMNS, figsize=(10.0, 0.6 + 2.5 * rows), squeeze=False)
     add_title(figure, title)
     places = list(axes.flat)
-    for place in places[len(panels) :]:
+    for place in places[count:]:
         place.remove()
-    for place, panel in zip(places, panels, strict=False):
+    return figure, places[:count]
+
+
+def draw_histograms(panels: Sequence[Panel], title: str) -> Figure:
+    """A panel for each: red where a limit is not kept; the line is the normal distribution of first order."""
+    figure, places = _create_panels(len(panels), title)
+    for place, panel in zip(places, panels, strict=True):
         known = panel.values[np.isfinite(panel.values)]
         edges = np.histogram_bin_edges(known, "auto")
         counts, edges = np.histogram(known, edges)
@@ -57,13 +64,8 @@ def draw_histograms(panels: Sequence[Panel], title: str) -> Figure:
 def draw_indices(dataset: xarray.Dataset, title: str) -> Figure:
     """A panel for each figure: first and total indices of the factors, the largest first."""
     names = [str(name) for name in dataset["figure"].values]
-    rows = -(-len(names) // COLUMNS)
-    figure, axes = create_subplots(rows, COLUMNS, figsize=(10.0, 0.6 + 2.5 * rows), squeeze=False)
-    add_title(figure, title)
-    places = list(axes.flat)
-    for place in places[len(names) :]:
-        place.remove()
-    for place, name in zip(places, names, strict=False):
+    figure, places = _create_panels(len(names), title)
+    for place, name in zip(places, names, strict=True):
         own = dataset.sel(figure=name)
         order = np.argsort(-np.nan_to_num(own["total"].sel(end="value").values), kind="stable")[:MOST_BARS][
             ::-1

@@ -4,7 +4,7 @@ import functools
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from ..analyses import Analysis, Parameter, Result, load
 from ..scenario.values import Value
@@ -43,6 +43,25 @@ class Subject(Protocol):
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
         """The results at a point."""
         ...
+
+
+class NumberedSubject:
+    """What subjects share whose points are numbers along one axis, and which their commands draw."""
+
+    axis: ClassVar[Parameter]
+
+    def resolve(self, name: str, value: Value) -> Value:
+        return self.axis.check_value(name, value)
+
+    def describe(self, name: str) -> Result:
+        return Result(self.axis.unit, self.axis.description)
+
+    @property
+    def default_figure(self) -> Sequence[str]:
+        return ()
+
+    def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
+        return []
 
 
 @functools.cache

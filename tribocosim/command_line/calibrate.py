@@ -9,6 +9,7 @@ from ..packages import check_fit_packages
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
+from .options import Settings, Workers
 
 
 @report_errors
@@ -40,12 +41,8 @@ def run_calibrate(  # noqa: PLR0913  # options of the command
     out: Annotated[
         Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-calibration")
     ] = None,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario.")
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one a core")
-    ] = None,
+    set_: Settings = None,
+    workers: Workers = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results.")] = False,
     as_json: Json = False,
 ) -> int:

@@ -7,6 +7,7 @@ import typer
 
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
+from .options import Restart, Settings
 
 
 @report_errors
@@ -17,12 +18,8 @@ def design_cam(
     out: Annotated[
         Path | None, typer.Option(help="Output folder.", show_default="results/BRIEF-design")
     ] = None,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario.")
-    ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the results and start over.")
-    ] = False,
+    set_: Settings = None,
+    overwrite: Restart = False,
     as_json: Json = False,
 ) -> int:
     """Find the cam with the most lift area within limits on contacts, curvature, acceleration and separation.

@@ -11,14 +11,13 @@ from .apart import carry_out_apart
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
+from .options import Settings
 
 
 @report_errors
 def run_masters(
     scenario: ScenarioName,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario.")
-    ] = None,
+    set_: Settings = None,
     master: Annotated[
         list[str] | None, typer.Option(metavar="MODULE:OBJECT", help="Also run a master of your own.")
     ] = None,

@@ -10,6 +10,7 @@ from ..packages import check_study_packages
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
+from .options import Restart, Workers
 
 
 @report_errors
@@ -31,9 +32,7 @@ def run_speeds(  # noqa: PLR0913  # options of a command
             help="Change the scenario; PATH=A,B,C sweeps each value and puts them side by side.",
         ),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one a core")
-    ] = None,
+    workers: Workers = None,
     second_film: Annotated[
         str | None,
         typer.Option(
@@ -41,9 +40,7 @@ def run_speeds(  # noqa: PLR0913  # options of a command
             show_default="dowson_toyoda",
         ),
     ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the results and start over.")
-    ] = False,
+    overwrite: Restart = False,
     as_json: Json = False,
 ) -> int:
     """Find the steady cycles of a valve train over speed, and the speed at which contact is lost.

@@ -9,6 +9,7 @@ from ..packages import check_study_packages
 from .completion import complete_study
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
+from .options import Workers
 
 
 @report_errors
@@ -24,9 +25,7 @@ def run_study(
         str | None,
         typer.Option(metavar="ADDRESS", help="Use a running dask scheduler, e.g. tcp://host:8786."),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one a core")
-    ] = None,
+    workers: Workers = None,
     timeout: Annotated[float, typer.Option(min=0.1, help="Time to wait for the scheduler (s).")] = 10.0,
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Repeat failed points.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the store and start over.")] = False,

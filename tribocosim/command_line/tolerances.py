@@ -9,6 +9,7 @@ from ..packages import check_study_packages
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
+from .options import Restart, Settings, Workers
 
 
 @report_errors
@@ -18,15 +19,9 @@ def run_tolerances(
     out: Annotated[
         Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-tolerances")
     ] = None,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario.")
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one a core")
-    ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the results and start over.")
-    ] = False,
+    set_: Settings = None,
+    workers: Workers = None,
+    overwrite: Restart = False,
     as_json: Json = False,
 ) -> int:
     """Find what scatter of parameters and grinding errors do to a train: percentiles, yield, what costs most.

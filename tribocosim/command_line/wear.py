@@ -9,6 +9,7 @@ from ..packages import check_study_packages
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
+from .options import Settings
 
 
 @report_errors
@@ -41,9 +42,7 @@ def run_wear(  # noqa: PLR0913  # options of a command
             help="The follower, which does not turn, wears too; until the depth of the first of both.",
         ),
     ] = False,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario.")
-    ] = None,
+    set_: Settings = None,
     out: Annotated[
         Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-wear")
     ] = None,

@@ -37,6 +37,7 @@ from ...texts import parse_toml
 from ..files import plan_axis
 from ..run import Where, run
 from ..store import DONE
+from ..subjects import NumberedSubject
 from .figure_slopes import SPEED, find_slopes
 from .subject import STEADY, SpeedSubject, check_varied, describe_numbers, find_flywheel, measure_cycle
 
@@ -60,8 +61,10 @@ RPM = 30.0 / math.pi
 
 
 @dataclass(frozen=True)
-class SensitivitySubject:
+class SensitivitySubject(NumberedSubject):
     """The cycles of a scenario beside that at a speed (rad/s), by the parameters "component.name"."""
+
+    axis = CASE
 
     base: SpeedSubject
     speed: float
@@ -70,19 +73,6 @@ class SensitivitySubject:
     @property
     def results(self) -> Mapping[str, Result]:
         return self.base.results
-
-    def resolve(self, name: str, value: Value) -> Value:
-        return CASE.check_value(name, value)
-
-    def describe(self, name: str) -> Result:
-        return Result(CASE.unit, CASE.description)
-
-    @property
-    def default_figure(self) -> Sequence[str]:
-        return ()
-
-    def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
-        return []
 
     def content(self) -> str:
         cycles = {"speed": self.speed, "parameters": self.parameters, "share": SHARE}

@@ -2,7 +2,7 @@
 
 import functools
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -20,6 +20,7 @@ from ...scenario.values import Value
 from ...texts import parse_toml
 from ..speeds.finder import CycleFinder
 from ..speeds.subject import SpeedSubject, check_varied, find_flywheel
+from ..subjects import NumberedSubject
 from .design import Design, Factor, GrindingError, Parameters
 from .distributions import group, resolve
 from .table import Tolerances, parse_tolerances
@@ -30,9 +31,11 @@ HIGHEST_ORDER = 90
 
 
 @dataclass(frozen=True)
-class ToleranceSubject:
+class ToleranceSubject(NumberedSubject):
     """The trains of a tolerance file: the scenario as it is given and as it runs, with points for the cams
     that have grinding errors, its flywheel, the speed (rad/s), and the file's tables as JSON."""
+
+    axis = TRAIN
 
     given: str
     running: str
@@ -47,19 +50,6 @@ class ToleranceSubject:
     @property
     def results(self) -> Mapping[str, Result]:
         return _open(self).results
-
-    def resolve(self, name: str, value: Value) -> Value:
-        return TRAIN.check_value(name, value)
-
-    def describe(self, name: str) -> Result:
-        return Result(TRAIN.unit, TRAIN.description)
-
-    @property
-    def default_figure(self) -> Sequence[str]:
-        return ()
-
-    def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
-        return []
 
     def content(self) -> str:
         """Without the limits: trains are judged by other ones without being computed again."""
