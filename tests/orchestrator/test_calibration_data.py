@@ -1,0 +1,80 @@
+"""tribocosim calibrate: measured data with their speeds, shafts and units, and what is refused."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.errors import MistakeError
+from orchestrator.scenario.files import load
+from orchestrator.study.calibration.measured import Measured, read_measured
+
+
+def test_all_rows_of_a_speed_that_wavers_are_used(tmp_path):
+    """By 0.9 % to each side of its mean, which lies nearer to one."""
+    rows = [f"{n}, {k}, {k}" for k, n in enumerate((991, 991, 991, 991, 1000, 1009))]
+    (one,) = read(tmp_path, "n [rpm], cam [deg], contact.load [N]", *rows).experiments
+    assert one.positions.size == 6
+    assert one.speed == pytest.approx(995.5 * math.pi / 30.0)
+
+
+OUTPUTS = {
+    name: field.quantity
+    for name, field in (
+        (f"{part}.{field.name}", field)
+        for part, table in load("valve-train").components.items()
+        for field in table.resolve().outputs.fields
+    )
+}
+
+
+def read(tmp_path: Path, *lines: str, signals: tuple[str, ...] = ()) -> Measured:
+    (tmp_path / "data.csv").write_text("\n".join(lines) + "\n")
+    return read_measured([tmp_path / "data.csv"], OUTPUTS, signals)[0]
+
+
+def test_data_have_their_speeds_shafts_units_and_gaps(tmp_path):
+    found = read(
+        tmp_path, "n [rpm], cam [deg], valve_spring.valve_lift [mm], F [kN]",
+        "1000, 10, 1.5,", "1001, 20, 2.5, 0.3", "2000, 10, 1.0, 0.5",
+        signals=("F = contact.load, gain",),
+    )  # fmt: skip
+    force, lift = found.signals
+    assert (force.variable, force.gain, lift.variable) == ("contact.load", True, "valve_spring.valve_lift")
+    slow, fast = found.experiments
+    assert slow.speed == pytest.approx(1000.5 * math.pi / 30.0)
+    assert slow.shaft == "cam_angle"
+    assert slow.positions == pytest.approx(np.radians([10.0, 20.0]))
+    assert slow.values == pytest.approx(np.array([[math.nan, 300.0], [1.5e-3, 2.5e-3]]), nan_ok=True)
+    assert fast.values[:, 0] == pytest.approx([500.0, 1e-3])
+    assert found.count == 5
+
+
+@pytest.mark.parametrize(
+    ("lines", "signals", "why"),
+    [
+        (("angle [deg], x [mm]", "1, 2", "2, 3"), (), "no column is of an output"),
+        (("angle [deg], x [mm]", "1, 2", "2, 3"), ("x = contact.loads",), "did you mean contact.load"),
+        (("angle [deg], x [mm]", "1, 2", "2, 3"), ("y = contact.load",), "no such column"),
+        (("angle [deg], contact.load [mm]", "1, 2", "2, 3"), (), "does not fit"),
+        (("angle [deg], contact.load", "1, 2", "2, 3"), (), "has no unit"),
+        (("angle [deg], contact.load [N]", "1, 2", "2, 3"), (), "has no speed"),
+        (("angle [deg], contact.load [N]", "1, 2", "2, x"), (), "line 3"),
+        (("# speed: 900 rpm", "angle [deg], contact.load [N]", "1, 2", "2, 2"), (), "is constant"),
+        (("angle [deg], x [N]", "1, 2", "2, 3"), ("x = contact.load, noise 3 mm",), "noise"),
+        (("angle [deg], x [N]", "1, 2", "2, 3"), ("x = contact.load, noise 3",), "write the unit, e.g. 3 N"),
+        (("# speed: 900", "angle [deg], contact.load [N]", "1, 2", "2, 3"), (), "e.g. # speed: 900 rpm"),
+        (("# speed: 900 rpm", "angle [deg], contact.load [N]", "1, 2", "2, inf"), (), "line 4"),
+        (
+            ("n [rpm], cam [deg], contact.load [N]", *(f"{1000 + 8 * k}, {k}, {k}" for k in range(4))),
+            (),
+            "speeds from 1000 to 1024 r/min have no gap",
+        ),
+        (("angle [deg], x [N]", "1, 2", "2, 3"), ("x = contact.load, drift",), "offset, gain"),
+        (("contact.load [N]; p [bar]", "1; 2", "2; 3"), (), "no column of an angle or the time"),
+    ],
+)
+def test_data_that_cannot_be_used_are_refused_with_what_is_wrong(lines, signals, why, tmp_path):
+    with pytest.raises(MistakeError, match=why):
+        read(tmp_path, *lines, signals=signals)
