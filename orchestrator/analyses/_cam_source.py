@@ -1,5 +1,6 @@
 """Where a cam or a spring comes from: a lift table, a law, or a component of a scenario."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,10 @@ from ..scenario.cams import name_follower
 from ..scenario.component_table import ComponentTable
 from ..scenario.files import find, list_shipped, load, read_contents
 from ..scenario.values import to_value
-from ._cam_profile import FIELDS, TABLE_EVENT, list_law_parameters
+from ._cam_profile import FIELDS, TABLE_EVENT, list_law_parameters, read_base_radius
+
+# Of these a wire has one.
+LENGTHS = {"pitch", "free_length"}
 
 
 def find_settings(source: str, component: str | None = None) -> dict[str, Any]:
@@ -32,21 +36,25 @@ def find_settings(source: str, component: str | None = None) -> dict[str, Any]:
             f"cam {source!r}: {suggestion(source, [*RISES, *list_shipped()])} (a law, a shipped "
             "scenario, or a file: a lift table .csv, a scenario .toml or .ssp)"
         )
-    return {"contour" if is_contour(Path(source)) else "lift_table": source}
+    if is_contour(Path(source)):
+        return {"contour": source, "base_radius": read_base_radius(source)}
+    return {"lift_table": source}
 
 
 def find_spring_settings(
-    source: str | None, component: str | None = None, cam: str | None = None, given: str = ""
+    source: str | None, component: str | None = None, cam: str | None = None, given: Sequence[str] = ()
 ) -> dict[str, Any]:
     """The parameters of the analysis `spring`: of a scenario the wire and a cam, else of a cam alone.
 
-    MistakeError for a scenario without a wire, unless the settings `given` have its diameter.
+    MistakeError for a scenario without a wire, unless the settings `given` have its diameter. A pitch or free
+    length among them replaces both of the scenario.
     """
+    names = {text.partition("=")[0].strip() for text in given}
     if source is None:
         return {}
     scenario = source in list_shipped() or Path(source).suffix in (".toml", ".ssp")
     wires = _read_wires(source) if scenario else {}
-    if scenario and not wires and "diameter" not in given:
+    if scenario and not wires and "diameter" not in names:
         raise MistakeError(
             f"{source}: its springs have no wire",
             (
@@ -63,7 +71,9 @@ def find_spring_settings(
             f"{source}: has the springs {', '.join(wires)}", ("choose one with ", Option("component"))
         )
     wire = wires[component] if component else next(iter(wires.values()), {})
-    return {key: _write(value) for key, value in wire.items()} | find_lift_settings(source, cam)
+    left = LENGTHS if names & LENGTHS else set()
+    kept = {key: _write(value) for key, value in wire.items() if key not in left}
+    return kept | find_lift_settings(source, cam)
 
 
 def find_lift_settings(source: str, component: str | None = None) -> dict[str, Any]:

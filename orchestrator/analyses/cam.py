@@ -224,16 +224,16 @@ MM = 1e3
 
 
 def draw_cam(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    """The contour on the left, curves over the cam angle on the right."""
-    figure, axes = create_subplots(3, 3, figsize=(11.0, 7.6), width_ratios=(1.0, 1.0, 1.0))
+    """The contour on the left; over the cam angle lift and derivatives, and what the contact has of them."""
+    figure, axes = create_subplots(4, 3, figsize=(11.0, 8.4), width_ratios=(1.3, 1.0, 1.0))
     name = Path(values["lift_table"]).stem or values["law"]
     add_title(
         figure, f"Cam {name} with follower {values['follower']}, {values['speed'] * 30 / math.pi:.0f} r/min"
     )
     grid = axes[0, 0].get_gridspec()
-    for panel in axes[:2, 0]:
+    for panel in axes[:, 0]:
         panel.remove()
-    _draw_contour(figure.add_subplot(grid[:2, 0]), data, values)
+    _draw_contour(figure.add_subplot(grid[:, 0]), data, values)
     degrees, speed = np.degrees(data["angle"].values), values["speed"]
     _plot(axes[0, 1], degrees, MM * data["lift"].values, "Lift (mm)")
     if "other_lift" in data:
@@ -241,19 +241,18 @@ def draw_cam(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
         axes[0, 1].legend(loc="lower right", bbox_to_anchor=(1.0, 0.98))
     _plot(axes[1, 1], degrees, speed * data["slope"].values, "Velocity (m/s)")
     _plot(axes[2, 1], degrees, speed**2 * data["curvature"].values, "Acceleration (m/s²)")
-    _plot(axes[0, 2], degrees, 1.0 / data["radius_of_curvature"].values, "Curvature of the cam (1/m)")
-    pressure = np.degrees(data["pressure_angle"].values)
-    if np.any(pressure):
-        _plot(axes[1, 2], degrees, pressure, "Pressure angle (°)")
-    else:
-        axes[1, 2].set_axis_off()
-        axes[1, 2].text(0.5, 0.5, "The pressure angle\nis zero everywhere.", ha="center", color=MUTED)
-    velocity = speed * data["entraining_velocity"].values
-    _plot(axes[2, 2], degrees, velocity, "Velocity of the contact (m/s)", "entraining")
-    axes[2, 2].plot(degrees, speed * data["sliding_velocity"].values, color=ACCENT, label="sliding")
-    axes[2, 2].legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=2)
-    _plot(axes[2, 0], degrees, speed**3 * data["jerk"].values, "Jerk (m/s³)")
-    for panel in (axes[2, 0], axes[2, 1], axes[2, 2]):
+    _plot(axes[3, 1], degrees, speed**3 * data["jerk"].values, "Jerk (m/s³)")
+    entraining = speed * data["entraining_velocity"].values
+    _plot(axes[0, 2], degrees, entraining, "Velocity of contact (m/s)", "entraining")
+    axes[0, 2].plot(degrees, speed * data["sliding_velocity"].values, color=ACCENT, label="sliding")
+    axes[0, 2].legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=2)
+    _plot(axes[1, 2], degrees, MM * data["lubrication_characteristic"].values, "Lubrication char. (mm)")
+    _plot(axes[2, 2], degrees, 1.0 / data["radius_of_curvature"].values, "Curvature of cam (1/m)")
+    _plot(axes[3, 2], degrees, np.degrees(data["pressure_angle"].values), "Pressure angle (°)")
+    if not data["pressure_angle"].values.any():
+        axes[3, 2].text(180.0, 0.1, "zero everywhere", ha="center", color=MUTED)
+        axes[3, 2].set_ylim(-1.0, 1.0)
+    for panel in axes[3, 1:]:
         panel.set_xlabel("Cam angle (°)")
     return figure
 
@@ -274,7 +273,7 @@ def _draw_contour(axes: Axes, data: xarray.Dataset, values: Mapping[str, Any]) -
     base = MM * values["base_radius"]
     axes.plot(base * np.cos(turned), base * np.sin(turned), color=MUTED, lw=0.8, ls="--")
     axes.plot(0.0, 0.0, marker="+", color=MUTED, ms=8.0)
-    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_aspect("equal")
     axes.set_title("Contour (mm), dashed the base circle", loc="left")
 
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from ..errors import MistakeError
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 from ._cam_profile import TABLE_EVENT, build_profile, convert, list_law_parameters
 from ._machine import column, evaluate_by
-from .protocol import Analysis, Parameter, Result
+from .protocol import Analysis, Parameter, Result, describe_values
 
 MM = 1e3
 # About the top dead centre of gas exchange, each half degree of the crank; and phases of the range.
@@ -42,7 +43,7 @@ def _tabulate(values: Mapping[str, Any]) -> xarray.Dataset:
     if values["advance"] < -values["retard"]:
         raise MistakeError(
             f"advance = {math.degrees(values['advance']):g} deg: must be at least -retard, "
-            f"{-math.degrees(values['retard']):g} deg"
+            f"{0.0 - math.degrees(values['retard']):g} deg"
         )
     profile = build_profile(values)
     nose, spread = profile.nose, values["timing_spread"]
@@ -128,6 +129,22 @@ def draw_clearance(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     return figure
 
 
+PLACE = {
+    **{name: one for name, one in convert(PistonClearanceParameters).items() if name not in WATCHED},
+    "lobe_centre": Parameter(
+        math.radians(108.0),
+        "rad",
+        "crank angle of the largest lift after top dead centre; negative: before it (exhaust)",
+        plausible=ANGLE,
+    ),
+    "advance": Parameter(0.0, "rad", "how far a phaser advances the cam (crank angle)", plausible=ANGLE),
+    "retard": Parameter(0.0, "rad", "how far it retards the cam (crank angle)", plausible=ANGLE),
+    "timing_spread": Parameter(
+        0.0, "rad", "tolerance of the timing to both sides (crank angle)", minimum=0.0, plausible=ANGLE
+    ),
+    "valve_ratio": Parameter(1.0, "1", "lift of the valve over that of the cam", positive=True),
+    "lash": Parameter(0.0, "m", "lash at the valve", minimum=0.0, plausible=LASH),
+}
 ANALYSIS = Analysis(
     name="clearance",
     description="Clearance between a valve and the piston over the crank angle, by the lift of a cam",
@@ -135,20 +152,7 @@ ANALYSIS = Analysis(
         "lift_table": Parameter("", "1", "CSV file of cam angle and lift, instead of a law"),
         **TABLE_EVENT,
         **list_law_parameters(),
-        **{name: one for name, one in convert(PistonClearanceParameters).items() if name not in WATCHED},
-        "lobe_centre": Parameter(
-            math.radians(108.0),
-            "rad",
-            "crank angle of the largest lift after top dead centre; negative: before it (exhaust)",
-            plausible=ANGLE,
-        ),
-        "advance": Parameter(0.0, "rad", "how far a phaser advances the cam (crank angle)", plausible=ANGLE),
-        "retard": Parameter(0.0, "rad", "how far it retards the cam (crank angle)", plausible=ANGLE),
-        "timing_spread": Parameter(
-            0.0, "rad", "tolerance of the timing to both sides (crank angle)", minimum=0.0, plausible=ANGLE
-        ),
-        "valve_ratio": Parameter(1.0, "1", "lift of the valve over that of the cam", positive=True),
-        "lash": Parameter(0.0, "m", "lash at the valve", minimum=0.0, plausible=LASH),
+        **PLACE,
     },
     results={
         "least_clearance": Result("m", "least clearance along the valve's axis", display_unit="mm"),
@@ -165,4 +169,5 @@ ANALYSIS = Analysis(
     evaluate=evaluate_by(_tabulate),
     table=_tabulate,
     draw=draw_clearance,
+    describe=partial(describe_values, PLACE),
 )

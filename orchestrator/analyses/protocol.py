@@ -11,6 +11,7 @@ from models.core.quantities import Plausible, Quantity
 from models.core.system import suggestion
 
 from ..errors import MistakeError
+from ..scenario.display import format_number, show_unit
 from ..scenario.units import is_bare
 from ..scenario.values import Value, parse_value, to_number
 
@@ -91,6 +92,19 @@ class Parameter:
         if not float(found).is_integer():
             raise MistakeError(f"{name} = {value} ({self.description}): must be a whole number")
         return int(found)
+
+
+def describe_values(parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> str:
+    """What an analysis takes, in words; without what is left open: an empty text, a zero that says so."""
+    words = []
+    for name, parameter in parameters.items():
+        value, shown = values[name], show_unit(parameter.unit, "mm" if parameter.unit == "m" else "")
+        if value == "" or (value == 0.0 and "; 0:" in parameter.description):
+            continue
+        number = isinstance(value, float)
+        text = f"{format_number(shown.factor * value, 6)} {shown.text}".strip() if number else str(value)
+        words.append(f"{name} {'yes' if value is True else 'no' if value is False else text}")
+    return ", ".join(words)
 
 
 @dataclass(frozen=True)

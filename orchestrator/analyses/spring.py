@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,12 +21,13 @@ from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_s
 from ..scenario.wire import read_wire
 from ._cam_profile import TABLE_EVENT, build_profile, list_law_parameters
 from ._machine import column, evaluate_by
-from .protocol import Analysis, Parameter, Result
+from .protocol import Analysis, Parameter, Result, describe_values
 
 POINTS, ORDERS, SAMPLES = 200, 40, 4096
 # Highest frequency that is drawn over that of full lift; least surge that is drawn over the largest.
 SHOWN, SMALL = 2.5, 1e-2
 RPM, MM = 30.0 / math.pi, 1e3
+FREE_LENGTH = 52e-3
 # Of the solid travel, where the table ends: there the last coils close.
 NEARLY = 0.999
 
@@ -45,7 +47,7 @@ WIRE = {
     ),
     "active_coils": Parameter(5.5, "1", "coils that bend", positive=True),
     "end_coils": Parameter(2.0, "1", "closed coils of both ends together", minimum=0.0),
-    "free_length": _length(52e-3, "length without load, where no pitch is given"),
+    "free_length": _length(0.0, f"length without load; 0: by the pitch, else {1e3 * FREE_LENGTH:g} mm"),
     "pitch": Parameter("", "1", "pitch; several, with commas, as mean diameters"),
     "installed_length": _length(40e-3, "length while the valve is closed"),
     "material": Parameter("chrome-silicon", "1", "wire", choices=tuple(MATERIALS)),
@@ -58,6 +60,13 @@ WIRE = {
         "bergstraesser", "1", "factor of the coil's curvature", choices=tuple(STRESS_FACTORS)
     ),
 }
+CAM = {
+    "valve_ratio": Parameter(1.0, "1", "lift of the valve over that of the cam", positive=True),
+    "travel": Parameter(0.0, "m", "full lift of the valve; 0: the cam's", minimum=0.0, plausible=CAM_LIFT),
+    "damping_ratio": Parameter(0.02, "1", "damping ratio of the spring", positive=True),
+    "low": Parameter(500.0 / RPM, "rad/s", "lowest speed of the cam", positive=True, plausible=SPEED),
+    "high": Parameter(3000.0 / RPM, "rad/s", "highest speed of the cam", positive=True, plausible=SPEED),
+}
 
 
 def install(values: Mapping[str, Any]) -> tuple[WireSpring, float]:
@@ -66,8 +75,8 @@ def install(values: Mapping[str, Any]) -> tuple[WireSpring, float]:
     for name in ("mean_diameter", "pitch"):
         if name in given:
             given[name] = [text.strip() for text in str(given[name]).split(",")]
-    if "pitch" in given:
-        del given["free_length"]
+    if "pitch" not in given:
+        given.setdefault("free_length", FREE_LENGTH)
     return read_wire({**given, "peened": values["peened"]}).install()
 
 
@@ -241,13 +250,7 @@ ANALYSIS = Analysis(
         "lift_table": Parameter("", "1", "CSV file of cam angle and lift, instead of a law"),
         **TABLE_EVENT,
         **list_law_parameters(),
-        "valve_ratio": Parameter(1.0, "1", "lift of the valve over that of the cam", positive=True),
-        "travel": Parameter(
-            0.0, "m", "full lift of the valve; 0: the cam's", minimum=0.0, plausible=CAM_LIFT
-        ),
-        "damping_ratio": Parameter(0.02, "1", "damping ratio of the spring", positive=True),
-        "low": Parameter(500.0 / RPM, "rad/s", "lowest speed of the cam", positive=True, plausible=SPEED),
-        "high": Parameter(3000.0 / RPM, "rad/s", "highest speed of the cam", positive=True, plausible=SPEED),
+        **CAM,
     },
     results={
         "spring_rate": Result("N/m", "rate, installed", display_unit="N/mm"),
@@ -273,4 +276,5 @@ ANALYSIS = Analysis(
     table=_tabulate,
     draw=draw_spring,
     texts={"orders.csv": write_orders},
+    describe=partial(describe_values, {**WIRE, **CAM}),
 )

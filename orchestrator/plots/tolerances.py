@@ -13,6 +13,8 @@ from models.core.quantities import Vector
 from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots
 
 COLUMNS, MOST_BARS = 2, 8
+# Room on both sides of a histogram, as a part of its width; what lies further out is written.
+MARGIN = 0.3
 
 
 class Panel(NamedTuple):
@@ -54,8 +56,17 @@ def draw_histograms(panels: Sequence[Panel], title: str) -> Figure:
             density = np.exp(-0.5 * ((middle - mean) / deviation) ** 2) / (deviation * np.sqrt(2.0 * np.pi))
             place.plot(middle, density * known.size * np.diff(edges), color=MUTED, label="first order")
             place.legend()
-        for value, _ in panel.limits:
-            place.axvline(value, color="black", linestyle="--", linewidth=1.0)
+        room = MARGIN * (edges[-1] - edges[0])
+        place.set_xlim(edges[0] - room, edges[-1] + room)
+        for value, upper in panel.limits:
+            if edges[0] - room < value < edges[-1] + room:
+                place.axvline(value, color="black", linestyle="--", linewidth=1.0)
+            else:
+                text, side = f"limit {'<' if upper else '>'} {value:.4g}", float(value > edges[-1])
+                text = f"{text} →" if side else f"← {text}"
+                place.text(
+                    0.02 + 0.96 * side, 0.5, text, transform=place.transAxes, ha=("left", "right")[int(side)]
+                )
         place.set_xlabel(panel.head)
         place.set_ylabel("trains")
     return figure

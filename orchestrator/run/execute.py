@@ -7,8 +7,8 @@ import shutil
 import signal
 import threading
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, NamedTuple
@@ -71,6 +71,20 @@ class Noticed:
     def _notice(self, number: int, frame: FrameType | None) -> None:
         self.asked = True
         self._previous(number, frame)
+
+
+@contextmanager
+def tell_interruption(describe: Callable[[], str]) -> Iterator[None]:
+    """Where Ctrl-C ends the block, KeyboardInterrupt says by `describe` what is kept and how to go on."""
+    with Noticed() as noticed:
+        try:
+            yield
+        except (Exception, KeyboardInterrupt) as error:
+            interrupted = isinstance(error, KeyboardInterrupt)
+            if not (interrupted or noticed.asked):
+                raise
+            text = str(error) if interrupted else ""
+            raise KeyboardInterrupt(text or f"interrupted; {describe()}") from None
 
 
 class Interruption:

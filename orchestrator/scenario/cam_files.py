@@ -62,7 +62,9 @@ def write_lift(lift: Callable[[float], float], unit: str) -> str:
     """A lift table that `lift_table` reads, for each degree of the cam; `unit` is mm or in."""
     size, decimals = (MM, 6) if unit == "mm" else (1.0 / INCH, 8)
     angles = np.arange(DEGREES)
-    rows = (f"{a},{size * lift(math.radians(a)):.{decimals}f}" for a in angles)
+    # No lift is -0, which rounding would leave.
+    lifts = (round(size * lift(math.radians(a)), decimals) + 0.0 for a in angles)
+    rows = (f"{a},{value:.{decimals}f}" for a, value in zip(angles, lifts, strict=True))
     return "\n".join([f"cam angle [deg],lift [{unit}]", *rows, ""])
 
 

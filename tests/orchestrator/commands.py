@@ -30,9 +30,9 @@ def tribocosim(*arguments: str, cwd: Path = ROOT) -> subprocess.CompletedProcess
     return done
 
 
-def called(*arguments: str) -> subprocess.CompletedProcess[str]:
+def called(*arguments: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
     """Run the command in this process: without waiting for imports."""
-    with contextlib.chdir(ROOT):
+    with contextlib.chdir(cwd):
         done = CliRunner().invoke(app, arguments, catch_exceptions=False)
     return subprocess.CompletedProcess(arguments, done.exit_code, done.stdout, done.stderr)
 

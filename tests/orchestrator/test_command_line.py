@@ -13,6 +13,7 @@ import pytest
 import typer
 
 from fmus.build import NAMES
+from orchestrator.run.execute import tell_interruption
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.system import build_system
@@ -363,4 +364,10 @@ def test_what_a_library_makes_of_ctrl_c_is_an_interruption(capsys):
         with pytest.raises(typer.Exit) as left:
             command()
         assert left.value.exit_code == status
+    for command, error in ((compiling, KeyboardInterrupt), (failing, RuntimeError)):
+        with (
+            pytest.raises(error, match=r"interrupted; all is kept|no compiled"),
+            tell_interruption(lambda: "all is kept"),
+        ):
+            command.__wrapped__()
     assert capsys.readouterr().err.startswith("tribocosim: interrupted\ntribocosim: unexpected")

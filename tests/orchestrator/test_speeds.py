@@ -12,9 +12,11 @@ from matplotlib.patches import Rectangle
 import tribocosim
 from models.catalogue import CATALOGUE
 from models.monolithic.cycle import STEADY
+from orchestrator.assessment.friction.shares import add_losses
 from orchestrator.errors import MistakeError
 from orchestrator.plots.speeds import draw_summary, find_orders
 from orchestrator.scenario.files import load, read_changed
+from orchestrator.scenario.system import build_system
 from orchestrator.store.output_folder import RESULT, STORE
 from orchestrator.study.speeds import separation
 from orchestrator.study.speeds.compare import Choice, find_worst, parse_choice, select_speeds
@@ -91,6 +93,8 @@ def test_friction_of_a_sweep_has_its_shares_over_speed(swept, tmp_path):
         shares = float(row["cam contact [N.m]"]) + float(row["rolling [N.m]"])
         assert float(row["sum [N.m]"]) == pytest.approx(shares, rel=1e-12)
         assert f"{1e3 * shares:.0f}" in done.stdout
+    whole = add_losses(found, build_system(load("valve-train")))["whole train.friction_power"].values
+    np.testing.assert_allclose([float(row["sum [W]"]) for row in rows], whole, rtol=1e-12)
     wrong = called("friction", str(out), "--table", str(tmp_path / "friction.nc"))
     assert "must end in .csv" in said(wrong)
 

@@ -65,7 +65,7 @@ def test_the_table_ends_at_the_solid_length_with_the_rate_of_a_cylinder():
 def test_a_scenario_without_a_wire_has_no_spring_to_wind():
     with pytest.raises(MistakeError, match="valve-train: its springs have no wire"):
         find_spring_settings("valve-train")
-    assert "law" in find_spring_settings("valve-train", given="diameter=4 mm")
+    assert "law" in find_spring_settings("valve-train", given=["diameter=4 mm"])
 
 
 def test_a_scenario_gives_wire_and_cam(tmp_path: Path):
@@ -80,8 +80,14 @@ def test_a_scenario_gives_wire_and_cam(tmp_path: Path):
     assert (found["law"], found["lift"]) == ("modified_trapezoid", 8e-3)
     with pytest.raises(MistakeError, match=r"--component valve|component='valve'"):
         find_spring_settings(str(file), "valve")
-    assert called("spring", str(file), "--out", str(tmp_path / "out")).returncode == 0
-    made = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert "free_length" not in find_spring_settings(str(file), given=["pitch=8 mm"]), (
+        "one replaces the other"
+    )
+    done = called("spring", str(file), cwd=tmp_path)
+    assert (done.returncode, "end_coils 2, free_length 52 mm" in done.stdout) == (0, True), (
+        "defaults are told"
+    )
+    made = sorted(path.name for path in (tmp_path / "results" / "wound-spring").iterdir())
     assert made == ["spring.nc", "spring.orders.csv", "spring.png"]
 
 
@@ -92,6 +98,7 @@ def test_a_scenario_gives_wire_and_cam(tmp_path: Path):
         ({"low": 400.0}, "low = 3819.72 r/min: must be less than high"),
         ({"mean_diameter": "26"}, "mean_diameter = 26000 mm: must be 2 to 50 times the wire's 4 mm"),
         ({"pitch": "8 mm, six"}, r"wire.pitch\[2\]"),
+        ({"pitch": "8 mm", "free_length": 0.05}, "free_length: follows from the pitch"),
     ],
 )
 def test_springs_that_are_none(settings, said):

@@ -27,6 +27,7 @@ from orchestrator.study.tolerances import run as study
 from orchestrator.study.tolerances.design import BESIDE, SAMPLE, Design, GrindingError, Parameters
 from orchestrator.study.tolerances.distributions import Sampled, group
 from orchestrator.study.tolerances.limits import parse_limits
+from orchestrator.study.tolerances.report import find_worst
 from orchestrator.study.tolerances.run import find_usable, judge, make_subject
 from orchestrator.study.tolerances.statistics import (
     find_first_order,
@@ -172,6 +173,15 @@ def test_an_end_of_an_interval_that_the_sample_is_too_small_for_is_unknown():
     assert find_percentile(fewest, 99.9)[:2] == (15.0, 15.0)
     assert math.isnan(find_percentile(few, 99.9).high)
     assert math.isfinite(find_percentile(enough, 99.9).high)
+
+
+def test_the_worst_trains_are_on_the_side_of_the_limit_that_fails():
+    """A lower limit fails at the least values; without a limit less load is worse, and more pressure."""
+    results = describe_numbers(load("valve-train"))
+    limits = parse_limits(["contact.least_load > 20 N", "seating_velocity < 0.4 m/s"], results)
+    sides = {"contact.least_load": 0.1, "valve_spring.seating_velocity": 99.9}
+    assert {name: find_worst(name, limits) for name in sides} == sides
+    assert (find_worst("a.spring_margin", []), find_worst("a.peak_pressure", [])) == (0.1, 99.9)
 
 
 def test_trains_without_a_cycle_keep_no_limit_and_are_named(monkeypatch):

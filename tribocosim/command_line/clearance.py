@@ -23,7 +23,9 @@ def print_clearance(
             help="Set a parameter, e.g. 'lash=0.2 mm'; 'tribocosim analyse clearance --parameters' has all.",
         ),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/clearance")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Output folder.", show_default="results/SOURCE-clearance")
+    ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
     as_json: Json = False,
 ) -> None:
@@ -33,12 +35,10 @@ def print_clearance(
 
     settings = [f"{name}={value}" for name, value in find_lift_settings(source, component).items()]
     reporter = build_reporter(as_json)
-    result = analyse("clearance", [*settings, *(set_ or [])], out, overwrite, reporter)
+    folder = out or Path("results") / f"{Path(source).stem}-clearance"
+    result = analyse("clearance", [*settings, *(set_ or [])], folder, overwrite, reporter)
     least = float(result["least_over_phases"])
     if least < 0.0:
         reporter.line(f"the valve meets the piston: least clearance {1e3 * least:.3g} mm over all phases")
-    reporter.line(
-        "what is not set, as crank_radius and pocket_depth, is that of 'analyse clearance --parameters'"
-    )
     if as_json:
         print_json(result)

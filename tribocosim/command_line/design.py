@@ -27,14 +27,17 @@ def design_cam(
     Writes a scenario with the cam's lift table. The same command continues an interrupted search. Exit status
     0: all limits are kept, 1: no such cam was found, 2: a mistake in the brief, 130: interrupted.
     """
+    from orchestrator.run.execute import tell_interruption
     from orchestrator.study.design.brief import read_brief
+    from orchestrator.study.design.files import describe_kept
     from orchestrator.study.design.run import design
 
     from ..cached_fmus import build_fmu
 
     asked = read_brief(brief, set_ or [])
     folder = out or Path("results") / f"{Path(brief).stem}-design"
-    found = design(asked, folder, build_fmu, build_reporter(as_json), overwrite)
+    with tell_interruption(lambda: describe_kept(folder)):
+        found = design(asked, folder, build_fmu, build_reporter(as_json), overwrite)
     if as_json:
         print_json(found.to_dict())
     return 0 if found.attrs["feasible"] else 1

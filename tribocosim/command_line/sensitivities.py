@@ -38,6 +38,7 @@ def run_sensitivities(
     mistake in the scenario or the command, 130: interrupted.
     """
     check_study_packages()
+    from orchestrator.run.execute import tell_interruption
     from orchestrator.scenario import build_scenario
     from orchestrator.scenario.files import read_changed
     from orchestrator.study.run import Where
@@ -48,15 +49,9 @@ def run_sensitivities(
     checked = build_scenario(tables)
     folder = out or Path("results") / f"{checked.name}-sensitivities"
     reporter = build_reporter(as_json)
-    found = find_sensitivities(
-        tables,
-        parse_speed("speed", speed),
-        parameter or [],
-        folder,
-        Where(workers=workers),
-        reporter,
-        overwrite,
-    )
+    at, where = parse_speed("speed", speed), Where(workers=workers)
+    with tell_interruption(lambda: "nothing is kept: the same command begins anew"):
+        found = find_sensitivities(tables, at, parameter or [], folder, where, reporter, overwrite)
     publish(found, checked, folder, reporter)
     if as_json:
         print_json(found.to_dict())

@@ -40,6 +40,9 @@ def run_speeds(  # noqa: PLR0913  # options of a command
             show_default="dowson_toyoda",
         ),
     ] = None,
+    separation: Annotated[
+        bool, typer.Option("--separation/--no-separation", help="Find the speed at which contact is lost.")
+    ] = True,
     overwrite: Restart = False,
     as_json: Json = False,
 ) -> int:
@@ -61,7 +64,7 @@ def run_speeds(  # noqa: PLR0913  # options of a command
     where, reporter = Where(workers=workers), build_reporter(as_json)
 
     def sweep_one(tables: Mapping[str, Any], place: Path) -> Swept:
-        return sweep(tables, speeds, place, where, reporter, overwrite, second_film)
+        return sweep(tables, speeds, place, where, reporter, overwrite, second_film, separation)
 
     if len(variants) > 1:
         designs = {variant: read_changed(scenario, variant.settings) for variant in variants}

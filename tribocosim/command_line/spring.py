@@ -28,7 +28,9 @@ def print_spring(
             help="Set a parameter, e.g. 'pitch=8 mm'; 'tribocosim analyse spring --parameters' lists them.",
         ),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/spring")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Output folder.", show_default="results/SOURCE-spring")
+    ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
     as_json: Json = False,
 ) -> None:
@@ -36,8 +38,9 @@ def print_spring(
     from orchestrator.analyses._cam_source import find_spring_settings
     from orchestrator.analyses._evaluate import analyse
 
-    found = find_spring_settings(source, component, cam, " ".join(set_ or []))
+    found = find_spring_settings(source, component, cam, set_ or [])
     settings = [f"{name}={value}" for name, value in found.items() if value != ""]
-    result = analyse("spring", [*settings, *(set_ or [])], out, overwrite, build_reporter(as_json))
+    folder = out or Path("results") / (f"{Path(source).stem}-spring" if source else "spring")
+    result = analyse("spring", [*settings, *(set_ or [])], folder, overwrite, build_reporter(as_json))
     if as_json:
         print_json(result)

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import xarray
 from rich import box
 from rich.table import Table
 
@@ -45,6 +46,14 @@ def list_losses(system: System) -> list[Loss]:
     """All losses to friction, in the order of their shares."""
     found = [loss for name in system.instances for loss in _find_losses(system, name)]
     return sorted(found, key=lambda loss: SHARES.index(loss.share))
+
+
+def add_losses(table: xarray.Dataset, system: System) -> xarray.Dataset:
+    """The table of cycles with the sum of all losses to friction, of a train with several."""
+    losses = [f"{loss.part}.{loss.figure}" for loss in list_losses(system)]
+    if len(losses) < 2:
+        return table
+    return table.assign({f"whole train.{POWER}": sum(table[name] for name in losses)})
 
 
 def _find_losses(system: System, name: str) -> Iterator[Loss]:

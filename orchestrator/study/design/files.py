@@ -49,6 +49,13 @@ def read_kept(out: Path, asked: Asked) -> Vector | None:
     return None
 
 
+def describe_kept(out: Path) -> str:
+    """What an interrupted search has left in the folder, and how it goes on."""
+    if (out / PROGRESS).exists():
+        return f"the best cam so far is {out / SCENARIO}: the same command goes on from it"
+    return "no better cam was found yet, nothing is kept: the same command begins anew"
+
+
 def write_scenario(out: Path, asked: Asked, train: DesignedTrain, unknowns: Vector) -> None:
     """The scenario of the designed cam, which extends the brief's, and the cam's lift table."""
     import tomli_w

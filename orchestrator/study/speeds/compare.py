@@ -2,6 +2,7 @@
 
 import json
 import math
+import tomllib
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,12 +11,15 @@ import numpy as np
 import xarray
 from rich.table import Table
 
+from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
 from ...errors import Command, MistakeError, Option
 from ...plots.speeds import draw_summary
 from ...plots.style import save_figure
 from ...reporter import Reporter
+from ...scenario import build_scenario
 from ...scenario.display import format_number, show_attributes
+from ...scenario.system import build_system
 from ...store.output_folder import STORE, SUMMARY
 from .sweep import parse_speed, read_table
 
@@ -103,7 +107,12 @@ def compare(
                 reporter.line(f"{name}: {separation['text']}")
     if out is not None:
         separations = {name: one and one["speed"] for name, one in found["separation"].items()}
-        reporter.line(f"figure: {save_figure(lambda: draw_summary(tables, separations), out)}")
+        scenarios = (tomllib.loads(one["scenario_toml"]) for one in summaries.values())
+        whole = {
+            name: add_losses(table, build_system(build_scenario(scenario)))
+            for (name, table), scenario in zip(tables.items(), scenarios, strict=True)
+        }
+        reporter.line(f"figure: {save_figure(lambda: draw_summary(whole, separations), out)}")
     return found
 
 

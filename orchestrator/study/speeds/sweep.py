@@ -20,12 +20,14 @@ from models.core.system import System
 from models.monolithic.cycle import STEADY
 
 from ...assessment.contacts.lines import FED
+from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
 from ...assessment.trains import list_contacts, parameter_of
 from ...errors import MistakeError, Option
 from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
 from ...plots.style import save_figure
 from ...reporter import Reporter
+from ...run.execute import tell_interruption
 from ...scenario import build_scenario
 from ...scenario.display import Shown, format_number, show_attributes
 from ...scenario.files import to_full_toml
@@ -75,9 +77,10 @@ def sweep(
     reporter: Reporter,
     overwrite: bool = False,
     second_film: str | None = None,
+    separation: bool = True,
 ) -> Swept:
-    """Find the cycles of a scenario that are missing in the folder `out`, then the speed of separation, with
-    its film formula and with `second_film` (None: the usual one); draw all.
+    """Find the cycles of a scenario that are missing in the folder `out`, then if `separation` the speed of
+    separation, with its film formula and with `second_film` (None: the usual one); draw all.
 
     MistakeError or ModelError before anything is written.
     """
@@ -89,10 +92,11 @@ def sweep(
     if not table.sizes["speed"]:
         return Swept(status, table, {})
     report_cycles(reporter, table)
-    separation = find_separation(subject, table, reporter)
-    if separation is not None:
-        reporter.line(separation.text)
-    second = compare_films(subject, table, separation, second_film, reporter) if separation else None
+    first = second = None
+    with tell_interruption(lambda: f"the cycles are kept in {out}: the same command continues"):
+        if separation and (first := find_separation(subject, table, reporter)):
+            reporter.line(first.text)
+            second = compare_films(subject, table, first, second_film, reporter)
     texts = [second["text"]] if second else []
     notices = [
         *texts, *describe_unsteady(table), *describe_lift_loss(table), *describe_feeding(subject, table)
@@ -101,14 +105,14 @@ def sweep(
         reporter.line(text)
     summary = {
         "scenario": subject.scenario.name,
-        "separation": separation and separation._asdict(),
+        "separation": first and first._asdict(),
         "second_separation": second,
         "notices": notices,
         "version": metadata.version("tribocosim"),
         "scenario_toml": to_full_toml(subject.scenario),
     }
     (out / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", "utf-8")
-    files = publish(subject, table, out, separation and separation.speed)
+    files = publish(subject, table, out, first and first.speed)
     if (out / CYCLES) in files:
         from ...report import write_report  # reads what is above
 
@@ -266,7 +270,9 @@ def describe_feeding(subject: SpeedSubject, table: xarray.Dataset) -> Iterator[s
 def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path, separation: float | None) -> list[Path]:
     """Figures with the speed of separation (r/min), and all cycles over angle and speed in one file."""
     design = subject.scenario.name
-    files = [save_figure(lambda: draw_summary({design: table}, {design: separation}), out / "speeds.png")]
+    system = subject.system_at(float(table["speed"][0]))
+    shown = {design: add_losses(table, system)}
+    files = [save_figure(lambda: draw_summary(shown, {design: separation}), out / "speeds.png")]
     cycles = [
         (float(speed), path)
         for speed in table["speed"].values
@@ -274,7 +280,6 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path, separation:
     ]
     if len(cycles) < 2:
         return files
-    system = subject.system_at(float(table["speed"][0]))
     joined = join_cycles(cycles).assign_attrs(
         cam_ratio=1.0 / count_turns(system),
         **{f"{kind}_frequencies": found for kind, found in find_natural_frequencies(system).items() if found},

@@ -17,6 +17,7 @@ from models.core.system import ModelError
 from models.valve_train.worn_cam import PLACES
 
 from ...reporter import Reporter
+from ...run.execute import tell_interruption
 from ...scenario.files import to_full_toml
 from ...store import atomic_write
 from .train import FOLLOWER, LOSS, Rubbed, WearingTrain
@@ -123,7 +124,10 @@ def follow(train: WearingTrain, tolerance: float, folder: Path, reporter: Report
     ModelError if it has none.
     """
     (folder / FOLDER).mkdir(exist_ok=True)
-    with reporter.stage(f"wear of {train.cam}") as bar:
+    with (
+        tell_interruption(lambda: f"the simulated cycles are kept in {folder}: the same command continues"),
+        reporter.stage(f"wear of {train.cam}") as bar,
+    ):
         simulations = _Simulations(train, folder / FOLDER, bar.show)
         state = np.zeros((len(train.rows), PLACES.size))
         first = simulations.rate(state)
@@ -151,10 +155,6 @@ def follow(train: WearingTrain, tolerance: float, folder: Path, reporter: Report
                 if not step.rates[1].any():
                     fault = "the worn cam's film carries all of the load"
                     break
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(
-                f"interrupted; the simulated cycles are kept in {folder}: the same command continues"
-            ) from None
         except _Spent:
             fault = f"{MOST} simulated cycles do not suffice; allow a larger tolerance"
         except ModelError as refused:
