@@ -14,6 +14,7 @@ from models.core.remedies import Set as Set
 from models.core.remedies import Words as Words
 from models.core.remedies import in_command_line as in_command_line
 from models.core.remedies import join as join
+from models.core.remedies import name_source as name_source
 
 FEW = 12  # names that are read at a glance
 

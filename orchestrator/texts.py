@@ -56,6 +56,16 @@ def to_path(written: str | Path) -> Path:
     return path
 
 
+def read_toml(path: Path) -> dict[str, Any]:
+    """The tables of a TOML file; MistakeError that names the file."""
+    try:
+        return parse_toml(read_text(path))
+    except OSError as error:
+        raise MistakeError(f"{path}: cannot be read ({error.strerror})") from None
+    except ValueError as error:
+        raise MistakeError(f"{path}: not a valid TOML file: {error}") from None
+
+
 def parse_toml(text: str) -> dict[str, Any]:
     """The tables of a TOML text."""
     try:

@@ -12,7 +12,7 @@ import pytest
 import tribocosim
 from models.core.errors import group_elements
 from models.core.remedies import Command, Option, Set, find_actions, in_command_line, in_python
-from orchestrator.errors import one_of
+from orchestrator.errors import another, name_source, one_of
 from tribocosim.command_line.error_report import FAILED, MISTAKE, describe_error
 
 # Those that no call of the package lets through.
@@ -51,6 +51,14 @@ def test_an_error_ends_with_its_remedies_as_alternatives_also_inside_another() -
         assert str(outer) == "part: x = 3: must be < 2; choose another at, or leave it out"
         assert in_command_line(outer) == "part: x = 3: must be < 2; choose another --at, or leave it out"
         assert find_actions(outer) == (Option("at"),)
+
+
+def test_a_file_named_before_each_line_leaves_the_actions_to_the_face() -> None:
+    faults = tribocosim.MistakeError(("a: missing\n", "b: ", Option("out"), ": is taken"), another())
+    assert in_command_line(name_source("study.toml", faults)).splitlines() == [
+        "study.toml: a: missing",
+        "study.toml: b: --out: is taken; choose another --out",
+    ]
 
 
 def test_of_many_names_an_error_gives_the_nearest_and_of_few_all() -> None:

@@ -81,6 +81,13 @@ def join(*words: Words) -> Words:
     return tuple(_flatten(words)) if find_actions(words) else in_python(words)
 
 
+def name_source(source: str, words: Words) -> Words:
+    """The words with the source, a file, before each of their lines."""
+    start = f"{source}: "
+    parts = _flatten(words)
+    return start, *(p.replace("\n", f"\n{start}") if isinstance(p, str) else p for p in parts)
+
+
 def find_actions(words: Words) -> tuple[Action, ...]:
     """The actions in words, in their order."""
     return tuple(part for part in _flatten(words) if not isinstance(part, str))

@@ -36,7 +36,7 @@ def find_master(name: str) -> type[Any]:
             raise ValueError(f"{name!r}: {one_of(MASTERS, name)} (or your own as module:object)")
         return MASTERS[name]
     kind = import_own(name)
-    members = ("implicit", "extrapolation", "degree", "order", "iterate", "step")
+    members = ("implicit", "extrapolation", "degree", "order", "iterate", "acceleration", "step")
     lacking = [member for member in members if not hasattr(kind, member)]
     if not (isinstance(kind, type) and is_dataclass(kind)) or lacking:
         lacks = f"lacks {', '.join(lacking)}" if lacking else "is no dataclass"

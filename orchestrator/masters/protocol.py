@@ -25,7 +25,7 @@ class MasterStep(NamedTuple):
 class SignalOptions:
     """The option that all masters have: `extrapolation` names the input signals over a step.
 
-    `order` and `iterate` are options of some.
+    `order`, `iterate` and `acceleration` are options of some.
     """
 
     extrapolation: str = "linear"
@@ -45,6 +45,10 @@ class SignalOptions:
     @property
     def iterate(self) -> tuple[str, ...]:
         return ()
+
+    @property
+    def acceleration(self) -> str:
+        return ""
 
 
 class Master(Protocol):
@@ -73,6 +77,11 @@ class Master(Protocol):
     @property
     def iterate(self) -> tuple[str, ...]:
         """The participants that are iterated together; empty: every loop of connections, or none."""
+        ...
+
+    @property
+    def acceleration(self) -> str:
+        """How the iteration is accelerated; empty: by nothing that could be chosen."""
         ...
 
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:

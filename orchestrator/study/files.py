@@ -12,22 +12,18 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from models.core.system import suggestion
 
-from ..errors import MistakeError, list_faults
+from ..errors import MistakeError, list_faults, name_source
 from ..scenario import Written, find_faults
 from ..scenario.files import find, put, read_contents
 from ..scenario.system import Builder
 from ..scenario.values import Value
-from ..texts import parse_toml, read_text, to_path
+from ..texts import read_toml, to_path
 from .points import POINT, Grid, Points, Rows, Sobol, Table, expand_points, list_keys, parse_points
 from .subjects import AnalysisSubject, Subject, load_analysis
 
 SHIPPED = Path(__file__).parent / "shipped"
 # Variables that every store has besides the results.
 STATUS, MESSAGE = "status", "message"
-
-
-class StudyError(MistakeError):
-    """Faults of a study, a line for each."""
 
 
 class Study(Table):
@@ -80,50 +76,40 @@ def list_shipped() -> dict[str, Path]:
 
 
 def find_file(name: str) -> Path:
-    """The file of a shipped study or a path; StudyError if there is neither."""
+    """The file of a shipped study or a path; MistakeError if there is neither."""
     path = list_shipped().get(name, to_path(name))
     if path.is_file():
         return path
     if path.is_dir():
-        raise StudyError(f"{path}: is a folder; name the .toml file in it")
+        raise MistakeError(f"{path}: is a folder", "name the .toml file in it")
     if path.suffix == ".toml":
-        raise StudyError(
-            f"{path}: no such file here ({Path.cwd()}); give its path, or a shipped study's name: "
-            f"{', '.join(list_shipped())}"
-        )
-    raise StudyError(
-        f"no study {name!r}; {suggestion(name, list_shipped())} (or give the path of a .toml file)"
-    )
+        shipped = f"a shipped study's name: {', '.join(list_shipped())}"
+        raise MistakeError(f"{path}: no such file here ({Path.cwd()})", "give its path", shipped)
+    near = suggestion(name, list_shipped())
+    raise MistakeError(f"no study {name!r}", f"{near} (or give the path of a .toml file)")
 
 
 def load(name: str, build: Builder) -> Plan:
-    """Read and resolve the study of that name or path; StudyError with the file's name for each fault."""
+    """Read and resolve the study of that name or path; MistakeError with the file's name for each fault."""
     path = find_file(name)
-    try:
-        content = parse_toml(read_text(path))
-    except OSError as error:
-        raise StudyError(f"{path}: cannot be read ({error.strerror})") from None
-    except ValueError as error:
-        raise StudyError(f"{path}: not a valid TOML file: {error}") from None
+    content = read_toml(path)
     if stray := {"grid", "sobol", "list", "axes", "ranges", "rows"} & set(content):
-        raise StudyError(
-            f"{path.name}: {min(stray)}: belongs in the table [points]; see docs/reference/studies.md"
-        )
+        where = f"{path.name}: {min(stray)}: belongs in the table [points]"
+        raise MistakeError(where, "see docs/reference/studies.md")
     content.setdefault("name", path.stem)
     try:
         study = parse_study(content)
         return resolve(study, build_subject(study, path.parent, build))
     except MistakeError as error:
-        lines = (f"{path.name}: {line}" for line in str(error).split("\n"))
-        raise StudyError("\n".join(lines)) from None
+        raise MistakeError(name_source(path.name, error)) from None
 
 
 def parse_study(content: Mapping[str, Any]) -> Study:
-    """Check a file's content; StudyError with a line for each fault."""
+    """Check a file's content; MistakeError with a line for each fault."""
     try:
         return Study.model_validate(content)
     except ValidationError as error:
-        raise StudyError(list_faults(find_faults(error, lambda place: list_keys(Study)))) from None
+        raise MistakeError(list_faults(find_faults(error, lambda place: list_keys(Study)))) from None
 
 
 def resolve(study: Study, subject: Subject) -> Plan:
@@ -131,11 +117,11 @@ def resolve(study: Study, subject: Subject) -> Plan:
     points = expand_points(study.points, subject.resolve)
     taken = {STATUS, MESSAGE, POINT, *points.coordinates}
     if clash := taken & set(subject.results):
-        raise StudyError(f"{min(clash)}: is the name of a result; call the parameter something else")
+        raise MistakeError(f"{min(clash)}: is the name of a result", "call the parameter something else")
     for name in study.figure:
         if name not in subject.results or subject.results[name].text:
             numbers = [known for known, result in subject.results.items() if not result.text]
-            raise StudyError(f"figure: no number {name!r} among the results; {suggestion(name, numbers)}")
+            raise MistakeError(f"figure: no number {name!r} among the results", suggestion(name, numbers))
     return Plan(study, subject, points)
 
 

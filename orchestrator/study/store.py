@@ -21,9 +21,9 @@ import zarr
 from numpy.typing import NDArray
 
 from ..analyses import Result
-from ..errors import REPLACE, RunError, another
+from ..errors import REPLACE, MistakeError, RunError, another
 from ..store.output_folder import refuse_unwritable
-from .files import MESSAGE, STATUS, Plan, StudyError
+from .files import MESSAGE, STATUS, Plan
 from .points import POINT
 from .source import describe_difference
 from .task import Outcome
@@ -104,7 +104,7 @@ class Store:
 
 @contextmanager
 def open_store(path: Path, plan: Plan, versions: Mapping[str, str], overwrite: bool) -> Iterator[Store]:
-    """Open or create the store at `path`; StudyError if another study or process owns it."""
+    """Open or create the store at `path`; MistakeError if another study or process owns it."""
     with _lock(path):
         try:
             _prepare(path, plan, versions, overwrite)
@@ -136,7 +136,7 @@ def _lock(path: Path) -> Iterator[None]:
     except OSError as error:
         raise refuse_unwritable(path, error) from None
     except locket.LockError:
-        raise StudyError(f"{path}: another process is working on it; wait for its end") from None
+        raise MistakeError(f"{path}: another process is working on it", "wait for its end") from None
     try:
         yield
     finally:
@@ -145,18 +145,18 @@ def _lock(path: Path) -> Iterator[None]:
 
 
 def _read_attributes(path: Path) -> dict[str, Any]:
-    """The attributes of a store; StudyError if it is not a study's."""
+    """The attributes of a store; MistakeError if it is not a study's."""
     try:
         found = dict(zarr.open_group(path, mode="r").attrs)
     except (OSError, ValueError, KeyError):
         found = {}
     if found.get("format") != FORMAT:
-        raise StudyError(f"{path}: is not the store of a study", another())
+        raise MistakeError(f"{path}: is not the store of a study", another())
     return found
 
 
 def _compare(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
-    """StudyError unless the store has this study, points and versions."""
+    """MistakeError unless the store has this study, points and versions."""
     found = _read_attributes(path)
     group: Any = zarr.open_group(path, mode="r")
     same_points = set(found["parameters"]) == set(plan.points.coordinates) and all(
@@ -165,9 +165,9 @@ def _compare(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
     )
     if found["subject"] != plan.subject.content() or not same_points:
         what = "other points" if found["subject"] == plan.subject.content() else "another study"
-        raise StudyError(f"{path}: holds {what}", another(), REPLACE)
+        raise MistakeError(f"{path}: holds {what}", another(), REPLACE)
     if changed := describe_difference(json.loads(found["versions"]), dict(versions)):
-        raise StudyError(f"{path}: was begun by another version ({changed})", another(), REPLACE)
+        raise MistakeError(f"{path}: was begun by another version ({changed})", another(), REPLACE)
 
 
 def _create_store(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:

@@ -134,8 +134,9 @@ def test_a_mistaken_study_is_one_message(text, tmp_path):
 
 @pytest.mark.parametrize("name", ["", "none.toml"])
 def test_a_place_without_a_study_is_named(name, tmp_path):
-    with pytest.raises(MistakeError, match=str(tmp_path / name)):
+    with pytest.raises(MistakeError, match=str(tmp_path / name)) as caught:
         load(str(tmp_path / name), refuse_build)
+    assert caught.value.remedies
 
 
 BAD_POINTS = {

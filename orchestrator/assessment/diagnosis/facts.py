@@ -58,7 +58,7 @@ class Facts:
     @property
     def weaker(self) -> bool:
         """The master accelerates its iteration, with less than there is."""
-        return getattr(self.master, "acceleration", "quasi_newton") != "quasi_newton"
+        return self.master.acceleration not in ("", "quasi_newton")
 
     def around(self, variable: str) -> list[str]:
         """The participant that gives `variable`, and those that it drives by it and that drive it."""

@@ -17,7 +17,7 @@ from ...scenario.scenario import Scenario
 from ...scenario.system import list_parameters
 from ...scenario.units import is_bare, to_unit
 from ...scenario.values import parse_value
-from ...texts import parse_toml, read_text, to_path
+from ...texts import read_toml, to_path
 from ..points import list_keys, parse_table
 from ..speeds.subject import check_varied
 
@@ -148,10 +148,7 @@ def read_brief(source: str, settings: Sequence[str] = ()) -> Asked:
     content: dict[str, Any] = {"scenario": source}
     folder = Path()
     if path.is_file() and path.suffix == ".toml" and source not in list_shipped():
-        try:
-            read = parse_toml(read_text(path))
-        except ValueError as error:
-            raise MistakeError(f"{path}: not a valid TOML file: {error}") from None
+        read = read_toml(path)
         if "components" not in read and "extends" not in read:
             content, folder = read, path.parent
     try:

@@ -5,9 +5,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationError
 
-from ...errors import MistakeError, list_faults
+from ...errors import MistakeError, list_faults, name_source
 from ...scenario import Written, find_faults
-from ...texts import parse_toml, read_text
+from ...texts import read_toml
 from ..points import Table, list_keys, parse_table
 
 # Trains of a sample: fewer say nothing of a percentile.
@@ -92,14 +92,11 @@ class Tolerances(Table):
 
 def read_tolerances(path: Path) -> Tolerances:
     """MistakeError with the file's name for each fault; files of measured values lie beside it."""
+    content = read_toml(path)
     try:
-        found = parse_tolerances(parse_toml(read_text(path)))
-    except OSError as error:
-        raise MistakeError(f"{path}: cannot be read ({error.strerror})") from None
+        found = parse_tolerances(content)
     except MistakeError as error:
-        raise MistakeError("\n".join(f"{path.name}: {line}" for line in str(error).split("\n"))) from None
-    except ValueError as error:
-        raise MistakeError(f"{path}: not a valid TOML file: {error}") from None
+        raise MistakeError(name_source(path.name, error)) from None
     beside = {
         name: one.model_copy(update={"file": path.parent.absolute() / one.file})
         if isinstance(one, Measured)
