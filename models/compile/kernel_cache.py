@@ -44,6 +44,9 @@ HOME = "tribocosim_kernels"
 FOLDER = "kernels"
 sys.modules.setdefault(HOME, python_types.ModuleType(HOME))
 
+# Code (bytes of LLVM's) of which a call takes no noticeable time.
+LARGE = 60_000
+
 # Settings of numba's that change the code it makes.
 _SETTINGS = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "USING_SVML")
 
@@ -189,6 +192,29 @@ def finalize(library: Any) -> None:
     library.finalize()
     del library._finalize_final_module
     library._finalized = True
+
+
+def keep_apart(library: Any) -> None:
+    """Link large kernels that are called behind the optimization, which has been made of them alone.
+
+    Each caller would otherwise optimize all below it once more, which takes most of the time of compilation.
+    """
+    large = [one for one in library._linking_libraries if _is_large(one)]
+    library._linking_libraries = [one for one in library._linking_libraries if one not in large]
+    optimize = library._optimize_final_module
+
+    def optimize_and_link() -> None:
+        optimize()
+        for one in dict.fromkeys(large):
+            library._reload_init.update(one._reload_init)
+            library._final_module.link_in(one._get_module_for_linking(), preserve=True)
+
+    library._optimize_final_module = optimize_and_link
+
+
+@functools.cache
+def _is_large(library: Any) -> bool:
+    return len(library._get_module_for_linking().as_bitcode()) > LARGE
 
 
 @functools.cache

@@ -10,26 +10,43 @@ from typing import Any
 from numba.core import dispatcher, registry, sigutils
 from numba.core.compiler_lock import global_compiler_lock
 
-from .kernel_cache import KernelCache, Link, LinkedKernelCache, finalize
+from .kernel_cache import KernelCache, Link, LinkedKernelCache, finalize, keep_apart
 
 # numba's, whose types say little.
 normalized: Any = sigutils.normalize_signature
 
 
-class _LinkCompiler(dispatcher._FunctionCompiler):
+class _Compiler(dispatcher._FunctionCompiler):
+    """As numba's; large kernels that are called, which have been optimized, aren't once more."""
+
+    def _customize_flags(self, flags: Any) -> Any:
+        flags.no_compile = True  # here, after `keep_apart`
+        return flags
+
+    def _compile_core(self, args: Any, return_type: Any) -> Any:
+        compiled = super()._compile_core(args, return_type)
+        keep_apart(compiled.library)
+        entry = self._enter(compiled)
+        context = self.targetdescr.target_context
+        context.insert_user_function(entry, compiled.fndesc, [compiled.library])
+        return compiled._replace(entry_point=entry)
+
+    def _enter(self, compiled: Any) -> Any:
+        """An entry point for Python."""
+        context = self.targetdescr.target_context
+        return context.get_executable(compiled.library, compiled.fndesc, compiled.environment)
+
+
+class _LinkCompiler(_Compiler):
     """Compiles to code that callers link."""
 
     def _customize_flags(self, flags: Any) -> Any:
         flags.no_compile = flags.no_cpython_wrapper = True
         return flags
 
-    def _compile_core(self, args: Any, return_type: Any) -> Any:
-        compiled = super()._compile_core(args, return_type)
+    def _enter(self, compiled: Any) -> Any:
         finalize(compiled.library)
-        link = Link()
-        context = self.targetdescr.target_context
-        context.insert_user_function(link, compiled.fndesc, [compiled.library])
-        return compiled._replace(entry_point=link)
+        return Link()
 
 
 class KernelDispatcher(registry.CPUDispatcher):
@@ -37,10 +54,8 @@ class KernelDispatcher(registry.CPUDispatcher):
 
     def __init__(self, py_func: Callable[..., Any], locals: Any = None, targetoptions: Any = None) -> None:
         super().__init__(py_func, locals or {}, targetoptions)
-        usual = self._compiler
-        self._link_compiler = _LinkCompiler(
-            py_func, self.targetdescr, targetoptions, self.locals, usual.pipeline_class
-        )
+        given = py_func, self.targetdescr, targetoptions, self.locals, self._compiler.pipeline_class
+        self._compiler, self._link_compiler = _Compiler(*given), _LinkCompiler(*given)
         options = repr(sorted(targetoptions.items()))
         self._cache = KernelCache(py_func, options)
         self._link_cache = LinkedKernelCache(py_func, options)

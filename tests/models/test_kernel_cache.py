@@ -122,16 +122,20 @@ def test_closures_from_the_cache_and_from_this_process_keep_apart(tmp_path: Path
     assert run(tmp_path, f"{both}; print(len(symbols(a, b)))").split()[-1] == "2"
 
 
-def test_a_kernel_serves_callers_and_python(tmp_path: Path) -> None:
-    """In either order: what a caller has linked has no entry for Python, which gets one when it calls."""
+@pytest.mark.parametrize("large", ["", "from models.compile import kernel_cache as k; k.LARGE = 0; "])
+def test_a_kernel_serves_callers_and_python(large: str, tmp_path: Path) -> None:
+    """In either order: what a caller has linked has no entry for Python, which gets one when it calls.
+
+    A large one is linked behind the optimization of its callers."""
     (tmp_path / "factory.py").write_text(FACTORY)
-    inner_last = "from factory import *; a = made(3.0); print(outer(a)(1.0), a(1.0), outer(a)(2.0))"
-    inner_first = "from factory import *; a = made(3.0); print(a(1.0), outer(a)(1.0), a(2.0))"
+    begin = f"{large}from factory import *; a = made(3.0)"
+    inner_last = f"{begin}; print(outer(a)(1.0), a(1.0), outer(outer(a))(2.0))"
+    inner_first = f"{begin}; print(a(1.0), outer(a)(1.0), a(2.0))"
     for _ in "compiled", "from the cache":
-        assert run(tmp_path, inner_last).split() == ["9.0", "3.0", "18.0"]
+        assert run(tmp_path, inner_last).split() == ["9.0", "3.0", "162.0"]
         assert run(tmp_path, inner_first).split() == ["3.0", "9.0", "6.0"]
     # Another caller, of whole numbers, links what another process compiled.
-    once = "from factory import *; a = made(3.0); print(outer(a)(1), sum(a._cache_hits.values()))"
+    once = f"{begin}; print(outer(a)(1), sum(a._cache_hits.values()))"
     assert run(tmp_path, once) == "9.0 1\n"
 
 

@@ -8,7 +8,7 @@ thickness.
 import math
 from typing import Any
 
-from ...compile.kernel import kernel, record_of
+from ...compile.kernel import borrow, kernel, record_of
 from ...core.component import Component
 from ...core.integrator import NOT_CONVERGED, OK, copy, taylor
 from ..fluid import build_lubricant
@@ -91,7 +91,7 @@ def make_field_advance(component: Component) -> Any:
 
     @kernel
     def advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
-        parameters = record_of(p, P)
+        parameters, work = record_of(p, P), borrow(work)
         start, u = work[0:n], work[n : n + m]
         # Vectors of their own: numba would compile the whole solver once more for those of a record.
         seen, rest = work[n + m : n + m + followed], work[n + m + followed :]

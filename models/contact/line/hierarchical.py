@@ -13,7 +13,7 @@ largest element near the diagonal of 1. All is kept by columns, so that what is 
 
 from typing import Any, NamedTuple
 
-from ...compile.kernel import kernel
+from ...compile.kernel import kernel, shaped
 from ..elimination import add_rows, invert
 
 # Bands reach two nodes to each side.
@@ -91,19 +91,19 @@ def hierarchy_in(work: Any, n: int) -> Hierarchy:
     k = 2
     scale, total, row = work[k : k + n], work[k + n : k + 2 * n], work[k + 2 * n : k + 3 * n]
     k += 3 * n
-    rows = work[k : k + RANK * n].reshape((RANK, n))
+    rows = shaped(work[k : k + RANK * n], (RANK, n))
     k += RANK * n
-    leaf = work[k : k + leaves * size * size].reshape((leaves, size, size))
+    leaf = shaped(work[k : k + leaves * size * size], (leaves, size, size))
     k += leaves * size * size
-    left = work[k : k + levels * n * RANK].reshape((levels, RANK, n))
+    left = shaped(work[k : k + levels * n * RANK], (levels, RANK, n))
     k += levels * n * RANK
-    right = work[k : k + levels * n * RANK].reshape((levels, n, RANK))
+    right = shaped(work[k : k + levels * n * RANK], (levels, n, RANK))
     k += levels * n * RANK
-    rank = work[k : k + 2 * leaves].reshape((leaves, 2))
+    rank = shaped(work[k : k + 2 * leaves], (leaves, 2))
     k += 2 * leaves
-    capacity = work[k : k + leaves * 3 * RANK**2].reshape((leaves, 3, RANK, RANK))
+    capacity = shaped(work[k : k + leaves * 3 * RANK**2], (leaves, 3, RANK, RANK))
     k += leaves * 3 * RANK**2
-    coupling = work[k : k + 3 * RANK].reshape((3, RANK))
+    coupling = shaped(work[k : k + 3 * RANK], (3, RANK))
     pivot = work[k + 3 * RANK : k + 3 * RANK + max(size, RANK)]
     return Hierarchy(extent, scale, total, leaf, left, right, rank, capacity, coupling, pivot, rows, row)
 

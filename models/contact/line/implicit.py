@@ -8,7 +8,7 @@ largest rises.
 
 from typing import Any
 
-from ...compile.kernel import kernel, record_of
+from ...compile.kernel import borrow, kernel, record_of, shaped
 from ...core.implicit import ImplicitSteps
 from ...core.integrator import NOT_CONVERGED, OK, copy
 from ..fluid import build_lubricant
@@ -35,7 +35,7 @@ def carry_heat(x: Any, pressure: Any, mass: Any, rest: Any, laws: HeatLaws, w: W
     n = pressure.shape[0]
     rest[_FILM_RISE], rest[_SURFACE_RISE] = x.film_rise, x.surface_rise
     copy(rest[_HOT : _HOT + n], pressure)
-    store(w.X, x.grid_scale, mass, w.heat.rise, 1.0, laws, rest[_HOT + n :].reshape(w.heat.rise.shape))
+    store(w.X, x.grid_scale, mass, w.heat.rise, 1.0, laws, shaped(rest[_HOT + n :], w.heat.rise.shape))
 
 
 @kernel
@@ -44,7 +44,7 @@ def take_heat(x: Any, before: Any, w: Workspace) -> None:
     n = w.X.shape[0]
     copy(w.heat.flat, x.temperature)
     copy(w.heat.pressure_base, before[_HOT : _HOT + n])
-    w.heat.base[:] = before[_HOT + n :].reshape(w.heat.base.shape)
+    w.heat.base[:] = shaped(before[_HOT + n :], w.heat.base.shape)
     x.film_rise, x.surface_rise = before[_FILM_RISE], before[_SURFACE_RISE]
 
 
@@ -59,14 +59,14 @@ def implicit_field(component: Any) -> ImplicitSteps:
     @kernel
     def start(x: Any, u: Any, p: Any, work: Any) -> None:
         state, given, constants = record_of(x, X), record_of(u, U), record_of(p, P)
-        w = workspace_in(work, nodes, layers)
+        w = workspace_in(borrow(work), nodes, layers)
         forget_factors(w)
         if state.grid_scale == 0.0:
             begin_state(state, given, constants, build_laws(constants), w)
 
     @kernel
     def carry(x: Any, u: Any, p: Any, work: Any, q: Any) -> None:
-        state, constants, w = record_of(x, X), record_of(p, P), workspace_in(work, nodes, layers)
+        state, constants, w = record_of(x, X), record_of(p, P), workspace_in(borrow(work), nodes, layers)
         pressure, film = work[solver : solver + nodes], work[solver + nodes : solver + 2 * nodes]
         copy(pressure, state.pressure)
         copy(film, state.film)
@@ -87,7 +87,7 @@ def implicit_field(component: Any) -> ImplicitSteps:
     @kernel
     def stage(x: Any, u: Any, p: Any, base: Any, interval: float, work: Any) -> int:
         state, given, constants = record_of(x, X), record_of(u, U), record_of(p, P)
-        w = workspace_in(work, nodes, layers)
+        w = workspace_in(borrow(work), nodes, layers)
         # Vectors of their own, as in `make_field_advance`: those of a record would compile the solver again.
         pressure, film = work[solver : solver + nodes], work[solver + nodes : solver + 2 * nodes]
         copy(pressure, state.pressure)

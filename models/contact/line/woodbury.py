@@ -8,7 +8,7 @@ balance where they no longer do (Woodbury's formula).
 
 from typing import Any, NamedTuple
 
-from ...compile.kernel import kernel
+from ...compile.kernel import kernel, shaped
 from ..elimination import add_rows, invert, product
 from .hierarchical import Hierarchy, Jacobian, factorise, jacobian_row, solve_below
 
@@ -45,10 +45,10 @@ def exchange_size(n: int) -> int:
 def exchange_in(work: Any, n: int) -> Exchange:
     """Views on the first `exchange_size(n)` elements of work."""
     k = (1 + EXCHANGES) * n
-    small = work[k : k + (EXCHANGES + SIDES + 3) * EXCHANGES].reshape((EXCHANGES + SIDES + 3, EXCHANGES))
+    small = shaped(work[k : k + (EXCHANGES + SIDES + 3) * EXCHANGES], (EXCHANGES + SIDES + 3, EXCHANGES))
     k += (EXCHANGES + SIDES + 3) * EXCHANGES
     return Exchange(
-        work[:n], work[n : (1 + EXCHANGES) * n].reshape((EXCHANGES, n)), small[EXCHANGES + SIDES],
+        work[:n], shaped(work[n : (1 + EXCHANGES) * n], (EXCHANGES, n)), small[EXCHANGES + SIDES],
         work[k : k + 1], small[:EXCHANGES], small[EXCHANGES : EXCHANGES + SIDES],
         small[EXCHANGES + SIDES + 1], small[EXCHANGES + SIDES + 2],
     )  # fmt: skip

@@ -6,7 +6,7 @@ with as many nodes and are made at the first use.
 
 from typing import Any, NamedTuple
 
-from ...compile.kernel import kernel
+from ...compile.kernel import kernel, shaped
 from .grid import fill_kernel_matrix, place_nodes
 from .hierarchical import BAND, Hierarchy, hierarchy_in, hierarchy_size
 from .mixed import Mixed
@@ -97,13 +97,13 @@ def heat_in(work: Any, n: int, layers: int) -> Heat:
     rows = rows_of(layers)
     size = n * rows
     k = _ROWS * size
-    t = work[:k].reshape((_ROWS, n, rows))
-    trail = work[5 * size : k].reshape((_ROWS - 5, size))
-    v = work[k : k + _LAYERS * n * layers].reshape((_LAYERS, n, layers))
+    t = shaped(work[:k], (_ROWS, n, rows))
+    trail = shaped(work[5 * size : k], (_ROWS - 5, size))
+    v = shaped(work[k : k + _LAYERS * n * layers], (_LAYERS, n, layers))
     k += _LAYERS * n * layers
-    s = work[k : k + _STRESSES * n].reshape((_STRESSES, n))
+    s = shaped(work[k : k + _STRESSES * n], (_STRESSES, n))
     k += _STRESSES * n
-    columns = work[k : k + _COLUMNS * rows].reshape((_COLUMNS, rows))
+    columns = shaped(work[k : k + _COLUMNS * rows], (_COLUMNS, rows))
     return Heat(
         work[:size], work[4 * size : 5 * size], trail, t[0], t[1], t[2], t[3], v[0], v[1], v[2], v[3],
         s[0], s[1], s[2], s[3], s[4], columns,
@@ -121,7 +121,7 @@ def workspace_in(work: Any, n: int, layers: int = 0) -> Workspace:
     """Views on the first `workspace_size(n, layers)` elements of work; fills grid and matrix if need be."""
     X, weight = work[1 : 1 + n], work[1 + n : 1 + 2 * n]
     k = 1 + 2 * n
-    D = work[k : k + n * n].reshape((n, n))
+    D = shaped(work[k : k + n * n], (n, n))
     k += n * n
     tag = n + _FILLED + _PER_LAYER * layers
     fresh = work[0] != tag
@@ -129,15 +129,15 @@ def workspace_in(work: Any, n: int, layers: int = 0) -> Workspace:
         place_nodes(X)
         fill_kernel_matrix(X, weight, D)
         work[0] = tag
-    fields = work[k : k + (FIELDS + _VECTORS) * n].reshape((FIELDS + _VECTORS, n))
+    fields = shaped(work[k : k + (FIELDS + _VECTORS) * n], (FIELDS + _VECTORS, n))
     k += (FIELDS + _VECTORS) * n
-    m = work[k : k + _MIXED * n].reshape((_MIXED, n))
+    m = shaped(work[k : k + _MIXED * n], (_MIXED, n))
     k += _MIXED * n
-    A = work[k : k + BAND * n].reshape((BAND, n))
+    A = shaped(work[k : k + BAND * n], (BAND, n))
     k += BAND * n
-    B = work[k : k + BAND * n].reshape((BAND, n))
+    B = shaped(work[k : k + BAND * n], (BAND, n))
     k += BAND * n
-    solution = work[k : k + SIDES * n].reshape((SIDES, n))
+    solution = shaped(work[k : k + SIDES * n], (SIDES, n))
     k += SIDES * n
     exchange = exchange_in(work[k:], n)
     k += exchange_size(n)
