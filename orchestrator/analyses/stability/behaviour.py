@@ -31,7 +31,7 @@ class ConvergedMaster:
 
     def __init__(self, master: Master, coupling: LinearCoupling, step: float) -> None:
         self.extrapolation, self.degree, self._count = master.extrapolation, master.degree, coupling.count
-        self.order, self.iterate = master.order, master.iterate
+        self.order, self.iterate, self.acceleration = master.order, master.iterate, master.acceleration
         e = coupling.coupling
         loops = [part for part in e.bind(find_parts, self.order, self.iterate) if len(part) > 1]
         self.sweeps = {part[0]: self._build_sweep_matrix(coupling, part, step) for part in loops}
