@@ -17,6 +17,7 @@ from orchestrator.store.result_file import find_result, open_result
 
 from .cached_fmus import build_fmu as build_cached_fmu
 from .cached_fmus import check_native
+from .choice import choose_master
 from .fmu import build_fmu, compare_fmu, fmu_info, validate_fmu
 from .planning import plan
 from .reporting import Progress, SilentReporter
@@ -144,8 +145,9 @@ def run(
     checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
     check_native(checked)
     reporter = SilentReporter(progress)
+    chosen = choose_master(checked, reporter)
     return _keep_result(
-        out, lambda folder: run_pipeline(checked, folder, build_cached_fmu, reporter, overwrite, figures)
+        out, lambda folder: run_pipeline(chosen, folder, build_cached_fmu, reporter, overwrite, figures)
     )
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from orchestrator.run.plan import Plan, make_plan
 
 from .cached_fmus import build_fmu, check_native
+from .choice import choose_master
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load
 
@@ -17,4 +18,5 @@ def plan(scenario: Scenario | str | Path, *, figures: bool = False, progress: Pr
     """
     checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
     check_native(checked)
-    return make_plan(checked, build_fmu, SilentReporter(progress), figures)
+    reporter = SilentReporter(progress)
+    return make_plan(choose_master(checked, reporter), build_fmu, reporter, figures)

@@ -17,6 +17,7 @@ from ..engine.energy.correction import Compensated, bond_inputs
 from ..engine.energy.estimate import EstimatedComponent, Estimating, counting_structure, without_estimates
 from ..engine.instants import SideLines
 from ..engine.substeps import Substepped
+from ..errors import Set
 from ..masters import Master
 from ..participants.capabilities import find_missing
 from ..participants.in_process import InProcessParticipant as in_process
@@ -28,11 +29,12 @@ from ..participants.third_party import ThirdPartyComponent
 from ..participants.wrapping import Linear
 from ..participants.wrapping import Transformed as transformed
 from ..reporter import Reporter
-from ..scenario import BUILT_KINDS, Scenario
+from ..scenario import BUILT_KINDS, Scenario, ScenarioError
 from ..scenario.capabilities import is_refined, is_solved_by_parts, plan_proof
 from ..scenario.checks import check_reference
 from ..scenario.conversion import Transformations
 from ..scenario.files import to_full_toml
+from ..scenario.master_table import AUTO
 from ..scenario.oil_notices import list_oils
 from ..scenario.system import (
     Assembly,
@@ -198,6 +200,9 @@ class Plan:
 
 def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: bool = True) -> Plan:
     """Make every check of the scenario and build its FMUs. Raises ScenarioError or ModelError."""
+    if scenario.master.name == AUTO:
+        named = Set("master.name", "gauss_seidel")
+        raise ScenarioError((f"master.name = {AUTO!r}: is not chosen here; name one, e.g. ", named))
     assembly = _assemble(scenario)
     check_reference(scenario, assembly.system)
     check_witness(scenario, assembly.system)
@@ -206,6 +211,7 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
     system = resolve_start(scenario, assembly.system)
     starts = [*list_moved_starts(assembly.system, system), *list_doubtful_equilibrium(scenario, system)]
     notices = [*starts, *list_doubtful_gas(system), *list_oils(scenario), *list_warnings(scenario)]
+    notices += [scenario.master.chosen] if scenario.master.chosen else []
     for line in notices:
         reporter.line(line)
     return Plan(

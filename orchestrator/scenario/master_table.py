@@ -9,10 +9,13 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, field_validator
 from models.core.system import suggestion
 
 from ..errors import one_of
-from ..masters import find_master
+from ..masters import GaussSeidel, find_master
 from ..stepping import INDICATORS, JUDGES, StepControl
 from .fields import Seconds, Table, Tolerance
 from .values import Faults
+
+# The name that leaves master, signals and steps to the program.
+AUTO = "auto"
 
 
 class MasterTable(BaseModel):
@@ -20,18 +23,31 @@ class MasterTable(BaseModel):
 
     model_config = ConfigDict(extra="allow", frozen=True)
 
-    name: str = Field("gauss_seidel", description="Name of the master, or your own as module:object")
+    name: str = Field(
+        "gauss_seidel",
+        description="Name of the master, or your own as module:object; auto: master, signals and macro steps "
+        "are chosen before the run",
+    )
+    chosen: str | None = Field(None, description="What auto has chosen, and why; auto itself writes it")
 
     @field_validator("name")
     @classmethod
     def _check_name(cls, name: str) -> str:
-        find_master(name)
+        if name != AUTO:
+            find_master(name)
         return name
 
     def build(self) -> Any:
-        """The master with its options; ValidationError or ValueError for wrong options."""
-        kind = find_master(self.name)
+        """The master with its options; ValidationError or ValueError for wrong options.
+
+        For `auto` it is the one with which the choice begins.
+        """
         options = dict(self.model_extra or {})
+        if self.name == AUTO:
+            for key in options:
+                raise Faults((key, ": auto has no options; leave it out, or name a master"))
+            return GaussSeidel(extrapolation="hermite")
+        kind = find_master(self.name)
         known = [field.name for field in fields(kind)]
         for key in options:
             if key not in known:

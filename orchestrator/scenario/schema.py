@@ -9,6 +9,7 @@ from models.core.quantities import Layout
 
 from ..masters import MASTERS
 from . import Scenario
+from .master_table import AUTO, MasterTable
 from .values import build_component
 
 
@@ -107,10 +108,11 @@ def _describe_masters() -> dict[str, Any]:
         for field in fields(kind):
             options.setdefault(field.name, []).append(name)
     described = {option: {"description": f"option of {', '.join(of)}"} for option, of in options.items()}
+    described["chosen"] = {"description": str(MasterTable.model_fields["chosen"].description)}
     return {
         "type": "object",
         "description": "The co-simulation master and its options",
-        "properties": {"name": {"anyOf": [{"enum": list(MASTERS)}, {"pattern": ":"}]}} | described,
+        "properties": {"name": {"anyOf": [{"enum": [*MASTERS, AUTO]}, {"pattern": ":"}]}} | described,
         "if": {"not": {"properties": {"name": {"pattern": ":"}}, "required": ["name"]}},
         "then": {"propertyNames": {"enum": ["name", *described]}},
     }

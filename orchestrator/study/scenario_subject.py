@@ -16,6 +16,7 @@ from models.core import roles
 from models.core.quantities import Quantity
 
 from ..analyses import Result
+from ..analyses.stability.choice import choose
 from ..assessment.contacts import ContactSummary
 from ..errors import IncompleteError, MistakeError, in_command_line
 from ..reporter import Reporter
@@ -167,7 +168,8 @@ class ScenarioSubject:
         """IncompleteError, with what was recorded, if the run does not come to its end."""
         quiet = Reporter(Console(quiet=True))
         # A lost point is computed again, without a checkpoint.
-        scenario = self.build_scenario_at(values).model_copy(update={"checkpoint_every": 0.0})
+        asked = self.build_scenario_at(values).model_copy(update={"checkpoint_every": 0.0})
+        scenario = choose(asked, quiet)
         found: dict[str, float] = {}
         with TemporaryFolder() as folder:
             summary = run(scenario, folder, self.build, quiet, figures=False)

@@ -15,11 +15,13 @@ import pytest
 from scipy.linalg import expm
 
 from models.core.quantities import Vector
+from orchestrator.analyses.stability.choice import choose
 from orchestrator.engine.coupling import Coupling
 from orchestrator.masters import Iterated, Newton
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.run.summary import Summary
+from orchestrator.scenario import ScenarioError
 
 from .c_fmus import fmu
 from .runs import never, opened, ran, scenario
@@ -86,6 +88,9 @@ def test_a_ring_with_a_gain_of_one_is_named(tmp_path):
     assert not summary.complete
     assert "unit" in summary.message
     assert "gain of 1" in summary.message
+    asked = scenario(tables, connections=lines, master={"name": "auto"}, tolerance={"unit0.y": 1e-3})
+    with pytest.raises(ScenarioError, match=r"'auto': .*gain of 1"):
+        choose(asked, Reporter())
 
 
 def test_a_ring_starts_with_rates_that_agree(tmp_path):

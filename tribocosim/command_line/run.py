@@ -39,7 +39,9 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     native: Annotated[
         bool, typer.Option("--native", help="Use native FMUs wherever the scenario builds FMUs.")
     ] = False,
-    master: Annotated[str | None, typer.Option(help="Use another master.")] = None,
+    master: Annotated[
+        str | None, typer.Option(help="Use another master; auto chooses one, with its signals and steps.")
+    ] = None,
     witness: Annotated[
         str | None, typer.Option(help="multibody: also solve the train as bodies with joints, and compare.")
     ] = None,
@@ -63,6 +65,7 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     from orchestrator.store.output_folder import refuse_overwriting_source
 
     from ..cached_fmus import build_fmu, check_native
+    from ..choice import choose_master
     from ..scenario import Scenario
 
     overrides = [f"master.name={master}"] if master else []
@@ -75,9 +78,9 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     folder = out or Path("results") / loaded.name
     refuse_overwriting_source(find(scenario), to_full_toml(loaded), folder)
     carry_out_apart(loaded, folder)
-    summary = run(
-        loaded, folder, build_fmu, build_reporter(as_json, verbose), overwrite, figures=not no_figures
-    )
+    reporter = build_reporter(as_json, verbose)
+    chosen = choose_master(loaded, reporter)
+    summary = run(chosen, folder, build_fmu, reporter, overwrite, figures=not no_figures)
     return _finish(summary, folder, as_json)
 
 

@@ -134,9 +134,14 @@ class Behaviour:
         self._last: tuple[float, MacroStep | None, float] | None = None
 
     @property
+    def coupling(self) -> Coupling:
+        """The coupling of one copy."""
+        return self._couplings.get(self.point, self.master, 1).coupling
+
+    @property
     def sources(self) -> Sequence[Port]:
         """The exchanged values."""
-        return self._couplings.get(self.point, self.master, 1).coupling.wiring.sources
+        return self.coupling.wiring.sources
 
     @property
     def nominal(self) -> Vector:

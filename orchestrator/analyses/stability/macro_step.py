@@ -119,14 +119,20 @@ def sample_trajectory(trajectory: Trajectory, system: System, sources: Sequence[
     )
 
 
-def predict_errors(step: MacroStep, track: SampledTrajectory, count: int, nominal: Vector) -> Vector:
+def predict_errors(
+    step: MacroStep, track: SampledTrajectory, count: int, nominal: Vector, weights: Vector | None = None
+) -> Vector:
     """Estimate the relative RMS error of each source for macro steps of `count` instants of the track.
+
+    `weights` multiply the amounts of each step.
 
     The errors obey e(n+1) = matrix e(n) + defect amounts(n), linear about one point: infinite if diverging.
     """
     values = track.values[::count]
     amounts = (track.compute_extrapolation_errors(count, step.degrees) / nominal).reshape(len(values), -1)
     driven = amounts @ step.defect[:, : amounts.shape[1]].T
+    if weights is not None:
+        driven *= weights[:, None]
     error = np.zeros_like(values)
     sparse = csr_array(step.matrix)
     with np.errstate(over="ignore", invalid="ignore"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -37,6 +37,7 @@ class AssessedMethod:
     growing_output: Port | None = None
     errors: dict[float, dict[str, float]] = field(default_factory=dict)
     accurate_step: float = 0.0
+    safe_step: float = 0.0
     advised_step: float = 0.0
     cost: float = math.inf
 
@@ -68,6 +69,7 @@ class Survey:
 
     Errors are predicted along the trajectory up to `until`, with the point at `typical` (s). `participants`
     were linearised as participants, the others as components; `left_out` says why instants were left out.
+    `surveyor` answers more about a method.
     """
 
     scenario: Scenario
@@ -81,6 +83,7 @@ class Survey:
     typical: float
     participants: Mapping[str, ParticipantLinearisation]
     left_out: list[str]
+    surveyor: Surveyor
 
     @property
     def kinks(self) -> list[str]:
@@ -109,11 +112,13 @@ def survey(
     at: Sequence[float] = (),
     progress: Callable[[float], None] = lambda share: None,
     linearisations: Mapping[str, Linearisation] | None = None,
+    kinds: Collection[type[Any]] = tuple(MASTERS.values()),
+    longest: float = math.inf,
 ) -> Survey:
     """Survey the methods on the scenario's system, which has its start values; ModelError if it fails.
 
     `at` are further instants (s) at which to linearise. Without `linearisations`, components are linearised
-    by their equations.
+    by their equations. Beside the scenario's own master those of `kinds` are assessed, up to `longest` (s).
     """
     watched = [parse_port(n, system.instances, "output") for n in scenario.tolerance]
     if not watched:
@@ -135,9 +140,9 @@ def survey(
     if not limits.variable_step:  # which gets to whole strides only
         rows = np.unique(rows // STRIDE * STRIDE)
     points, left = linearise_points(system, trajectory, rows.tolist(), watched, linearisations)
-    surveyor = _Surveyor(scenario, system, trajectory, watched, points)
+    surveyor = Surveyor(scenario, system, trajectory, watched, points, longest)
     methods = []
-    masters = _list_masters(scenario, system, surveyor, limits.restorable)
+    masters = _list_masters(scenario, system, surveyor, limits.restorable, kinds)
     for i, master in enumerate(masters):
         methods.append(surveyor.assess(master))
         progress(0.3 + 0.7 * (i + 1) / len(masters))
@@ -147,7 +152,7 @@ def survey(
     return Survey(
         scenario, system, surveyor.partition, surveyor.points, methods, own,
         min(usable, key=lambda m: m.cost, default=None), float(trajectory.times[-1]), surveyor.typical.time,
-        select_participants(linearisations or {}), left,
+        select_participants(linearisations or {}), left, surveyor,
     )  # fmt: skip
 
 
@@ -165,7 +170,9 @@ def _find_course(
         return run_course(system, units, scenario.master.build(), times, progress)
 
 
-def _list_masters(scenario: Scenario, system: System, surveyor: _Surveyor, restorable: bool) -> list[Master]:
+def _list_masters(
+    scenario: Scenario, system: System, surveyor: Surveyor, restorable: bool, kinds: Collection[type[Any]]
+) -> list[Master]:
     """The scenario's own master, then every master that its FMUs can take with every signal, in the best
     order."""
     own = scenario.master.build()
@@ -175,7 +182,7 @@ def _list_masters(scenario: Scenario, system: System, surveyor: _Surveyor, resto
     if unset and orders[own.extrapolation] == tuple(system.instances):
         own = replace(own, order=orders[own.extrapolation])
     masters: list[Master] = [own]
-    for kind in dict.fromkeys((*MASTERS.values(), type(own))):
+    for kind in dict.fromkeys((*kinds, type(own))):
         if kind.implicit and not restorable:
             continue  # which these FMUs cannot take
         options = {item.name for item in fields(kind)}
@@ -191,7 +198,7 @@ def _list_masters(scenario: Scenario, system: System, surveyor: _Surveyor, resto
     return list(dict.fromkeys(masters))
 
 
-class _Surveyor:
+class Surveyor:
     def __init__(
         self,
         scenario: Scenario,
@@ -199,6 +206,7 @@ class _Surveyor:
         trajectory: Trajectory,
         watched: list[Port],
         points: list[Point],
+        longest: float,
     ) -> None:
         self.scenario, self.system, self.points = scenario, system, points
         self._converged: dict[tuple[Any, ...], AssessedMethod] = {}
@@ -209,26 +217,28 @@ class _Surveyor:
         # The highest degree of a signal that participants follow.
         self.highest = max(self._couplings.get(point, hermite, 1).highest for point in points)
         self._first = scenario.macro_step / DOWN
-        self._longest = min(UP * scenario.macro_step, scenario.stop_time)
+        self._longest = min(UP * scenario.macro_step, scenario.stop_time, max(longest, scenario.macro_step))
         probe = MASTERS["jacobi"]()
         self.hardest_point, _ = find_hardest_point(points, probe, self._first, self._longest, self._couplings)
         sources = Behaviour(points[0], probe, self._couplings).sources
-        self._sampled: SampledTrajectory = sample_trajectory(trajectory, system, sources)
+        self.sampled: SampledTrajectory = sample_trajectory(trajectory, system, sources)
         self._names = {str(port): sources.index(port) for port in watched}
         self.typical = self._find_typical_point()
 
     def _find_typical_point(self) -> Point:
         """The point about which errors are predicted: that of median errors.
 
-        If events can change a participant, it is that of the largest errors.
+        If events can change a participant, it is that of the largest errors. A kink at a point makes slopes
+        that hold for an instant only, so it is none of these unless all are.
         """
         kind = MASTERS["gauss_seidel"]
         excess = []
-        for point in self.points:
+        points = [point for point in self.points if not point.kinks] or self.points
+        for point in points:
             behaviour = Behaviour(point, kind(), self._couplings)
             excess.append(self._compute_excess(self._predict_errors(behaviour, FINER)))
         events = any(i.component.events for i in self.system.instances.values())
-        return self.points[int(np.argsort(excess)[-1 if events else len(excess) // 2])]
+        return points[int(np.argsort(excess)[-1 if events else len(excess) // 2])]
 
     def find_order(self, signal: str) -> tuple[str, ...]:
         """The Gauss-Seidel order that is stable up to the longest step; of several the most accurate."""
@@ -282,19 +292,31 @@ class _Surveyor:
             found.growing_output = worst.find_growing_output(1.1 * found.limit)
         return found
 
-    def _predict_errors(self, behaviour: Behaviour, factor: int) -> dict[str, float]:
+    def behave(self, master: Master) -> Behaviour:
+        """A master about the typical point."""
+        return Behaviour(self.typical, master, self._couplings)
+
+    def _predict_errors(
+        self, behaviour: Behaviour, factor: int, weights: Vector | None = None
+    ) -> dict[str, float]:
         """Predicted errors for macro steps of `factor` intervals of the trajectory."""
-        operator = behaviour.macro_step(factor * self._sampled.interval)
+        operator = behaviour.macro_step(factor * self.sampled.interval)
         if operator is None:
             return dict.fromkeys(self._names, math.inf)
-        found = predict_errors(operator, self._sampled, factor, behaviour.nominal)
+        found = predict_errors(operator, self.sampled, factor, behaviour.nominal, weights)
         return {name: float(found[i]) for name, i in self._names.items()}
+
+    def predict_excess(self, behaviour: Behaviour, factor: int, weights: Vector | None = None) -> float:
+        """The largest predicted error over its tolerance, for macro steps of `factor` intervals.
+
+        `weights` multiply the error that each of these steps makes."""
+        return self._compute_excess(self._predict_errors(behaviour, factor, weights))
 
     def _predict_steps(self, found: AssessedMethod) -> None:
         """Predict errors over the step, and the largest steps that stability and tolerance allow."""
-        step, interval = self.scenario.macro_step, self._sampled.interval
-        factor, behaviour = FINER, Behaviour(self.typical, found.master, self._couplings)
-        while factor * interval < found.limit and len(self._sampled.values) > 8 * factor:
+        step, interval = self.scenario.macro_step, self.sampled.interval
+        factor, behaviour = FINER, self.behave(found.master)
+        while factor * interval < found.limit and len(self.sampled.values) > 8 * factor:
             # The scan of the hardest point does not show islands of instability of this one.
             if not behaviour.evaluate(factor * interval).stable:
                 found.limit = find_stability_limit(behaviour, self._first, factor * interval, [])
@@ -312,19 +334,17 @@ class _Surveyor:
         found.errors = dict(sorted(found.errors.items()))
         excess = {at: self._compute_excess(errors) for at, errors in found.errors.items()}
         found.accurate_step = find_step_at_error(excess, behaviour.order, 1.0)
-        safe = min(
-            find_step_at_error(excess, behaviour.order, 1.0 / WITHIN), found.limit / AWAY, self._longest
-        )
-        found.advised_step = round_down(safe)
+        found.safe_step = find_step_at_error(excess, behaviour.order, 1.0 / WITHIN)
+        found.advised_step = round_down(min(found.safe_step, found.limit / AWAY, self._longest))
 
     def _estimate_cost(self, found: AssessedMethod) -> None:
         """Estimate the cost of the advised step; withdraw it if the master's iteration fails there."""
         if not found.advised_step > 0.0:
             return
-        interval = self._sampled.interval
+        interval = self.sampled.interval
         factor = max(1, round(found.advised_step / interval))
-        behaviour = Behaviour(self.typical, found.master, self._couplings)
-        per_step = self._sampled.compute_extrapolation_errors(factor, behaviour.degrees)
+        behaviour = self.behave(found.master)
+        per_step = self.sampled.compute_extrapolation_errors(factor, behaviour.degrees)
         amounts = (np.sqrt(np.mean(per_step**2, axis=0)) / behaviour.nominal).ravel()
         found.cost = behaviour.count_participant_steps(found.advised_step, amounts) / found.advised_step
         if not math.isfinite(found.cost):
