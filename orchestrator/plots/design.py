@@ -46,7 +46,7 @@ def draw_design(table: xarray.Dataset) -> Figure:
             "maximum_pressure", 1e-6, f"Hertz pressure (MPa)\n{at}",
             [1e-6 * sizes[f"{contact}.maximum_pressure"]] if f"{contact}.maximum_pressure" in sizes else [],
         ),
-        ("film_ratio", 1.0, f"Film over roughness\n{at}", []),
+        ("film_ratio", 1.0, f"Film over roughness\n{at}", [one for one in [sizes["film_ratio"]] if one]),
     )  # fmt: skip
     for panel, (name, factor, label, lines) in zip(axes[1:, 1], right, strict=True):
         values = factor * table[f"{contact}.{name}"].sel(speed=shown).values

@@ -22,6 +22,7 @@ from orchestrator.scenario.cams import read_cam
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.scenario.lift_table import read_lift_table
 from orchestrator.scenario.system import list_parameters
+from orchestrator.study.design.answers import Answer, Column
 from orchestrator.study.design.brief import Limits, list_briefs, read_bounds, read_brief
 from orchestrator.study.design.files import format_lifts, keep, read_kept
 from orchestrator.study.design.limits import (
@@ -35,9 +36,9 @@ from orchestrator.study.design.limits import (
 )
 from orchestrator.study.design.lobe import Lobe, find_event
 from orchestrator.study.design.run import find_own_limits, find_own_separation, find_wanted
-from orchestrator.study.design.search import Found
-from orchestrator.study.design.slp import Optimum, Problem, maximise
-from orchestrator.study.design.train import Answer, Column, open_train
+from orchestrator.study.design.slp import Line, Optimum, Problem, maximise
+from orchestrator.study.design.train import open_train
+from orchestrator.study.design.wanted import Found
 
 from .commands import ROOT, called, said
 
@@ -49,7 +50,8 @@ def build_lobe(scenario: str = "valve-train", count: int = 24) -> Lobe:
 
 def build_model(lobe: Lobe, limits: list[Limit], answers: Mapping[float, Answer] | None = None) -> Model:
     scale = np.full(lobe.count, 8e-3)
-    return Model(lobe, limits, answers or {}, lobe.start, lambda x: lobe.kind.geometry, scale, 1.0)
+    area = Line("area", 0.0, lobe.bumps.areas, np.zeros(lobe.count))
+    return Model(lobe, limits, answers or {}, lobe.start, lambda x: lobe.kind.geometry, scale, area)
 
 
 def build_plain(count: int, up: float, down: float) -> Model:
@@ -207,7 +209,7 @@ def test_a_search_goes_on_from_what_it_has_kept(tmp_path: Path) -> None:
     path = write_brief(tmp_path, 'scenario = "valve-train"\n[limits]\nleast_radius = "5 mm"')
     asked = read_brief(str(path), ["components.flywheel.parameters.initial_speed=1500 rpm"])
     train = open_train(asked.tables, 24)
-    keep(tmp_path, asked, train, Found(train.lobe.start, 1.0, {}))
+    keep(tmp_path, asked, train, Found(train.lobe.start, 1.0, {}, 1.0))
     kept = read_kept(tmp_path, asked)
     assert kept is not None
     np.testing.assert_array_equal(kept, train.lobe.start)
@@ -293,7 +295,7 @@ def test_a_cam_that_has_lost_contact_at_its_own_speed_gives_no_limit() -> None:
 
 def test_the_least_load_of_the_own_cam_is_that_while_it_lifts(tmp_path: Path) -> None:
     """A train with lash has none on the base circle, which is no limit."""
-    brief = '[limits]\nseparation_speed = "3000 rpm"\nleast_load = "own"'
+    brief = '[limits]\nseparation_speed = "3000 rpm"\nleast_load = "own"\nleast_film_ratio = "free"'
     asked = read_brief(str(write_brief(tmp_path, f'scenario = "valve-train"\n{brief}')))
     train = open_train(asked.tables, 24)
     times = np.linspace(0.0, 0.06, 361)
@@ -341,7 +343,8 @@ def test_the_answer_to_a_bump_is_that_of_all_of_them() -> None:
     train.begin_with(cycle, speed)
     answer = train.answer(x, cycle, speed, ["contact.load"])
     change = 5e-6 * np.random.default_rng(2).normal(size=x.size)
-    there = train.read(train.simulate(x + change, speed), ["contact.load"])["contact.load"]
+    changed = train.simulate(x + change, speed)
+    there = train.read(changed.__getitem__, ["contact.load"])["contact.load"]
     here = answer.columns["contact.load"]
     found = 0.5 * (there.low + there.high - here.low - here.high)
     error = answer.gradients["contact.load"] @ change - found

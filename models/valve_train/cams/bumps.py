@@ -70,10 +70,12 @@ class Bumps:
         knots = self._knots[RESTING:-RESTING]
         return np.asarray((knots[DEGREE + 1 :] - knots[: -DEGREE - 1]) / (DEGREE + 1))
 
-    def fit(self, angles: Vector, lift: Vector, curvature: Vector) -> Vector:
+    def fit(self, angles: Vector, lift: Vector, curvature: Vector, smoothing: float = 0.0) -> Vector:
         """The coefficients (m) whose lift (m) and second derivative (m/rad^2) are nearest to these, by least
-        squares, each over its largest value."""
+        squares, each over its largest value. `smoothing` weighs the third derivative, over a change of the
+        second by its largest value between knots."""
         sizes = float(np.abs(lift).max()), float(np.abs(curvature).max())
-        matrix = np.vstack([self.at(angles, nu) / size for nu, size in zip((0, 2), sizes, strict=True)])
-        wanted = np.concatenate([lift / sizes[0], curvature / sizes[1]])
+        weights = (1.0 / sizes[0], 0), (1.0 / sizes[1], 2), (smoothing * self.spacing / sizes[1], 3)
+        matrix = np.vstack([weight * self.at(angles, nu) for weight, nu in weights])
+        wanted = np.concatenate([lift / sizes[0], curvature / sizes[1], np.zeros(angles.size)])
         return np.asarray(np.linalg.lstsq(matrix, wanted, rcond=None)[0])

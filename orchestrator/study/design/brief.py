@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from types import MappingProxyType
+from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, ValidationError
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
+from ...analyses import Result
 from ...errors import MistakeError, list_faults, one_of
 from ...scenario import find_faults
 from ...scenario.fields import Table
@@ -20,6 +22,7 @@ from ...scenario.values import parse_value
 from ...texts import read_toml, to_path
 from ..points import list_keys, parse_table
 from ..speeds.subject import check_varied
+from .wires import WireLength
 
 SHIPPED = Path(__file__).parent / "shipped"
 # A limit that is that of the scenario's own cam, and one that is not there.
@@ -29,6 +32,8 @@ FEWEST, MOST = 8, 40
 
 def _read(value: Any, unit: str, example: str) -> float:
     """A number with its unit: those of a speed or an angle would pass unseen in another one."""
+    if unit == "1" and type(value) in (int, float):
+        return float(value)
     if not isinstance(value, str) or is_bare(value):
         raise ValueError(f'{value}: write the number with its unit, such as "{example}"')
     return to_unit(value, unit)
@@ -90,6 +95,53 @@ class Limits(Table):
         FREE, description="Least load of each contact while the cam lifts"
     )
     least_gap: Length = Field(FREE, description="Least gap between coils of springs")
+    least_film_ratio: Annotated[Size, _limit("1", "0.8")] = Field(
+        OWN, description="Least film over roughness of the cam's contact, during the event"
+    )
+    least_lift_area: Annotated[Size, _limit("1", "0.95")] = Field(
+        OWN, description="Area of the cam's lift over that of the scenario's, where it is not maximised"
+    )
+    largest_seating_velocity: Annotated[Size, _limit("m/s", "0.3 m/s")] = Field(
+        FREE, description="Largest seating velocity"
+    )
+    largest_bounce: Length = Field(FREE, description="Largest bounce after landing")
+    least_spring_margin: Annotated[Size, _limit("1", "0.2")] = Field(
+        FREE, description="Least load of the open valve over its spring's force"
+    )
+    least_clearance: Length = Field(FREE, description="Least clearance between valve and piston")
+
+
+# Limits of figures of merit: the figure, and 1 where the limit is the most, -1 where it is the least.
+FIGURES = {
+    "largest_seating_velocity": ("seating_velocity", 1.0),
+    "largest_bounce": ("bounce", 1.0),
+    "least_spring_margin": ("spring_margin", -1.0),
+    "least_clearance": ("least_clearance", -1.0),
+}
+
+
+class Ends(Table):
+    """Limits of a figure of merit; "own": as with the scenario's own cam."""
+
+    least: float | str | None = Field(None, description="Least value")
+    most: float | str | None = Field(None, description="Largest value")
+
+    def read(self, value: float | str, name: str, figure: Result) -> float:
+        try:
+            return _read(value, figure.unit, f"1 {figure.display_unit or figure.unit}")
+        except ValueError as error:
+            raise MistakeError(f"figures.{name}: {error}") from None
+
+
+class Ramps(Table):
+    """Both ramps, of a cam that has them."""
+
+    height: Annotated[float, BeforeValidator(lambda value: _read_positive(value, "m", "0.3 mm"))] = Field(
+        description="Lift of the ramps"
+    )
+    velocity: Annotated[
+        float, BeforeValidator(lambda value: _read_positive(value, "m/rad", "0.015 mm/deg"))
+    ] = Field(description="Their velocity, per cam angle")
 
 
 Speed = Annotated[float, BeforeValidator(lambda value: _read_positive(value, "rad/s", "1000 rpm"))]
@@ -108,6 +160,17 @@ class Brief(Table):
     event: tuple[Angle, Angle] | None = Field(
         None, description="Cam angles at which the ramps join the event; left out: as in the scenario"
     )
+    maximise: str | None = Field(
+        None,
+        description="lift_area of the cam (left out), separation_speed, or a figure of merit at `speeds`",
+    )
+    minimise: str | None = Field(None, description="A figure of merit at `speeds`, instead of maximise")
+    ramps: Annotated[Ramps | None, BeforeValidator(lambda value: parse_table(Ramps, value))] = Field(
+        None, description="Ramps of the cam; left out: as in the scenario"
+    )
+    figures: dict[str, Annotated[Ends, BeforeValidator(lambda value: parse_table(Ends, value))]] = Field(
+        {}, description='Limits of figures of merit at `speeds`, "part.figure" with least or most'
+    )
     parameters: dict[str, tuple[float | str, float | str]] = Field(
         {}, description='Parameters that may vary, "component.name", each with its least and largest value'
     )
@@ -122,6 +185,12 @@ class Brief(Table):
     )
     starts: int = Field(2, description="Starts of the first optimum", ge=1, le=20, strict=True)
     seed: int = Field(1, description="Seed of the starts", ge=0, strict=True)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.maximise and self.minimise:
+            raise ValueError("maximise and minimise: give one of them")
+        return self
 
 
 @dataclass(frozen=True)
@@ -161,29 +230,37 @@ def read_brief(source: str, settings: Sequence[str] = ()) -> Asked:
     return Asked(brief, read_changed(str(base), settings), base, settings)
 
 
-def read_bounds(brief: Brief, scenario: Scenario, flywheel: str) -> dict[str, tuple[float, float]]:
+def read_bounds(
+    brief: Brief, scenario: Scenario, flywheel: str, wires: Mapping[str, WireLength] = MappingProxyType({})
+) -> dict[str, tuple[float, float]]:
     """The bounds of the parameters in SI units; MistakeError for unknown names and wrong values."""
-    known = {name for name in list_parameters(scenario) if "[" not in name}
+    known = {name: one for name, one in list_parameters(scenario).items() if "[" not in name}
+    known |= {name: one.size for name, one in wires.items()}
     found = {}
     for given, ends in brief.parameters.items():
         name = given.removeprefix("components.").replace(".parameters.", ".")
         if name not in known:
             raise MistakeError(f"parameters.{given}: {one_of(sorted(known), name)}")
         check_varied(name, flywheel)
-        part, _, parameter = name.partition(".")
-        quantity = scenario.components[part].resolve().parameters.field(parameter).quantity
-        if quantity.jumps:
-            raise MistakeError(f"parameters.{given}: has no values in between; leave it out")
         try:
-            low, high = (float(parse_value(quantity, end)) for end in ends)
+            if name in wires:
+                description, unit = "of the wire", wires[name].unit
+                low, high = (_read_positive(end, unit, f"1 {unit}") for end in ends)
+            else:
+                part, _, parameter = name.partition(".")
+                quantity = scenario.components[part].resolve().parameters.field(parameter).quantity
+                description, unit = quantity.description, quantity.unit
+                if quantity.jumps:
+                    raise MistakeError(f"parameters.{given}: has no values in between; leave it out")
+                low, high = (float(parse_value(quantity, end)) for end in ends)
         except ValueError as error:
-            raise MistakeError(f"parameters.{given} ({quantity.description}): {error}") from None
-        value = list_parameters(scenario)[name]
+            raise MistakeError(f"parameters.{given} ({description}): {error}") from None
+        value = known[name]
         if not low < high:
             raise MistakeError(f"parameters.{given} = {list(ends)}: the first must be less than the second")
         if not low <= value <= high:
             raise MistakeError(
-                f"parameters.{given} = {list(ends)}: the scenario's own value, {value:g} {quantity.unit}, "
+                f"parameters.{given} = {list(ends)}: the scenario's own value, {value:g} {unit}, "
                 "must be between them"
             )
         found[name] = low, high

@@ -17,11 +17,11 @@ from ...scenario.files import split_path
 from ...store import atomic_write
 from ...texts import parse_value
 from .brief import Asked
-from .search import Found
 from .train import DesignedTrain
+from .wanted import Found
 
-DESIGN, SCENARIO, LIFTS, TABLE, FIGURE, PROGRESS = (
-    "design", "designed.toml", "designed.csv", "design.nc", "design.png", "progress.json",
+DESIGN, SCENARIO, LIFTS, TABLE, FIGURE, PROGRESS, CAM = (
+    "design", "designed.toml", "designed.csv", "design.nc", "design.png", "progress.json", "cam",
 )  # fmt: skip
 FILES = (SCENARIO, LIFTS, FIGURE)
 
@@ -71,9 +71,12 @@ def write_scenario(out: Path, asked: Asked, train: DesignedTrain, unknowns: Vect
     values = {"base_radius": train.lobe.kind.geometry.base_radius, "ramp_height": 0.0}
     _nest(content, ["components", train.cam])["lift_table"] = LIFTS
     _nest(content, ["components", train.cam, "parameters"]).update(values)
-    for name, value in zip(train.parameters, unknowns[train.lobe.count :], strict=True):
+    for name, found in train.values(unknowns).items():
+        if one := train.wires.get(name):
+            _nest(content, ["components", one.part, "wire"])[one.field] = f"{found!r} {one.unit}"
+            continue
         part, _, parameter = name.partition(".")
-        _nest(content, ["components", part, "parameters"])[parameter] = float(value)
+        _nest(content, ["components", part, "parameters"])[parameter] = found
     title = f"{train.scenario.name} with a designed cam"
     written = {"extends": str(base), "description": title} | content
     atomic_write.replace(out / SCENARIO, tomli_w.dumps(written).encode())

@@ -13,9 +13,10 @@ import numpy as np
 
 from models.core.quantities import Vector
 
+from .answers import Answer
+from .film import Film
 from .lobe import Curve, Lobe, Touch
-from .slp import Local, Rows
-from .train import Answer
+from .slp import Line, Local, Rows
 
 # Relative steps of differences.
 STEP = 1e-6
@@ -124,11 +125,26 @@ def pressure_limit(
     return Limit(name, most, excess, column, speed)
 
 
+def film_limit(
+    name: str, column: str, speed: float, least: float, ratios: Vector, film: Film, here: State
+) -> Limit:  # fmt: skip
+    """The contact keeps at least this film over roughness, of which `ratios` are those of a cycle with the
+    state `here`; nan where there are none."""
+    foresee = film.foresee(ratios, here.touch, here.high)
+
+    def excess(state: State, size: float) -> Vector:
+        return np.asarray(np.nan_to_num(1.0 - foresee(state.touch, state.high) / size, nan=-1.0))
+
+    return Limit(name, least, excess, column, speed)
+
+
 @dataclass(frozen=True)
 class Model:
     """What the optimiser sees: a lobe, its limits, and the answers of cycles at a place.
 
-    `geometry` is the follower's with the parameters among the unknowns; `area0` scales the objective.
+    `geometry` is the follower's with the parameters among the unknowns; `lines` are limits of figures. Where
+    `stretched`, the last unknown is the logarithm of a factor of the speeds of those limits whose `by_size`
+    is that of a speed.
     """
 
     lobe: Lobe
@@ -137,7 +153,9 @@ class Model:
     place: Vector
     geometry: Callable[[Vector], Any]
     scale: Vector
-    area0: float
+    objective: Line
+    lines: Sequence[Line] = ()
+    stretched: bool = False
 
     def states(self, unknowns: Vector, curve: Curve, shift: float = 0.0) -> Iterator[State]:
         """The state that each limit sees, with its column moved by `shift` of its largest value."""
@@ -176,16 +194,17 @@ class Model:
                 gradient[:, :count] += ((after - before) / (2.0 * step))[:, None] * matrix
         self._add_columns(unknowns, curve, base, gradients)
         self._add_parameters(unknowns, curve, gradients)
-        rows = []
+        rows = [line.rows(unknowns) for line in self.lines]
         states = self.states(unknowns, curve)
         for limit, state, excess, gradient in zip(self.limits, states, base, gradients, strict=True):
             by_size = limit.by_size
             if by_size is None:
                 by_size = (limit.excess(state, limit.size * (1.0 + STEP)) - excess) / STEP
+            elif self.stretched:
+                excess += by_size * (unknowns[-1] - self.place[-1])
+                gradient[:, -1] += by_size
             rows.append(Rows(limit.name, excess, gradient, by_size))
-        slope = np.zeros(unknowns.size)
-        slope[:count] = self.lobe.bumps.areas / self.area0
-        return Local(float(slope @ unknowns), slope, rows)
+        return Local(self.objective.at(unknowns), self.objective.gradient, rows)
 
     def _add_columns(
         self, unknowns: Vector, curve: Curve, base: Sequence[Vector], gradients: Sequence[Vector]
@@ -200,7 +219,7 @@ class Model:
 
     def _add_parameters(self, unknowns: Vector, curve: Curve, gradients: Sequence[Vector]) -> None:
         """By the geometry that parameters change; what they do to loads is in the columns."""
-        for which in range(self.lobe.count, unknowns.size):
+        for which in range(self.lobe.count, unknowns.size - self.stretched):
             step = STEP * self.scale[which]
             near = []
             for side in (-1.0, 1.0):

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,12 +32,15 @@ class Curve(NamedTuple):
 
 class Touch(NamedTuple):
     """The contact along a curve: see `CamContact`; `turn` of the normal by the cam angle in the cam's frame,
-    so that `cam_rate`/`turn` is the cam's radius of curvature."""
+    so that `cam_rate`/`turn` is the cam's radius of curvature. The mean velocity of both surfaces over the
+    cam's speed is `entrained` (m), its derivative by the cam angle `entrained_by` (m/rad)."""
 
     cam_rate: Vector
     turn: Vector
     pressure_angle: Vector
     arm: Vector
+    entrained: Vector
+    entrained_by: Vector
 
 
 @dataclass(frozen=True)
@@ -81,8 +85,12 @@ class Lobe:
     @cached_property
     def start(self) -> Vector:
         """The coefficients nearest to the scenario's own lift."""
-        own = self.own
-        return self.bumps.fit(self.angles, own.s - self.ramps.s, own.dds - self.ramps.dds)
+        return self.near(0.0)
+
+    def near(self, smoothing: float) -> Vector:
+        """Those near to the scenario's own lift, with less jerk: see `Bumps.fit`."""
+        own, ramps = self.own, self.ramps
+        return self.bumps.fit(self.angles, own.s - ramps.s, own.dds - ramps.dds, smoothing)
 
     @cached_property
     def own(self) -> Curve:
@@ -104,10 +112,21 @@ class Lobe:
 
     def touch(self, curve: Curve, geometry: Any) -> Touch:
         """Where the follower touches the cam of this lift."""
-        follower = self.kind.follower
-        rows = np.array([follower.touch(Lift(*row), geometry) for row in zip(*curve[:3], strict=True)])
+        rows = self._touch(curve, geometry)
         _, _, n_x, n_y, arm, _, cam_rate, _, normal_turn = rows.T
-        return Touch(cam_rate, normal_turn + 1.0, np.arctan2(n_x, n_y), arm)
+        ahead = [one + STEP * slope for one, slope in pairwise(curve)]
+        entrained = self._entrain(rows)
+        slope = (self._entrain(self._touch(curve._replace(s=ahead[0], ds=ahead[1], dds=ahead[2]), geometry))
+                 - entrained) / STEP  # fmt: skip
+        return Touch(cam_rate, normal_turn + 1.0, np.arctan2(n_x, n_y), arm, entrained, slope)
+
+    def _touch(self, curve: Curve, geometry: Any) -> Vector:
+        touch = self.kind.follower.touch
+        return np.array([touch(Lift(*row), geometry) for row in zip(*curve[:3], strict=True)])
+
+    def _entrain(self, rows: Vector) -> Vector:
+        cam_rate, follower_rate = rows[:, 6], rows[:, 7]
+        return np.asarray(cam_rate if self.kind.follower.rolling else 0.5 * (cam_rate + follower_rate))
 
 
 def find_event(kind: CamKind, given: tuple[float, float] | None) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 
 import numpy as np
@@ -17,10 +17,11 @@ from ...assessment.motion import Motion
 from ...reporter import Reporter
 from ...scenario.display import format_number, show
 from ..wear.report import describe_place
+from .figures import AREA, Objective
 from .lobe import Curve, Lobe
-from .search import Improved, Wanted
 from .slp import Active
 from .train import DesignedTrain
+from .wanted import Improved, Wanted
 
 RPM = 30.0 / math.pi
 CAMS = ("before", "after")
@@ -76,7 +77,9 @@ def tabulate(
                 for found in motions
             ]
             table[f"{contact}.{output}"] = xarray.Variable(("cam", "speed", "angle"), rows, {"units": unit})
-    figures = [_list_figures(found) for found in motions]
+    objective = wanted.objective
+    asked = [one.name for one in wanted.figures] + [objective.name] * objective.is_figure
+    figures = [_list_figures(found, asked) for found in motions]
     common = [name for name in figures[0] if name in figures[1]]
     table["value"] = xarray.Variable(
         ("cam", "speed", "figure"), [[[f[name][s] for name in common] for s in speeds] for f in figures]
@@ -91,17 +94,22 @@ def tabulate(
         **wanted.sizes,
         **{f"{name}.maximum_pressure": size for name, size in wanted.pressures.items()},
         "least_load": wanted.least_load,
+        "film_ratio": wanted.film,
     }
     return xarray.Dataset(
         table, {"cam": list(CAMS), "angle": PLACES, "speed": speeds, "figure": common}
     ).assign_attrs(
         title=f"{train.scenario.name}: {train.cam} before and after",
         separation=[math.nan if one is None else one for one in separations],
-        area=improved.found.objective,
+        area=improved.found.area,
+        reached=wanted.objective.sign * (improved.found.objective - 1.0) + 1.0,
         feasible=int(not improved.found.beyond),
-        active=json.dumps([describe_active(*one) for one in improved.active]),
+        active=json.dumps([describe_active(*one, wanted.objective) for one in improved.active]),
         limits=json.dumps(limits),
-        parameters=json.dumps(dict(zip(train.parameters, unknowns[lobe.count :].tolist(), strict=True))),
+        parameters=json.dumps(
+            {name: [own, train.values(unknowns)[name]] for name, own in train.given.items()}
+        ),
+        objective=wanted.objective.name,
         cam_speed=max((*wanted.speeds, *wanted.kept)) * train.ratio,
         version=metadata.version("tribocosim"),
     )
@@ -113,23 +121,24 @@ def _over_angle(train: DesignedTrain, motion: Motion, name: str) -> Vector:
     return np.asarray(np.interp(PLACES, angle[order], motion.column(name)[order], period=2.0 * math.pi))
 
 
-def _list_figures(motions: Mapping[float, Motion]) -> dict[str, dict[float, float]]:
+def _list_figures(motions: Mapping[float, Motion], asked: Sequence[str]) -> dict[str, dict[float, float]]:
     found: dict[str, dict[float, float]] = {}
     for speed, motion in motions.items():
         for part, name, _, value in measure(motion):
-            if name in COMPARED and np.isfinite(value.value):
+            if (name in COMPARED or f"{part}.{name}" in asked) and np.isfinite(value.value):
                 found.setdefault(f"{part}.{name}", {})[speed] = value.value
     whole = {name: by for name, by in found.items() if len(by) == len(motions)}
-    order = sorted(whole, key=lambda name: COMPARED.index(name.rpartition(".")[2]))
-    return {name: whole[name] for name in order}
+    order = [*asked, *(name for kind in COMPARED for name in whole if name.endswith(f".{kind}"))]
+    return {name: whole[name] for name in order if name in whole}
 
 
-def describe_active(active: Active, angle: float) -> str:
+def describe_active(active: Active, angle: float, objective: Objective) -> str:
     """E.g. "least_radius limits 3 deg after the nose: 1 % more of it gives -0.4 % of area"."""
-    gain = 100.0 * active.gain
-    place = describe_place(angle)
-    effect = f": 1 % more of it changes the area by {gain:+.2g} %" if abs(gain) > 1e-3 else ""
-    return f"{active.name.replace('_', ' ')} limits {place}{effect}"
+    gain = 100.0 * active.gain * objective.sign
+    place = "" if math.isnan(angle) else f" {describe_place(angle)}"
+    wanted = "area" if objective.name == AREA else objective.name.replace("_", " ")
+    effect = f": 1 % more of it changes the {wanted} by {gain:+.2g} %" if abs(gain) > 1e-3 else ""
+    return f"{active.name.replace('_', ' ')} limits{place}{effect}"
 
 
 def report(table: xarray.Dataset, improved: Improved, reporter: Reporter) -> None:
@@ -149,8 +158,8 @@ def report(table: xarray.Dataset, improved: Improved, reporter: Reporter) -> Non
     ):
         values = float(factor) * table["value"].sel(figure=name).values[:, -1]
         shown.add_row(f"{name} ({unit})".removesuffix(" ()"), *_cells(*values))
-    for name, value in json.loads(table.attrs["parameters"]).items():
-        shown.add_row(name, "", format_number(value), "")
+    for name, values in json.loads(table.attrs["parameters"]).items():
+        shown.add_row(name, *_cells(*values))
     reporter.console.print(shown)
     for text in json.loads(table.attrs["active"]):
         reporter.line(text)

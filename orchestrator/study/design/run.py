@@ -1,7 +1,7 @@
 """`tribocosim design`: the scenario's own cam, the search for a better one, and a check of both."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,6 +10,7 @@ import xarray
 from rich.console import Console
 
 from models.compile.temporary import TemporaryFolder
+from models.core.quantities import Vector
 
 from ...analyses._evaluate import create_folder, find_results
 from ...assessment.figures_of_merit import CONTACT
@@ -21,13 +22,17 @@ from ...reporter import Bar, Reporter
 from ...run.pipeline import run
 from ...scenario.files import load, read_changed
 from ...scenario.system import Builder
-from ..speeds.separation import is_separated
-from ..speeds.subject import SpeedSubject, find_flywheel
+from ..speeds.finder import CycleFinder
+from ..speeds.separation import bisect_separation, is_separated
+from ..speeds.subject import SpeedSubject, describe_numbers, find_flywheel, to_motion
 from .brief import FREE, OWN, Asked, Limits, read_bounds
-from .files import DESIGN, FIGURE, FILES, LIFTS, PROGRESS, SCENARIO, TABLE, keep, read_kept
+from .deliverables import deliver
+from .figures import find_objective, list_bounds, read_figures
+from .files import CAM, DESIGN, FIGURE, FILES, LIFTS, PROGRESS, SCENARIO, TABLE, keep, read_kept
 from .report import report, tabulate
-from .search import Search, Wanted, find_separation
+from .search import Search
 from .train import DesignedTrain, open_train
+from .wanted import Wanted
 
 RPM = 30.0 / math.pi
 # The scenario's own separation is sought from its own speed to this part of it, in so many steps.
@@ -37,6 +42,8 @@ TO, STEPS = 6.0, 16
 KEPT, LOW, BELOW = (1.0, 0.95, 0.88), 0.5, 0.95
 # The speed of separation of the designed cam is looked for from and to these parts of that asked for.
 AGAIN, TRIES = (0.8, 1.3), 10
+# It is found to this part of it.
+CLOSE = 1e-3
 
 
 class Check(NamedTuple):
@@ -47,15 +54,23 @@ class Check(NamedTuple):
 
 
 class _Cycles:
-    """The motions of a scenario at speeds, each found once; a bar shows the share of about `count`."""
+    """The motions of a scenario at speeds, each found once; a bar shows the share of about `count`.
 
-    def __init__(self, subject: SpeedSubject, bar: Bar, count: int) -> None:
-        self._subject, self._bar, self._count = subject, bar, count
+    The search begins with the last state of the steady cycle at the nearest speed.
+    """
+
+    def __init__(self, finder: CycleFinder, bar: Bar, count: int) -> None:
+        self._finder, self._bar, self._count = finder, bar, count
         self._found: dict[float, Motion] = {}
+        self._ends: dict[float, Vector] = {}
 
     def __getitem__(self, speed: float) -> Motion:
         if speed not in self._found:
-            self._found[speed] = self._subject.find_motion_at(speed)
+            nearest = min(self._ends, key=lambda one: abs(one - speed), default=speed)
+            cycle = self._finder.find({}, speed, self._ends.get(nearest))
+            if cycle.steady:
+                self._ends[speed] = cycle.end
+            self._found[speed] = to_motion(cycle, self._finder.subject.flywheel)
             self._bar.show(min(0.99, len(self._found) / self._count))
         return self._found[speed]
 
@@ -139,7 +154,24 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
     least_load = {FREE: 0.0, OWN: min(filter(math.isfinite, loads), default=0.0)}.get(str(limits.least_load))
     sizes = find_own_limits(train, limits, top * train.ratio)
     load = float(limits.least_load) if least_load is None else least_load
-    return Wanted(sizes, pressures, gaps, load, speeds, kept)
+    film = 0.0
+    if limits.least_film_ratio != FREE and train.film(0.0, top):
+        own_film = min(float(np.nanmin(train.film_ratios(cycles[speed].column))) for speed in below)
+        film = own_film if limits.least_film_ratio == OWN else float(limits.least_film_ratio)
+
+    def figure(name: str, speed: float) -> float:
+        return read_figures(cycles[speed], [name])[name].value
+
+    def worst(name: str, side: float) -> float:
+        return side * max(side * figure(name, speed) for speed in speeds)
+
+    known = describe_numbers(train.scenario)
+    asked_area = limits.least_lift_area
+    area = asked_area if isinstance(asked_area, float) else float(asked_area == OWN)
+    return Wanted(
+        sizes, pressures, gaps, load, speeds, kept, film, list(list_bounds(asked.brief, known, worst)),
+        area, find_objective(asked.brief, known, figure, speeds),
+    )  # fmt: skip
 
 
 def design(
@@ -153,13 +185,12 @@ def design(
     begun = None if overwrite else read_kept(out, asked)
     held = [] if begun is not None else find_results(out, DESIGN, overwrite, *FILES)
     brief = asked.brief
-    train = open_train(asked.tables, brief.coefficients, brief.cam, brief.event)
-    bounds = read_bounds(brief, train.scenario, train.subject.flywheel)
+    train = open_train(asked.tables, brief.coefficients, brief.cam, brief.event, brief.ramps)
+    bounds = read_bounds(brief, train.scenario, train.subject.flywheel, train.wires)
     train = train.with_parameters(bounds)
-    own = SpeedSubject(asked.tables, find_flywheel(train.scenario))
     with create_folder(out):
         with reporter.stage("cycles of the scenario's own cam") as bar:
-            cycles = _Cycles(own, bar, 2 * STEPS)
+            cycles = _Cycles(train.finder, bar, 2 * STEPS)
             free = brief.limits.separation_speed == FREE
             separation = None if free else find_own_separation(asked, cycles, train.own_speed)
             wanted = find_wanted(asked, train, cycles, separation)
@@ -173,13 +204,21 @@ def design(
             train, wanted, np.array(list(bounds.values())).reshape(-1, 2), top, area, reporter.line,
             brief.starts, brief.seed,
         )  # fmt: skip
-        improved = search.improve(
-            search.begin() if begun is None else begun, lambda one: keep(out, asked, train, one)
-        )
+        try:
+            improved = search.improve(
+                search.begin() if begun is None else begun, lambda one: keep(out, asked, train, one)
+            )
+        except KeyboardInterrupt:
+            if not (out / SCENARIO).exists():
+                raise
+            told = (
+                f"interrupted; the best cam so far is in {out / SCENARIO}, the same command goes on from it"
+            )
+            raise KeyboardInterrupt(told) from None
         with reporter.stage("check of the designed cam") as bar:
             after = check(out, wanted, speeds, bar)
         with reporter.stage("coupled run of the designed cam"):
-            coupled = list(couple(out, train.own_speed, build))
+            said = [*deliver(out, train, improved.found.unknowns), *couple(out, train.own_speed, build)]
         geometries = train.lobe.kind.geometry, search.geometry(improved.found.unknowns)
         separations = before.separation, after.separation
         motions = before.motions, after.motions
@@ -188,9 +227,9 @@ def design(
         save_figure(lambda: draw_design(table), out / FIGURE)
         (out / PROGRESS).unlink()
     report(table, improved, reporter)
-    for text in coupled:
+    for text in said:
         reporter.line(text)
-    reporter.line(f"results in {out}: {', '.join((SCENARIO, LIFTS, TABLE, FIGURE))}")
+    reporter.line(f"results in {out}: {', '.join((SCENARIO, LIFTS, TABLE, FIGURE))}, {CAM}/")
     return table
 
 
@@ -216,9 +255,22 @@ def check(out: Path, wanted: Wanted, speeds: list[float], bar: Bar) -> Check:
     """What the written scenario does, found as that of the brief."""
     tables = read_changed(out / SCENARIO)
     subject = SpeedSubject(tables, find_flywheel(SpeedSubject(tables, "").scenario))
-    cycles = _Cycles(subject, bar, 2 * STEPS)
+    cycles = _Cycles(CycleFinder(subject), bar, 2 * STEPS)
     separation = None
     if wanted.kept:
         low, high = (part * wanted.kept[0] for part in AGAIN)
         separation = find_separation(cycles.is_lost, low, high, TRIES)
     return Check(separation, {speed: cycles[speed] for speed in speeds})
+
+
+def find_separation(
+    is_lost: Callable[[float], bool], low: float, high: float, steps: int = 12
+) -> float | None:
+    """The lowest of `steps` speeds (rad/s) from `low` to `high` at which contact is lost, found closer
+    between it and the one before; None where it is kept at all of them."""
+    kept = None
+    for speed in np.geomspace(low, high, steps):
+        if is_lost(float(speed)):
+            return float(speed) if kept is None else bisect_separation(is_lost, kept, float(speed), CLOSE)
+        kept = float(speed)
+    return None

@@ -7,8 +7,9 @@ speed that keeps contact, by the square of the speed.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,89 +19,69 @@ from models.core.system import ModelError
 from models.monolithic.cycle import Cycle
 
 from ...assessment.figures_of_merit import CONTACT
+from ...assessment.motion import Found as Value
 from ...assessment.motion import Part
-from ..speeds.separation import bisect_separation, is_separated
+from ..speeds.separation import is_separated
 from ..speeds.subject import to_motion
+from .answers import Answer, Column, differ_by_speed, go_on, mend
+from .figures import AREA, LEAST, SEPARATION, Slopes, bound_lines
 from .limits import (
     Limit,
     Model,
+    State,
     closing_limit,
+    film_limit,
     gap_limit,
     kinematic_limits,
     load_limit,
     pressure_limit,
 )
-from .slp import Active, Optimum, Problem, maximise
-from .train import Answer, Column, DesignedTrain
+from .slp import Line, Optimum, Problem, maximise
+from .train import DesignedTrain
+from .wanted import Found, Improved, Wanted, describe
 
 # Of the largest lift: the box of the coefficients at first, at most, and where the search ends.
 BOX, LARGEST, SMALLEST = 0.05, 0.15, 2e-3
 SHORTER, MOST_ROUNDS = 0.35, 12
 # A round that adds less of the objective is the last.
 LITTLE = 5e-4
+# Weights of the jerk in a first lift; the largest takes 3 % of the area.
+SMOOTHINGS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
 # Further starts differ by up to this part of the box.
 SPREAD = 0.5
 # Where contact is lost, lower speeds are tried in such steps.
 LOWER, MOST_LOWER = 0.97, 8
+# The scale of a figure whose limit is 0.
+TINY = 1e-12
 # A share of speed counts as this share of load.
 SEVERE = 2.0
 RPM = 30.0 / math.pi
-# A speed of separation is found to this part of it.
-CLOSE = 1e-3
 # A limit of loads is met with this share of their scale to spare, for what the model leaves out.
 SPARE = 0.004
+# Looks that a model learns from.
+MEMORY = 4
 # Of a limit by cycles, that a confirmed lift may exceed it.
 CONFIRMED = 5e-3
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """Limits in SI units: sizes of the cam's own, of pressures by contact, of gaps by spring, the least load
-    at all `speeds` (rad/s), and the `kept` ones up to which contact is kept, the highest first."""
-
-    sizes: Mapping[str, float]
-    pressures: Mapping[str, float]
-    gaps: Mapping[str, float]
-    least_load: float
-    speeds: Sequence[float]
-    kept: Sequence[float]
-
-
 class Seen(NamedTuple):
-    """A cycle that stands for another speed (rad/s), at which contact is lost."""
+    """A cycle and its figures; it stands for another speed (rad/s), at which contact is lost."""
 
     near: float
     cycle: Cycle
+    figures: Mapping[str, Value]
 
 
-class Found(NamedTuple):
-    """Unknowns with the objective over that of the scenario's cam, and the limits that their cycles exceed,
-    each with the share."""
-
-    unknowns: Vector
-    objective: float
-    beyond: Mapping[str, float]
-
-    @property
-    def violation(self) -> float:
-        return sum(self.beyond.values())
-
-    @property
-    def rank(self) -> float:
-        """Those that keep the limits go before others; these by their violation."""
-        return self.objective if not self.beyond else -self.violation
-
-
-class Improved(NamedTuple):
-    """The best that cycles confirm, and what holds it: active limits, with the cam angles (rad) where."""
-
-    found: Found
-    active: Sequence[tuple[Active, float]]
+# Unknowns with the columns of their cycle.
+Look = tuple[Vector, Mapping[str, Column]]
 
 
 @dataclass(frozen=True)
 class Search:
-    """A train with the limits that its cam must keep. `bounds` are those of the parameters (rows)."""
+    """A train with the limits that its cam must keep. `bounds` are those of the parameters (rows).
+
+    Where the speed of separation is wanted, the last unknown is the logarithm of its factor.
+    """
 
     train: DesignedTrain
     wanted: Wanted
@@ -110,6 +91,27 @@ class Search:
     tell: Callable[[str], None]
     starts: int = 1
     seed: int = 1
+    past: dict[float, list[Look]] = field(default_factory=dict)
+
+    @property
+    def stretched(self) -> bool:
+        return self.wanted.objective.name == SEPARATION
+
+    @property
+    def measured(self) -> list[str]:
+        """Figures that are limited or wanted."""
+        objective = self.wanted.objective
+        return sorted({*(one.name for one in self.wanted.figures), *[objective.name] * objective.is_figure})
+
+    @cached_property
+    def slopes(self) -> Slopes:
+        steps = np.append(self.train.steps, [0.0] * self.stretched)
+        return Slopes(self.train, self.measured, steps, self.scale)
+
+    def kept(self, x: Vector) -> list[float]:
+        """Speeds (rad/s) up to which contact is to be kept."""
+        factor = math.exp(float(x[-1])) if self.stretched else 1.0
+        return [factor * speed for speed in self.wanted.kept]
 
     @property
     def contacts(self) -> list[str]:
@@ -120,24 +122,29 @@ class Search:
         outputs = [f"{name}.{kind}" for name in self.contacts for kind in ("load", "maximum_pressure")]
         return [*outputs, *(f"{name}.least_gap" for name in self.wanted.gaps)]
 
-    @property
-    def all_speeds(self) -> list[float]:
-        return sorted({*self.wanted.speeds, *self.wanted.kept})
+    def all_speeds(self, x: Vector) -> list[float]:
+        return sorted({*self.wanted.speeds, *self.kept(x)})
 
     @property
     def scale(self) -> Vector:
-        """Sizes of the unknowns: the largest lift, and the range of each parameter."""
+        """Sizes of the unknowns: the largest lift, the range of each parameter, and that of speeds."""
         lift = float(self.train.lobe.own.s.max())
-        return np.append(np.full(self.train.lobe.count, lift), np.ptp(self.bounds, axis=1))
+        stretch = [1.0] * self.stretched
+        return np.array([*[lift] * self.train.lobe.count, *np.ptp(self.bounds, axis=1), *stretch])
 
     def is_lost(self, cycle: Cycle) -> bool:
         return is_separated(to_motion(cycle, self.train.subject.flywheel), "lost")
 
     def begin(self) -> Vector:
-        """The scenario's cam in bumps, moved by little to where it keeps the limits of the cam itself."""
-        x = np.append(self.train.lobe.start, list(self.train.given.values()))
-        limits = list(self.own_limits(x))
-        free = Model(self.train.lobe, limits, {}, x, self.geometry, self.scale, math.inf)
+        """The scenario's cam in bumps, with as little less jerk as the limits of the cam itself need: corners
+        of its acceleration ring in bumps. Where that is not enough, moved to where it keeps them."""
+        lobe, given = self.train.lobe, [*self.train.given.values(), *[0.0] * self.stretched]
+        for smoothing in SMOOTHINGS:
+            x = np.append(lobe.near(smoothing), given)
+            if not self.own_excesses(x):
+                return x
+        x = np.append(lobe.start, given)
+        free = self.own_model(x, Line("", 0.0, np.zeros(x.size), x))
         nearest = (self.solve(free, x, box, 1) for box in (0.1 * BOX, 0.3 * BOX, BOX))
         return next((found for found in nearest if found.feasible), self.solve(free, x, BOX, 1)).unknowns
 
@@ -156,14 +163,16 @@ class Search:
                 x = self.solve(model, found.unknowns, box, 1).unknowns
                 continue
             here = self.judge(x, seen)
-            self.tell(f"round {number}: {describe(here)}")
+            self.tell(f"round {number}: {describe(here, self.wanted.objective)}")
             if found is None or here.rank > found.rank:
                 gained = found is None or here.rank - found.rank > LITTLE
                 box = box if found is None else min(LARGEST, 1.5 * box)
                 found = here
                 best(found)
-                model = self.model(x, dict(self.list_answers(x, seen)))
+                model = self.learn(self.model(x, seen))
             else:
+                assert model is not None
+                model = self.learn(model)
                 box *= SHORTER
             if not gained or box < SMALLEST:
                 break
@@ -173,20 +182,24 @@ class Search:
         assert model is not None
         # What holds the cam that was found, by its own cycles.
         last = self.solve(model, found.unknowns, max(box, SMALLEST), 1)
-        angles = self.train.lobe.angles
-        return Improved(found, [(one, float(angles[one.row])) for one in last.active])
+        angles, lines = self.train.lobe.angles, {line.name: line.angle for line in model.lines}
+        places = (lines.get(one.name, float(angles[one.row])) for one in last.active)
+        return Improved(found, list(zip(last.active, places, strict=True)))
 
     def look(self, x: Vector) -> dict[float, Seen]:
         """The cycles at all speeds; where contact is lost, those of the next lower speeds that keep it."""
-        found = {}
-        for speed in self.all_speeds:
+        found, kept = {}, self.kept(x)
+        for speed in self.all_speeds(x):
             near, cycle = speed, self.cycle(x, speed)
-            for _ in range(MOST_LOWER * (speed in self.wanted.kept)):
+            self.past.setdefault(speed, []).append((x, self.read_sure(x, cycle)))
+            for _ in range(MOST_LOWER * (speed in kept)):
                 if not self.is_lost(cycle):
                     break
                 near *= LOWER
                 cycle = self.cycle(x, near)
-            found[speed] = Seen(near, cycle)
+            watched = self.measured and speed in self.wanted.speeds
+            figures = self.slopes.observe(x, speed, cycle) if watched else {}
+            found[speed] = Seen(near, cycle, figures)
         return found
 
     def cycle(self, x: Vector, speed: float) -> Cycle:
@@ -195,10 +208,30 @@ class Search:
             self.train.begin_with(found, speed)
         return found
 
+    def read_sure(self, x: Vector, cycle: Cycle) -> dict[str, Column]:
+        """The columns of a cycle up to where a contact is first lost, behind it nan."""
+        found = self.train.read(cycle.__getitem__, self.columns)
+        lifted = self.train.lifted(self.train.lobe.curve(x[: self.train.lobe.count]).s)
+        lost = [
+            np.flatnonzero(np.where(lifted, found[f"{name}.load"].low, 1.0) <= 0.0) for name in self.contacts
+        ]
+        behind = np.arange(lifted.size) > min((rows[0] for rows in lost if rows.size), default=lifted.size)
+        return {
+            name: Column(*(np.where(behind, np.nan, side) for side in one)) for name, one in found.items()
+        }
+
+    def learn(self, model: Model) -> Model:
+        """The model with answers that give what the last cycles at their speeds showed."""
+        answers = {}
+        for speed, answer in model.answers.items():
+            past = self.past.get(speed, [])[-MEMORY:]
+            answers[speed] = mend(answer, model.place, past, self.scale)
+        return replace(model, answers=answers)
+
     def judge(self, x: Vector, seen: Mapping[float, Seen]) -> Found:
         """What the cycles say of the limits, and the cam of its own."""
         excesses: dict[str, float] = {}
-        for speed, (near, cycle) in seen.items():
+        for speed, (near, cycle, figures) in seen.items():
             at = f"at {speed * RPM:.0f} r/min"
             if near < speed:
                 excesses[f"separation {at}"] = SEVERE * (1.0 - near / speed)
@@ -214,22 +247,48 @@ class Search:
             for name, least in self.wanted.gaps.items():
                 gap = float(cycle[f"{name}.least_gap"].min())
                 excesses[f"gap of {name} {at}"] = (least - gap) / max(abs(least), 1e-4)
-        lobe = self.train.lobe
-        own = Model(lobe, list(self.own_limits(x)), {}, x, self.geometry, self.scale, self.area0)
-        curve = lobe.curve(x[: lobe.count])
-        for limit, excess in zip(own.limits, own.excesses(x, curve), strict=True):
-            excesses[limit.name] = float(excess.max())
+            if self.wanted.film:
+                ratios = self.train.film_ratios(cycle.__getitem__)
+                excesses[f"film ratio {at}"] = 1.0 - float(np.nanmin(ratios)) / self.wanted.film
+            for name, side, size in self.wanted.figures if figures else ():
+                scale = max(abs(size), TINY)
+                excesses[f"{name} {at}"] = side * (figures[name].value - size) / scale
+        area, objective = self.area_line(x), self.wanted.objective
+        if objective.name == AREA:
+            reached = area.value
+        else:
+            excesses[area.name] = self.wanted.area - area.value
+            values = {v: one.figures[objective.name].value for v, one in seen.items() if one.figures}
+            reached = math.exp(float(x[-1])) if self.stretched else objective.weigh(values)
         beyond = {name: excess for name, excess in excesses.items() if excess > CONFIRMED}
-        area = float(lobe.bumps.areas @ x[: lobe.count]) / self.area0
-        return Found(x, area, beyond)
+        return Found(x, reached, beyond | self.own_excesses(x), area.value)
+
+    def own_excesses(self, x: Vector) -> dict[str, float]:
+        """The limits of the cam itself that it exceeds, each with the share."""
+        lobe = self.train.lobe
+        own = self.own_model(x, self.area_line(x))
+        excesses = zip(own.limits, own.excesses(x, lobe.curve(x[: lobe.count])), strict=True)
+        return {limit.name: float(most) for limit, one in excesses if (most := one.max()) > CONFIRMED}
+
+    def own_model(self, x: Vector, objective: Line) -> Model:
+        """Of the cam alone."""
+        return Model(
+            self.train.lobe, list(self.own_limits(x)), {}, x, self.geometry, self.scale, objective,
+            stretched=self.stretched,
+        )  # fmt: skip
+
+    def area_line(self, x: Vector) -> Line:
+        lobe, gradient = self.train.lobe, np.zeros(x.size)
+        gradient[: lobe.count] = lobe.bumps.areas / self.area0
+        return Line("least_lift_area", float(gradient @ x), gradient, x, self.wanted.area, LEAST)
 
     def list_answers(self, x: Vector, seen: Mapping[float, Seen]) -> Iterator[tuple[float, Answer]]:
         """By speed; those of lost contact are continued from lower speeds."""
         lowest: Answer | None = None
-        for speed, (near, cycle) in seen.items():
+        for speed, (near, cycle, _) in seen.items():
             answer = self.train.answer(x, cycle, near, self.columns)
             lowest = lowest or answer
-            yield speed, answer if near == speed else _continue(lowest, answer, speed)
+            yield speed, answer if near == speed else go_on(lowest, answer, speed)
 
     def own_limits(self, x: Vector) -> Iterator[Limit]:
         lobe = self.train.lobe
@@ -239,108 +298,88 @@ class Search:
 
     def geometry(self, x: Vector) -> Any:
         """The follower's, with the parameters among the unknowns."""
-        geometry, count = self.train.lobe.kind.geometry, self.train.lobe.count
-        changed = {}
-        for name, value in zip(self.train.parameters, x[count:], strict=True):
+        geometry, changed = self.train.lobe.kind.geometry, {}
+        for name, value in self.train.values(x).items():
             part, _, parameter = name.partition(".")
             field = {"follower_radius": "radius"}.get(parameter, parameter)
             if part == self.train.cam and field in geometry._fields:
-                changed[field] = float(value)
+                changed[field] = value
         return geometry._replace(**changed)
 
-    def model(self, x: Vector, answers: Mapping[float, Answer]) -> Model:
-        """The limits, with the answers around `x`."""
-        lobe, limits = self.train.lobe, list(self.own_limits(x))
-        curve = lobe.curve(x[: lobe.count])
-        lifted = self.train.lifted(curve.s)
-        geometry = self.geometry(x)
-        touch = lobe.touch(curve, geometry)
-        arc = 1.0 / geometry.radius if hasattr(geometry, "radius") else 0.0
-        first = next(iter(self.contacts), "")
-        slowest = answers[min(answers)]
+    def model(self, x: Vector, seen: Mapping[float, Seen]) -> Model:
+        """The limits, with the answers and figures around `x`."""
+        lobe, limits, lines = self.train.lobe, list(self.own_limits(x)), list[Line]()
+        answers = dict(self.list_answers(x, seen))
         for speed, answer in answers.items():
-            at = f"at {speed * RPM:.0f} r/min"
-            for name in self.contacts:
-                load = answer.columns[f"{name}.load"]
-                scale = float(np.max(load.high))
-                least = self.wanted.least_load
-                kept = speed in self.wanted.kept
-                if kept or least > 0.0:
-                    size, column = least + SPARE * scale, f"{name}.load"
-                    change = _by_speed(slowest, answer, column) if kept and speed > slowest.speed else None
-                    word = f"{'separation' if kept else 'least load'} of {name} {at}"
-                    limits.append(load_limit(word, column, speed, size, scale, lifted, change))
-                if name in self.wanted.pressures:
-                    own = name == first
-                    bend = touch.turn / touch.cam_rate + arc if own else np.ones(curve.s.size)
-                    pressure = answer.columns[f"{name}.maximum_pressure"]
-                    strong = load.high * bend
-                    row = int(np.argmax(np.where(load.high > 0.2 * scale, strong, 0.0)))
-                    stiffness = float(pressure.high[row] ** 2 / strong[row])
-                    limits.append(
-                        pressure_limit(
-                            f"pressure in {name} {at}",
-                            f"{name}.load",
-                            speed,
-                            self.wanted.pressures[name],
-                            stiffness,
-                            arc if own else None,
-                        )
-                    )
-            for name, gap in self.wanted.gaps.items():
-                limits.append(gap_limit(f"gap of {name} {at}", f"{name}.least_gap", speed, gap))
-        return Model(lobe, limits, answers, x.copy(), self.geometry, self.scale, self.area0)
+            limits += self.list_limits(x, answer, answers[min(answers)], f"at {speed * RPM:.0f} r/min")
+        slopes: dict[float, Mapping[str, Vector]] = {}
+        for speed, (_, cycle, figures) in seen.items():
+            if figures:
+                found = self.slopes.settle(x, speed, figures)
+                slopes[speed] = dict(zip(self.measured, found, strict=True))
+                at = f"at {speed * RPM:.0f} r/min"
+                angles = self.train.angles(cycle)
+                lines += bound_lines(self.wanted.figures, figures, slopes[speed], x, at, angles)
+        objective, area = self.wanted.objective, self.area_line(x)
+        if objective.name != AREA:
+            lines.append(area)
+        return Model(
+            lobe, limits, answers, x.copy(), self.geometry, self.scale,
+            self.objective_line(x, seen, slopes) if objective.name != AREA else area, lines, self.stretched,
+        )  # fmt: skip
+
+    def objective_line(
+        self, x: Vector, seen: Mapping[float, Seen], slopes: Mapping[float, Mapping[str, Vector]]
+    ) -> Line:
+        """Of the speed of separation, or a figure."""
+        objective = self.wanted.objective
+        if self.stretched:
+            return Line(objective.name, 1.0 + float(x[-1]), np.eye(x.size)[-1], x)
+        values = {v: seen[v].figures[objective.name].value for v in slopes}
+        shares = [slopes[v][objective.name] / abs(objective.before[v]) for v in slopes]
+        gradient = objective.sign * np.mean(shares, axis=0)
+        return Line(objective.name, objective.weigh(values), gradient, x)
+
+    def list_limits(self, x: Vector, answer: Answer, slowest: Answer, at: str) -> Iterator[Limit]:
+        """Of loads, pressures, film and gaps at the speed of an answer."""
+        lobe, geometry, wanted = self.train.lobe, self.geometry(x), self.wanted
+        curve, speed = lobe.curve(x[: lobe.count]), answer.speed
+        touch, lifted = lobe.touch(curve, geometry), self.train.lifted(curve.s)
+        arc = 1.0 / geometry.radius if hasattr(geometry, "radius") else 0.0
+        first, kept = next(iter(self.contacts), ""), speed in self.kept(x)
+        for name in self.contacts:
+            column = f"{name}.load"
+            load = answer.columns[column]
+            scale, least = float(np.max(load.high)), wanted.least_load
+            if kept or least > 0.0:
+                change = differ_by_speed(slowest, answer, column) if kept and speed > slowest.speed else None
+                word = f"{'separation' if kept else 'least load'} of {name} {at}"
+                yield load_limit(word, column, speed, least + SPARE * scale, scale, lifted, change)
+            if name in wanted.pressures:
+                bend = touch.turn / touch.cam_rate + arc if name == first else np.ones(curve.s.size)
+                pressure = answer.columns[f"{name}.maximum_pressure"]
+                strong = load.high * bend
+                row = int(np.argmax(np.where(load.high > 0.2 * scale, strong, 0.0)))
+                stiffness = float(pressure.high[row] ** 2 / strong[row])
+                word, most = f"pressure in {name} {at}", wanted.pressures[name]
+                yield pressure_limit(word, column, speed, most, stiffness, arc if name == first else None)
+        if wanted.film and (film := self.train.film(arc, speed * self.train.ratio)):
+            load = answer.columns[f"{first}.load"]
+            here = State(curve, touch, load.low, load.high)
+            ratios = self.train.film_ratios(answer.cycle.__getitem__)
+            yield film_limit(f"film ratio {at}", f"{first}.load", speed, wanted.film, ratios, film, here)
+        for name, gap in wanted.gaps.items():
+            yield gap_limit(f"gap of {name} {at}", f"{name}.least_gap", speed, gap)
 
     def solve(self, model: Model, x: Vector, box: float, starts: int) -> Optimum:
         """The best optimum of the model within the box around `x`, from `starts` places in it."""
         reach = box * self.scale
         low, high = x - reach, x + reach
         count = self.train.lobe.count
-        low[count:] = np.maximum(low[count:], self.bounds[:, 0])
-        high[count:] = np.minimum(high[count:], self.bounds[:, 1])
+        among = slice(count, count + len(self.bounds))
+        low[among] = np.maximum(low[among], self.bounds[:, 0])
+        high[among] = np.minimum(high[among], self.bounds[:, 1])
         problem = Problem(model.evaluate, low, high, self.scale)
         places = np.random.default_rng(self.seed).uniform(-1.0, 1.0, (starts, x.size)) * SPREAD * reach
         places[0] = 0.0
         return max((maximise(problem, x + one) for one in places), key=lambda one: one.local.merit)
-
-
-def describe(found: Found) -> str:
-    """In words."""
-    area = f"area {100.0 * (found.objective - 1.0):+.2f} %"
-    beyond = (f"{name} by {100.0 * share:.2g} %" for name, share in found.beyond.items())
-    return f"{area}; beyond limits: {', '.join(beyond)}" if found.beyond else f"{area}, all limits kept"
-
-
-def _by_speed(low: Answer, high: Answer, column: str) -> Vector:
-    """Derivative of a column at the higher speed by its logarithm, as of a + b speed^2."""
-    share = 2.0 * high.speed**2 / (high.speed**2 - low.speed**2)
-    return np.asarray(share * (high.columns[column].low - low.columns[column].low))
-
-
-def _continue(low: Answer, high: Answer, speed: float) -> Answer:
-    """Columns at a higher speed (rad/s), as a + b speed^2."""
-    share = (speed**2 - high.speed**2) / (high.speed**2 - low.speed**2)
-    columns = {
-        name: Column(
-            *(b + share * (b - a) for a, b in zip(low.columns[name], high.columns[name], strict=True))
-        )
-        for name in high.columns
-    }
-    gradients = {
-        name: high.gradients[name] + share * (high.gradients[name] - low.gradients[name])
-        for name in high.gradients
-    }
-    return high._replace(speed=speed, columns=columns, gradients=gradients)
-
-
-def find_separation(
-    is_lost: Callable[[float], bool], low: float, high: float, steps: int = 12
-) -> float | None:
-    """The lowest of `steps` speeds (rad/s) from `low` to `high` at which contact is lost, found closer
-    between it and the one before; None where it is kept at all of them."""
-    kept = None
-    for speed in np.geomspace(low, high, steps):
-        if is_lost(float(speed)):
-            return float(speed) if kept is None else bisect_separation(is_lost, kept, float(speed), CLOSE)
-        kept = float(speed)
-    return None

@@ -6,6 +6,7 @@ limit along an angle is hundreds of rows, almost linear in the coefficients of a
 active ones itself, and its multipliers are those of the limits.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -20,6 +21,8 @@ PENALTY = 100.0
 # The step's box, in scales of the unknowns, at first and at the end.
 FIRST, LAST = 0.1, 1e-5
 MOST_STEPS = 60
+# Of the values of a linear limit.
+SMALLEST = 1e-12
 # A violation below this is none.
 FULFILLED = 1e-6
 
@@ -36,6 +39,29 @@ class Rows(NamedTuple):
     @property
     def violation(self) -> float:
         return float(max(0.0, self.excess.max(initial=0.0)))
+
+
+class Line(NamedTuple):
+    """A linear function of the unknowns: `value` at `place`, with its gradient. As a limit it is at most
+    (side 1) or at least (-1) its size; the cam angle (rad) is where it stands."""
+
+    name: str
+    value: float
+    gradient: Vector
+    place: Vector
+    size: float = 0.0
+    side: float = 1.0
+    angle: float = math.nan
+
+    def at(self, unknowns: Vector) -> float:
+        return self.value + float(self.gradient @ (unknowns - self.place))
+
+    def rows(self, unknowns: Vector) -> Rows:
+        scale = max(abs(self.size), abs(self.value), SMALLEST) * self.side
+        excess = (self.at(unknowns) - self.size) / scale
+        return Rows(
+            self.name, np.array([excess]), self.gradient[None] / scale, np.array([-self.size / scale])
+        )
 
 
 class Local(NamedTuple):

@@ -1,10 +1,11 @@
 """The steady cycles of a train with a designed cam, and how its contacts answer to a bump of the lift."""
 
 import copy
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -14,37 +15,27 @@ from models.monolithic.cycle import Cycle
 from models.valve_train.cams.table import TURN
 from models.valve_train.worn_cam import sample_cam
 
+from ...assessment.films import has_film
 from ...assessment.motion import LIFTED
 from ...assessment.trains import Train, find_trains
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, build_scenario
 from ...scenario.cams import read_cam
+from ...scenario.files import put
 from ...scenario.system import build_system, list_parameters
 from ..speeds.finder import CycleFinder
 from ..speeds.subject import SpeedSubject, count_turns, find_flywheel
 from ..wear.train import put_points
+from .answers import Answer, Column
+from .brief import Ramps
+from .film import Film
 from .lobe import Lobe, find_event
+from .wires import WireLength, list_wires, wind
 
 # Of the largest lift, a bump whose answer is measured; of a parameter, its change.
 BUMP, SHARE = 2e-3, 1e-3
 # Where in the event bumps are measured, as a share of their count; answers between are interpolated.
 MEASURED = (0.2, 0.65)
-
-
-class Column(NamedTuple):
-    """An output over the event's angles: its least and largest value around each of them."""
-
-    low: Vector
-    high: Vector
-
-
-class Answer(NamedTuple):
-    """Outputs of a cycle at a speed (rad/s), by name, and their derivatives by all unknowns (rows, n)."""
-
-    speed: float
-    columns: Mapping[str, Column]
-    gradients: Mapping[str, Vector]
-    cycle: Cycle
 
 
 @dataclass(frozen=True)
@@ -57,6 +48,7 @@ class DesignedTrain:
     cam: str
     lobe: Lobe
     parameters: Mapping[str, float] = field(default_factory=dict)
+    wires: Mapping[str, WireLength] = field(default_factory=dict)
     _ends: dict[float, Vector] = field(default_factory=dict)
 
     @cached_property
@@ -91,23 +83,34 @@ class DesignedTrain:
     def given(self) -> dict[str, float]:
         """The values that the scenario gives the parameters."""
         known = list_parameters(self.scenario)
-        return {name: known[name] for name in self.parameters}
+        return {name: known[name] if name in known else self.wires[name].size for name in self.parameters}
+
+    @property
+    def steps(self) -> Vector:
+        """Of differences by the unknowns."""
+        bump = BUMP * float(self.lobe.own.s.max())
+        given = zip(self.given.values(), self.parameters.values(), strict=True)
+        return np.array([bump] * self.lobe.count + [SHARE * (abs(own) or width) for own, width in given])
+
+    def values(self, unknowns: Vector) -> dict[str, float]:
+        """Of the parameters among the unknowns."""
+        return dict(zip(self.parameters, map(float, unknowns[self.lobe.count :]), strict=False))
 
     def simulate(self, unknowns: Vector, speed: float) -> Cycle:
         """The steady cycle at a speed (rad/s)."""
-        count = self.lobe.count
-        points = self.lobe.points(unknowns[:count]).parameters()
+        points = self.lobe.points(unknowns[: self.lobe.count]).parameters()
         values = {f"{self.cam}.{name}": value for name, value in points.items()}
-        values |= dict(zip(self.parameters, map(float, unknowns[count:]), strict=True))
-        return self.finder.find(values, speed, self._ends.get(speed))
+        values |= wind(self.wires, self.values(unknowns))
+        nearest = min(self._ends, key=lambda one: abs(one - speed), default=speed)
+        return self.finder.find(values, speed, self._ends.get(nearest))
 
     def begin_with(self, cycle: Cycle, speed: float) -> None:
         """Further cycles at this speed begin with the last state of this one."""
         self._ends[speed] = cycle.end
 
-    def read(self, cycle: Cycle, names: Sequence[str]) -> dict[str, Column]:
+    def read(self, column: Callable[[str], Vector], names: Sequence[str]) -> dict[str, Column]:
         """Outputs over the event's angles, in the last turn of the cam."""
-        angle = cycle[f"{self.cam}.{self.train.role.angle}"]
+        angle = column(f"{self.cam}.{self.train.role.angle}")
         turned = angle - angle[-1] + TURN
         last = turned >= 0.0
         at = (angle[last] - self.lobe.begin) % TURN
@@ -116,7 +119,7 @@ class DesignedTrain:
         inside = (cell >= 0) & (cell < self.lobe.angles.size)
         found = {}
         for name in names:
-            values, cells = cycle[name][last][inside], cell[inside]
+            values, cells = column(name)[last][inside], cell[inside]
             low, high = np.full(self.lobe.angles.size, np.inf), np.full(self.lobe.angles.size, -np.inf)
             np.minimum.at(low, cells, values)
             np.maximum.at(high, cells, values)
@@ -128,30 +131,44 @@ class DesignedTrain:
             found[name] = Column(low, high)
         return found
 
+    def angles(self, cycle: Cycle) -> Callable[[int | None], float]:
+        """The cam angle (rad) in its turn at a row; nan of none."""
+        angle = cycle[f"{self.cam}.{self.train.role.angle}"] % TURN
+        return lambda row: math.nan if row is None else float(angle[row])
+
+    def film(self, arc: float, speed: float) -> Film | None:
+        """That of the cam's contact with a follower of curvature `arc` (1/m), at a speed of the cam (rad/s);
+        None where it has no meaning."""
+        return Film.of(self.finder.system.instances[self.train.contacts[0]], arc, speed)
+
+    def film_ratios(self, column: Callable[[str], Vector]) -> Vector:
+        """The least film over roughness of the cam's contact, at the event's angles; nan under light load."""
+        name = self.train.contacts[0]
+        found = self.read(column, [f"{name}.film_ratio", f"{name}.load"])
+        under = has_film("film_ratio", found[f"{name}.load"].low)
+        return np.where(under, found[f"{name}.film_ratio"].low, np.nan)
+
     def answer(self, unknowns: Vector, cycle: Cycle, speed: float, names: Sequence[str]) -> Answer:
         """The outputs of a cycle, with their derivatives by differences of cycles."""
-        base, count = self.read(cycle, names), self.lobe.count
-        largest = float(self.lobe.curve(unknowns[:count]).s.max())
+        base, count, steps = self.read(cycle.__getitem__, names), self.lobe.count, self.steps
         places = [round(share * (count - 1)) for share in MEASURED]
 
-        def differ(which: int, step: float) -> dict[str, Vector]:
-            changed = unknowns.copy()
+        def differ(which: int) -> dict[str, Vector]:
+            changed, step = unknowns.copy(), float(steps[which])
             changed[which] += step
-            there = self.read(self.simulate(changed, speed), names)
+            there = self.read(self.simulate(changed, speed).__getitem__, names)
             return {
                 name: 0.5 * (there[name].low + there[name].high - base[name].low - base[name].high) / step
                 for name in names
             }
 
-        bumps = {place: differ(place, BUMP * largest) for place in places}
-        others = [
-            differ(count + i, SHARE * (abs(float(unknowns[count + i])) or width))
-            for i, width in enumerate(self.parameters.values())
-        ]
+        bumps = {place: differ(place) for place in places}
+        others = [differ(which) for which in range(count, steps.size)]
         gradients = {}
         for name in names:
             columns = self._spread({place: found[name] for place, found in bumps.items()})
-            gradients[name] = np.column_stack([columns, *(found[name] for found in others)])
+            rest = [found[name] for found in others] + [0.0 * base[name].low] * (unknowns.size - steps.size)
+            gradients[name] = np.column_stack([columns, *rest])
         return Answer(speed, base, gradients, cycle)
 
     def _spread(self, answers: Mapping[int, Vector]) -> Vector:
@@ -179,9 +196,11 @@ def open_train(
     count: int,
     component: str | None = None,
     event: tuple[float, float] | None = None,
+    ramps: Ramps | None = None,
 ) -> DesignedTrain:
     """The train of a scenario; MistakeError or ModelError for one without a cam on a flywheel."""
-    scenario = build_scenario(copy.deepcopy(dict(tables)))
+    own = copy.deepcopy(dict(tables))
+    scenario = build_scenario(copy.deepcopy(own))
     flywheel = find_flywheel(scenario)
     cams = [train.cam for train in find_trains(build_system(scenario))]
     if component is None and len(cams) > 1:
@@ -189,8 +208,28 @@ def open_train(
     cam = component or cams[0]
     if cam not in cams:
         raise MistakeError((Option("cam", cam), f": {one_of(cams, cam)}"))
+    if ramps is not None:
+        _put_ramps(own, cam, ramps, list_parameters(scenario))
+        scenario = build_scenario(copy.deepcopy(own))
     kind = read_cam(scenario.components[cam])
     begin, end = find_event(kind, event)
     lobe = Lobe(kind, begin, end, count)
-    subject = SpeedSubject(put_points(tables, cam, sample_cam(kind)), flywheel)
-    return DesignedTrain(scenario, subject, cam, lobe)
+    subject = SpeedSubject(put_points(own, cam, sample_cam(kind)), flywheel)
+    return DesignedTrain(scenario, subject, cam, lobe, wires=dict(list_wires(own)))
+
+
+def _put_ramps(tables: dict[str, Any], cam: str, ramps: Ramps, known: Mapping[str, float]) -> None:
+    """Ramps of this height and velocity: v = height/(constant + blend), as `add_ramp` has it."""
+    if f"{cam}.ramp_blend_angle" not in known:
+        raise MistakeError(f"ramps: {cam} has none of its own; its lift table holds them")
+    blend = known[f"{cam}.ramp_blend_angle"]
+    constant = ramps.height / ramps.velocity - blend
+    if not 0.0 <= constant <= math.pi:
+        given, most = (1e3 * math.radians(v) for v in (ramps.velocity, ramps.height / blend))
+        raise MistakeError(
+            f"ramps.velocity = {given:.4g} mm/deg: must be at most {most:.4g} mm/deg for a height of "
+            f"{1e3 * ramps.height:.4g} mm, by ramp_blend_angle of {cam}, and reach it in half a turn"
+        )
+    values = {"ramp_height": ramps.height, "opening_ramp_angle": constant, "closing_ramp_angle": constant}
+    for name, value in values.items():
+        put(tables, f"components.{cam}.parameters.{name}", value)

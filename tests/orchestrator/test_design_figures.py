@@ -1,0 +1,262 @@
+"""tribocosim design: figures of merit, film, wires and ramps as limits, objectives and unknowns."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import tribocosim
+from models.core.quantities import Vector
+from models.core.system import ModelError
+from orchestrator.assessment.motion import Found
+from orchestrator.errors import MistakeError
+from orchestrator.scenario.files import read_changed
+from orchestrator.scenario.wire import insert_wire
+from orchestrator.study.design.answers import Answer, Column, mend
+from orchestrator.study.design.brief import Brief, read_bounds, read_brief
+from orchestrator.study.design.deliverables import deliver
+from orchestrator.study.design.figures import Bound, Objective, Slopes, find_objective, list_bounds
+from orchestrator.study.design.files import keep
+from orchestrator.study.design.film import find_reversals
+from orchestrator.study.design.limits import Limit, Model
+from orchestrator.study.design.slp import Line, Problem, maximise
+from orchestrator.study.design.train import open_train
+from orchestrator.study.design.wanted import Found as Design
+from orchestrator.study.design.wires import list_wires, wind
+from orchestrator.study.speeds.subject import describe_numbers
+
+from .test_design import build_lobe, write_brief
+
+SPEED = 2500.0 * math.pi / 30.0
+
+
+class Quadratic(Slopes):
+    """Figures a.x + x.B x of unknowns, whose cycles are the unknowns themselves."""
+
+    def _read(self, cycle: Any) -> dict[str, Found]:
+        bend = np.diag([0.1, 0.2, 0.3])
+        return {
+            name: Found(float(a @ cycle + cycle @ bend @ cycle), 0)
+            for name, a in zip(self.names, np.array([[1.0, -2.0, 3.0], [0.5, 0.0, 1.0]]), strict=True)
+        }
+
+
+def test_derivatives_of_figures_learn_from_every_cycle() -> None:
+    """Broyden's secant condition: they give the change to the last cycle, and stay across it."""
+
+    class Train:
+        def simulate(self, x: Vector, speed: float) -> Vector:
+            return x
+
+    steps = np.full(3, 1e-6)
+    slopes = Quadratic(Train(), ["p.a", "p.b"], steps, np.array([1.0, 2.0, 4.0]))  # type: ignore[arg-type]
+    x = np.array([1.0, 1.0, 1.0])
+    found = slopes.observe(x, 1.0, x)  # type: ignore[arg-type]
+    first = slopes.settle(x, 1.0, found)
+    np.testing.assert_allclose(first, [[1.2, -1.6, 3.6], [0.7, 0.4, 1.6]], atol=1e-5)
+    step = np.array([0.3, -0.4, 0.8])
+    there = slopes.observe(x + step, 1.0, x + step)
+    mended = slopes.settle(x, 1.0, found)
+    change = [there[name].value - found[name].value for name in slopes.names]
+    np.testing.assert_allclose(mended @ step, change, rtol=1e-12)
+    across = np.array([1.0, 0.0, -0.3 * 16.0 / 0.8])  # to the step over the sizes of the unknowns
+    np.testing.assert_allclose(mended @ across, first @ across, rtol=1e-12)
+
+
+def test_answers_learn_from_other_cycles_but_where_contact_is_lost() -> None:
+    """The change to the last cycle is theirs; rows behind a loss, nan, stay as they were."""
+    random = np.random.default_rng(4)
+    rows, n = 7, 3
+    here, there = (Column(*random.normal(size=(2, rows))) for _ in range(2))
+    there.low[5:] = np.nan
+    gradient = random.normal(size=(rows, n))
+    answer = Answer(1.0, {"c.load": here}, {"c.load": gradient}, None)  # type: ignore[arg-type]
+    place, other = np.ones(n), np.array([1.1, 0.8, 1.3])
+    mended = mend(answer, place, [(other, {"c.load": there}), (place, {})], np.array([1.0, 2.0, 3.0]))
+    found = mended.gradients["c.load"] @ (other - place)
+    change = 0.5 * (there.low + there.high - here.low - here.high)
+    np.testing.assert_allclose(found[:5], change[:5], rtol=1e-12)
+    np.testing.assert_array_equal(mended.gradients["c.load"][5:], gradient[5:])
+
+
+def test_a_line_is_an_objective_and_a_limit() -> None:
+    """The largest height of the middle, with an area at most: 1 % more of it is 1 % more height, to what is
+    left between linear programmes."""
+    lobe = build_lobe(count=12)
+    place = np.zeros(12)
+    height = lobe.bumps.at(np.array([math.pi]))[0]
+    bound = Line("area", 0.0, lobe.bumps.areas, place, 1e-3, 1.0, 2.0)
+    positive = Limit("positive", 0.0, lambda q, size: -q.curve.s)
+    model = Model(lobe, [positive], {}, place, lambda x: lobe.kind.geometry, np.full(12, 1e-2),
+                  Line("height", 0.0, height, place), [bound])  # fmt: skip
+    big = np.full(12, 1.0)
+    found = maximise(Problem(model.evaluate, place - big, place + big, model.scale), place)
+    assert lobe.bumps.areas @ found.unknowns == pytest.approx(1e-3, rel=1e-6)
+    gain = next(one.gain for one in found.active if one.name == "area")
+    assert gain == pytest.approx(0.01 * found.local.objective, rel=1e-3)
+
+
+def test_the_speed_of_separation_is_an_unknown() -> None:
+    """A limit that shrinks by the speed's logarithm by 2, with 6 % to spare, allows exp(3 %)."""
+    lobe = build_lobe(count=12)
+    place = np.append(lobe.start, 0.0)
+    rows = lobe.angles.size
+    limit = Limit("separation", 1.0, lambda q, size: np.full(rows, -0.06), "", 1.0, np.full(rows, 2.0))
+    model = Model(lobe, [limit], {}, place, lambda x: lobe.kind.geometry, np.append(np.full(12, 1e-2), 1.0),
+                  Line("separation_speed", 1.0, np.eye(13)[-1], place), stretched=True)  # fmt: skip
+    big = np.full(13, 0.5)
+    found = maximise(Problem(model.evaluate, place - big, place + big, model.scale), place)
+    assert found.unknowns[-1] == pytest.approx(0.03, abs=1e-9)
+
+
+def test_the_film_of_another_cam_is_foreseen() -> None:
+    """A lift that is lower by 5 % in the middle, against a cycle of it. Away from reversals of the velocity a
+    film follows the formula's exponents: to 1 % in the mean. At a reversal, where it stays, to 20 %."""
+    train = open_train(read_changed("valve-train"), 16)
+    x = train.lobe.start
+    there = x * (1.0 - 0.05 * np.exp(-(((np.arange(16) - 7.5) / 3.0) ** 2)))
+    film = train.film(0.0, SPEED)
+    assert film
+    looks = []
+    for unknowns in (x, there):
+        cycle = train.simulate(unknowns, SPEED)
+        touch = train.lobe.touch(train.lobe.curve(unknowns), train.lobe.kind.geometry)
+        load = train.read(cycle.__getitem__, ["contact.load"])["contact.load"]
+        looks.append((train.film_ratios(cycle.__getitem__), touch, load.high))
+    (before, here, force), (after, changed, other) = looks
+    foreseen = film.foresee(before, here, force)(changed, other)
+    reversals = find_reversals(changed)
+    assert len(reversals) == 4
+    for i in reversals:
+        assert foreseen[i] == pytest.approx(after[i - 8 : i + 9].min(), rel=0.2)
+    foreseen[reversals] = np.nan
+    assert np.isfinite(foreseen).mean() > 0.7
+    assert np.nanmean(np.abs(foreseen / after - 1.0)) < 0.01
+    assert np.nanmean(np.abs(np.where(np.isfinite(foreseen), before, np.nan) / after - 1.0)) > 0.03
+
+
+WIRE = {
+    "component": "valve_spring",
+    "wire": {"diameter": "4 mm", "mean_diameter": "25 mm", "active_coils": 6.0, "free_length": "50 mm",
+             "installed_length": "40 mm"},
+    "parameters": {},
+}  # fmt: skip
+
+
+def test_a_wire_as_an_unknown_gives_its_spring() -> None:
+    """The rate grows with the fourth power of the diameter; what a wire cannot be is told."""
+    wires = dict(list_wires({"components": {"spring": WIRE, "cam": {}}}))
+    own = wind(wires, {name: one.size for name, one in wires.items()} | {"cam.lift": 0.008})
+    assert own.pop("cam.lift") == 0.008
+    direct = insert_wire(WIRE)["parameters"]
+    assert own["spring.spring_rate"] == pytest.approx(direct["spring_rate"], rel=1e-12)
+    thick = wind(wires, {"spring.wire.diameter": 4.4e-3})
+    ratio = thick["spring.spring_rate"] / own["spring.spring_rate"]
+    assert ratio == pytest.approx(1.1**4, rel=1e-9)
+    with pytest.raises(ModelError, match="spring: "):
+        wind(wires, {"spring.wire.diameter": 9e-3})
+
+
+def test_asked_ramps_are_those_of_the_cam(tmp_path: Path) -> None:
+    brief = '[ramps]\nheight = "0.3 mm"\nvelocity = "0.01 mm/deg"'
+    asked = read_brief(str(write_brief(tmp_path, f'scenario = "pushrod-train"\n{brief}')))
+    train = open_train(asked.tables, 24, ramps=asked.brief.ramps)
+    begin = train.lobe.begin
+    lifts = [train.lobe.kind.lift(begin - math.radians(a)) for a in (6.0, 10.0)]
+    assert [one.ds for one in lifts] == pytest.approx([1e-5 / math.radians(1.0)] * 2, rel=1e-9)
+    # Half of the blend into the event is left of the ramp at its foot.
+    assert train.lobe.ramp(0.5 * (begin + train.lobe.end)).s == pytest.approx(3e-4, rel=1e-9)
+    fast = read_brief(str(write_brief(tmp_path, f'scenario = "pushrod-train"\n{brief.replace("0.01", "1")}')))
+    with pytest.raises(MistakeError, match=r"ramps\.velocity = 1 mm/deg: must be at most"):
+        open_train(fast.tables, 24, ramps=fast.brief.ramps)
+
+
+def read(text: str) -> Brief:
+    return Brief.model_validate({"scenario": "valve-train", **tribocosim_toml(text)})
+
+
+def tribocosim_toml(text: str) -> dict[str, Any]:
+    import tomllib
+
+    return tomllib.loads(text)
+
+
+def test_figures_and_objectives_are_those_of_the_brief() -> None:
+    asked = read_brief("valve-train")
+    known = describe_numbers(open_train(asked.tables, 12).scenario)
+    own: Callable[[str, float], float] = lambda name, _: 2.0  # noqa: E731
+    brief = read('[limits]\nleast_spring_margin = 0.3\n[figures]\n"contact.largest_load" = {most = "900 N"}\n'
+                 '"contact.friction_power" = {most = "own"}')  # fmt: skip
+    assert list(list_bounds(brief, known, own)) == [
+        Bound("valve_spring.spring_margin", -1.0, 0.3),
+        Bound("contact.largest_load", 1.0, 900.0),
+        Bound("contact.friction_power", 1.0, 2.0),
+    ]
+    wanted = find_objective(read('minimise = "flywheel.mean_torque"'), known, own, [1.0, 3.0])
+    assert wanted.weigh({1.0: 1.9, 3.0: 2.0}) == pytest.approx(1.025)
+    assert find_objective(read(""), known, own, [1.0]) == Objective()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('maximise = "contact.friction_powr"', "did you mean contact.friction_power"),
+        ('minimise = "lift_area"', "is to be maximised"),
+        ('[figures]\n"contact.bounce" = {most = "1 mm"}', "figures.contact.bounce"),
+        ('[figures]\n"contact.largest_load" = {most = 900}', "write the number with its unit"),
+        ('[limits]\nleast_clearance = "1 mm"', "no part of the scenario has the figure least_clearance"),
+        (
+            'maximise = "separation_speed"\n[limits]\nseparation_speed = "free"',
+            "needs limits.separation_speed",
+        ),
+    ],
+)
+def test_wishes_that_a_train_cannot_meet_are_refused(text: str, words: str) -> None:
+    asked = read_brief("valve-train")
+    known = describe_numbers(open_train(asked.tables, 12).scenario)
+    brief = read(text)
+
+    def own(name: str, speed: float) -> float:
+        return 1.0
+
+    def ask() -> None:
+        list(list_bounds(brief, known, own))
+        find_objective(brief, known, own, [1.0])
+
+    with pytest.raises(MistakeError, match=words):
+        ask()
+
+
+def test_wires_have_bounds_with_units(tmp_path: Path) -> None:
+    tables = {"components": {"spring": WIRE}}
+    brief = read('[parameters]\n"spring.wire.diameter" = ["3.8 mm", "4.2 mm"]')
+    scenario = open_train(read_changed("valve-train"), 12).scenario
+    bounds = read_bounds(brief, scenario, "flywheel", dict(list_wires(tables)))
+    assert bounds == {"spring.wire.diameter": pytest.approx((3.8e-3, 4.2e-3))}
+
+
+def test_files_of_the_trade_hold_the_design(tmp_path: Path) -> None:
+    """Lifts of half-degree rows come back within 0.05 um, also by the contour; `.s96` rounds to 1e-8 in."""
+    asked = read_brief("valve-train")
+    train = open_train(asked.tables, 24)
+    keep(tmp_path, asked, train, Design(train.lobe.start, 1.0, {}, 1.0))
+    said = [str(one) for one in deliver(tmp_path, train, train.lobe.start)]
+    assert "deg of the crank at 1 mm" in said[0]
+    apart = {one.partition(" ")[0]: float(one.partition("within ")[2].split()[0]) for one in said[1:]}
+    assert set(apart) == {"cam.s96", "cam.mm.csv", "cam.in.csv", "cam.contour.csv"}
+    assert max(apart.values()) < 0.05
+
+
+@pytest.mark.long
+def test_a_designed_cam_needs_less_torque_with_the_same_area(tmp_path: Path) -> None:
+    brief = write_brief(tmp_path, 'scenario = "valve-train"\nminimise = "contact.friction_power"\n'
+                        'coefficients = 16\nspeeds = ["1600 rpm"]\nstarts = 1\n[limits]\n'
+                        'least_lift_area = 0.99\nseparation_speed = "3000 rpm"')  # fmt: skip
+    found = tribocosim.design(str(brief), out=tmp_path / "design")
+    assert found.attrs["feasible"]
+    assert found.attrs["area"] > 0.985
+    power = found["value"].sel(figure="contact.friction_power").values[:, 0]
+    assert power[1] < 0.99 * power[0]
