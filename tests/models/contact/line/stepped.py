@@ -16,8 +16,16 @@ _made = functools.cache(ehl_line_contact)
 class Contact(Stepped):
     """An ehl_line_contact; `inputs` of a step are functions of time, linear in it."""
 
-    def __init__(self, film: float = 1e-6, nodes: int = NODES, layers: int = 0, **parameters: float) -> None:
-        super().__init__(_made(nodes, layers=layers), parameters, {"film_thickness": film})
+    def __init__(
+        self,
+        film: float = 1e-6,
+        nodes: int = NODES,
+        layers: int = 0,
+        mass_conserving: int = 0,
+        **parameters: float,
+    ) -> None:
+        made = _made(nodes, layers=layers, mass_conserving=mass_conserving)
+        super().__init__(made, parameters, {"film_thickness": film})
         self.nodes = nodes
 
     def step(self, h: float, **inputs: Any) -> int:

@@ -1,6 +1,5 @@
 """Cavities that keep their oil: closed forms of rigid cylinders, conservation, and the flooded limit."""
 
-import functools
 import math
 from typing import Any
 
@@ -14,22 +13,18 @@ from models.contact.fluid import Lubricant, density_ratio
 from models.contact.line.grid import node_positions
 from models.core.integrator import OK
 
-from ...stepped import Stepped
 from .stepped import NODES, Contact
 
 RIGID = {"youngs_modulus_1": 1e16, "youngs_modulus_2": 1e16, "viscosity_law": 2.0, "density_law": 1.0}
 RADIUS, LENGTH, VISCOSITY = 0.02, 12e-3, 0.036
 GAP, LAYER = 2e-6, 2.3e-6
-_made = functools.cache(ehl_line_contact)
 
 
 class Conserving(Contact):
     """An ehl_line_contact whose cavities keep their oil."""
 
     def __init__(self, film: float = 1e-6, nodes: int = NODES, **parameters: float) -> None:
-        component = _made(nodes, mass_conserving=1)
-        Stepped.__init__(self, component, parameters, {"film_thickness": film})
-        self.nodes = nodes
+        super().__init__(film, nodes, mass_conserving=1, **parameters)
 
     @property
     def x_nodes(self) -> Any:
@@ -177,25 +172,11 @@ def test_a_contact_that_parted_has_no_load_before_it_comes_back_to_its_oil() -> 
 
 
 def test_a_supply_needs_cavities_that_keep_their_oil() -> None:
-    component = _made(NODES)
+    component = ehl_line_contact(NODES)
     (fault,) = component.parameter_faults(component.parameters.vector({"oil_supply": 1e-6}))
     assert fault.startswith("oil_supply = 1e-06 m: must be 1 (flooded)")
     with pytest.raises(ValueError, match="mass_conserving = 2: must be 0 or 1"):
         ehl_line_contact(mass_conserving=2)
-
-
-def test_a_state_with_cavities_goes_on_to_the_same_bits_in_any_scratch_memory() -> None:
-    """Nothing that steps before have left in it is read, of steps that failed either."""
-    contact, fresh = Conserving(oil_supply=1e-6), Conserving(oil_supply=1e-6)
-    drive: dict[str, Any] = {"approach": 0.3e-6, "entraining_velocity": lambda t: 2.0 - 4e3 * t}
-    for _ in range(30):
-        assert contact.step(2e-5, **drive) == OK
-    fresh.x[:], fresh.t = contact.x, contact.t
-    assert contact.step(2e-5, **{**drive, "approach": math.nan}) != OK
-    for one in (contact, fresh):
-        for _ in range(10):
-            assert one.step(2e-5, **drive) == OK
-    np.testing.assert_array_equal(contact.x, fresh.x)
 
 
 def test_what_enters_is_stored(record) -> None:

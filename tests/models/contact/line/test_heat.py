@@ -263,20 +263,6 @@ def test_order_two_in_time(record):
     record("Field", "orders of the heated film in time", orders, 2.0, "second-order steps", tolerance=0.4)
 
 
-def test_a_state_goes_on_to_the_same_bits_in_any_scratch_memory():
-    contact, fresh = (Contact(layers=LAYERS, eyring_stress=5e6) for _ in range(2))
-    running = {"approach": 0.3e-6, "entraining_velocity": 2.0, "sliding_velocity": 1.0}
-    for _ in range(10):
-        assert contact.step(2e-5, **running) == OK
-    saved, at, ends = contact.x.copy(), contact.t, []
-    for one in (contact, contact, fresh):
-        one.x[:], one.t = saved, at
-        for _ in range(5):
-            assert one.step(2e-5, **running) == OK
-        ends.append(one.x.copy())
-    np.testing.assert_array_equal(ends[1:], ends[:1] * 2)
-
-
 @pytest.mark.parametrize("layers", [-1, 3, 65])
 def test_numbers_of_layers_that_cannot_be_are_refused(layers):
     with pytest.raises(ValueError, match=f"layers = {layers}: must be 0"):

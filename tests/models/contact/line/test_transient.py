@@ -115,20 +115,32 @@ def test_the_film_mirrors_where_entrainment_reverses() -> None:
     np.testing.assert_allclose(back.field("film")[::-1], there.field("film"), rtol=1e-5)
 
 
-@pytest.mark.parametrize(("form", "roughness"), [(0.0, 0.0), (1.0, 0.2e-6), (0.0, 0.8e-6)])
-def test_a_state_goes_on_to_the_same_bits_in_any_scratch_memory(form: float, roughness: float) -> None:
-    """Nothing that steps before have left in it is read."""
-    forms = {"load_is_given": form, "roughness": roughness}
-    contact, fresh = Contact(**forms), Contact(**forms)
-    running = {**RUNNING, "applied_load": 300.0}
-    for _ in range(60):
+@pytest.mark.parametrize(
+    ("sizes", "parameters", "before", "after"),
+    [
+        ({}, {}, 60, 20),
+        ({}, {"load_is_given": 1.0, "roughness": 0.2e-6}, 60, 20),
+        ({}, {"roughness": 0.8e-6}, 60, 20),
+        ({"mass_conserving": 1}, {"oil_supply": 1e-6}, 60, 20),
+        ({"layers": 8}, {"eyring_stress": 5e6}, 10, 5),
+    ],
+)
+def test_a_state_goes_on_to_the_same_bits_in_any_scratch_memory(
+    sizes: dict[str, int], parameters: dict[str, float], before: int, after: int
+) -> None:
+    """Nothing that steps before have left in it is read, of steps that failed either."""
+    contact, fresh = (Contact(**sizes, **parameters) for _ in range(2))
+    running = {**RUNNING, "sliding_velocity": 1.0, "applied_load": 300.0}
+    for _ in range(before):
         assert contact.step(2e-5, **running) == OK
     saved, at = contact.x.copy(), contact.t
     braked = {**running, "entraining_velocity": lambda t: 2.0 - 8e3 * (t - at)}
     ends = []
     for one in (contact, contact, fresh):
+        if one is contact:
+            assert one.step(2e-5, **{**running, "entraining_velocity": math.nan}) != OK
         one.x[:], one.t = saved, at
-        for _ in range(20):
+        for _ in range(after):
             assert one.step(2e-5, **braked) == OK
         ends.append(one.x.copy())
     np.testing.assert_array_equal(ends[1:], ends[:1] * 2)
