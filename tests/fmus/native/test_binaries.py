@@ -13,7 +13,7 @@ from fmus.fmi.libraries import libraries
 from fmus.fmi.validate import validate
 from fmus.native.fmu import NAMES, build
 from fmus.native.machine_code import PLATFORMS
-from models.native.translate import TranslationError, translate
+from models.native.translate import TranslationError, _summarise, translate
 from tests.orchestrator.commands import called, said
 
 from ..names import mark_long
@@ -58,6 +58,15 @@ def test_a_run_with_it_is_refused_before_anything_is_written(tmp_path: Path) -> 
     assert done.returncode == 2
     assert "components.contact.component = ehl_line_contact" in said(done)
     assert not (tmp_path / "out").exists()
+
+
+def test_of_a_traceback_the_error_and_its_first_explanation_are_told() -> None:
+    text = (
+        "Traceback (most recent call last):\n  raise error\n"
+        "\x1b[1mnumba.core.errors.TypingError: Failed\x1b[0m\n\n\x1b[1mNo implementation of f\x1b[0m\n"
+        "During: typing of g\n"
+    )
+    assert _summarise(text) == "numba.core.errors.TypingError: Failed No implementation of f"
 
 
 @pytest.mark.long
