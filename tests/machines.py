@@ -26,9 +26,10 @@ MARGIN = 3.0
 NOTABLE = 0.1
 # What each environment sets. Kernels for another processor are other files of the kernel cache.
 ENVIRONMENTS = {
-    "native": {},
+    "default": {},
     "two threads": {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2"},
     "generic kernels": {"NUMBA_CPU_NAME": "generic"},
+    "native kernels": {"NUMBA_CPU_NAME": "native"},
     "BLAS Nehalem": {"OPENBLAS_CORETYPE": "Nehalem"},
     "BLAS Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
     "BLAS SkylakeX": {"OPENBLAS_CORETYPE": "SkylakeX"},

@@ -14,6 +14,7 @@ import functools
 import hashlib
 import importlib
 import io
+import os
 import pickle
 import sys
 import types as python_types
@@ -42,6 +43,11 @@ assemble: Any = compiler.compile_result
 # The module that compiled kernels say they are from: the same for every copy of this package.
 HOME = "tribocosim_kernels"
 FOLDER = "kernels"
+# A wheel may have compiled kernels beside its packages. FMUs, which have copies of this file, find them by
+# the environment.
+SHIPPED = "TRIBOCOSIM_KERNELS"
+if (_beside := Path(__file__).parents[2] / HOME).is_dir():
+    os.environ.setdefault(SHIPPED, str(_beside))
 sys.modules.setdefault(HOME, python_types.ModuleType(HOME))
 
 # Code (bytes of LLVM's) of which a call takes no noticeable time.
@@ -221,7 +227,8 @@ def _is_large(library: Any) -> bool:
 def _versions(codegen: Any) -> str:
     """A digest of what compiles, and for which processor."""
     settings = [(name, getattr(numba.config, name, None)) for name in _SETTINGS]
-    compilers = (sys.implementation.cache_tag, numba.__version__, llvmlite.__version__, np.__version__)
+    numpy = np.__version__.rpartition(".")[0]  # numba asks for the minor version only
+    compilers = (sys.implementation.cache_tag, numba.__version__, llvmlite.__version__, numpy)
     return hashlib.sha256(repr((compilers, settings, codegen.magic_tuple())).encode()).hexdigest()[:16]
 
 
@@ -254,17 +261,28 @@ _known: dict[Path, Any] = {}
 
 
 def _read(file: Path) -> Any:
-    """What `_write` wrote; None if the file is missing or damaged."""
+    """What `_write` wrote, or a wheel has; None if the file is missing or damaged."""
+    for read in (_read_shipped, _read_cached):
+        content = read(file)
+        check, payload = content[:32], content[32:]
+        if hashlib.sha256(payload).digest() == check:
+            return _Unpickler(io.BytesIO(payload)).load()
+    return None
+
+
+def _read_shipped(file: Path) -> bytes:
+    """The content of the file of that name in the wheel, trusted as its code is; empty if there is none."""
+    with contextlib.suppress(OSError):
+        if shipped := os.environ.get(SHIPPED):
+            return Path(shipped, file.parent.name, file.name).read_bytes()
+    return b""
+
+
+def _read_cached(file: Path) -> bytes:
     use(file)
-    try:
-        with open_folder(f"{FOLDER}/{file.parent.name}") as folder:
-            content = folder.read(file.name)
-    except FileNotFoundError:
-        return None
-    check, payload = content[:32], content[32:]
-    if hashlib.sha256(payload).digest() != check:
-        return None
-    return _Unpickler(io.BytesIO(payload)).load()
+    with contextlib.suppress(FileNotFoundError), open_folder(f"{FOLDER}/{file.parent.name}") as folder:
+        return folder.read(file.name)
+    return b""
 
 
 def _write(file: Path, kept: Any) -> None:

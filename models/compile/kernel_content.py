@@ -20,7 +20,7 @@ import numpy as np
 PACKAGE = __name__.rsplit(".", 2)[0]
 
 # Modules that a version number describes.
-_FIXED = {"builtins", "numpy", "numba", *sys.stdlib_module_names}
+_FIXED = {"builtins", "numpy", "numba", "llvmlite", *sys.stdlib_module_names}
 
 # The digest that each function had when it was first looked at: what it refers to may be bound anew, and
 # compiled code keeps what it was compiled with.
@@ -124,8 +124,10 @@ def _digest_value(value: Any, seen: dict[Any, str]) -> str:
         return f"module {value.__name__}"
     if isinstance(value, (type, types.BuiltinFunctionType, np.ufunc)):
         return _digest_foreign(value, seen)
-    # A kernel, or an intrinsic of numba's.
-    function = getattr(value, "py_func", None) or getattr(value, "_defn", None)
+    if isinstance(symbol := getattr(value, "symbol", None), str) and _is_fixed(type(value).__module__):
+        return f"{symbol} {value.sig!r}"  # a function of C
+    # A kernel, an intrinsic of numba's, or what one calls.
+    function = getattr(value, "py_func", None) or getattr(value, "_defn", None) or value
     if isinstance(function, types.FunctionType):
         return f"{type(value).__name__} {_digest_function(function, seen)}"
     raise TypeError(f"{value!r} has no description that is equal in every process")

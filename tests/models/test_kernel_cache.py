@@ -139,6 +139,47 @@ def test_a_kernel_serves_callers_and_python(large: str, tmp_path: Path) -> None:
     assert run(tmp_path, once) == "9.0 1\n"
 
 
+def test_kernels_of_a_wheel_are_loaded_and_none_is_compiled(tmp_path: Path) -> None:
+    (tmp_path / "factory.py").write_text(FACTORY)
+    code = "from factory import *; print(outer(made(3.0))(1.0))"
+    assert run(tmp_path, code) == "9.0\n"
+    wheel = tmp_path / "wheel"
+    (tmp_path / "cache" / "kernels").rename(wheel)
+    with_wheel = {"TRIBOCOSIM_CACHE": str(tmp_path / "cache"), "TRIBOCOSIM_KERNELS": str(wheel)}
+    assert Forked(tmp_path, [ROOT], code, with_wheel).said() == "9.0\n"
+    assert not stored(tmp_path)
+    for file in wheel.rglob("*.nbc"):
+        file.write_bytes(file.read_bytes()[:-1])
+    assert Forked(tmp_path, [ROOT], code, with_wheel).said() == "9.0\n"
+    assert stored(tmp_path), "what is damaged is compiled"
+
+
+def test_kernels_are_compiled_for_all_processors_of_a_kind(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Unless the user says for which."""
+    from models.compile import processor
+
+    def chosen(machine: str, features: set[str], **variables: str) -> tuple[str | None, str | None]:
+        monkeypatch.setattr("platform.machine", lambda: machine)
+        monkeypatch.setattr("llvmlite.binding.get_host_cpu_features", lambda: dict.fromkeys(features, True))
+        for name in (processor.NAME, processor.FEATURES):
+            monkeypatch.setenv(name, "")
+            monkeypatch.delenv(name)
+        for name, value in variables.items():
+            monkeypatch.setenv(name, value)
+        processor.choose()
+        return os.environ.get(processor.NAME), os.environ.get(processor.FEATURES)
+
+    v3 = set(processor.V3)
+    assert chosen("x86_64", v3 | {"avx512f"}) == chosen("AMD64", v3) == ("x86-64-v3", "")
+    assert chosen("arm64", set()) == chosen("aarch64", set()) == ("generic", "")
+    assert chosen("x86_64", v3 - {"fma"}) == chosen("riscv64", set()) == (None, None)
+    assert chosen("x86_64", v3, NUMBA_CPU_NAME="haswell") == ("haswell", None)
+    assert chosen("x86_64", v3, NUMBA_CPU_FEATURES="-fma") == (None, "-fma")
+    name, features = chosen("x86_64", v3, NUMBA_CPU_NAME="native")
+    assert name not in ("native", "x86-64-v3")
+    assert features is None
+
+
 def test_equal_closures_of_a_process_share_their_code(tmp_path: Path) -> None:
     """One outlives the other, and is still known to numba: a kernel that calls it can be compiled."""
     (tmp_path / "factory.py").write_text(FACTORY)
