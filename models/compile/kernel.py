@@ -86,10 +86,13 @@ def _view_as_record(context: Any, vector: Any, dtype: Any) -> Any:
     return dtype.dtype(vector, dtype), address
 
 
+def _view_plainly(vector: Any, dtype: Any) -> Any:
+    """The same without compilation; nothing is shared with an empty record, as of no states."""
+    return vector.view(dtype)[0] if dtype.itemsize else np.zeros(1, dtype)[0]
+
+
 # record_of(vector, dtype), in kernels only.
-record_of: Any = (
-    numba.extending.intrinsic(_view_as_record) if COMPILED else lambda vector, dtype: vector.view(dtype)[0]
-)
+record_of: Any = numba.extending.intrinsic(_view_as_record) if COMPILED else _view_plainly
 
 
 def _reshape(context: Any, vector: Any, shape: Any) -> Any:
