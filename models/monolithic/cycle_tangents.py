@@ -17,7 +17,7 @@ from .variation import Flow, Variation
 
 # A period changes no state by more than this of nominal + |value|; Newton's method is at rounding after few.
 CLOSED, ITERATIONS = 1e-10, 6
-# Singular values of I - Phi below this share of the largest belong to states that nothing moves.
+# Singular values of I - Phi below this share of the largest belong to motions that nothing ends.
 NEUTRAL = 1e-11
 
 
@@ -55,6 +55,10 @@ class CycleTangents:
     _slopes: Slopes = field(repr=False)
     _flow: Flow = field(repr=False)
     _start: Vector = field(repr=False)
+
+    @property
+    def steps(self) -> int:
+        return len(self._flow.steps)
 
     def values_at(self, times: Vector) -> tuple[Vector, Vector]:
         """Inputs and outputs at ascending instants."""
@@ -132,7 +136,7 @@ def differentiate_cycle(
         # Of each parameter, and what is missing.
         by_period = np.outer(slopes.rates(ends, end[None])[0], [one.period for one in directions])
         right = np.column_stack([(tangents[:, n:] + by_period)[free], missing]) / nominal[:, None]
-        moved = np.linalg.lstsq(np.eye(nominal.size) - turned, right, rcond=NEUTRAL)[0] * nominal[:, None]
+        moved = close_period(np.eye(nominal.size) - turned, right) * nominal[:, None]
         if change <= CLOSED or change > 0.5 * before:
             break
         before = change
@@ -145,3 +149,12 @@ def differentiate_cycle(
     begin[free] = moved[:, :-1]
     multipliers = np.linalg.eigvals(turned)
     return CycleTangents(system, period, change, multipliers, directions, slopes, flow, begin)
+
+
+def close_period(opening: Vector, right: Vector) -> Vector:
+    """Changes of the start that close the cycle. States that nothing moves, as those of a rigid shaft, keep
+    their start; of motions that nothing ends, what is not moved is the smallest."""
+    moves = np.any(np.abs(opening) > NEUTRAL, axis=1) | np.any(right != 0.0, axis=1)
+    found = np.zeros_like(right)
+    found[moves] = np.linalg.lstsq(opening[np.ix_(moves, moves)], right[moves], rcond=NEUTRAL)[0]
+    return found

@@ -140,6 +140,10 @@ class Variation:
         ]
         self._still = np.zeros((1, slopes.system.p.size))
         self._steps = np.vstack([np.zeros((n, slopes.system.p.size)), slopes.steps])
+        # By parameters as exactly as states if they change as a whole, however little a motion answers.
+        p, sizes = slopes.system.p, slopes.system.parameters.nominal
+        shares = np.max(np.abs(self._steps) / np.where(p == 0.0, sizes, np.abs(p)), axis=1)
+        self._least = np.maximum(shares * STATES / TANGENTS, 1e-12)
 
     def move(self, x: Vector, duration: float) -> Flow:
         """From the state `x` at time 0, with the tangents by the start, then by parameters."""
@@ -182,7 +186,7 @@ class Variation:
 
     def _size(self, tangents: Vector) -> Vector:
         """The largest of each, over nominal sizes."""
-        return np.asarray(np.maximum(np.max(np.abs(tangents) / self._nominal[:, None], axis=0), 1e-12))
+        return np.asarray(np.maximum(np.max(np.abs(tangents) / self._nominal[:, None], axis=0), self._least))
 
     def _solve(self, t: float, h: float, x: Vector, slope: Vector, past: Step | None) -> _Stages | None:
         """Newton's method with the slope at the start; None where it fails."""

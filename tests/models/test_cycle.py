@@ -19,7 +19,7 @@ from models.monolithic.cycle import (
     find_cycle,
     is_hopeless,
 )
-from models.monolithic.cycle_tangents import Direction, differentiate_cycle
+from models.monolithic.cycle_tangents import Direction, close_period, differentiate_cycle
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
 from orchestrator.study.speeds.separation import CLOSE, _count_halvings, bisect_separation
@@ -196,17 +196,14 @@ def test_halvings_between_speeds():
     assert _count_halvings(np.array([0.0, 8.0 * CLOSE, 9.0 * CLOSE])) == 3
 
 
-def test_tangents_of_a_cycle_know_what_adds_up():
-    """A spring under the gas of a cylinder, whose work grows in each cycle. Its motion is linear in the area
-    of the head: without it the spring rests where nothing is left of its preload, 400 N over 20 N/mm."""
-    area, speed = 1e-3, 200.0
-    turning = {"motion": 1.0, "initial_speed": speed, "final_speed": speed}
-    spring = {"preload": 400.0, "spring_rate": 20e3, "damping_ratio": 0.1}
+def blown_spring(directions):
+    """The tangents of a spring under the gas of a cylinder. Its motion is linear in the area of the head."""
+    turning = {"motion": 1.0, "initial_speed": TURNING_SPEED, "final_speed": TURNING_SPEED}
     system = System(
         {
-            "flywheel": Instance(CATALOGUE["flywheel"](), turning, start={"speed": speed}),
-            "gas": Instance(CATALOGUE["cylinder_gas"](valves=1), {"valve_area[1]": area}),
-            "spring": Instance(CATALOGUE["valve_spring"](coil_masses=2), spring),
+            "flywheel": Instance(CATALOGUE["flywheel"](), turning, start={"speed": TURNING_SPEED}),
+            "gas": Instance(CATALOGUE["cylinder_gas"](valves=1), {"valve_area[1]": HEAD}),
+            "spring": Instance(CATALOGUE["valve_spring"](coil_masses=2), SPRING),
         },
         (
             ("flywheel.angle", "gas.crank_angle"),
@@ -214,11 +211,35 @@ def test_tangents_of_a_cycle_know_what_adds_up():
             ("gas.valve_force[1]", "spring.gas_force"),
         ),
     )
-    direction = Direction({"gas.valve_area[1]": 1.0})
-    cycle = differentiate_cycle(system, 4.0 * math.pi / speed, TURNING, [direction], system.x0)
+    return differentiate_cycle(system, 4.0 * math.pi / TURNING_SPEED, TURNING, directions, system.x0)
+
+
+TURNING_SPEED, HEAD = 200.0, 1e-3
+SPRING = {"preload": 400.0, "spring_rate": 20e3, "damping_ratio": 0.1, "valve_mass": 0.1}
+
+
+def test_tangents_of_a_cycle_know_what_adds_up():
+    """The work of the gas grows in each cycle. Without its head the spring rests where nothing is left of its
+    preload, 400 N over 20 N/mm.
+
+    With all masses and forces the motion stays: what is left of its tangents is rounding, which costs no
+    steps.
+    """
+    of_mass = {f"spring.{name}": SPRING[name] for name in ("preload", "spring_rate", "valve_mass")}
+    heavier = Direction({**of_mass, "gas.valve_area[1]": HEAD})
+    cycle = blown_spring([Direction({"gas.valve_area[1]": 1.0}), heavier])
     rows = cycle.rows_at(np.linspace(0.0, cycle.period, 9)[:-1])
-    place = system.outputs.names.index("spring.position")
-    position, slope = rows.outputs[:, place], rows.outputs_by[0, :, place]
+    place = cycle.system.outputs.names.index("spring.position")
+    position, (slope, none) = rows.outputs[:, place], rows.outputs_by[:, :, place]
     assert position.std() > 1e-3
     # Tangents are sought to 1e-8 of their largest.
-    assert position - area * slope == pytest.approx(-0.02, abs=1e-7 * np.abs(position).max())
+    exact = 1e-7 * np.abs(position).max()
+    assert position - HEAD * slope == pytest.approx(-0.02, abs=exact)
+    assert none == pytest.approx(0.0, abs=exact)
+    assert cycle.steps < 1.1 * blown_spring([]).steps
+
+
+def test_what_nothing_moves_keeps_its_start_in_the_tangents_of_a_cycle():
+    """x' = (a + p - x)/T under a constant a, after a half life: x changes by p, and a by nothing."""
+    half = np.array([[1.0, 0.0], [0.5, 0.5]])
+    assert close_period(np.eye(2) - half, np.array([[0.0], [0.5]])).ravel() == pytest.approx([0.0, 1.0])
