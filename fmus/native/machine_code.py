@@ -151,6 +151,10 @@ def object_code(place: Platform, kernels: Sequence[str]) -> bytes:
     )
     for other in tangents:
         plain.link_in(other)
+    # Tables stand in both.
+    passes = binding.create_new_module_pass_manager()
+    passes.add_constant_merge_pass()
+    passes.run(plain, binding.create_pass_builder(machine, binding.create_pipeline_tuning_options()))
     _hide(plain)
     return machine.emit_object(plain)
 
