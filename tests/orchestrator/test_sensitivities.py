@@ -2,12 +2,14 @@
 
 import io
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray
 from rich.console import Console
 
+from models.core.system import ModelError
 from models.monolithic import cycle_tangents, variation
 from orchestrator.errors import MistakeError, RunError
 from orchestrator.reporter import Reporter
@@ -109,6 +111,22 @@ def test_slopes_are_those_of_fine_differences(monkeypatch):
         low, below, above, high = (beside[k][figure].value for k in beside)
         fine = (8.0 * (above - below) - (high - low)) / (12.0 * h)
         assert exact[figure].slopes[0] == pytest.approx(fine, rel=1e-6)
+
+
+def test_at_the_edge_of_a_range_slopes_are_those_of_the_side_within(monkeypatch):
+    def measure(share):
+        if share > 0.0:
+            raise ModelError("the shares of a rise add up to more than 1")
+        return {"cam.figure": (3.0 + 2.0 * share, None)}
+
+    monkeypatch.setattr(figure_slopes, "_find_times", lambda *_: None)
+    monkeypatch.setattr(figure_slopes, "_move", lambda tangents, rows, direction, share, flywheel: share)
+    monkeypatch.setattr(figure_slopes, "_measure", measure)
+    tangents = SimpleNamespace(directions=[None], rows_at=lambda times: None)
+    (found,) = figure_slopes.differentiate_figures(tangents, "flywheel").values()
+    # Rounding of 3 over the step.
+    assert found.slopes == pytest.approx([2.0], abs=1e-15 / figure_slopes.SHARE)
+    assert found.corners == pytest.approx([0.0], abs=1e-15 / figure_slopes.SHARE)
 
 
 def test_parameters_are_named_as_in_a_scenario_and_refused_where_they_cannot_vary():

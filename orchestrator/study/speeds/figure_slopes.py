@@ -26,6 +26,10 @@ NEAR, TURNS = 20, 3
 SHARE = 1e-6
 
 
+# The value, and the row at which it stands.
+Figure = tuple[float, int | None]
+
+
 class FigureSlopes(NamedTuple):
     """A figure's value, its changes in each direction, and by how much those to both sides differ."""
 
@@ -60,14 +64,10 @@ def differentiate_figures(tangents: CycleTangents, flywheel: str) -> dict[str, F
     rows = tangents.rows_at(_find_times(tangents, flywheel))
     values = _measure(_move(tangents, rows, 0, 0.0, flywheel))
     count = len(tangents.directions)
-    sides = [
-        [_measure(_move(tangents, rows, k, sign * SHARE, flywheel)) for sign in (-1.0, 1.0)]
-        for k in range(count)
-    ]
+    sides = [_measure_sides(tangents, rows, k, flywheel, values) for k in range(count)]
     found = {}
     for name, (value, _) in values.items():
-        below = np.array([side[0][name][0] for side in sides])
-        above = np.array([side[1][name][0] for side in sides])
+        below, above = (np.array([side[sign][name] for side in sides]) for sign in (-1.0, 1.0))
         slopes, corners = (above - below) / (2.0 * SHARE), np.abs(above - 2.0 * value + below) / SHARE
         if np.isfinite(value) and not name.endswith("_angle"):
             found[name] = FigureSlopes(value, slopes, corners)
@@ -103,6 +103,24 @@ def _move(tangents: CycleTangents, rows: Rows, direction: int, share: float, fly
     )
 
 
+def _measure_sides(
+    tangents: CycleTangents, rows: Rows, direction: int, flywheel: str, values: Mapping[str, Figure]
+) -> dict[float, dict[str, float]]:
+    """The figures below (-1) and above (1). Where a parameter is at the edge of its range, the other side is
+    that of a straight line through the `values`."""
+    found: dict[float, dict[str, float]] = {}
+    for sign in (-1.0, 1.0):
+        try:
+            beside = _measure(_move(tangents, rows, direction, sign * SHARE, flywheel))
+            found[sign] = {name: value for name, (value, _) in beside.items()}
+        except ModelError:
+            if sign > 0.0 and not found:
+                raise
+    for sign in {-1.0, 1.0} - set(found):
+        found[sign] = {name: 2.0 * value - found[-sign][name] for name, (value, _) in values.items()}
+    return found
+
+
 def _change(tangents: CycleTangents, direction: int, share: float) -> System:
     """The system whose parameters the figures ask for."""
     system = tangents.system
@@ -125,5 +143,5 @@ def _build_motion(system: System, times: Vector, inputs: Vector, outputs: Vector
     return Motion(system, times, columns.__getitem__, find_angle(system, flywheel))
 
 
-def _measure(motion: Motion) -> dict[str, tuple[float, int | None]]:
+def _measure(motion: Motion) -> dict[str, Figure]:
     return {f"{part}.{name}": (found.value, found.row) for part, name, _, found in measure(motion)}
