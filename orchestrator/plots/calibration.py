@@ -63,3 +63,28 @@ def draw_calibration(panels: Sequence[Panel], title: str) -> Figure:
 
 def _scale(one: Panel) -> Vector:
     return one.positions if one.shaft == "time" else np.degrees(one.positions)
+
+
+def draw_parameters(names: Sequence[str], intervals: Vector, correlation: Vector, title: str) -> Figure:
+    """95 % intervals (parameters, 2) over the values, nan where not identified, and correlations."""
+    count = len(names)
+    figure, (left, right) = create_subplots(1, 2, figsize=(11.0, 1.8 + 0.35 * count), width_ratios=[1.0, 1.2])
+    add_title(figure, title)
+    rows = np.arange(count)
+    percent = 100.0 * (intervals - 1.0)
+    left.hlines(rows, percent[:, 0], percent[:, 1], color=COUPLED, linewidth=3.0)
+    left.plot(np.where(np.isfinite(percent[:, 0]), 0.0, np.nan), rows, "|", color=REFERENCE)
+    for row in np.flatnonzero(~np.isfinite(percent).all(axis=1)):
+        left.text(0.0, row, "not identified", ha="center", va="center", color=MUTED)
+    left.set(yticks=rows, yticklabels=names, xlabel="95 % interval about the fitted value [%]")
+    left.set_ylim(count - 0.5, -0.5)
+    image = right.imshow(correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
+    right.set(xticks=rows, yticks=rows, yticklabels=[])
+    right.set_xticklabels([name.partition(".")[2] for name in names], rotation=40.0, ha="right")
+    right.grid(visible=False)
+    for i in range(count):
+        for j in range(count):
+            shade = "white" if abs(correlation[i, j]) > 0.6 else "black"
+            right.text(j, i, f"{correlation[i, j]:.2f}", ha="center", va="center", color=shade, fontsize=7)
+    figure.colorbar(image, ax=right, label="correlation")
+    return figure

@@ -1,11 +1,5 @@
-"""Intervals of ten parameters of a pushrod train from noisy lift and force at four speeds.
+"""Intervals of ten parameters of a pushrod train: trials of benchmarks/calibration_trials."""
 
-The data are of the time with the valve open, every half degree: a load cell with 2 N of noise and a lift with
-2 um, as the mean of some fifty cycles has, and an unknown zero of the lift.
-"""
-
-import math
-import sqlite3
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,28 +7,23 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestrator.scenario.files import load
-from orchestrator.scenario.system import list_parameters
+from benchmarks.calibration_trials import (
+    NOISES,
+    PARAMETERS,
+    SIGNALS,
+    measure,
+    open_objective,
+    predict_truth,
+)  # fmt: skip
 from orchestrator.study.calibration.fit import fit, half_width
-from orchestrator.study.calibration.measured import Experiment, Measured, Signal
-from orchestrator.study.calibration.models import Prediction, make_model
+from orchestrator.study.calibration.measured import Measured
+from orchestrator.study.calibration.models import Prediction
 from orchestrator.study.calibration.objective import Objective
 from orchestrator.study.calibration.parameters import Fitted
-from orchestrator.study.calibration.predictions import Predictions
-from tribocosim.cached_fmus import build_fmu
 from tribocosim.reporting import SilentReporter
 
-SPEEDS = (1400.0, 1600.0, 1800.0, 2000.0)
-ANGLES = np.arange(140.0, 260.5, 0.5)
-NOISES, ZERO = np.array([2e-6, 2.0]), 5e-5
-# The truth is the scenario's; trials begin at these multiples.
-STARTS = {
-    "pushrod.youngs_modulus": 0.93, "pushrod.damping_time": 1.3, "rocker.inertia": 0.9,
-    "valve_spring.valve_mass": 1.08, "valve_spring.spring_rate": 1.05, "valve_spring.surge_frequency": 0.98,
-    "valve_spring.damping_ratio": 1.3, "valve_spring.preload": 1.05, "valve_spring.lash": 0.93,
-    "valve_spring.seat_stiffness": 0.85,
-}  # fmt: skip
-SIGNALS = Signal("lift", "valve_spring.valve_lift", offset=True), Signal("force", "pushrod.lower_force")
+# Trials begin at these multiples of the truth.
+STARTS = [0.93, 1.3, 0.9, 1.08, 1.05, 0.98, 1.3, 1.05, 0.93, 0.85]
 
 
 @dataclass(frozen=True)
@@ -64,24 +53,13 @@ def count_held(model: Linear, draw: Callable[[], Measured], trials: int) -> tupl
     held, errors = 0, []
     for _ in range(trials):
         measured = draw()
-        every = [Fitted(name, "1", 1.0) for name in STARTS][: model.slopes[0].shape[-1]]
+        every = [Fitted(name, "1", 1.0) for name in PARAMETERS][: model.slopes[0].shape[-1]]
         objective = Objective(every, measured, model, SilentReporter())  # type: ignore[arg-type]
-        found = fit(objective, np.array(list(STARTS.values()))[: len(every)])
+        found = fit(objective, np.array(STARTS)[: len(every)])
         # Of so many numbers Student's t is normal; with given noises it is by itself.
         held = held + (np.abs(found.x - 1.0) <= half_width(10**9) * found.deviations)
         errors.append(found.x - 1.0)
     return np.asarray(held), np.array(errors)
-
-
-def measure(base: Sequence[np.ndarray], generator: np.random.Generator) -> Measured:
-    """The signals at every speed with the noise, and the zero of the lift."""
-    experiments = []
-    for speed, rows in zip(SPEEDS, base, strict=False):
-        values = rows + NOISES[:, None] * generator.normal(size=rows.shape)
-        values[0] += ZERO
-        place = np.radians(ANGLES[: rows.shape[1]])
-        experiments.append(Experiment(speed * math.pi / 30.0, "cam_angle", place, values))
-    return Measured(SIGNALS, tuple(experiments))
 
 
 def test_intervals_of_95_per_cent_hold_in_so_many_trials():
@@ -96,20 +74,11 @@ def test_intervals_of_95_per_cent_hold_in_so_many_trials():
     assert (held >= 90).all(), held
 
 
-def predict_truth() -> tuple[Objective, np.ndarray]:
-    scenario, empty = load("pushrod-train"), [np.zeros((2, ANGLES.size))] * len(SPEEDS)
-    measured = measure(empty, np.random.default_rng(0))
-    model, values = make_model(scenario, measured, list(STARTS), build_fmu), list_parameters(scenario)
-    parameters = [Fitted(name, "", values[name]) for name in STARTS]
-    predictions = Predictions(model, measured.experiments, sqlite3.connect(":memory:"))
-    return Objective(parameters, measured, predictions, SilentReporter()), np.ones(len(STARTS))
-
-
 @pytest.mark.long
 def test_intervals_of_a_pushrod_train_hold_in_90_of_100_trials_around_the_truth():
     """By the derivatives of its cycles at the truth; errors stay below 2 %."""
-    objective, truth = predict_truth()
-    slopes, base = objective.find_slopes(truth), [one.signals for one in objective.predict(truth)]
+    base = predict_truth()
+    slopes = open_objective(measure(base, np.random.default_rng(0))).find_slopes(np.ones(len(PARAMETERS)))
     generator = np.random.default_rng(5)
     held, errors = count_held(Linear(base, slopes), lambda: measure(base, generator), 100)
     assert (held >= 90).all(), held

@@ -13,8 +13,9 @@ import scipy
 from models.core.quantities import Vector
 
 from ...errors import RunError
+from .approach import approach
 from .objective import Objective
-from .unseen import Unseen, find_unseen, invert
+from .unseen import Unseen, find_unseen, invert, is_doubtful
 
 CONFIDENCE = 0.95
 # A fit ends where a step changes the sum of squares by this part of it (some hundredth of a deviation), or
@@ -57,14 +58,18 @@ def fit(objective: Objective, start: Vector) -> Fit:
             f"the start has no motion to compare {failure}", "choose another start, or leave the speed out"
         )
     given = all(signal.noise for signal in objective.measured.signals)
-    objective.noises = objective.estimate_noises(start)
-    x = start
+    x = approach(objective, start)
+    objective.noises = objective.estimate_noises(x)
     for _ in range(1 if given else MOST_ESTIMATES):
         x = _minimise(objective, x)
         before, objective.noises = objective.noises, objective.estimate_noises(x)
         if np.allclose(objective.noises, before, rtol=SETTLED, atol=0.0):
             break
-    jacobian, residual = objective.jacobian(x), objective.residual(x)
+    # Corrections of derivatives would part what acts alike.
+    jacobian, residual = objective.jacobian_with(x, objective.differences), objective.residual(x)
+    if is_doubtful(jacobian):
+        objective.centre(x)
+        jacobian = objective.jacobian_with(x, objective.differences)
     return Fit(x, invert(jacobian), float(residual @ residual), jacobian, find_unseen(objective, x, jacobian))
 
 

@@ -21,6 +21,8 @@ from .signals import Eliminated, eliminate_all
 # Of a parameter: contacts' vibrations end in another phase at ten times of it, the noise of cycles is 1e-3 of
 # a difference at a tenth.
 SHARE = 1e-3
+# Derivatives are found anew at the end of a fit that moved by more than this, and by part of a deviation.
+FRESH = 0.02
 # Part of the change of the signals that a step's prediction may miss before the derivatives are found anew.
 MISSED = 0.3
 # Points whose predictions are held: a rejected step goes back to the last one.
@@ -40,6 +42,10 @@ class Objective:
         self._x: Vector | None = None
         self._differenced: Vector | None = None
         self._slopes: list[Vector] = []
+        # Of the last states of cycles (states, parameters), where a cycle beside begins.
+        self._state_slopes: list[Vector] = []
+        # As they were found by differences, without corrections.
+        self.differences: list[Vector] = []
         # All outputs (outputs, some positions) and their derivatives by the parameters, of each experiment.
         self.other_values: list[Vector] = []
         self.other_slopes: list[Vector] = []
@@ -51,17 +57,25 @@ class Objective:
         """Of all experiments, the nearest state before as start."""
         key = np.asarray(x).tobytes()
         if key not in self._held:
-            near = next(reversed(self._held.values()), None)
+            near = next(reversed(self._held), None)
             self._held[key] = self._predictions.make(self._list_requests(x, near))
             for old in list(self._held)[:-HELD]:
                 del self._held[old]
         return self._held[key]
 
-    def _list_requests(self, x: Vector, near: Sequence[Prediction] | None) -> list[Request]:
+    def _list_requests(self, x: Vector, near: bytes | None) -> list[Request]:
         values = tuple(self.values(x).items())
-        starts = [one.state if one.state.size else None for one in near] if near else []
         count = len(self.measured.experiments)
-        return [Request(k, values, starts[k] if starts else None) for k in range(count)]
+        starts: list[Vector | None] = [None] * count
+        if near is not None:
+            step = x - np.frombuffer(near)
+            for k, one in enumerate(self._held[near]):
+                starts[k] = one.state if one.state.size else None
+                if one.state.size and self._state_slopes:
+                    moved = one.state + self._state_slopes[k] @ step
+                    # Films stay positive.
+                    starts[k] = np.where(moved * one.state > 0.0, moved, one.state)
+        return [Request(k, values, starts[k]) for k in range(count)]
 
     def find_failure(self, x: Vector) -> str:
         """Where there is no prediction, and why; "" if there are all."""
@@ -99,7 +113,8 @@ class Objective:
     def is_fresh(self, x: Vector, deviations: Vector) -> bool:
         """Whether the derivatives were found by differences so near to x that they hold there."""
         moved = np.abs(x - self._differenced) if self._differenced is not None else np.full(x.size, np.inf)
-        return bool(np.all(moved <= np.maximum(SHARE * np.abs(x), 0.3 * np.nan_to_num(deviations))))
+        near = np.minimum(0.3 * np.nan_to_num(deviations), FRESH * np.abs(x))
+        return bool(np.all(moved <= np.maximum(SHARE * np.abs(x), near)))
 
     def refresh(self) -> None:
         """Have the next derivatives found by differences."""
@@ -111,7 +126,8 @@ class Objective:
         if self._x is not None and np.array_equal(x, self._x):
             return self._slopes
         if self._x is None or not self._correct(x, now):
-            self._slopes, self.other_slopes = self._difference(x)
+            self.differences, self.other_slopes = self._difference(x)
+            self._slopes = self.differences
             self.other_values = [one.others for one in self.predict(x)]
             self._differenced = x.copy()
         self._x = x.copy()
@@ -137,23 +153,32 @@ class Objective:
         weights = np.array(self.noises)[:, None]
         return float(np.sqrt(sum(np.sum((part / weights) ** 2) for part in parts)))
 
-    def _difference(self, x: Vector) -> tuple[list[Vector], list[Vector]]:
+    def centre(self, x: Vector) -> None:
+        """Have `differences` and those of the other outputs be of both sides."""
+        sides = [self._difference(x, side) for side in (1.0, -1.0)]
+        self.differences, self.other_slopes = (
+            [0.5 * (up + down) for up, down in zip(*pair, strict=True)] for pair in zip(*sides, strict=True)
+        )
+
+    def _difference(self, x: Vector, side: float = 1.0) -> tuple[list[Vector], list[Vector]]:
         base = self.predict(x)
         columns = []
-        steps = [self._choose_step(k, x) for k in range(x.size)]
-        for k, found in enumerate(self._predict_beside(x, steps, base)):
+        steps = [side * self._choose_step(k, x) for k in range(x.size)]
+        for k, found in enumerate(self._predict_beside(x, steps)):
             if any(one.message for one in found):
                 steps[k] = -steps[k]
-                (found,) = self._predict_beside(x, steps, base, [k])
+                (found,) = self._predict_beside(x, steps, [k])
             if message := next((one.message for one in found if one.message), ""):
                 name = self.parameters[k].name
                 raise RunError(f"{name}: no derivative beside {self.values(x)[name]:g}: {message}")
             columns.append(found)
-        slopes, others = [], []
+        slopes, others, states = [], [], []
         for e, there in enumerate(base):
             beside = [(found[e], step) for found, step in zip(columns, steps, strict=True)]
+            states.append(np.stack([(one.state - there.state) / step for one, step in beside], axis=-1))
             slopes.append(np.stack([(one.signals - there.signals) / step for one, step in beside], axis=-1))
             others.append(np.stack([(one.others - there.others) / step for one, step in beside], axis=-1))
+        self._state_slopes = states
         return slopes, others
 
     def _choose_step(self, k: int, x: Vector) -> float:
@@ -166,7 +191,6 @@ class Objective:
         self,
         x: Vector,
         steps: Sequence[float],
-        base: Sequence[Prediction],
         which: Sequence[int] | None = None,
     ) -> list[list[Prediction]]:
         """At x with one parameter changed by its step, for each of `which` (all)."""
@@ -175,11 +199,11 @@ class Objective:
         for k in chosen:
             moved = x.copy()
             moved[k] += steps[k]
-            requests += self._list_requests(moved, base)
+            requests += self._list_requests(moved, x.tobytes())
         self._reporter.line(f"residuals over noise: {self.describe(x)}")
         with self._reporter.stage(f"derivatives by {len(requests)} predictions") as bar:
             found = self._predictions.make(requests, bar.show)
-        count = len(base)
+        count = len(self.measured.experiments)
         return [found[i * count : (i + 1) * count] for i in range(len(chosen))]
 
     def estimate_noises(self, x: Vector) -> list[float]:

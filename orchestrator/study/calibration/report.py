@@ -15,14 +15,15 @@ import tomli_w
 import xarray
 from rich.table import Column, Table
 
-from models.core.quantities import Vector
+from models.core.quantities import Quantity, Vector
 
-from ...plots.calibration import Panel, draw_calibration
+from ...plots.calibration import Panel, draw_calibration, draw_parameters
 from ...plots.style import save_figure
 from ...reporter import Reporter
 from ...scenario import Scenario, build_scenario
-from ...scenario.display import format_number
+from ...scenario.display import format_number, show, show_unit
 from ...scenario.files import put, to_short_toml
+from ...scenario.system import list_quantities
 from .fit import Fit, half_width
 from .objective import Objective
 from .unseen import list_correlated
@@ -30,7 +31,7 @@ from .unseen import list_correlated
 TABLE, NUMBERS, FITTED = "calibration.csv", "calibration.json", "calibrated.toml"
 # A residual over the given noise above this is told.
 MISFIT = 1.5
-SIGNALS, FIGURE = "calibration-signals.csv", "calibration.png"
+SIGNALS, FIGURE, INTERVALS = "calibration-signals.csv", "calibration.png", "calibration-parameters.png"
 
 
 class Row(NamedTuple):
@@ -102,29 +103,41 @@ def print_table(done: Calibration, reporter: Reporter) -> None:
         Column("parameter", no_wrap=True), "unit", "start", "fitted", "95 % interval", "+/- %",
         title=f"{done.scenario.name}: fitted parameters", title_justify="left", padding=0,
     )  # fmt: skip
+    quantities = list_quantities(done.scenario)
     for row in done.rows:
-        interval, share = f"{format_number(row.low)} .. {format_number(row.high)}", "–"
+        factor, unit = _show(quantities[row.name])
+        low, high = (format_number(factor * end) for end in (row.low, row.high))
+        interval, share = f"{low} .. {high}", "–"
         if row.fitted:
             share = format_number(50.0 * (row.high - row.low) / abs(row.fitted), 2)
         if not row.identified:
             interval, share = "not identified", "–"
-        shown.add_row(
-            row.name, row.unit, format_number(row.start), format_number(row.fitted, 6), interval, share
-        )
+        start, fitted = format_number(factor * row.start), format_number(factor * row.fitted, 6)
+        shown.add_row(row.name, unit, start, fitted, interval, share)
     reporter.console.print(shown)
     for signal, noise, one in _list_signals(done):
-        unit = done.objective.units[signal.variable]
+        component, _, output = signal.variable.partition(".")
+        outputs = done.scenario.components[component].resolve().outputs.fields
+        factor, unit = _show(next(one.quantity for one in outputs if one.name == output))
         more = f", gain {format_number(one.gain)}" * signal.gain
-        more += f", offset {format_number(one.offset)} {unit}" * signal.offset
+        more += f", offset {format_number(factor * one.offset)} {unit}" * signal.offset
         level = "" if signal.noise else " (estimated)"
         reporter.line(
-            f"{signal.column}: noise {format_number(noise, 3)} {unit}{level}, residual "
+            f"{signal.column}: noise {format_number(factor * noise, 3)} {unit}{level}, residual "
             f"{format_number(float(np.sqrt(np.mean(one.residual**2))), 3)} of it{more}"
         )
     for note in done.notes:
         reporter.line(note)
     if len(done.ends) > 1:
         reporter.line(f"residuals over the noise by start: {', '.join(format_number(e) for e in done.ends)}")
+
+
+def _show(quantity: Quantity) -> tuple[float, str]:
+    """The factor and the unit of a table."""
+    shown = show(quantity)
+    if shown.unit == "N/m":
+        shown = show_unit(shown.unit, "N/mm")
+    return shown.factor, shown.text
 
 
 def _list_signals(done: Calibration) -> list[tuple[Any, float, Any]]:
@@ -186,7 +199,11 @@ def write(done: Calibration, extends: str, out: Path) -> list[Path]:
                 table.writerow([one.signal, one.unit, "" if one.speed is None else one.speed, *row])
     title = f"{done.scenario.name}: measured signals and fitted model"
     save_figure(lambda: draw_calibration(panels, title), out / FIGURE)
-    return [out / name for name in (FITTED, TABLE, NUMBERS, SIGNALS, FIGURE)]
+    rows = done.rows
+    ends = np.array([[row.low, row.high] for row in rows]) / np.array([[row.fitted or 1.0] for row in rows])
+    names, title = [row.name for row in rows], f"{done.scenario.name}: fitted parameters"
+    save_figure(lambda: draw_parameters(names, ends, done.fit.correlation, title), out / INTERVALS)
+    return [out / name for name in (FITTED, TABLE, NUMBERS, SIGNALS, FIGURE, INTERVALS)]
 
 
 def _finite(value: Any) -> Any:

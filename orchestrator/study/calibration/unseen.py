@@ -22,6 +22,8 @@ LOOSE = 0.25
 SMALL, RULE = 0.1, 0.05
 # Singular values of the columns over their lengths below this are within the error of differences.
 COLLINEAR = 1e-3
+# Below this they may be within it: differences of one side are off by their step times the curvature.
+DOUBT = 0.03
 # Singular values below this part of the largest are rounding.
 ROUNDING = 1e-10
 # What another output is taken to be measured with, of its largest value; as many are named.
@@ -60,13 +62,25 @@ def invert(jacobian: Vector) -> Vector:
     return np.asarray((v.T / np.maximum(s, ROUNDING * s.max(initial=1e-300)) ** 2) @ v)
 
 
-def find_unseen(objective: "Objective", x: Vector, jacobian: Vector) -> list[Unseen]:
-    """The combinations that are not identified, the least known first."""
-    sizes = np.where(x != 0.0, np.abs(x), 1.0)
+def _compare(jacobian: Vector, sizes: Vector) -> tuple[Vector, Vector, Vector]:
+    """Singular values of the columns over their lengths, combinations, and these lengths."""
     scaled = jacobian * sizes
     lengths = np.linalg.norm(scaled, axis=0)
     lengths = np.maximum(lengths, ROUNDING * lengths.max(initial=1e-300))
     _, s, v = np.linalg.svd(scaled / lengths, full_matrices=False)
+    return s, v, lengths
+
+
+def is_doubtful(jacobian: Vector) -> bool:
+    """Whether the errors of differences decide on what acts alike."""
+    s, *_ = _compare(jacobian, np.ones(jacobian.shape[1]))
+    return bool(np.any((s > 0.1 * COLLINEAR) & (s < DOUBT)))
+
+
+def find_unseen(objective: "Objective", x: Vector, jacobian: Vector) -> list[Unseen]:
+    """The combinations that are not identified, the least known first."""
+    sizes = np.where(x != 0.0, np.abs(x), 1.0)
+    s, v, lengths = _compare(jacobian, sizes)
     found = []
     for value, row in zip(s[::-1], v[::-1] / lengths, strict=True):
         largest = row[np.argmax(np.abs(row))]
@@ -79,7 +93,7 @@ def find_unseen(objective: "Objective", x: Vector, jacobian: Vector) -> list[Uns
         found.append(Unseen(shares, deviation, _name_seen(held), {}))
     if not found:
         return found
-    remedies = _find_remedies(objective, scaled, sizes)
+    remedies = _find_remedies(objective, jacobian * sizes, sizes)
     return [replace(one, remedies=remedies) for one in found]
 
 
