@@ -20,7 +20,7 @@ from orchestrator.errors import RunError
 from orchestrator.reporter import Reporter
 from orchestrator.run.plan import FmuFile, open_participants, plan_participants
 from orchestrator.run.simulation import simulate
-from orchestrator.scenario import Scenario, build_scenario
+from orchestrator.scenario import Scenario, ScenarioError, build_scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import assemble, build_system
 
@@ -226,7 +226,10 @@ def _describe_advice(published: Published, allowed: float, found: dict[str, int]
     """What `analyse` advises, what a run of it has, and its doSteps over the fewest of all others."""
     problem = published.problem
     one = published.describe(problem.ladder[2], allowed)
-    best = survey_scenario(one, [], Reporter(Console(quiet=True))).best
+    try:
+        best = survey_scenario(one, [], Reporter(Console(quiet=True))).best
+    except ScenarioError as error:
+        return f"refused: {error}"
     if best is None:
         return "none"
     step = problem.duration / np.ceil(problem.duration / best.advised_step)

@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from orchestrator.analyses.stability.choice import choose
 from orchestrator.participants.wrapping import Linear
+from orchestrator.reporter import Reporter
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.system import assemble
 from orchestrator.scenario.warnings import list_warnings
@@ -42,6 +44,14 @@ def test_no_value_arrives_that_was_never_there(version: int, changes: dict[str, 
     assert found["lookup.strange"][-1] == 0.0
     if one.step_control is None:  # which makes a step in two halves
         np.testing.assert_array_equal(found["lookup.seen"][1:], found["switch.ramp"][:-1])
+
+
+def test_no_error_is_predicted_of_what_is_discrete(tmp_path: Path) -> None:
+    """Neither by `analyse` nor for the choice of `auto`."""
+    tables = {name: {"participant": fmu(name, 2, tmp_path)} for name in ("switch", "lookup")}
+    one = scenario(tables, connections=LINES, tolerance={"switch.ramp": 1e-3}, master={"name": "auto"})
+    with pytest.raises(ScenarioError, match=r"'auto': switch\.gear, switch\.on: declared discrete"):
+        choose(one, Reporter())
 
 
 RELATIVE = 'relativeQuantity="true"'

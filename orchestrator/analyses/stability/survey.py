@@ -126,6 +126,12 @@ def survey(
             "tolerance: missing; state the error allowed of an output, by which methods are compared"
         )
     limits = FmuLimits(scenario)
+    if limits.stepwise:
+        names = ", ".join(map(str, dict.fromkeys(limits.stepwise)))
+        raise ScenarioError(
+            f"{names}: declared discrete, so held over each macro step; the error of such a signal cannot be "
+            "predicted"
+        )
     interval = scenario.macro_step / FINER
     count = min(INSTANTS, round(scenario.stop_time / interval))
     trajectory = _find_course(
