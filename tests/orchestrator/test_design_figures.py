@@ -11,20 +11,25 @@ import pytest
 import tribocosim
 from models.core.quantities import Vector
 from models.core.system import ModelError
+from models.valve_train.followers.mechanisms import Flat
 from orchestrator.assessment.motion import Found
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.files import read_changed
+from orchestrator.scenario.system import list_parameters
 from orchestrator.scenario.wire import insert_wire
 from orchestrator.study.design.answers import Answer, Column, mend
-from orchestrator.study.design.brief import Brief, read_bounds, read_brief
+from orchestrator.study.design.brief import Brief, Limits, read_bounds, read_brief
 from orchestrator.study.design.deliverables import deliver
 from orchestrator.study.design.figures import Bound, Objective, Slopes, find_objective, list_bounds
 from orchestrator.study.design.files import keep
 from orchestrator.study.design.film import find_reversals
 from orchestrator.study.design.limits import Limit, Model
+from orchestrator.study.design.run import find_own_limits
+from orchestrator.study.design.search import Search
 from orchestrator.study.design.slp import Line, Problem, maximise
 from orchestrator.study.design.train import open_train
 from orchestrator.study.design.wanted import Found as Design
+from orchestrator.study.design.wanted import Wanted
 from orchestrator.study.design.wires import list_wires, wind
 from orchestrator.study.speeds.subject import describe_numbers
 
@@ -158,6 +163,40 @@ def test_a_wire_as_an_unknown_gives_its_spring() -> None:
     assert ratio == pytest.approx(1.1**4, rel=1e-9)
     with pytest.raises(ModelError, match="spring: "):
         wind(wires, {"spring.wire.diameter": 9e-3})
+
+
+def test_parameters_beside_the_lift_have_their_answers() -> None:
+    """A newton of preload is one of load along the event; in at most 5 % of it the squeeze adds
+    more than 2 % to it. A larger base circle is the follower's too."""
+    train = open_train(read_changed("valve-train"), 16)
+    own = list_parameters(train.scenario)
+    bounds = {"camshaft.base_radius": (0.018, 0.024), "valve_spring.preload": (200.0, 600.0)}
+    train = train.with_parameters(bounds)
+    assert train.given == {name: own[name] for name in bounds}
+    x = np.append(train.lobe.start, list(train.given.values()))
+    cycle = train.simulate(x, SPEED)
+    train.begin_with(cycle, SPEED)
+    found = train.answer(x, cycle, SPEED, ["contact.load"]).gradients["contact.load"]
+    assert found.shape == (train.lobe.angles.size, 18)
+    assert np.mean(np.abs(found[:, -1] - 1.0) < 0.02) > 0.95
+    wanted = Wanted({}, {}, {}, 0.0, [SPEED], [])
+    search = Search(train, wanted, np.array(list(bounds.values())), SPEED, 1.0, print)
+    x[-2] = 0.022
+    assert search.geometry(x) == Flat(0.022)
+
+
+def test_a_first_lift_has_the_limits_of_corners_that_bumps_cannot_follow() -> None:
+    """Bumps over the corners of the modified trapezoid's acceleration undercut its least radius; with less
+    jerk they keep it, for less than the 3 % of area that the last weight takes."""
+    train = open_train(read_changed("pushrod-train"), 30)
+    sizes = find_own_limits(train, Limits(), 200.0)
+    lobe = train.lobe
+    area = float(np.trapezoid(lobe.own.s - lobe.ramps.s, lobe.angles))
+    search = Search(train, Wanted(sizes, {}, {}, 0.0, [200.0], []), np.zeros((0, 2)), 200.0, area, print)
+    assert set(search.own_excesses(lobe.start)) == {"least_radius"}
+    begun = search.begin()
+    assert not search.own_excesses(begun)
+    assert lobe.bumps.areas @ begun > 0.97 * area
 
 
 def test_asked_ramps_are_those_of_the_cam(tmp_path: Path) -> None:

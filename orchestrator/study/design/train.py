@@ -34,6 +34,8 @@ from .wires import WireLength, list_wires, wind
 
 # Of the largest lift, a bump whose answer is measured; of a parameter, its change.
 BUMP, SHARE = 2e-3, 1e-3
+# Of the distance of angles, where the rows around one begin: half, but not where a row could stand.
+BEFORE = 0.4953
 # Where in the event bumps are measured, as a share of their count; answers between are interpolated.
 MEASURED = (0.2, 0.65)
 
@@ -115,7 +117,7 @@ class DesignedTrain:
         last = turned >= 0.0
         at = (angle[last] - self.lobe.begin) % TURN
         edges = np.append(self.lobe.angles, self.lobe.angles[-1] + np.diff(self.lobe.angles[-2:]))
-        cell = np.searchsorted(edges - self.lobe.begin - 0.5 * np.diff(edges[:2]), at, side="right") - 1
+        cell = np.searchsorted(edges - self.lobe.begin - BEFORE * np.diff(edges[:2]), at, side="right") - 1
         inside = (cell >= 0) & (cell < self.lobe.angles.size)
         found = {}
         for name in names:
