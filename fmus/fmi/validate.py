@@ -5,8 +5,11 @@ each; `validate` lists both. `info` says what an FMU is.
 """
 
 import hashlib
+import re
+import shutil
+import textwrap
 import zipfile
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -32,6 +35,8 @@ CAPABILITIES = (
 ORDER = "maxOutputDerivativeOrder"
 # An array with more elements is shown as a table: one line, after all else.
 FEW = 8
+# Columns that a description needs beside its variable.
+LEAST_ROOM = 30
 
 
 @dataclass(frozen=True)
@@ -84,13 +89,38 @@ class FmuInfo:
             "GUID": self.guid,
             "SHA-256": self.digest,
         }
-        rows: list[tuple[str, ...]] = [
-            ("variable", "type", "causality", "variability", "unit", "start", "range", "description")
-        ]
-        rows += _list_rows(self.variables)
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        table = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
-        return "\n".join([*(f"{key:10} {value}" for key, value in head.items() if value), "", *table])
+        columns = shutil.get_terminal_size((120, 0)).columns
+        lines = [_wrap(f"{key:10} ", str(value), columns) for key, value in head.items() if value]
+        return "\n".join([*lines, "", *_tabulate(self.variables, columns)])
+
+
+def _tabulate(variables: Sequence[VariableInfo], columns: int) -> Iterator[str]:
+    """A line for each, with its description where there is room, else below it."""
+    rows: list[tuple[str, ...]] = [
+        ("variable", "type", "causality", "variability", "unit", "start", "range", "description")
+    ]
+    rows += _list_rows(variables)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)][:-1]
+    for row in rows:
+        line = "  ".join(map(str.ljust, row[:-1], widths)) + "  "
+        if len(line) + LEAST_ROOM <= columns:
+            yield _wrap(line, row[-1], columns)
+        else:
+            yield line.rstrip()
+            if row[-1]:
+                yield _wrap("    ", row[-1], columns)
+
+
+def _wrap(begin: str, text: str, columns: int) -> str:
+    """A text behind a beginning, in lines of so many columns."""
+    room = max(LEAST_ROOM, columns - len(begin))
+    lines = textwrap.wrap(text, room, break_long_words=False, break_on_hyphens=False) or [""]
+    return f"\n{' ' * len(begin)}".join([begin + lines[0], *lines[1:]]).rstrip()
+
+
+def _round(text: str) -> str:
+    """The numbers of a start or range with six digits."""
+    return re.sub(r"-?\d+\.\d+(e[-+]?\d+)?", lambda found: f"{float(found[0]):g}", text)
 
 
 def _list_rows(variables: Sequence[VariableInfo]) -> list[tuple[str, ...]]:
@@ -103,7 +133,10 @@ def _list_rows(variables: Sequence[VariableInfo]) -> list[tuple[str, ...]]:
         starts = dict.fromkeys((known[first].start, known[last].start))
         shown.append(replace(known[first], name=name, start=" ... ".join(starts)))
     return [
-        (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.range, v.description) for v in shown
+        (v.name, v.kind, v.causality, v.variability, v.unit, *map(_round, (v.start, v.range)), v.description)
+        if v.kind != "String"
+        else (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.range, v.description)
+        for v in shown
     ]
 
 

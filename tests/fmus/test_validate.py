@@ -157,14 +157,19 @@ def test_a_library_of_another_platform_keeps_nobody_here_from_running(fmu_files,
     assert str(tribocosim.validate_fmu(fmu_files["flywheel"])) == "no problems found"
 
 
-def test_tables_of_an_fmu_are_a_line_each_after_the_scalars(fmu_files):
+def test_tables_of_an_fmu_are_a_line_each_after_the_scalars(fmu_files, monkeypatch):
     info = tribocosim.fmu_info(fmu_files["flywheel"])
     scalar = info.variables[0]
     points = [replace(scalar, name=f"angles[{i}]", start=str(i)) for i in range(1, 362)]
     pair = [replace(scalar, name=f"coil[{i}]") for i in (1, 2)]
+    monkeypatch.setenv("COLUMNS", "200")
     lines = str(replace(info, variables=(*points, *pair, scalar))).splitlines()[-4:]
     assert [line.split()[0] for line in lines] == ["coil[1]", "coil[2]", scalar.name, "angles[1..361]"]
     assert "1 ... 361" in lines[-1]
+    monkeypatch.setenv("COLUMNS", "100")
+    lines = [line for line in str(tribocosim.fmu_info(fmu_files["camshaft"])).splitlines() if line]
+    assert max(map(len, lines)) <= 100
+    assert any(line.split()[0] == "law" and line.split()[-1] == "0..6" for line in lines)
 
 
 def test_it_agrees_with_its_reference_from_python(referenced):

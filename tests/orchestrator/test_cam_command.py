@@ -15,7 +15,10 @@ from typer.testing import CliRunner
 from models.valve_train.cams.segments import join_sides, scale_rise
 from models.valve_train.cams.table import table_lift
 from orchestrator.analyses import load
+from orchestrator.analyses._cam_profile import build_profile
 from orchestrator.analyses._cam_source import find_settings
+from orchestrator.analyses._cam_timing import find_timing
+from orchestrator.analyses.cam import ANALYSIS
 from orchestrator.errors import MistakeError
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load as load_scenario
@@ -290,3 +293,21 @@ def test_a_flat_follower_needs_a_convex_cam():
     needed = 1e-3 * float(re.search(r"base_radius > ([\d.]+) mm", describe(8e-3))[1])
     assert describe(0.999 * needed).startswith("undercut")
     assert describe(1.001 * needed) == "convex"
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "seat-and-lash", "exhaust-valve", "coil-clash", "valve-stem", "direct-acting-hla", "pushrod-train",
+        "finger-follower", "finger-follower-hla", "roller-finger", "shaft-in-bearings",
+    ],
+)  # fmt: skip
+def test_shipped_trains_of_engines_have_cams_of_engines_and_one_hot_oil(name):
+    """Road cams lift by 0.050 in over 180 to 250 deg of the crank; K's own does over 251, with a dwell."""
+    values = ANALYSIS.complete(find_settings(name))
+    duration = find_timing(build_profile(values), values)["duration_050"]
+    assert 180.0 < math.degrees(float(duration)) < 250.0
+    scenario = load_scenario(name)
+    assert scenario.oil, "its temperature is that of all parts"
+    assert scenario.temperature == pytest.approx(373.15)
+    assert not any("viscosity" in table.parameters and table.oil for table in scenario.components.values())
