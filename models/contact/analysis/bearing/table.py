@@ -101,13 +101,13 @@ def fit(found: Array) -> Array:
 
 def write(tables: dict[str, Array], path: Path) -> None:
     """As a module, in units of 1e-5."""
-    lines = ['"""Made by `models.contact.analysis.bearing.table`: factors of Chebyshev polynomials."""', ""]
-    lines += ["import numpy as np", ""]
+    made = "Made by `models.contact.analysis.bearing.table`: factors of Chebyshev polynomials, in 1e-5."
+    lines = [f'"""{made}"""', "", "import numpy as np", ""]
     for name, table in tables.items():
         numbers = textwrap.wrap(" ".join(str(round(1e5 * value)) for value in table.ravel()), 108)
         shape = ", ".join(map(str, table.shape))
-        lines += [f"{name} = 1e-5 * np.fromstring(", '    """', *numbers, '""",', '    sep=" ",']
-        lines += [f").reshape({shape})"]
+        lines += [f"{name} = np.fromstring(", '    """', *numbers, '""",']
+        lines += ["    dtype=np.int32,", '    sep=" ",', f").reshape({shape})"]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
