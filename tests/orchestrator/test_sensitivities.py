@@ -68,6 +68,7 @@ def count_masses(unit):
         ("valve-train", 2000.0),
         pytest.param("seat-and-lash", 1500.0, marks=pytest.mark.long),
         pytest.param("direct-acting-hla", 1000.0, marks=pytest.mark.long),
+        pytest.param("pushrod-train", 1000.0, marks=pytest.mark.long),
     ],
 )
 def test_more_of_every_mass_makes_as_much_more_of_every_force(monkeypatch, record, train, rpm):
