@@ -21,7 +21,7 @@ from .signals import Eliminated, eliminate_all
 WINDOWS, APART = (1 / 8, 1 / 20, 1 / 50), 0.5
 # Of the prior, and the longest step, of the parameters' logarithms.
 PRIOR, LONGEST = 0.3, 0.3
-# A level ends after so many steps, or where one promises less than this part of the sum.
+# A level ends after so many steps, or where one promises or takes less than this part of the sum.
 STEPS, ENOUGH = 6, 0.1
 SHORTER = (1.0, 0.5, 0.2)
 
@@ -111,6 +111,8 @@ def _descend(level: _Smoothed, start: Vector, x: Vector) -> Vector:
         else:
             break
         x = moved
+        if after > (1.0 - ENOUGH) * before:
+            break
     return x
 
 
