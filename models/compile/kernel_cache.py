@@ -212,7 +212,6 @@ def keep_apart(library: Any) -> None:
     def optimize_and_link() -> None:
         optimize()
         for one in dict.fromkeys(large):
-            library._reload_init.update(one._reload_init)
             library._final_module.link_in(one._get_module_for_linking(), preserve=True)
 
     library._optimize_final_module = optimize_and_link
