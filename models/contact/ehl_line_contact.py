@@ -159,6 +159,26 @@ def heated_output(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
     y.surface_temperature = p.oil_temperature + x.surface_rise
 
 
+@dataclass
+class HeatedKeptOilOutputs(FilmHeatOutputs, KeptOilOutputs):
+    """Of a heated film whose cavities keep their oil."""
+
+
+@kernel
+def heated_output_with_oil(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
+    heated_output(t, x, u, p, y)
+    y.oil_volume = x.oil_volume[0]
+
+
+# By whether cavities keep their oil, and whether the film has temperatures.
+_OUTPUTS: dict[tuple[bool, bool], tuple[type, Any]] = {
+    (False, False): (LineContactOutputs, output),
+    (True, False): (KeptOilOutputs, output_with_oil),
+    (False, True): (HeatedLineContactOutputs, heated_output),
+    (True, True): (HeatedKeptOilOutputs, heated_output_with_oil),
+}
+
+
 @counts_energies
 def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0, layers: int = 0) -> Component:
     """The lubricated line contact with a pressure field of so many nodes; ValueError if they cannot be.
@@ -168,17 +188,10 @@ def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0, layers: int =
     """
     if mass_conserving not in (0, 1):
         raise ValueError(f"mass_conserving = {mass_conserving}: must be 0 or 1")
-    if mass_conserving and layers:
-        raise ValueError(f"layers = {layers}: must be 0 (isothermal) where mass_conserving = 1")
     inputs = Layout(ContactInputs)
     filled = nodes * mass_conserving
     state = field_layout(nodes, filled, layers)
-    outputs: type = LineContactOutputs
-    shown: Any = output
-    if mass_conserving:
-        outputs, shown = KeptOilOutputs, output_with_oil
-    elif layers:
-        outputs, shown = HeatedLineContactOutputs, heated_output
+    outputs, shown = _OUTPUTS[bool(mass_conserving), bool(layers)]
     surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
     rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
     return Component(

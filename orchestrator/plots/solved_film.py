@@ -1,4 +1,5 @@
-"""Contacts whose film is solved for: load, film, highest pressure and film ratio, a column for each.
+"""Contacts whose film is solved for: load, film, highest pressure, film ratio and, of a heated film,
+temperatures, a column for each.
 
 Over the angle of the shaft that drives it; shaded where the contact is lost.
 """
@@ -27,6 +28,8 @@ ROWS = (
     ("maximum_pressure", "Highest pressure"),
     ("film_ratio", "Film ratio"),
 )
+# Rows of heated films.
+HOT, SURFACE = "film_temperature", "surface_temperature"
 # Ratios of film and composite roughness; above the second hardly any asperities touch.
 EQUAL, FULL = 1.0, 3.0
 # Above the highest load, in ranges; beside the levels of the film ratio, as a factor.
@@ -46,20 +49,28 @@ def find_solved_contacts(data: FigureData) -> list[str]:
 def draw(data: FigureData) -> Figure:
     names = find_solved_contacts(data)
     width = 6.8 if len(names) == 1 else 0.8 + 4.6 * len(names)
-    figure, axes = create_subplots(len(ROWS), len(names), sharex="col", squeeze=False, figsize=(width, 7.6))
+    heated = [name for name in names if f"{name}.{HOT}" in data.coupled]
+    rows = (*ROWS, (HOT, "Temperature")) if heated else ROWS
+    size = (width, 1.9 * len(rows))
+    figure, axes = create_subplots(len(rows), len(names), sharex="col", squeeze=False, figsize=size)
     add_title(figure, f"{data.title}: the solved film")
     for column, name in zip(axes.T, names, strict=True):
         own = data.of(name)
-        for ax, (variable, words) in zip(column, ROWS, strict=True):
+        for ax, (variable, words) in zip(column, rows, strict=True):
+            if variable == HOT and name not in heated:
+                ax.set_visible(False)
+                continue
             plot_both(ax, own, f"{name}.{variable}", words)
             shade(ax, own, name)
+        if name in heated:
+            _draw_surfaces(column[-1], own, name)
         low, high = column[0].get_ylim()
         column[0].set_ylim(min(0.0, low), high + HEADROOM * (high - low))
         _draw_films(column[1], own, name)
         column[2].set_ylim(bottom=0.0)
         _set_logarithmic(column[3])
         _draw_levels(column[3])
-        label_abscissa(column[-1], own)
+        label_abscissa(column[len(rows if name in heated else ROWS) - 1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
     add_legend_above(axes[0, -1])
     return figure
@@ -81,6 +92,19 @@ def _draw_films(ax: Axes, data: FigureData, name: str) -> None:
     ax.legend(
         chosen.values(), chosen.keys(), fontsize=7.5, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 0.98),
         borderaxespad=0.0,
+    )  # fmt: skip
+
+
+def _draw_surfaces(ax: Axes, data: FigureData, name: str) -> None:
+    """Draw the hottest place of both surfaces beside that of the film."""
+    factor, _ = data.shown(f"{name}.{SURFACE}")
+    hottest = factor * np.nanmax(data.coupled[f"{name}.{HOT}"])
+    ax.plot(data.x(), factor * data.coupled[f"{name}.{SURFACE}"], color=MUTED, lw=1.0, label="surfaces")
+    handles, words = ax.get_legend_handles_labels()
+    film = handles[words.index(data.names[0])]
+    ax.legend(
+        [film, handles[-1]], [f"film, at most {hottest:.0f} K", "surfaces"], fontsize=7.5, ncols=2,
+        loc="lower right", bbox_to_anchor=(1.0, 0.98), borderaxespad=0.0,
     )  # fmt: skip
 
 

@@ -41,13 +41,20 @@ def start_filling(p: Any, h: Any, supply: float, filling: Any) -> None:
 
 
 @kernel
+def find_filled(p: Any, filling: Any, f: Nodes) -> None:
+    """How full nodes are: those with pressure wholly."""
+    for i in range(filling.shape[0]):
+        f.filled[i] = min(filling[i], 1.0) if p[i] == 0.0 else 1.0
+
+
+@kernel
 def fill_partly(p: Any, filling: Any, f: Nodes) -> None:
     """The mass of nodes that are filled so far; that of a cavity does not follow pressure or film."""
+    find_filled(p, filling, f)
     for i in range(filling.shape[0]):
         f.mass[i] *= filling[i]
-        f.filled[i] = 1.0
         if p[i] == 0.0:
-            f.mass_p[i], f.rho[i], f.filled[i] = 0.0, 0.0, min(filling[i], 1.0)
+            f.mass_p[i], f.rho[i] = 0.0, 0.0
 
 
 @kernel
@@ -78,12 +85,12 @@ class Ways(NamedTuple):
 
 
 @kernel
-def find_ways(X: Any, scale_rate: float, drive: Flow, filled: Any, share: Any, ways: Ways) -> None:
+def find_ways(X: Any, scale_rate: float, drive: Flow, f: Nodes, ways: Ways) -> None:
     """Fill `ways`."""
     for i in range(X.shape[0] - 1):
-        c = carried(X, i, scale_rate, drive, filled, 0.0)
-        ways.by_near[i] = share[i] * c.velocity * (1.0 + c.reach)
-        ways.by_far[i] = -share[i] * c.velocity * c.reach
+        c = carried(X, i, scale_rate, drive, f.filled, 0.5 * (f.drift[i] + f.drift[i + 1]))
+        ways.by_near[i] = f.share[i] * c.velocity * (1.0 + c.reach)
+        ways.by_far[i] = -f.share[i] * c.velocity * c.reach
 
 
 @kernel

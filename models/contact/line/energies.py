@@ -39,7 +39,7 @@ from ...core.component import DISSIPATED_POWER, SOURCE_POWER, STORED
 from ...core.integrator import copy
 from ..asperities import below, pressure_under
 from ..fluid import Lubricant, build_lubricant, density_ratio, enthalpy
-from .cavities import fill_partly, start_filling
+from .cavities import fill_partly, find_filled, start_filling
 from .field_state import begin, build_bodies
 from .grid import node_positions
 from .heat_state import laws_of
@@ -47,7 +47,7 @@ from .heated import is_heated
 from .hierarchical import BAND
 from .mixed import Bodies, mean_plane_gap
 from .reynolds import Flow, Nodes, balance, cell, properties
-from .shear import Heat, HeatLaws, newtonian, shear_film
+from .shear import Heat, HeatLaws, shear_film
 from .workspace import FIELDS, heat_in, heat_size, keep_cold, nodes_in
 
 # Vectors besides those of Nodes and the two bands: pressure, film, no masses, a balance, and the drift.
@@ -132,11 +132,11 @@ def flow_powers(
         pressure[i], film[i], none[i] = x.pressure[i], x.film[i], 0.0
         f.filled[i], f.share[i] = 1.0, 1.0
     keep_cold(f)
+    find_filled(pressure, x.filling, f)
     if is_heated(laws):
         shear_film(X, x.grid_scale, pressure, film, u.sliding_velocity, fluid, laws, heat, f)
-        fluid = newtonian(fluid)
-    copy(room[4], f.drift)
     properties(pressure, film, fluid, f)
+    copy(room[4], f.drift)
     fill_partly(pressure, x.filling, f)
     lost, left = 0.0, 0.0
     for driven in range(2):

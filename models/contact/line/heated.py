@@ -14,16 +14,21 @@ from ...core.integrator import copy
 from ..asperities import find_separation, pressure_under, real_area_share
 from ..fluid import Lubricant
 from ..friction import boundary_friction
-from .heat import COOL, store, warm
+from .cavities import find_filled, keeps_oil
+from .heat import COOL, build_columns, settle_heat, store, warm
 from .mixed import Bodies
-from .newton import FilmProblem, FilmSolution, newton
-from .reynolds import Nodes, cell
-from .shear import Heat, HeatLaws, newtonian, shear_film
+from .newton import TOLERANCE, FilmProblem, FilmSolution, newton
+from .reynolds import Flow, cell
+from .shear import SOLID_LAYERS, Heat, HeatLaws, shear_film
 from .workspace import Workspace
 
 # The heat alone settles to this share of the highest rise.
 CLOSED = 1e-5
 MOST_TURNS = 20
+# Pressures of a turn are found to this share of that to which temperatures settle.
+NEAR = 0.1
+# Changes of so many times that may be the last but for what is foreseen.
+FORESEEN = 5.0
 # Changes of turns are taken as dependent from this determinant on, relative.
 DEPENDENT = 1e-6
 
@@ -51,23 +56,36 @@ def warm_asperities(
 
 
 @kernel
-def accelerate(turn: int, settled: float, heat: Heat) -> bool:
+def find_change(heat: Heat) -> float:
+    """The largest change from the guess, which takes the guess's place, over the highest rise."""
+    largest, highest = 0.0, COOL
+    for i in range(heat.flat.shape[0]):
+        heat.guess[i] = heat.flat[i] - heat.guess[i]
+        largest, highest = max(largest, abs(heat.guess[i])), max(highest, abs(heat.flat[i]))
+    return largest / highest
+
+
+@kernel
+def is_settled(changed: float, before: float, settled: float) -> bool:
+    """Whether all further turns, which change temperatures less and less by the rate of the last two, would
+    change them by no more than `settled`."""
+    slow = changed >= before or changed > FORESEEN * settled
+    return changed <= settled or (not slow and changed**2 <= settled * (before - changed))
+
+
+@kernel
+def accelerate(turn: int, heat: Heat) -> None:
     """The next guess of the temperatures from three turns, of which this is the number `turn`: that for which
-    what turns change, linear in the guesses, is least (Anderson 1965). True, and no guess, where they changed
-    by no more than `settled` of the highest rise."""
-    found, guess = heat.flat, heat.guess
+    what turns change, linear in the guesses, is least (Anderson 1965)."""
+    found, left = heat.flat, heat.guess
     one, other = heat.trail[0], heat.trail[2]
-    left, left_one, left_other = guess, heat.trail[1], heat.trail[3]
-    n, largest, highest = found.shape[0], 0.0, COOL
+    left_one, left_other = heat.trail[1], heat.trail[3]
+    n = found.shape[0]
     a, b, c, to_one, to_other = 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(n):
-        left[i] = found[i] - guess[i]
-        largest, highest = max(largest, abs(left[i])), max(highest, abs(found[i]))
         first, second = left_one[i] - left[i], left_other[i] - left[i]
         a, b, c = a + first * first, b + first * second, c + second * second
         to_one, to_other = to_one - first * left[i], to_other - second * left[i]
-    if largest <= settled * highest:
-        return True
     determinant, to_last = a * c - b * b, 0.0
     if determinant > DEPENDENT * a * c:
         to_one, to_last = (c * to_one - b * to_other) / determinant, (a * to_other - b * to_one) / determinant
@@ -81,18 +99,15 @@ def accelerate(turn: int, settled: float, heat: Heat) -> bool:
             found[i] += to_one * (one[i] - at) + to_last * (other[i] - at)
         other[i], left_other[i] = one[i], left_one[i]
         one[i], left_one[i] = at, left[i]
-    return False
 
 
 @kernel
-def close(
-    p: Any, h: Any, problem: FilmProblem, old: Any, laws: HeatLaws, X: Any, nodes: Nodes, heat: Heat
-) -> bool:
+def close(heat: Heat) -> bool:
     """`warm` forth and back until what is left, the order in which columns are solved, closes the balance of
     heat."""
     for _ in range(MOST_TURNS):
-        changed = warm(p, h, problem, old, laws, X, nodes, heat, 1)
-        if max(changed, warm(p, h, problem, old, laws, X, nodes, heat, -1)) <= CLOSED:
+        if max(warm(heat, 1), warm(heat, -1)) <= CLOSED:
+            settle_heat(heat)
             return True
     return False
 
@@ -104,25 +119,28 @@ def solve_film(
 ) -> FilmSolution:  # fmt: skip
     """As `newton`; of a heated film with w.heat.rise, from the heat in w.heat.base."""
     if not is_heated(laws):
-        return newton(p, h, approach, problem, bodies, fluid, old, w)
-    oil, sliding, heat = newtonian(fluid), problem.drive.sliding, w.heat
-    iterations, finite = 0, True
+        return newton(p, h, approach, problem, bodies, fluid, old, w, TOLERANCE)
+    sliding, heat = problem.drive.sliding, w.heat
+    iterations, finite, before = 0, True, math.inf
     for turn in range(MOST_TURNS):
         copy(heat.guess, heat.flat)
         shear_film(w.X, problem.scale, p, h, sliding, fluid, laws, heat, w.nodes)
-        found = newton(p, h, approach, problem, bodies, oil, old, w)
+        found = newton(p, h, approach, problem, bodies, fluid, old, w, NEAR * laws.settled)
         approach, iterations = found.approach, iterations + found.iterations
         if found.error != 0.0:
             break
         warm_asperities(h, problem.scale, sliding, bodies, laws, w)
-        warm(p, h, problem, old, laws, w.X, w.nodes, heat, 1)
         shear_film(w.X, problem.scale, p, h, sliding, fluid, laws, heat, w.nodes)
-        if not math.isfinite(warm(p, h, problem, old, laws, w.X, w.nodes, heat, -1)):
+        build_columns(p, h, problem, old, laws, w.X, w.nodes, heat)
+        if not math.isfinite(warm(heat, 1) + warm(heat, -1)):
             break
-        if accelerate(turn, laws.settled, heat):
-            if close(p, h, problem, old, laws, w.X, w.nodes, heat):
+        changed = find_change(heat)
+        if is_settled(changed, before, laws.settled):
+            if close(heat):
                 return FilmSolution(approach, 0.0, iterations)
             break
+        accelerate(turn, heat)
+        before = changed
     # A further attempt goes on from what there is.
     for i in range(heat.flat.shape[0]):
         finite = finite and math.isfinite(heat.flat[i])
@@ -133,13 +151,16 @@ def solve_film(
 
 @kernel
 def begin_heat(
-    p: Any, h: Any, scale: float, sliding: float, fluid: Lubricant, laws: HeatLaws, w: Workspace
+    p: Any, h: Any, filling: Any, scale: float, drive: Flow, fluid: Lubricant, laws: HeatLaws, w: Workspace
 ) -> None:
     """At a step's start: factors of the nodes for its temperatures, which are kept."""
     if is_heated(laws):
+        if keeps_oil(drive):
+            find_filled(p, filling, w.nodes)
         copy(w.heat.pressure_base, p)
         w.heat.start[:] = w.heat.rise
-        shear_film(w.X, scale, p, h, sliding, fluid, laws, w.heat, w.nodes)
+        w.nodes.drift_p[:] = 0.0
+        shear_film(w.X, scale, p, h, drive.sliding, fluid, laws, w.heat, w.nodes)
 
 
 @kernel
@@ -151,15 +172,31 @@ def base_heat(scale: float, mass: Any, laws: HeatLaws, w: Workspace) -> None:
 
 
 @kernel
+def drain_heat(first_part: float, laws: HeatLaws, w: Workspace) -> None:
+    """The heat that `drain_at_the_end` puts back with the oil."""
+    layers = w.heat.speed.shape[1]
+    for face in range(w.X.shape[0] - 1):
+        if w.nodes.share[face] == 1.0:
+            continue
+        moved = first_part * w.nodes.through[face]
+        source = face if moved > 0.0 else face + 1
+        for k in range(SOLID_LAYERS, SOLID_LAYERS + layers):
+            heat = laws.capacity / layers * moved * w.heat.middle[source, k]
+            w.heat.base[face, k] += heat
+            w.heat.base[face + 1, k] -= heat
+
+
+@kernel
 def base_heat_after(
-    p_start: Any, p: Any, scale: float, mass: Any, part: float, laws: HeatLaws, w: Workspace
+    p_start: Any, p: Any, scale: float, mass: Any, part: float, interval: float, laws: HeatLaws, w: Workspace
 ) -> None:
-    """The base of the last stage of a step, after one at that part of it."""
+    """The base of the last stage of a step of that `interval` (s), after one at that part of it."""
     share = (1.0 - part) / part
     if is_heated(laws):
         w.heat.middle[:] = w.heat.rise
         copy(w.heat.stress_middle, w.heat.stress)
         store(w.X, scale, mass, w.heat.middle, share, laws, w.heat.base)
+        drain_heat((1.0 - part) * interval, laws, w)
         for i in range(p.shape[0]):
             w.heat.pressure_base[i] = p_start[i] + share * (p[i] - p_start[i])
 

@@ -53,7 +53,6 @@ def implicit_field(component: Any) -> ImplicitSteps:
     nodes, layers = component.structure["nodes"], component.structure["layers"]
     filled, build_laws = component.state.sizes["filled"], laws_of(layers)
     solver = workspace_size(nodes, layers)
-    sliding = component.inputs.index("sliding_velocity")
     X, U, P = component.state.dtype, component.inputs.dtype, component.parameters.dtype
 
     @kernel
@@ -72,7 +71,8 @@ def implicit_field(component: Any) -> ImplicitSteps:
         copy(film, state.film)
         copy(w.heat.flat, state.temperature)
         laws, fluid = build_laws(constants), build_lubricant(constants, constants.density_law)
-        begin_heat(pressure, film, state.grid_scale, u[sliding], fluid, laws, w)
+        flow = read_drives(record_of(u, U), constants, state.rigid_approach, filled).flow
+        begin_heat(pressure, film, state.filling, state.grid_scale, flow, fluid, laws, w)
         properties(pressure, film, fluid, w.nodes)
         if filled:
             fill_partly(pressure, state.filling, w.nodes)

@@ -231,7 +231,7 @@ def find_balance(p: Any, h: Any, problem: FilmProblem, fluid: Lubricant, old: An
     )  # fmt: skip
     if keeps_oil(problem.drive):
         ways = Ways(w.by_near, w.by_far)
-        find_ways(w.X, problem.scale_rate, problem.drive, w.nodes.filled, w.nodes.share, ways)
+        find_ways(w.X, problem.scale_rate, problem.drive, w.nodes, ways)
         per_time = problem.scale / problem.time_step
         move_layers(w.X, per_time, w.fixed, ways, w.residual, w.nodes, w.oil, w.solution[0])
 
@@ -239,7 +239,7 @@ def find_balance(p: Any, h: Any, problem: FilmProblem, fluid: Lubricant, old: An
 @kernel
 def newton(
     p: Any, h: Any, approach: float, problem: FilmProblem, bodies: Bodies, fluid: Lubricant, old: Any,
-    w: Workspace,
+    w: Workspace, tolerance: float = TOLERANCE,
 ) -> FilmSolution:  # fmt: skip
     """p and h are the guess and the result; a result whose error is not 0 must not be used.
 
@@ -311,7 +311,7 @@ def newton(
                         p[i] = p[i] if w.fixed[i] == 0.0 else 0.0
                 return FilmSolution(approach, 0.0, iteration)
             # The steep pressure where oil fills the gap again takes corrections that are small elsewhere.
-            if not keeps_oil(problem.drive):
+            if not keeps_oil(problem.drive) and left * tolerance <= TOLERANCE:
                 return FilmSolution(approach, math.inf, iteration)
         if slow or not correct_factors(sides, w.hierarchy, w.exchange):
             factorise_anew(J, sides, w.hierarchy, w.exchange)
@@ -332,7 +332,7 @@ def newton(
         if rough:
             touch(bodies, w.mixed, h)
             fluid_pressure(p, w.fixed, w.mixed)
-        before, error = error, largest / (TOLERANCE * highest)
+        before, error = error, largest / (tolerance * highest)
         if not math.isfinite(error) or highest * bodies.compliance > MOST_STRAIN:
             return FilmSolution(approach, math.inf, iteration)
         slow = error > SLOW * before

@@ -39,7 +39,8 @@ class Nodes(NamedTuple):
 
     Not filled there: the filling, and `share`, a factor of the flow through the face behind the node, both 1
     but for cavities that keep their oil; that flow (m2/s), which `balance` fills. And what heat makes (see
-    `shear`): factor of the pressure's flow, drift (m/s) of the mean velocity, expansion, a factor of rho."""
+    `shear`): factor of the pressure's flow, expansion, a factor of rho, and the drift of the mean velocity
+    without pressure (m/s) with its derivative, from which `properties` has the drift."""
 
     mass: Any
     mass_p: Any
@@ -56,6 +57,8 @@ class Nodes(NamedTuple):
     factor: Any
     drift: Any
     expansion: Any
+    drift_0: Any
+    drift_p: Any
 
 
 @kernel
@@ -65,6 +68,7 @@ def properties(p: Any, h: Any, fluid: Lubricant, f: Nodes) -> None:
         rho = f.expansion[i] * density_ratio(p[i], fluid)
         slope = f.expansion[i] * density_slope(p[i], fluid)
         cube = f.factor[i] * (h[i] ** 3 / 12.0)
+        f.drift[i] = f.drift_0[i] + f.drift_p[i] * p[i]
         f.rho[i] = rho
         f.mass[i] = rho * h[i]
         f.mass_p[i] = slope * h[i]
@@ -166,13 +170,16 @@ def balance(
             by_second / fluid.viscosity,
         )
         flow = 0.5 * (f.flow[i] + f.flow[i + 1])
-        q = velocity * ((1.0 + reach) * f.mass[near] - reach * f.mass[far]) - flow * mean * gradient
+        dragged = (1.0 + reach) * f.mass[near] - reach * f.mass[far]
+        q = velocity * dragged - flow * mean * gradient
         f.through[i] = f.share[i] * q
         by_gradient = flow * mean * shear / length
         p_first = by_gradient - (0.5 * f.flow_p[i] * mean + flow * by_first * f.log_eta_p[i]) * gradient
         p_second = -by_gradient - (
             0.5 * f.flow_p[i + 1] * mean + flow * by_second * f.log_eta_p[i + 1]
         ) * gradient  # fmt: skip
+        p_first += 0.5 * f.drift_p[i] * dragged
+        p_second += 0.5 * f.drift_p[i + 1] * dragged
         h_first = -(0.5 * f.flow_h[i] + flow * by_film) * mean * gradient
         h_second = -(0.5 * f.flow_h[i + 1] + flow * by_film) * mean * gradient
         for side in range(2):

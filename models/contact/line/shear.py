@@ -18,9 +18,9 @@ import math
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
-from ..fluid import Lubricant
+from ..fluid import ROELANDS, Lubricant, log_viscosity, thinning
 from ..friction import Traction, find_sheared_share
-from ..rheology import GRADUAL, Thermal, hot_log_viscosity, limited_stress
+from ..rheology import GRADUAL, Thermal, limited_stress, pressed_share, thin_by_heat
 
 # Layers of either solid: from LEAST_DEPTH (m), reached within 0.1 us, each twice as thick as the one before,
 # to 0.5 mm, not reached within the 3 ms that a body needs through the grid.
@@ -29,6 +29,8 @@ LEAST_DEPTH = 2e-6
 # Stresses of more Eyring stresses than this are none of oils; sinh must not overflow.
 _LARGEST = 200.0
 _MOST_ITERATIONS = 30
+# Slopes of the pressure across the film below this share of the Eyring stress count as this.
+_LEAST_TILT = 1e-4
 
 
 class HeatLaws(NamedTuple):
@@ -48,13 +50,35 @@ class HeatLaws(NamedTuple):
     settled: float
 
 
+class Columns(NamedTuple):
+    """The equations of temperatures, divided. Over rows (n, rows): source (W/m), factors of the rows
+    eliminated before, inverses of the diagonal, shares of the rows eliminated after, and the film's answers
+    to the heat of the stress. `come` (n, 2 + layers, 4) of bodies (m2/s) and layers (W/(m K)): shares of the
+    temperatures of two nodes to the left and two to the right; `origin` (n, layers): temperatures about which
+    the heat of shear is linear; `softer` (n): how the stress answers itself. The rest is of one column."""
+
+    source: Any
+    lower: Any
+    inverse: Any
+    upper: Any
+    answer: Any
+    come: Any
+    origin: Any
+    softer: Any
+    held: Any
+    linked: Any
+    right: Any
+    diagonal: Any
+
+
 class Heat(NamedTuple):
     """Scratch over nodes. Rises of temperature (K) over rows (n, rows): body 1 from the depth to its surface,
     film, body 2 to the depth; `flat` is `rise` as one vector, `guess` and `trail` (4) are such of the turns
     of film and heat. Over layers (n, layers): heat (W/m), its
     growth by the layer's own temperature, what all temperatures make of the stress (1/K), and velocity
     (m/s) less the mean. Over nodes: stress (Pa), how heat answers the stress, pressure at the base (Pa),
-    heat of asperities (W/m)."""
+    heat of asperities (W/m), growth of heat (1/Pa) by the pressure, zeta_c - 1/2, and what the pressure makes
+    of the drift at these temperatures (m/(s Pa))."""
 
     flat: Any
     guess: Any
@@ -72,7 +96,10 @@ class Heat(NamedTuple):
     response: Any
     pressure_base: Any
     rough: Any
-    columns: Any
+    pressing: Any
+    wedge: Any
+    wedging: Any
+    columns: Columns
 
 
 @kernel
@@ -85,15 +112,6 @@ def no_heat(traction: Traction) -> HeatLaws:
 def depth(layer: int) -> float:
     """Thickness (m) of a body's layer, counted from the surface."""
     return float(LEAST_DEPTH * 2.0**layer)
-
-
-@kernel
-def newtonian(fluid: Lubricant) -> Lubricant:
-    """The oil without shear thinning, which factors of the nodes bring in."""
-    return Lubricant(
-        fluid.viscosity, fluid.pressure_viscosity, fluid.viscosity_law, fluid.density_law,
-        fluid.roelands_exponent, fluid.roelands_pressure, 0.0,
-    )  # fmt: skip
 
 
 @kernel
@@ -121,43 +139,57 @@ def eyring_level(level: float, tilt: float, wanted: float, fluidity: Any, eyring
 
 
 @kernel
+def thin_layers(
+    J0: float, J1: float, tilt: float, wanted: float, fluidity: Any, eyring_stress: float
+) -> tuple[float, float, float]:
+    """Newton's fluidities of layers, with their moments, become those of an Eyring oil that slides by
+    `wanted` (Pa); its moments, and by which power of the viscosity's fall the stress grows less."""
+    layers = fluidity.shape[0]
+    share = 1.0 / layers
+    level = eyring_level((wanted + tilt * (J1 - 0.5 * J0)) / J0, tilt, wanted, fluidity, eyring_stress)
+    J0, J1, answer = 0.0, 0.0, 0.0
+    for k in range(layers):
+        zeta = (k + 0.5) * share
+        x = abs(level - (zeta - 0.5) * tilt) / eyring_stress
+        if x > 1e-4:
+            x = min(x, _LARGEST)
+            fluidity[k] *= math.sinh(x) / x
+        J0 += share * fluidity[k]
+        J1 += share * fluidity[k] * zeta
+        answer += share * fluidity[k] * (x / math.tanh(x) if x > 1e-4 else 1.0)
+    return J0, J1, answer / J0
+
+
+@kernel
 def shear_node(
-    i: int, pressure: float, film: float, log_eta: float, tilt: float, sliding: float, width: float,
-    sheared: float, fluid: Lubricant, laws: HeatLaws, heat: Heat,
+    i: int, pressure: float, film: float, tilt: float, sliding: float, width: float, sheared: float,
+    fluid: Lubricant, laws: HeatLaws, heat: Heat,
 ) -> tuple[float, float]:  # fmt: skip
-    """Fill what `heat` has of node i; factor of the pressure's flow, and drift u_s (zeta_c - 1/2) (m/s).
+    """Fill what `heat` has of node i; factor of the pressure's flow, and drift u_s (zeta_c - 1/2) (m/s):
+    of an Eyring oil that without the pressure's slope, and the factor over that of `thinning`.
 
     `tilt` (Pa): h p'; width of the node's volume and of its sheared part (m).
     """
     layers = heat.speed.shape[1]
     share = 1.0 / layers
-    fluidity = heat.speed[i]
-    eta = fluid.viscosity * math.exp(log_eta)
+    if fluid.eyring_stress > 0.0 and abs(tilt) < _LEAST_TILT * fluid.eyring_stress:
+        tilt = _LEAST_TILT * fluid.eyring_stress
+    fluidity, softening = heat.speed[i], heat.softening[i]
+    log_eta, by_pressure = log_viscosity(pressure, fluid)
+    eta, pressed = fluid.viscosity * math.exp(log_eta), pressed_share(pressure, fluid)
+    thinned = heat.growth[i]
     J0, J1, J2 = 0.0, 0.0, 0.0
     for k in range(layers):
-        hot = hot_log_viscosity(pressure, heat.rise[i, SOLID_LAYERS + k], fluid, laws.thermal)
-        fluidity[k] = math.exp(log_eta - hot.value)
-        heat.softening[i, k] = -hot.by_temperature
+        hot = thin_by_heat(heat.rise[i, SOLID_LAYERS + k], fluid.viscosity, laws.thermal)
+        thinned[k] = -pressed * hot.value
+        fluidity[k] = math.exp(thinned[k])
+        softening[k] = -pressed * hot.slope
         zeta = (k + 0.5) * share
         J0 += share * fluidity[k]
         J1 += share * fluidity[k] * zeta
-    answer = 1.0
+    answer, plain_centre = 1.0, J1 / J0
     if fluid.eyring_stress > 0.0:
-        wanted = eta * sliding / film
-        level = eyring_level(
-            (wanted + tilt * (J1 - 0.5 * J0)) / J0, tilt, wanted, fluidity, fluid.eyring_stress
-        )
-        J0, J1, answer = 0.0, 0.0, 0.0
-        for k in range(layers):
-            zeta = (k + 0.5) * share
-            x = abs(level - (zeta - 0.5) * tilt) / fluid.eyring_stress
-            if x > 1e-4:
-                x = min(x, _LARGEST)
-                fluidity[k] *= math.sinh(x) / x
-            J0 += share * fluidity[k]
-            J1 += share * fluidity[k] * zeta
-            answer += share * fluidity[k] * (x / math.tanh(x) if x > 1e-4 else 1.0)
-        answer /= J0
+        J0, J1, answer = thin_layers(J0, J1, tilt, eta * sliding / film, fluidity, fluid.eyring_stress)
     centre = J1 / J0
     for k in range(layers):
         J2 += share * fluidity[k] * (((k + 0.5) * share - centre) ** 2 + share * share / 12.0)
@@ -169,20 +201,34 @@ def shear_node(
         follows = stress / (limit * math.expm1(stress / limit))
     heat.stress[i] = math.copysign(limited, sliding) if sheared > 0.0 and sliding != 0.0 else 0.0
     heat.response[i] = (follows + answer) / answer
+    heat.pressing[i] = follows / answer * by_pressure
+    if follows < 1.0 and limit > 0.0:
+        heat.pressing[i] += (1.0 - follows) * laws.traction.limiting_coefficient / limit
     stress = math.copysign(stress, sliding)
-    passed, mean = 0.0, 0.0
+    passed, mean, wedging = 0.0, 0.0, 0.0
     for k in range(layers):
-        leant = ((k + 0.5) * share - centre) * tilt
-        part = share * fluidity[k] / J0
+        away = (k + 0.5) * share - centre
+        leant, part = away * tilt, share * fluidity[k] / J0
+        wedging += part * away * thinned[k]
         slid = (stress - leant) * fluidity[k] / eta * film * share
         heat.heating[i, k] = heat.stress[i] * slid * sheared - leant * slid * width if sheared > 0.0 else 0.0
-        heat.growth[i, k] = heat.softening[i, k] * heat.heating[i, k]
-        heat.softening[i, k] *= part
+        heat.growth[i, k] = softening[k] * heat.heating[i, k]
+        softening[k] *= part
         heat.speed[i, k] = -passed - 0.5 * slid
         passed += slid
         mean += heat.speed[i, k] * share
     for k in range(layers):
         heat.speed[i, k] -= mean
+    heat.wedge[i] = centre - 0.5
+    heat.wedging[i] = 0.0
+    if fluid.viscosity_law == ROELANDS:
+        by_pressed = fluid.roelands_exponent / (pressure + fluid.roelands_pressure)
+        heat.wedging[i] = sliding * wedging * by_pressed
+    if fluid.eyring_stress > 0.0:
+        # What the pressure's slope makes of the drift flows by it; Conry's factor is that of cold oil.
+        slope = 12.0 * J2 - 12.0 * eta * sliding * (centre - plain_centre) / (film * tilt)
+        thin = thinning(eta, film, tilt / film, sliding, fluid.eyring_stress)
+        return slope / thin.factor, sliding * (plain_centre - 0.5)
     return 12.0 * J2, sliding * (centre - 0.5)
 
 
@@ -200,10 +246,11 @@ def shear_film(
         if p[i] > 0.0:
             sheared = scale * (find_sheared_share(X, p, i, -1) + find_sheared_share(X, p, i, 1))
             tilt = h[i] * (p[after] - p[before]) / (2.0 * width)
-        log_eta = hot_log_viscosity(p[i], 0.0, fluid, laws.thermal).value
         nodes.factor[i], nodes.drift[i] = shear_node(
-            i, p[i], h[i], log_eta, tilt, sliding, width, sheared, fluid, laws, heat
+            i, p[i], h[i], tilt, sliding, width, sheared, fluid, laws, heat
         )
+        nodes.drift[i] *= nodes.filled[i]
+        nodes.drift_0[i] = nodes.drift[i] - nodes.drift_p[i] * p[i]
         mean = 0.0
         for k in range(layers):
             mean += heat.rise[i, SOLID_LAYERS + k] / layers

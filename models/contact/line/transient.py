@@ -299,11 +299,11 @@ def step(
     half_scale = scale + GAMMA * (new_scale - scale)
     for i in range(n):
         w.p_start[i], w.h_start[i], w.slope_start[i] = p[i], h[i], slope[i]
-    begin_heat(p, h, scale, start.flow.sliding, fluid, laws, w)
-    properties(p, h, fluid, w.nodes)
     conserving = keeps_oil(start.flow)
+    w.nodes.share[:] = 1.0
+    begin_heat(p, h, w.filling, scale, start.flow, fluid, laws, w)
+    properties(p, h, fluid, w.nodes)
     if conserving:
-        w.nodes.share[:] = 1.0
         fill_partly(p, w.filling, w.nodes)
     masses(scale, w, w.mass_start)
     base_heat(scale, w.mass_start, laws, w)
@@ -337,7 +337,7 @@ def step(
         if w.base[i] < 0.0:
             # The film shrinks too much within the step: cavities would balance less than nothing.
             return FilmStep(found.approach, half_scale, math.inf, found.approach)
-    base_heat_after(w.p_start, p, half_scale, w.mass_middle, GAMMA, laws, w)
+    base_heat_after(w.p_start, p, half_scale, w.mass_middle, GAMMA, time_step, laws, w)
     foretell_heat(1.0 / GAMMA, w)
     # The second stage begins where the first leads to.
     for i in range(n):

@@ -11,7 +11,7 @@ from .grid import fill_kernel_matrix, place_nodes
 from .hierarchical import BAND, Hierarchy, hierarchy_in, hierarchy_size
 from .mixed import Mixed
 from .reynolds import Nodes
-from .shear import SOLID_LAYERS, Heat
+from .shear import SOLID_LAYERS, Columns, Heat
 from .woodbury import SIDES, Exchange, exchange_in, exchange_size
 
 FIELDS = len(Nodes._fields)
@@ -20,7 +20,9 @@ _VECTORS = 21
 # Of Mixed.
 _MIXED = 8
 # Of Heat: over rows, over layers and over nodes; and over rows of one column.
-_ROWS, _LAYERS, _STRESSES, _COLUMNS = 9, 4, 5, 7
+_ROWS, _LAYERS, _STRESSES, _COLUMNS = 14, 5, 9, 4
+# Nodes from which heat comes to one.
+_BESIDE = 4
 # Says that grid and matrix are filled; so much more for every layer.
 _FILLED, _PER_LAYER = 0.25, 2.0**-10
 
@@ -67,7 +69,8 @@ class Workspace(NamedTuple):
 def nodes_in(f: Any) -> Nodes:
     """The first FIELDS rows of f."""
     return Nodes(
-        f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9], f[10], f[11], f[12], f[13], f[14]
+        f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9], f[10], f[11], f[12], f[13], f[14], f[15],
+        f[16],
     )  # fmt: skip
 
 
@@ -75,7 +78,8 @@ def nodes_in(f: Any) -> Nodes:
 def keep_cold(f: Nodes) -> None:
     """The oil is that of the laws."""
     for i in range(f.factor.shape[0]):
-        f.factor[i], f.drift[i], f.expansion[i] = 1.0, 0.0, 1.0
+        f.factor[i], f.expansion[i] = 1.0, 1.0
+        f.drift_0[i], f.drift_p[i] = 0.0, 0.0
 
 
 @kernel
@@ -88,7 +92,8 @@ def rows_of(layers: int) -> int:
 def heat_size(n: int, layers: int) -> int:
     """Elements of scratch that `heat_in` needs."""
     rows = rows_of(layers)
-    return n * (_ROWS * rows + _LAYERS * layers + _STRESSES) + _COLUMNS * rows
+    come = _BESIDE * (layers + 2) if layers > 0 else 0
+    return n * (_ROWS * rows + _LAYERS * layers + _STRESSES + come) + _COLUMNS * rows
 
 
 @kernel
@@ -98,15 +103,19 @@ def heat_in(work: Any, n: int, layers: int) -> Heat:
     size = n * rows
     k = _ROWS * size
     t = shaped(work[:k], (_ROWS, n, rows))
-    trail = shaped(work[5 * size : k], (_ROWS - 5, size))
+    trail = shaped(work[5 * size : 9 * size], (4, size))
     v = shaped(work[k : k + _LAYERS * n * layers], (_LAYERS, n, layers))
     k += _LAYERS * n * layers
     s = shaped(work[k : k + _STRESSES * n], (_STRESSES, n))
     k += _STRESSES * n
-    columns = shaped(work[k : k + _COLUMNS * rows], (_COLUMNS, rows))
+    beside = layers + 2 if layers > 0 else 0
+    come = shaped(work[k : k + _BESIDE * n * beside], (n, beside, _BESIDE))
+    k += _BESIDE * n * beside
+    one = shaped(work[k : k + _COLUMNS * rows], (_COLUMNS, rows))
+    columns = Columns(t[9], t[10], t[11], t[12], t[13], come, v[4], s[8], one[0], one[1], one[2], one[3])
     return Heat(
         work[:size], work[4 * size : 5 * size], trail, t[0], t[1], t[2], t[3], v[0], v[1], v[2], v[3],
-        s[0], s[1], s[2], s[3], s[4], columns,
+        s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], columns,
     )  # fmt: skip
 
 

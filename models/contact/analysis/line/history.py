@@ -43,17 +43,21 @@ def film_history(
     nodes: int = 301,
     parameters: Mapping[str, float] | None = None,
     film_thickness: float = 1e-6,
-    mass_conserving: int = 0,
+    sliding_velocity: Vector | None = None,
+    **structure: int,
 ) -> FilmHistory:
-    """The transient film under a load (N) with velocity (m/s) and radius (m) given at ascending `times` (s).
+    """The transient film under a load (N) with velocity (m/s) and radius (m) given at ascending `times` (s),
+    and the sliding (m/s), in pure rolling without. `structure`: `mass_conserving` and `layers`.
 
     Between the instants they follow cubic splines. It begins with Hertz's pressure over `film_thickness`
     (m), and forgets that within a few passages through the contact. `parameters` of `ehl_line_contact` by
     name; surfaces are smooth unless a roughness is among them.
     ModelError for parameters out of range and where a step does not converge.
     """
-    component = ehl_line_contact(nodes=nodes, mass_conserving=mass_conserving)
+    component = ehl_line_contact(nodes=nodes, **structure)
     given = _name_inputs(load, entraining_velocity, radius_of_curvature)
+    if sliding_velocity is not None:
+        given["sliding_velocity"] = sliding_velocity
     chosen = {"roughness": 0.0, **(parameters or {})}
     states = _step_through(component, times, given, chosen, film_thickness)
     return _collect_fields(np.asarray(times[1:]), states, component)

@@ -10,7 +10,8 @@ from models.contact.asperities import Asperities, pressure_scale
 from models.contact.ehl_line_contact import HeatedLineContactParameters, ehl_line_contact
 from models.contact.fluid import Lubricant
 from models.contact.friction import profile_friction
-from models.contact.line.heat import capacity, resistance, warm
+from models.contact.line.cavities import start_filling
+from models.contact.line.heat import build_columns, capacity, resistance, warm
 from models.contact.line.heat_state import build_heat
 from models.contact.line.heated import solve_film, warm_asperities
 from models.contact.line.newton import FilmProblem
@@ -48,8 +49,9 @@ def warmed(laws, layers, heating=None, nodes=201, velocity=1.0, sliding=0.0, fil
             w.heat.growth[:], w.heat.softening[:] = 0.0, 0.0
             width = np.array([1e-4 * cell(w.X, i) if abs(w.X[i]) < 1.0 else 0.0 for i in range(1, nodes - 1)])
             w.heat.heating[1:-1] = heating * width[:, None] / layers
+        build_columns(p, h, problem, old, laws, w.X, w.nodes, w.heat)
         for way in (1, -1):
-            warm(p, h, problem, old, laws, w.X, w.nodes, w.heat, way)
+            warm(w.heat, way)
     return w
 
 
@@ -86,7 +88,8 @@ def test_a_band_of_heat_has_blocks_flash_temperature(velocity, record):
 class Film:
     """A heated film under a constant load, stepped by `step`."""
 
-    def __init__(self, roughness=0.0, sliding=2.0, velocity=2.0, laws=LAWS, nodes=NODES):
+    def __init__(self, roughness=0.0, sliding=2.0, velocity=2.0, laws=LAWS, supply=-1.0, fluid=FLUID):
+        nodes, self.supply, self.fluid = NODES, supply, fluid
         self.w = workspace_in(np.zeros(workspace_size(nodes, LAYERS)), nodes, LAYERS)
         self.rough = Asperities(roughness, 0.05, 5e-3)
         scale = pressure_scale(self.rough, BODIES.compliance)
@@ -97,16 +100,18 @@ class Film:
         self.sliding, self.velocity, load, film = sliding, velocity, 500.0, 1e-6
         self.scale = wanted_scale(load / LENGTH, film, 0.02, BODIES)
         place_film(load, film, 0.02, self.bodies, self.w.X, self.scale, self.p, self.h)
+        if supply >= 0.0:
+            start_filling(self.p, self.h, supply, self.w.filling)
         self.approach, self.laws = 0.0, laws
 
     def advance(self, interval, growth=1.0, loads=(500.0, 500.0, 500.0)):
         """One step, in which the grid grows."""
-        flow = Flow(self.velocity, self.sliding, 0.02)
+        flow = Flow(self.velocity, self.sliding, 0.02, self.supply)
         drives = [Drives(flow, self.approach, load / LENGTH) for load in loads]
         new = growth * self.scale
         self.rate = (new - self.scale) / interval
         taken = step(
-            self.p, self.h, self.slope, self.scale, new, interval, *drives, 1e9, self.bodies, FLUID,
+            self.p, self.h, self.slope, self.scale, new, interval, *drives, 1e9, self.bodies, self.fluid,
             self.laws, self.w,
         )  # fmt: skip
         assert taken.error <= 1.0
@@ -152,10 +157,19 @@ class Film:
 
 
 @pytest.mark.parametrize(
-    ("roughness", "sliding", "velocity"), [(0.0, 2.0, 2.0), (0.0, 2.0, -0.3), (0.2e-6, 3.0, 0.5)]
+    ("roughness", "sliding", "velocity", "supply", "eyring"),
+    [
+        (0.0, 2.0, 2.0, -1.0, 0.0),
+        (0.0, 2.0, -0.3, -1.0, 5e6),
+        (0.2e-6, 3.0, 0.5, -1.0, 0.0),
+        (0.0, 2.0, 2.0, 0.3e-6, 0.0),
+    ],
 )
-def test_heat_that_arises_is_conducted_carried_or_stored(roughness, sliding, velocity, record):
-    film, interval = Film(roughness, sliding, velocity), 1e-5
+def test_heat_that_arises_is_conducted_carried_or_stored(
+    roughness, sliding, velocity, supply, eyring, record
+):
+    fluid, interval = FLUID._replace(eyring_stress=eyring), 1e-5
+    film = Film(roughness, sliding, velocity, supply=supply, fluid=fluid)
     for _ in range(20):
         film.advance(interval, 1.01)
     made, *shares = film.balance(interval)
