@@ -35,6 +35,10 @@ from .table_header import (
 )
 from .units import UnitError
 
+# A gap is longer than this many times the usual spacing, or than this angle (rad) in an irregular table.
+GAP, WIDE = 3.0, math.radians(10.0)
+# In a regular table a row is missing from this many times the spacing on. This share of its rows is regular.
+MISSING, REGULAR = 1.5, 0.8
 MOST_ROWS = 100_000  # 3.6 thousandths of a degree
 LONGEST_LINE = 5000
 LONGEST_NUMBER = 40
@@ -47,8 +51,9 @@ class AngleTableError(MistakeError):
 class Kind(NamedTuple):
     """The value's name and unit, the most turns that the angle spans, whose they are, and a header.
 
-    `per_crank` is the angle over that of the crank, for a column that names the crank, or that turns further
-    than `turns`. `names` are what a column without a unit must begin with to be in `guess`.
+    `per_crank` and `per_cam` are the angle over that of the crank and of the cam, for a column that names
+    one of them; the crank also for one that turns further than `turns`. `names` are what a column without a
+    unit must begin with to be in `guess`.
     """
 
     value: str
@@ -57,6 +62,7 @@ class Kind(NamedTuple):
     turned: str
     example: str
     per_crank: float = 1.0
+    per_cam: float = 1.0
     names: tuple[str, ...] = ()
     guess: str = ""
 
@@ -86,7 +92,7 @@ def read_angle_table(path: Path, kind: Kind) -> AngleTable:
         raise AngleTableError(f"{path}: is empty; {kind.header}")
     try:
         return _parse(lines, kind)
-    except AngleTableError as error:
+    except (AngleTableError, UnitError) as error:
         raise AngleTableError(f"{path}: {error}") from None
 
 
@@ -106,6 +112,31 @@ def read_lines(path: Path, header: str) -> list[tuple[int, str]]:
             f"{path}: has more than {MOST_ROWS} rows, or a row of more than {LONGEST_LINE} characters"
         )
     return lines
+
+
+class Gap(NamedTuple):
+    """Where rows are missing after row `i`; too many of them to go on between both ends, if it is `wide`."""
+
+    i: int
+    begin: float
+    length: float
+    wide: bool
+
+    @property
+    def place(self) -> str:
+        begin, end = (math.degrees(angle) % 360.0 for angle in (self.begin, self.begin + self.length))
+        return f"between {begin:.6g} and {end:.6g} deg"
+
+
+def find_gaps(angle: Vector, cycle: float) -> list[Gap]:
+    """The gaps between ascending angles (rad), and from the last to the first one, a cycle later."""
+    steps = np.diff(angle, append=angle[0] + cycle)
+    spacing = float(np.median(steps))
+    regular = float(np.mean(np.abs(steps / spacing - 1.0) < 0.02)) > REGULAR
+    beside = np.maximum(np.roll(steps, 1), np.roll(steps, -1))
+    gaps = steps > (MISSING * spacing if regular else GAP * np.maximum(spacing, beside))
+    wide = GAP * spacing if regular else WIDE
+    return [Gap(int(i), angle[i], steps[i], bool(steps[i] > wide)) for i in np.flatnonzero(gaps)]
 
 
 def split_row(line: str, separator: str) -> list[str]:
@@ -142,8 +173,8 @@ def _parse(lines: list[tuple[int, str]], kind: Kind) -> AngleTable:
     if len(rows) < 2:
         raise AngleTableError(f"has {len(rows)} rows of numbers; a table has one for each degree or so")
     written = np.array([row.angle for row in rows]) * factor
-    crank = _choose_shaft(columns[0], written, kind, notes)
-    angle = _pass_zero(written * (kind.per_crank if crank else 1.0), 2.0 * math.pi * kind.turns)
+    scale = _choose_shaft(columns[0], written, kind, notes)
+    angle = _pass_zero(written * scale, 2.0 * math.pi * kind.turns)
     value = np.array([row.value for row in rows]) * value_factor
     _check_order(angle, lines, kind)
     if angle[-1] < angle[0]:
@@ -151,7 +182,7 @@ def _parse(lines: list[tuple[int, str]], kind: Kind) -> AngleTable:
     for i, name in enumerate(columns[2:], 3):
         if any(i in row.more for row in rows):
             notes.append(f"column {i}, {name.name!r}: is ignored; the {kind.value} is column 2")
-    named = bool(crank or names_cam(columns[0]))
+    named = scale != 1.0 or names_cam(columns[0])
     return AngleTable(
         angle, value, _find_step([row.decimals for row in rows]) * value_factor, tuple(notes), named
     )
@@ -176,20 +207,23 @@ def _read_unit(columns: list[Column], i: int, unit: str, kind: Kind, notes: list
         raise AngleTableError(f"{place}: is no {what} ({error}); {kind.header}") from None
 
 
-def _choose_shaft(column: Column, angle: Vector, kind: Kind, notes: list[str]) -> bool:
-    """Whether the angles are the crank's, which turns further than what the table is of."""
-    if kind.per_crank == 1.0:
-        return False
-    halved = f"crank angles, the cam turns by {kind.per_crank:g} of them"
+def _choose_shaft(column: Column, angle: Vector, kind: Kind, notes: list[str]) -> float:
+    """What the table's angle is of the column's, which may be that of the other shaft."""
+    said = f"column 1, {column.written!r}:"
+    crank = f"crank angles, the cam turns by {kind.per_crank:g} of them"
     if word := find_crank_word(column):
-        if not word.startswith("crank"):
-            notes.append(f"column 1, {column.written!r}: {halved}")
-        return True
+        if kind.per_crank != 1.0 and not word.startswith("crank"):
+            notes.append(f"{said} {crank}")
+        return kind.per_crank
+    if names_cam(column):
+        if kind.per_cam != 1.0:
+            notes.append(f"{said} cam angles, the crank turns by {kind.per_cam:g} of them")
+        return kind.per_cam
     turned = math.degrees(float(np.ptp(_pass_zero(angle, 2.0 * math.pi * kind.turns / kind.per_crank))))
-    if names_cam(column) or turned <= 360.0 * kind.turns * (1.0 + 1e-9):
-        return False
-    notes.append(f"column 1, {column.written!r}: spans {turned:g} deg, so it has {halved}")
-    return True
+    if kind.per_crank == 1.0 or turned <= 360.0 * kind.turns * (1.0 + 1e-9):
+        return 1.0
+    notes.append(f"{said} spans {turned:g} deg, so it has {crank}")
+    return kind.per_crank
 
 
 class _Row(NamedTuple):
@@ -250,12 +284,12 @@ def _find_step(decimals: list[int]) -> float:
     return float(10.0 ** -max(decimals))
 
 
-PRESSURE = Kind("pressure", "Pa", 2, "the crank", "angle [deg], pressure [bar]")
+PRESSURE = Kind("pressure", "Pa", 2, "the crank", "angle [deg], pressure [bar]", per_cam=2.0)
 TURN = 2.0 * math.pi
 # Parameters of the formula, which a table replaces: a scenario that is extended may have them.
 OF_FORMULA = {f.name for f in fields(CylinderGasParameters)} - {f.name for f in fields(CylinderParameters)}
-# A gap at the end is longer than this many times the usual spacing; ends of a cycle agree to this share.
-GAP, AGREED = 3.0, 0.05
+# Ends of a cycle agree to this share.
+AGREED = 0.05
 # Points on both sides from which the slope at an end follows.
 BESIDE = 3
 
@@ -266,6 +300,9 @@ def insert_pressure_table(table: dict[str, Any]) -> dict[str, Any]:
     found = read_angle_table(path, PRESSURE)
     try:
         turns, angle, pressure = _close_cycle(found.angle, found.value)
+        gaps = find_gaps(angle, turns * TURN)
+        if wide := [gap for gap in gaps if gap.wide]:
+            raise AngleTableError(f"rows are missing {wide[0].place}: add them")
     except AngleTableError as error:
         raise AngleTableError(f"{path}: {error}") from None
     columns = {
@@ -277,7 +314,10 @@ def insert_pressure_table(table: dict[str, Any]) -> dict[str, Any]:
     kept = {name: value for name, value in table.get("parameters", {}).items() if name not in OF_FORMULA}
     rest = {key: value for key, value in table.items() if key != "pressure_table"}
     return rest | {
-        "notes": found.notes,
+        "notes": (
+            *found.notes,
+            *(f"rows are missing {gap.place}: the pressure there is interpolated" for gap in gaps),
+        ),
         "structure": {**table.get("structure", {}), "pressure_points": angle.size},
         "parameters": {"cycle_turns": float(turns), **points, **kept},
     }

@@ -24,7 +24,9 @@ DEGREES, AGAIN, DECIMALS = 360, 36, 8
 S96 = ".s96"
 # Rows that are there again agree within this many steps of the last decimal.
 AGREED = 10.0
-RADIUS = Kind("radius", "m", 1, "the cam", "angle [deg], radius [mm]", names=("radius", "r"), guess="mm")
+RADIUS = Kind(
+    "radius", "m", 1, "the cam", "angle [deg], radius [mm]", per_crank=0.5, names=("radius", "r"), guess="mm"
+)
 
 
 def write_s96(lift: Callable[[float], float], nose: float) -> str:

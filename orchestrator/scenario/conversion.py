@@ -40,9 +40,16 @@ def find_transformations(instances: Mapping[str, Instance], lines: Sequence[Line
         if not plain:
             linear: Linear | None = Linear(1.0 if line.factor is None else line.factor, line.offset or 0.0)
         else:
-            linear = _convert(
-                given, _get_units(instances[source.instance]), wanted, _get_units(instances[target.instance])
-            )
+            units = [_get_units(instances[end.instance]) for end in (source, target)]
+            linear = _convert(given, units[0], wanted, units[1])
+            if linear is None and units != [None, None] and given.unit != wanted.unit:
+                ends = zip((given, wanted), units, strict=True)
+                odd = next((q.unit for q, known in ends if find_unit(q.unit, known or {}) is None), "")
+                raise ScenarioError(
+                    f"{line}: unit {given.unit} does not fit {wanted.unit}"
+                    f"{f' ({odd} is an unknown unit)' if odd else ''}; connect another output, or write the "
+                    f"factor: {line.source} * 1 -> {line.target}"
+                )
             if linear is not None and linear.offset and given.relative != wanted.relative:
                 raise ScenarioError(
                     f"{line}: {explain_differences(line.source, line.target, given.relative)}"
@@ -129,12 +136,13 @@ def convert_units(
     `relative`; None if they do not fit or are unknown."""
     if not given or not wanted:
         return Linear()  # no unit is stated
-    one, other = _find_unit(given, given_units), _find_unit(wanted, wanted_units)
+    one, other = find_unit(given, given_units), find_unit(wanted, wanted_units)
     if one is None or other is None or one.exponents != other.exponents:
         return None
     offset = 0.0 if relative else (one.offset - other.offset) / other.factor
     return Linear(one.factor / other.factor, offset)
 
 
-def _find_unit(unit: str, units: Mapping[str, Unit]) -> Unit | None:
+def find_unit(unit: str, units: Mapping[str, Unit]) -> Unit | None:
+    """By these definitions, or the common ones; None for an unknown one."""
     return units.get(unit) or to_base_units(unit)

@@ -20,7 +20,7 @@ from models.valve_train.cams.law import LawParameters
 from models.valve_train.cams.segments import Rise, join_sides, scale_rise
 from models.valve_train.cams.table import TURN, TableParameters
 
-from .angle_table import AngleTable, AngleTableError, Kind, read_angle_table
+from .angle_table import AngleTable, AngleTableError, Kind, find_gaps, read_angle_table
 from .cam_files import S96, read_s96
 from .fields import Table, in_unit
 from .messages import place_faults
@@ -29,10 +29,6 @@ from .values import Faults
 if TYPE_CHECKING:
     from models.valve_train.cams.smoothing import SmoothedLift
 
-# A gap is longer than this many times the usual spacing, or than this angle (rad) in an irregular table.
-GAP, WIDE = 3.0, math.radians(10.0)
-# In a regular table a row is missing from this many times the spacing on. This share of its rows is regular.
-MISSING, REGULAR = 1.5, 0.8
 # A base circle is off by no more than this part of the largest lift.
 OFF = 0.02
 # Lifts up to this part of the largest are on the base circle.
@@ -96,28 +92,22 @@ class LiftTable:
 
     def _fill_gaps(self) -> tuple[Vector, Vector, list[str]]:
         """The samples with those of the base circle where rows are missing, and what is missing."""
-        steps, notes = np.diff(self.angle, append=self.angle[0] + TURN), []
-        spacing = float(np.median(steps))
-        regular = float(np.mean(np.abs(steps / spacing - 1.0) < 0.02)) > REGULAR
-        beside = np.maximum(np.roll(steps, 1), np.roll(steps, -1))
-        gaps = steps > (MISSING * spacing if regular else GAP * np.maximum(spacing, beside))
-        added = []
-        for i in np.flatnonzero(gaps):
-            begin, end = float(self.angle[i]), float(self.angle[i] + steps[i])
-            first, last = float(self.lift[i]), float(self.lift[(i + 1) % self.angle.size])
-            place = f"between {math.degrees(begin) % 360.0:.6g} and {math.degrees(end) % 360.0:.6g} deg"
+        spacing = float(np.median(np.diff(self.angle, append=self.angle[0] + TURN)))
+        added, notes = [], []
+        for gap in find_gaps(self.angle, TURN):
+            first, last = float(self.lift[gap.i]), float(self.lift[(gap.i + 1) % self.angle.size])
             if max(abs(first), abs(last)) <= max(ROUND * self.lift.max(), 1.01 * self.rounding):
-                count = round(steps[i] / spacing)
+                count = round(gap.length / spacing)
                 share = np.arange(1, count) / max(count, 1)
-                added.append((begin + steps[i] * share, first + (last - first) * share))
-                notes.append(f"no rows {place}: the cam is round there")
-            elif i == self.angle.size - 1 or steps[i] > (GAP * spacing if regular else WIDE):
+                added.append((gap.begin + gap.length * share, first + (last - first) * share))
+                notes.append(f"no rows {gap.place}: the cam is round there")
+            elif gap.i == self.angle.size - 1 or gap.wide:
                 raise AngleTableError(
-                    f"rows are missing {place}, where it lifts by {1e3 * first:g} and {1e3 * last:g} mm: add "
-                    "them, or continue the table to the base circle"
+                    f"rows are missing {gap.place}, where it lifts by {1e3 * first:g} and {1e3 * last:g} mm: "
+                    "add them, or continue the table to the base circle"
                 )
             else:
-                notes.append(f"rows are missing {place}: the lift there is interpolated")
+                notes.append(f"rows are missing {gap.place}: the lift there is interpolated")
         angle, lift = (
             np.concatenate([own, *more])
             for own, more in zip(
@@ -203,7 +193,11 @@ def read_lift_table(path: Path) -> LiftTable:
         raise AngleTableError(
             f"{path}: its largest lift is {1e3 * lift.max():g} mm, but {doubt}; correct the header's unit"
         )
-    return LiftTable(*_cut_at_a_turn(angle, lift), found.rounding, found.notes, found.named)
+    try:
+        angle, lift = _cut_at_a_turn(angle, lift, found.rounding)
+    except AngleTableError as error:
+        raise AngleTableError(f"{path}: {error}") from None
+    return LiftTable(angle, lift, found.rounding, found.notes, found.named)
 
 
 @functools.lru_cache(maxsize=16)
@@ -252,10 +246,16 @@ def check_no_law(table: dict[str, Any], key: str) -> None:
             raise Faults((f"parameters.{name}", f": has no meaning beside {key}; leave one of them out"))
 
 
-def _cut_at_a_turn(angle: Vector, lift: Vector) -> tuple[Vector, Vector]:
+def _cut_at_a_turn(angle: Vector, lift: Vector, rounding: float) -> tuple[Vector, Vector]:
     """Without the last sample where it repeats the first one a turn later."""
-    repeated = angle[-1] - angle[0] > TURN * (1.0 - 1e-9)
-    return (angle[:-1], lift[:-1]) if repeated else (angle, lift)
+    if angle[-1] - angle[0] <= TURN * (1.0 - 1e-9):
+        return angle, lift
+    if abs(lift[-1] - lift[0]) > max(ROUND * lift.max(), 1.01 * rounding):
+        raise AngleTableError(
+            f"begins with a lift of {1e3 * lift[0]:g} mm and ends, a turn later, with {1e3 * lift[-1]:g} mm: "
+            "must agree"
+        )
+    return angle[:-1], lift[:-1]
 
 
 Angle = Annotated[float, in_unit("rad", zero=True)]

@@ -24,10 +24,9 @@ LENGTH_UNITS = {
 }
 UNITS = {**ANGLE_UNITS, **{name: unit or name for name, unit in LENGTH_UNITS.items()}}
 # What names the crank, and the cam: whole words, and beginnings of words.
-CRANK_WORDS = (
-    *("ca", "cad", "kw", "kwg", "degca", "cadeg", "degkw", "kwdeg", "gradkw", "tdc", "atdc", "btdc", "bdc"),
-    *("abdc", "bbdc", "ot", "ut", "pmh"),
-)
+CRANK_WORDS = ("ca", "cad", "kw", "kwg", "crk", "degca", "cadeg", "degkw", "kwdeg", "gradkw")
+# What its piston passes: angles of the cam may count from there too.
+DEAD_CENTRES = ("tdc", "atdc", "btdc", "bdc", "abdc", "bbdc", "ot", "ut", "pmh")
 CRANK_BEGINNINGS = (
     *("crank", "kurbel", "vilebrequin", "manivelle", "manovell", "cigüeñal", "cigueñal", "cigueñ", "ciguen"),
     *("cambota", "virabrequim", "manivela", "krukas", "krukhoek", "vevaxel", "vevvinkel", "veiv", "krumtap"),
@@ -88,7 +87,7 @@ def split_column(written: str) -> Column:
 def strip_shaft(unit: str) -> str:
     """The unit in small letters without whose angle it is: "deg" of "deg CA", "° KW" and "°CA"."""
     words = unit.casefold().replace("º", "°").replace("°", "° ").replace(".", " ").replace("-", " ").split()
-    left = [word for word in words if not (is_of(word, CRANK_WORDS, CRANK_BEGINNINGS) or _is_cam(word))]
+    left = [word for word in words if not (_is_crank(word) or word in DEAD_CENTRES or _is_cam(word))]
     if not left and words:
         return "deg"  # "CAD", "crank": no length
     return " ".join(left)
@@ -102,10 +101,21 @@ def _is_cam(word: str) -> bool:
     return is_of(word, CAM_WORDS, CAM_BEGINNINGS)
 
 
+def _is_crank(word: str) -> bool:
+    return is_of(word, CRANK_WORDS, CRANK_BEGINNINGS)
+
+
 def find_crank_word(column: Column) -> str:
-    """The word of a column that says that its angle is the crank's; "" if none does."""
-    said = [word for word in column.words if is_of(word, CRANK_WORDS, CRANK_BEGINNINGS)]
-    return "" if names_cam(column) or not said else said[0]
+    """The word of a column that says that its angle is the crank's; "" if none does. UnitError if another
+    says that it is the cam's."""
+    said = [word for word in column.words if _is_crank(word)]
+    if said and names_cam(column):
+        raise UnitError(
+            f"{column.written!r} names the cam and the crank: name the one whose angles they are, 'cam angle "
+            "[deg]' or 'crank angle [deg]'"
+        )
+    centres = () if names_cam(column) else (word for word in column.words if word in DEAD_CENTRES)
+    return next(iter([*said, *centres]), "")
 
 
 def names_cam(column: Column) -> bool:

@@ -44,6 +44,7 @@ FACTORS = {
 }  # fmt: skip
 
 _NUMBER_AND_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)")
+_MASS = re.compile(r"\b(lb|kg|oz)s?\b")
 LONGEST = 200  # characters of a number with its unit
 # Pint computes powers of numbers, which may take for ever: none above two digits, none of a power.
 _UNIT = re.compile(r"[\w\s*/^.()%°'\"+-]{0,60}")
@@ -106,12 +107,26 @@ def find_conversion(text: str, given: str, unit: str) -> tuple[float, float]:
         raise UnitError(f"{text!r}: the FMU's unit {unit!r} is unknown; write a plain number in it") from None
     if _find_dimension(units) != _find_dimension(wanted):
         needed = "a plain number" if unit == "1" else f"a unit like {unit}"
-        celsius = " (C is the coulomb; degrees Celsius are degC)" if (given, unit) == ("C", "K") else ""
-        raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed{celsius}")
+        raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed{_hint(given, unit)}")
     try:
         return _find_line(units, wanted)
     except ValueError:
         raise UnitError(f"{text!r}: the unit {given} is no multiple of {unit}; convert the number") from None
+
+
+def _hint(given: str, unit: str) -> str:
+    """What a unit of another dimension may mean."""
+    if (given, unit) == ("C", "K"):
+        return " (C is the coulomb; degrees Celsius are degC)"
+    mass, force = _MASS.search(given), _MASS.sub(r"\1f", given)
+    if mass is None or unit == "1" or not _fits(force, unit):
+        return ""
+    return f" ({mass[1]} is a mass; did you mean {force}?)"
+
+
+def _fits(one: str, other: str) -> bool:
+    registry = _load_registry()
+    return _find_dimension(registry.Unit(_to_pint(one))) == _find_dimension(registry.Unit(_to_pint(other)))
 
 
 def _find_line(units: Any, wanted: Any) -> tuple[float, float]:

@@ -89,6 +89,8 @@ def test_a_table_of_the_event_and_one_of_the_turn_give_the_same_cam(tmp_path):
         ("angle [deg], lift [um]\n1, 2\n2, 3", "0.1 to 100 mm"),
         ("angle [deg], lift [mm]\n1, 2\n0, 3\n2, 3\n4, 3", "line 3"),
         ("PK\0\x03", "no text file"),
+        ("cam angle [deg KW]; lift [mm]\n1; 2\n2; 3", "names the cam and the crank"),
+        ("angle [deg], lift [mm]\n0, 0\n180, 5\n360, 0.5", "a turn later, with 0.5 mm"),
     ],
 )
 def test_what_is_no_lift_table_is_named_with_its_place(tmp_path, text, message):
@@ -274,7 +276,7 @@ def test_crank_angles_are_known_by_their_words(tmp_path, header):
         *("Winkel [grad]; Hub [mm]", "ANGLE [DEG]; LIFT [MM]", "Angle [Degrees]; Lift [Millimeters]"),
         *(
             "angle [º]; lift [mm]",
-            "Nockenwinkel [Grad]; Hub [mm]",
+            "Nockenwinkel nach OT [Grad]; Hub [mm]",
             "cam angle (deg); valve lift (mm)",
             "angle; lift",
         ),

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from models.catalogue import CATALOGUE
 from models.valve_train.measured_spring import MeasuredSpring, fit_gaps
 from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.angle_table import AngleTableError, insert_pressure_table
 from orchestrator.scenario.component_table import ComponentTable
 from orchestrator.scenario.files import load
 from tests.models.systems import outputs_of
@@ -28,8 +29,10 @@ def formula(angle: float) -> float:
 def write(
     path: Path, angles: np.ndarray, pressures: np.ndarray, header: str = "angle [deg], p [bar]"
 ) -> Path:
+    separator = next(sign for sign in ";," if sign in header)
     rows = [
-        f"{math.degrees(a)!r}, {p / 1e5!r}" for a, p in zip(angles.tolist(), pressures.tolist(), strict=True)
+        f"{math.degrees(a)!r}{separator} {p / 1e5!r}"
+        for a, p in zip(angles.tolist(), pressures.tolist(), strict=True)
     ]
     path.write_text("\n".join([header, *rows]) + "\n")
     return path
@@ -106,6 +109,7 @@ def test_angles_count_from_the_firing_dead_centre(tmp_path: Path) -> None:
         (600, [1.0, 1.2], "angle [deg], p [bar]", "must go round the cycle"),
         (800, [1.0, 1.2], "angle [deg], p [bar]", "at most 720 deg of the crank"),
         (720, [1.0, 60.0], "angle [deg], p [bar]", "a cycle later"),
+        (720, [1.0, 1.2], "cam angle [deg], p [bar]", "spans 1440 deg"),
     ],
 )
 def test_mistakes_in_a_table_are_named(tmp_path: Path, last, pressure, header, message) -> None:
@@ -115,6 +119,32 @@ def test_mistakes_in_a_table_are_named(tmp_path: Path, last, pressure, header, m
     file.write_text('extends = "exhaust-valve"\n[components.gas]\npressure_table = "p.csv"\n')
     with pytest.raises(ScenarioError, match=message):
         load(str(file))
+
+
+def test_angles_of_the_cam_are_half_of_the_cranks(tmp_path: Path) -> None:
+    """In a file that names the cam: the crank of a four-stroke engine turns twice as far."""
+    angles = np.linspace(0.0, 4.0 * math.pi, 90, endpoint=False)
+    pressures = np.array([formula(a) for a in angles])
+    crank = read(write(tmp_path / "crank.csv", angles, pressures))
+    cam = read(write(tmp_path / "cam.csv", angles / 2.0, pressures, "Nockenwinkel [°]; p [bar]"))
+    for angle in (0.0, 1.0, 7.0):
+        assert cam(angle) == pytest.approx(crank(angle), rel=1e-9)
+
+
+@pytest.mark.parametrize(("rows", "said"), [(1, "interpolated"), (20, "add them")])
+def test_rows_that_are_missing_within_a_pressure_table_are_named(
+    tmp_path: Path, rows: int, said: str
+) -> None:
+    """One is interpolated; the peak of a cycle could be in more."""
+    angles = np.radians([a for a in np.arange(0.0, 720.0, 2.0) if not 100.0 < a < 102.0 + 2 * rows])
+    path = write(tmp_path / "p.csv", angles, np.full(angles.size, 2e5))
+    table = {"component": "cylinder_gas", "pressure_table": str(path)}
+    try:
+        told = " ".join(insert_pressure_table(table)["notes"])
+    except AngleTableError as error:
+        told = str(error)
+    assert f"rows are missing between 100 and {102 + 2 * rows} deg" in told
+    assert said in told
 
 
 def test_only_a_gas_has_a_pressure_table(tmp_path: Path) -> None:

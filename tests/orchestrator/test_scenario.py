@@ -208,6 +208,8 @@ def test_conversion(text, unit, value):
         ("1000 rpm", "Hz", ("rpm", "Hz")),
         ("1 rad", "1", ("rad", "plain number")),
         ("3 foos", "m", ("foos", "known unit")),
+        ("400 lb/in", "N/m", ("lb is a mass", "lbf/in")),
+        ("30 kg/cm2", "Pa", ("kgf/cm2",)),
         ("eight mm", "m", ("eight mm", "'8 mm'")),
         ("", "m", ("''", "'8 mm'")),
         ("1 __import__('os')", "s", ("__import__", "known unit")),

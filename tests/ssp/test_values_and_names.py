@@ -64,6 +64,30 @@ def test_values_of_a_systems_connector_pass_its_connections(
     assert list((table.parameters | table.inputs).values()) == pytest.approx([expected], rel=1e-14)
 
 
+def test_connectors_have_units_of_their_own(tmp_path):
+    """5 at a connector in mm is 0.005 of a parameter in m. Of y (mm) a connector in m gives a thousandth, and
+    twice that goes by one in mm to u (m). An unknown unit of a connector leaves that of its variable."""
+    variables = real2("p", 0, "parameter", f'unit="m" {START}', "fixed")
+    variables += real2("u", 1, "input", f'unit="m" {START}') + real2("y", 2, "output", 'unit="mm"')
+    files = {"resources/length.fmu": describe2(tmp_path / "length.fmu", variables).read_bytes()}
+    kinds = {"p": "parameter mm", "y": "output m", "u": "input mm"}
+    elements = component("a", "length", kinds, binding({"p": 'Real value="5"'}))
+    elements += component("b", "length", {"u": "input quux"})
+    lines = connection("a.y", "a.u", linear(2.0)) + connection("a.y", "b.u")
+    one = load(package(tmp_path / "a.ssp", elements, lines, after=UNITS, files=files))
+    assert one.components["a"].parameters["p"] == pytest.approx(0.005, rel=1e-14)
+    assert one.connections == ["a.y * 0.002 -> a.u", "a.y -> b.u"]
+
+
+def test_two_values_of_one_name_in_a_set_are_refused(tmp_path, files):
+    set_of_two = parameters({"p": 'Real value="5"', "q": 'Real value="6"'}).replace('"q"', '"p"')
+    files["resources/two.ssv"] = set_of_two
+    bound = '<ssd:ParameterBinding source="resources/two.ssv"/>'
+    path = package(tmp_path / "a.ssp", component("g", "gain", {"p": "parameter m"}, bound), files=files)
+    with pytest.raises(ScenarioError, match="g: p has two values in one set; leave one out"):
+        load(path)
+
+
 def test_values_pass_nested_systems_and_mappings(tmp_path, files):
     """4 mm by a mapping (2 x + 1 in mm), on from mm to m (3 x), and to a parameter in m."""
     element = component("g", "gain", {"p": "parameter m"})

@@ -28,7 +28,7 @@ REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
         "set reference.method = 'refinement'",
     ),
     "equilibrium": ("dahlquist", {"start": "equilibrium"}, r"set start = 'given'"),
-    "unit": ("shaft", {"connections": ["one.speed -> one.height"]}, r"unit r/min does not fit mm"),
+    "unit": ("shaft", {"connections": ["one.speed -> one.height"]}, r"r/min does not fit mm; .*\* 1 ->"),
     "kind": ("feedthrough", {"connections": ["one.real out -> one.whole_in"]}, "takes whole numbers"),
     "not restorable": ("rigid", {"master": {"name": "iterated"}}, r"canGetAndSetFMUstate = false.*jacobi"),
     "control": ("rigid", {"step_control": {}}, r"\[step_control\].*set step_control.estimator"),

@@ -10,10 +10,11 @@ from models.core.system import suggestion
 from ...participants.description import INTEGERS
 from ...participants.third_party import ThirdPartyComponent
 from .. import Line, ScenarioError
-from ..conversion import convert_units, explain_differences
+from ..conversion import explain_differences, find_unit
 from ..side_lines import list_side_variables
 from .structure import Path as Place
 from .structure import Port, Structure, trace_back
+from .values import Conversion, follow
 
 _log = logging.getLogger("tribocosim")
 
@@ -90,36 +91,30 @@ def _build_line(
     where: str,
 ) -> Line:
     """The connections `steps`, one after the other, as one."""
-    if len(steps) == 1 and steps[0][1].suppressed:
-        factor, offset = steps[0][1].factor, steps[0][1].offset
-        return Line(*ends, 1.0 if factor is None and offset is None else factor, offset)
     source, target = parts[steps[0][1].source.path], parts[steps[-1][0].path]
     given = source.outputs.field(steps[0][1].source.connector).quantity
     wanted = target.inputs.field(steps[-1][0].connector).quantity
-    first, last = given.unit, wanted.unit
     units = {**get_units(source), **get_units(target), **found.units}
-    unit = found.get_unit(steps[0][1].source) or first
-    if unit == first and all(
-        edge.factor is edge.offset is None
-        and not edge.suppressed
-        and (found.get_unit(port) or unit) in (unit, last)
-        for port, edge in steps
+    unit = found.get_unit(steps[0][1].source) or given.unit
+    # Of an FMU's unit that nobody defines, the connector knows what it is.
+    first = given.unit if find_unit(given.unit, units) else unit
+    way = [Conversion(unit)]
+    for port, edge in steps:
+        unit = found.get_unit(port) or (wanted.unit if port == steps[-1][0] else unit)
+        way.append(Conversion(unit, edge.factor, edge.offset, edge.suppressed))
+    way.append(Conversion(wanted.unit if find_unit(wanted.unit, units) else unit))
+    if {step.into for step in way} <= {given.unit, wanted.unit} and all(
+        step.factor is step.offset is None and not step.suppressed for step in way
     ):
         return Line(*ends)  # whose units the scenario converts
-    factor, offset = 1.0, 0.0
-    for port, edge in steps:
-        into = found.get_unit(port) or (last if port == steps[-1][0] else unit)
-        if unit and into and unit != into and not edge.suppressed:
-            linear = convert_units(unit, units, into, units, given.relative and wanted.relative)
-            if linear is None:
-                raise ScenarioError(f"{where}: {port}: unit {unit} does not fit {into}; correct it")
-            if linear.offset and given.relative != wanted.relative:
-                raise ScenarioError(f"{where}: {explain_differences(*ends, given.relative)}")
-            factor, offset = linear.factor * factor, linear.factor * offset + linear.offset
-        scale = 1.0 if edge.factor is None else edge.factor
-        factor, offset = scale * factor, scale * offset + (edge.offset or 0.0)
-        unit = into or unit
-    return Line(*ends, factor, offset or None)
+    try:
+        linear = follow(way, first, units, units, given.relative and wanted.relative)
+        plain = follow(way, first, units, units, relative=True)
+    except ValueError as error:
+        raise ScenarioError(f"{where}: {' -> '.join(ends)}: {error}; correct it") from None
+    if linear != plain and given.relative != wanted.relative:
+        raise ScenarioError(f"{where}: {explain_differences(*ends, given.relative)}")
+    return Line(*ends, linear.factor, linear.offset or None)
 
 
 def get_units(component: Component) -> dict[str, Any]:

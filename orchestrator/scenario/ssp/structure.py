@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 
 from ...participants.description import REALS, Unit
 from .. import ScenarioError
+from ..conversion import find_unit
 from .names import DEFINITION_TYPE, FMU_TYPE, PACKAGE_TYPE, STRUCTURE, UNPACKED, correct_tag, expand_tag
 from .tables import find_table, to_line
 
@@ -129,6 +130,10 @@ def read_structure(files: Files, where: str) -> Structure:
         }
     found.annotations = [*root.iter(expand_tag("ssc:Annotation"))]
     _SystemReader(found, where, files).read(system, (), {})
+    # A component's variable has a unit of its own, which is taken where the connector's is unknown.
+    for port, unit in [*found.connector_units.items()]:
+        if port.path in found.components and find_unit(unit, found.units) is None:
+            del found.connector_units[port]
     return found
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, NamedTuple
 
 from ...participants.description import BINARY, BOOLEANS, INTEGERS, REALS, STRING, Unit
+from ...participants.wrapping import Linear
 from .. import ScenarioError
 from ..conversion import convert_units
 from .names import VALUES_TYPE, expand_tag
@@ -67,18 +68,35 @@ class StatedValue:
 
     def convert(self, number: float, unit: str, units: Mapping[str, Unit], relative: bool) -> float:
         """The number at the end of the way, in `unit`; ValueError where units do not fit."""
-        here, known = self.unit, {**(self.units or {}), **units}
-        for step in (*self.way, Conversion("")):
-            into = step.into or unit
-            if here and into and here != into and not step.suppressed:
-                linear = convert_units(here, {**known, **(self.units or {})}, into, known, relative)
-                if linear is None:
-                    raise ValueError(f"unit {here} does not fit {into or 'a plain number'}")
-                number = linear.factor * number + linear.offset
-            if step.factor is not None or step.offset is not None:
-                number = (1.0 if step.factor is None else step.factor) * number + (step.offset or 0.0)
-            here = into or here
-        return number
+        known = {**(self.units or {}), **units}
+        way = [step._replace(into=step.into or unit) for step in (*self.way, Conversion(""))]
+        linear = follow(way, self.unit, {**known, **(self.units or {})}, known, relative)
+        return linear.factor * number + linear.offset
+
+
+def follow(
+    way: Sequence[Conversion],
+    here: str,
+    given: Mapping[str, Unit],
+    units: Mapping[str, Unit],
+    relative: bool = False,
+) -> Linear:
+    """What a number in the unit `here` becomes on its way; ValueError where units do not fit. `given` are the
+    units of where it comes from."""
+    made = Linear()
+    for step in way:
+        if here and step.into and here != step.into and not step.suppressed:
+            linear = convert_units(here, given, step.into, units, relative)
+            if linear is None:
+                raise ValueError(f"unit {here} does not fit {step.into or 'a plain number'}")
+            made = _chain(made, linear)
+        made = _chain(made, Linear(1.0 if step.factor is None else step.factor, step.offset or 0.0))
+        here = step.into or here
+    return made
+
+
+def _chain(first: Linear, second: Linear) -> Linear:
+    return Linear(second.factor * first.factor, second.factor * first.offset + second.offset)
 
 
 Values = dict[Path, dict[str, StatedValue]]
@@ -112,7 +130,10 @@ def _read_binding(
     if root is None:
         return
     check_version(root, f"{where}: {source or 'its values'}")
-    stated = dict(_read_set(root, found, where))
+    stated: dict[str, StatedValue] = {}
+    for name, value in _read_set(root, found, where):
+        if stated.setdefault(name, value) is not value:
+            raise ScenarioError(f"{where}: {name} has two values in one set; leave one out")
     mapping = binding.find(expand_tag("ssd:ParameterMapping"))
     if mapping is None:
         yield from stated.items()
@@ -205,7 +226,7 @@ def _find_targets(
     """The components' variables that `name` at the element of this path means, with what arrives there."""
     port = Port(path, name)
     if path in found.components:
-        yield path, name, stated
+        yield path, name, stated.enter(found.get_unit(port))
         return
     if port in found.kinds or port.array in found.kinds:
         if len(stated.way) > len(found.edges) + 1:
