@@ -102,9 +102,11 @@ class Quantity:
             return "one of " + ", ".join(self.choices)
         if self.boolean:
             return "true or false"
-        low = "> 0" if self.positive else (f">= {self.minimum:g}" if self.minimum > -math.inf else "")
-        high = f"<= {self.maximum:g}" if self.maximum < math.inf else ""
-        return " and ".join(part for part in (low, high) if part) or "any finite number"
+        shown = ".16g" if self.count else "g"
+        low = "> 0" if self.positive else (f">= {self.minimum:{shown}}" if self.minimum > -math.inf else "")
+        high = f"<= {self.maximum:{shown}}" if self.maximum < math.inf else ""
+        ranged = " and ".join(part for part in (low, high) if part)
+        return f"a whole number {ranged}".strip() if self.count else ranged or "any finite number"
 
     def fault(self, name: str, value: float) -> str | None:
         """A message naming the quantity, its value and the allowed range, or None if it is allowed."""

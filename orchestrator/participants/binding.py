@@ -4,17 +4,21 @@ One call transfers all doubles, and one all variables of each other type. Arrays
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from models.core.quantities import Vector
 
+from ..errors import ParticipantError
 from .bound_calls import ArrayLayout
-from .description import REALS, Variable
+from .description import EXACT, INTEGERS, REALS, Variable, find_range
 from .fmi_instance import FmiInstance
 
 Fail = Callable[[int], None]
+# Whole numbers that factors made are off by no more than this, or this part.
+WHOLE, ROUNDED = 1e-6, 1e-15
 
 
 def find_array(known: Mapping[str, Variable], variable: Variable) -> list[Variable]:
@@ -31,7 +35,8 @@ def find_array(known: Mapping[str, Variable], variable: Variable) -> list[Variab
 class VariableBinding:
     """Scalars bound to memory. `plain`: one call transfers all, as all are doubles and none of arrays.
 
-    Other elements of an array that is set in part have the values in `fixed`, or their start values.
+    Other elements of an array that is set in part have the values in `fixed`, or their start values. `owner`
+    is the participant's name, for messages.
     """
 
     def __init__(
@@ -40,8 +45,10 @@ class VariableBinding:
         known: Mapping[str, Variable],
         variables: Iterable[Variable],
         fixed: Mapping[str, float] | None = None,
+        owner: str = "",
     ) -> None:
         self.fmi = fmi
+        self._make_whole = partial(_to_whole, owner)
         self.count = len(found := list(variables))
         given = {known[name].memory: value for name, value in (fixed or {}).items()}
         doubles = [(i, v) for i, v in enumerate(found) if v.type in fmi.real_types]
@@ -115,7 +122,9 @@ class VariableBinding:
         for whole, rest, wanted in self.slow.values():
             own = rest.copy()
             for i, place in wanted:
-                own[place] = values[i] if whole[0].type in REALS else round(values[i])
+                own[place] = (
+                    values[i] if whole[0].type in REALS else self._make_whole(whole[place], values[i])
+                )
             self.fmi.set(whole, own)
 
     def _bind_slow(
@@ -131,6 +140,17 @@ class VariableBinding:
         for get, memory, targets, places in self._getters:
             get()
             values[targets] = memory[places]
+
+
+def _to_whole(end: str, variable: Variable, value: float) -> int:
+    """ParticipantError for what is no whole number, but for rounding, or does not fit the variable's type."""
+    low, high = find_range(variable.type) if variable.type in INTEGERS else (-EXACT, EXACT)
+    if not low <= value <= high or abs(value - round(value)) > max(WHOLE, ROUNDED * abs(value)):
+        raise ParticipantError(
+            f"{end}.{variable.name} gets {value:.16g}: must be a whole number from {low} to {high}; change "
+            "the factor of its connection"
+        )
+    return round(value)
 
 
 def _get_rest(variable: Variable, given: Mapping[Any, float]) -> float:

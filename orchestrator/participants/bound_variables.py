@@ -38,7 +38,8 @@ class OpenFmu:
 
     def bind(self, names: Iterable[str], fixed: Mapping[str, float] | None = None) -> VariableBinding:
         """These variables, `fixed` as `VariableBinding` has it."""
-        return VariableBinding(self.fmi, self.description.variables, map(self.find, names), fixed)
+        known, found = self.description.variables, map(self.find, names)
+        return VariableBinding(self.fmi, known, found, fixed, self.errors.name)
 
     def is_real(self, name: str) -> bool:
         """Whether fast calls, and those of derivatives, transfer it."""

@@ -27,6 +27,15 @@ INTEGERS = (
     *("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64"),
 )
 
+EXACT = 2**53  # whole numbers up to here are doubles
+
+
+def find_range(kind: str) -> tuple[int, int]:
+    """Least and largest number of a type of INTEGERS that is given as a double."""
+    bits = {"Integer": 32, "Enumeration": 64}.get(kind) or int(kind.removeprefix("U").removeprefix("Int"))
+    low, high = (0, 2**bits - 1) if kind.startswith("U") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    return max(low, -EXACT), min(high, EXACT)
+
 
 @dataclass(frozen=True)
 class Variable:

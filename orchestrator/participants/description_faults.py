@@ -1,6 +1,7 @@
 """Reads a modelDescription.xml, and says what keeps it from being read, by element and attribute."""
 
 import contextlib
+import math
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,16 +11,19 @@ from xml.etree.ElementTree import Element
 
 from fmpy import read_model_description
 
+REALS = ("Real", "Float64", "Float32")
+# Abilities, which are true or false.
+FLAGS = ("can", "needs", "provides", "has", "might")
 INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
 
 
 def read_file(path: Path, root: Element) -> Any:
     """fmpy's description; without validation if that fails for nothing that has to be known."""
+    if fault := find_fault(root):
+        raise ValueError(f"{fault}, in its modelDescription.xml")
     try:
         return read_model_description(str(path))
     except Exception as error:
-        if fault := find_fault(root):
-            raise ValueError(f"{fault}, in its modelDescription.xml") from None
         with contextlib.suppress(Exception):
             return read_model_description(str(path), validate=False)
         raise error
@@ -37,10 +41,13 @@ def find_fault(root: Element) -> str:
 
 def _list_faults(root: Element) -> Iterator[str]:
     third = (root.get("fmiVersion") or "").startswith("3")
-    yield from _list_missing(root, "modelName", "instantiationToken" if third else "guid")
+    yield from _list_missing(root, "fmiVersion", "modelName", "instantiationToken" if third else "guid")
     for kind in INTERFACES:
         for interface in root.iterfind(kind):
             yield from _list_missing(interface, "modelIdentifier")
+            for name, said in interface.attrib.items():
+                if name.startswith(FLAGS) and said not in ("true", "false", "1", "0"):
+                    yield f"the element {kind} has {name} = {said!r}, which must be true or false"
     variables = list(root.iterfind("ModelVariables/*"))
     for variable in variables:
         yield from _list_missing(variable, "name", "valueReference")
@@ -50,11 +57,15 @@ def _list_faults(root: Element) -> Iterator[str]:
     count = None if third else len(variables)
     for variable in variables:
         for element in (variable, *variable):
+            if element.tag in REALS:
+                yield from _list_no_numbers(element, variable, "start", "min", "max", "nominal")
             if (declared := element.get("declaredType")) is not None and declared not in types:
                 yield f"{_name(variable)} has declaredType = {declared!r}, which TypeDefinitions lacks"
             yield from _list_wrong_numbers(element, "derivative", count, known, variable)
             if element.tag == "Dimension":
                 yield from _list_wrong_numbers(element, "valueReference", count, known, variable)
+    for experiment in root.iterfind("DefaultExperiment"):
+        yield from _list_no_numbers(experiment, experiment, "startTime", "stopTime", "stepSize")
     attribute = "valueReference" if third else "index"
     for unknown in root.iterfind("ModelStructure/*" if third else "ModelStructure/*/Unknown"):
         if unknown.tag != "Annotations":
@@ -67,6 +78,18 @@ def _list_missing(element: Element, *attributes: str) -> Iterator[str]:
     for attribute in attributes:
         if element.get(attribute) is None:
             yield f"{_name(element)} lacks the attribute {attribute}"
+
+
+def _list_no_numbers(element: Element, owner: Element, *attributes: str) -> Iterator[str]:
+    """Attributes whose words, one for each element of an array, are no finite numbers."""
+    for attribute in attributes:
+        for word in (element.get(attribute) or "").split():
+            try:
+                number = float(word)
+            except ValueError:
+                number = math.nan
+            if math.isnan(number):
+                yield f"{_name(owner)} has {attribute} = {word[:40]!r}, which must be a number"
 
 
 def _list_wrong_numbers(

@@ -1,6 +1,7 @@
 """An FMU that says it can restore its state, which is tried before a run depends on it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -27,16 +28,19 @@ class Proof:
 
 
 class Proven:
-    """Implements `Participant` by `open_unit()`, whose outputs are `outputs`.
+    """Implements `Participant` by `open_unit()`, whose inputs and outputs these are.
 
-    Its proof makes a step, takes it back and makes it again. If the outputs differ the FMU does not come back
-    to the state it saved, as one that saves a part only. It is then opened afresh, and not restorable.
+    Its proof makes a step, takes it back and makes it again, with the inputs of the start and with others, as
+    a state that follows inputs of zero stays as it is. If the outputs differ the FMU does not come back to
+    the state it saved, as one that saves a part only. It is then opened afresh, and not restorable.
     """
 
-    def __init__(self, open_unit: Callable[[], Participant], outputs: Layout, proof: Proof) -> None:
+    def __init__(
+        self, open_unit: Callable[[], Participant], inputs: Layout, outputs: Layout, proof: Proof
+    ) -> None:
         self._first = Reopened(open_unit)
         self._unit: Participant = self._first
-        self._outputs, self._proof = outputs, proof
+        self._inputs, self._outputs, self._proof = inputs, outputs, proof
         self._warned = 0
         unit = self._first.unit
         self.name, self.signal_degrees = unit.name, unit.signal_degrees
@@ -47,15 +51,21 @@ class Proven:
     def _prove(self, time: float) -> str:
         self._unit = unit = self._first.unit
         before, self._warned = self._count_warnings()[0], 0
-        try:
-            first, second = self._step_twice(unit, time)
-        except (RecoverableError, EndedError):
-            return ""  # which the run meets too
-        except ParticipantError:
-            self._reopen()
-            return ""
+        for trial in (nullcontext(), self._displace_inputs()):
+            try:
+                with trial:
+                    first, second = self._step_twice(unit, time)
+            except (RecoverableError, EndedError):
+                if not isinstance(trial, nullcontext):
+                    self._reopen()
+                return ""  # which the run meets too, if it was with the inputs of the start
+            except ParticipantError:
+                self._reopen()
+                return ""
+            differing = np.abs(second - first) > ROUNDING * (self._outputs.nominal + np.abs(first))
+            if differing.any() or self.abilities.side is not None:
+                break
         self._warned = self._count_warnings()[0] - before
-        differing = np.abs(second - first) > ROUNDING * (self._outputs.nominal + np.abs(first))
         if not differing.any():
             return ""
         i = int(np.argmax(differing))
@@ -86,6 +96,22 @@ class Proven:
             unit.release(saved)
         return found
 
+    @contextmanager
+    def _displace_inputs(self) -> Iterator[None]:
+        """Connected inputs by their nominal value, within their ranges, those of whole numbers not."""
+        memory, kept = self._bound.inputs, self._bound.inputs.copy()
+        for column, name in enumerate(self._bound.input_names):
+            quantity = self._inputs.field(name).quantity
+            low, high = quantity.limits()
+            value = memory[0, column]
+            if not quantity.jumps:
+                moved = (value + quantity.nominal, value - quantity.nominal)
+                memory[0, column] = next((m for m in moved if low <= m <= high), value)
+        try:
+            yield
+        finally:
+            memory[:] = kept
+
     def _reopen(self) -> None:
         if self.abilities.side is not None:
             raise ParticipantError(
@@ -97,6 +123,7 @@ class Proven:
         self._warned = 0
 
     def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        self._bound = bound
         return self._unit.connect(bound)
 
     def compiled_calls(self) -> CompiledCalls:

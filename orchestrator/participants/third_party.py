@@ -18,10 +18,12 @@ from models.core.system import ModelError
 from .description import (
     BOOLEANS,
     CO_SIMULATION,
+    INTEGERS,
     NO_SIZES,
     Description,
     DescriptionError,
     Variable,
+    find_range,
     read_description,
 )
 
@@ -123,12 +125,13 @@ def _build_intervals(about: Description) -> Iterator[Field]:
 
 def build_quantity(variable: Variable) -> Quantity:
     """The quantity of a variable."""
+    low, high = find_range(variable.type) if variable.type in INTEGERS else (-math.inf, math.inf)
     return Quantity(
         unit=variable.unit or ("1" if variable.discrete else ""),
         description=variable.description or variable.name,
         nominal=variable.nominal,
-        minimum=variable.minimum,
-        maximum=variable.maximum,
+        minimum=max(variable.minimum, low),
+        maximum=min(variable.maximum, high),
         boolean=variable.type in BOOLEANS,
         count=variable.discrete and variable.type not in BOOLEANS,
         relative=variable.relative,

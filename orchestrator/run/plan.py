@@ -87,7 +87,8 @@ class ParticipantPlan:
         make = partial(self.open_bare, name, instance)
         if self.proof is None:
             return make
-        return partial(Proven, make, without_estimates(instance).component.outputs, self.proof)
+        component = without_estimates(instance).component
+        return partial(Proven, make, component.inputs, component.outputs, self.proof)
 
     def complete(self, participant: Participant, instance: Instance) -> Participant:
         """The bare participant with what lies between it and the coupling."""

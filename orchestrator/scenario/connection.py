@@ -35,7 +35,7 @@ class Line:
 
 
 def _quote(end: str) -> str:
-    plain = "->" not in end and not any(pattern.fullmatch(end) for pattern in _SOURCES)
+    plain = end == end.strip() and "->" not in end and not any(pattern.fullmatch(end) for pattern in _SOURCES)
     return end if plain else f"'{end}'"
 
 

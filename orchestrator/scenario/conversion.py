@@ -43,8 +43,8 @@ def find_transformations(instances: Mapping[str, Instance], lines: Sequence[Line
             units = [_get_units(instances[end.instance]) for end in (source, target)]
             linear = _convert(given, units[0], wanted, units[1])
             if linear is None and units != [None, None] and given.unit != wanted.unit:
-                ends = zip((given, wanted), units, strict=True)
-                odd = next((q.unit for q, known in ends if find_unit(q.unit, known or {}) is None), "")
+                both = zip((given, wanted), units, strict=True)
+                odd = next((q.unit for q, known in both if find_unit(q.unit, known or {}) is None), "")
                 raise ScenarioError(
                     f"{line}: unit {given.unit} does not fit {wanted.unit}"
                     f"{f' ({odd} is an unknown unit)' if odd else ''}; connect another output, or write the "

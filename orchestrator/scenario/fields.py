@@ -16,6 +16,9 @@ from pydantic import (
 from .units import to_unit
 from .values import Faults, Value, WithUnit
 
+# What is also a folder's name.
+FolderName = Annotated[str, Field(pattern=r"^[ .-]*\w[\w .-]*$", max_length=200)]
+
 
 def _parse_time(value: Any) -> float:
     """A time in seconds, from a number or a string with a unit."""

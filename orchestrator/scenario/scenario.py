@@ -15,7 +15,7 @@ from ..participants.own_process import Limits
 from ..stepping import ControlledSteps, FixedSteps, ForwardSteps, RefinedSteps, check_estimator, control_steps
 from .component_table import ComponentTable
 from .connection import parse_named_line
-from .fields import Seconds, SecondsOr0, Table, Tolerance
+from .fields import FolderName, Seconds, SecondsOr0, Table, Tolerance
 from .master_table import CONVERGED, EVENT_TOLERANCE, MasterTable, StepControlTable
 from .messages import REMEDIES, Location, find_faults
 from .oil import OilSheet, Temperature, share_oil
@@ -84,11 +84,7 @@ class EnergyTable(Table):
 class Scenario(Table):
     """A coupled run and what it is compared with."""
 
-    name: str = Field(
-        description="Name of the scenario; default: that of the file",
-        pattern=r"^[ .-]*\w[\w .-]*$",
-        max_length=200,
-    )
+    name: FolderName = Field(description="Name of the scenario; default: that of the file")
     description: str = Field("", description="What the scenario shows, in a line")
     stop_time: Seconds = Field(
         description="End of the run (s, or a text with a unit: '120 ms', '2 revolutions' of the drive)"

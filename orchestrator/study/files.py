@@ -14,6 +14,7 @@ from models.core.system import suggestion
 
 from ..errors import MistakeError, list_faults, name_source
 from ..scenario import Written, find_faults
+from ..scenario.fields import FolderName
 from ..scenario.files import find, put, read_contents
 from ..scenario.system import Builder
 from ..scenario.values import Value
@@ -29,9 +30,7 @@ STATUS, MESSAGE = "status", "message"
 class Study(Table):
     """A study file."""
 
-    name: str = Field(
-        description="Name of the study; default: that of the file", pattern=r"^[\w .-]+$", max_length=200
-    )
+    name: FolderName = Field(description="Name of the study; default: that of the file")
     description: str = Field("", description="What the study shows, in a line")
     scenario: str | None = Field(None, description="A shipped scenario, or a path beside the file")
     analysis: str | None = Field(None, description="An analysis by name, or your own as module:object")

@@ -230,6 +230,11 @@ MODELS["forgetful"] = Model(
     "*(double *)m->text += h; $passed = *(double *)m->text;",
     depends={"passed": ()},
 )
+MODELS["collecting"] = Model(
+    (V("passed", "output"), V("u", "input")),
+    "*(double *)m->text += $u * h; $passed = *(double *)m->text;",
+    depends={"passed": ()},
+)
 LIMITED = "if (t > 0.495) "
 VICES = {
     "crashing": "raise(SIGSEGV);",

@@ -61,7 +61,7 @@ def test_elements_of_an_array_are_set_by_any_name(tmp_path, monkeypatch):
     np.testing.assert_array_equal(found["one.y[2]"], 3.0)
 
 
-NAMES = ("Sensor", "Sensor - 1", "Sensor * 2", "a -&gt; b", "plain")
+NAMES = ("Sensor", "Sensor - 1", "Sensor * 2", "a -&gt; b", "plain", "end ")
 READ = {
     "s.Sensor - 1 -> e.u": Line("s.Sensor - 1", "e.u"),
     "s.Sensor - 2 -> e.u": Line("s.Sensor", "e.u", None, -2.0),
@@ -72,6 +72,7 @@ READ = {
     "'s.Sensor * 2' - 1 -> e.u": Line("s.Sensor * 2", "e.u", None, -1.0),
     "s.a -> b * 3 -> e.u": Line("s.a -> b", "e.u", 3.0),
     "s.plain->e.x -> y": Line("s.plain", "e.x -> y"),
+    "'s.end ' -> e.u": Line("s.end ", "e.u"),
 }
 
 

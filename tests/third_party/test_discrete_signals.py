@@ -54,6 +54,18 @@ def test_no_error_is_predicted_of_what_is_discrete(tmp_path: Path) -> None:
         choose(one, Reporter())
 
 
+@pytest.mark.parametrize(("count", "factor", "said"), [(2, 0.25, "gets 0.5"), (3, 1e9, "gets 3000000000")])
+def test_numbers_that_are_not_whole_or_too_large_are_refused(count, factor, said, tmp_path: Path) -> None:
+    """Of an Integer of 32 bits, which would round or turn over."""
+    given = {"participant": fmu("feedthrough", 2, tmp_path), "parameters": {"count": count}}
+    tables = {"a": given, "b": {"participant": given["participant"]}}
+    one = scenario(tables, connections=[f"a.whole_out * {factor} -> b.whole_in"], stop_time=0.02)
+    with pytest.raises(ScenarioError, match=f"b.whole_in {said}: must be a whole number from -2147483648 to"):
+        ran(one, tmp_path / "out")
+    with pytest.raises(ValueError, match="must be a whole number >= -2147483648"):
+        ran(scenario({"a": given | {"inputs": {"whole_in": 3e9}}}), tmp_path / "out")
+
+
 RELATIVE = 'relativeQuantity="true"'
 TYPES = f'<SimpleType name="rise"><Real unit="degC" {RELATIVE}/></SimpleType>'
 TYPES3 = f'<Float64Type name="rise" unit="degC" {RELATIVE}/>'

@@ -111,6 +111,19 @@ FAULTS = {
         {"structure": '<Outputs><Unknown index="1" dependencies="7"/></Outputs>'},
         "dependencies = '7', which must be from 1 to 1",
     ),
+    "index 0": (
+        {"structure": '<Outputs><Unknown index="0"/></Outputs>'},
+        "index = '0', which must be from 1",
+    ),
+    "start": (
+        {"variables": real2("y", 0, "output", 'start="0,5"')},
+        "'y' has start = '0,5', which must be a",
+    ),
+    "not a number": (
+        {"variables": real2("y", 0, "output", 'nominal="NaN"')},
+        "nominal = 'NaN', which must be a",
+    ),
+    "time": ({"head": '<DefaultExperiment stepSize="fast"/>'}, "stepSize = 'fast', which must be a number"),
     "guid": ({"guid": ""}, "fmiModelDescription lacks the attribute guid"),
     "reference": (
         {"variables": Y.replace('valueReference="0"', "")},
@@ -134,6 +147,19 @@ FAULTS = {
 @pytest.mark.parametrize(("changes", "said"), FAULTS.values(), ids=FAULTS)
 def test_the_attribute_is_named(changes, said, tmp_path):
     path = describe2(tmp_path / "one.fmu", **({"variables": Y} | changes))
+    with pytest.raises(DescriptionError, match=f"{said}.*, in its modelDescription.xml"):
+        read_description(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('fmiVersion="2.0"', "", "fmiModelDescription lacks the attribute fmiVersion"),
+        ('canGetAndSetFMUstate="true"', 'canGetAndSetFMUstate="yes"', "= 'yes', which must be true or false"),
+    ],
+)
+def test_versions_and_abilities_are_what_they_say(old, new, said, tmp_path):
+    path = replace_text(describe2(tmp_path / "one.fmu", Y), tmp_path / "other.fmu", old, new)
     with pytest.raises(DescriptionError, match=f"{said}.*, in its modelDescription.xml"):
         read_description(path)
 
@@ -187,6 +213,17 @@ def test_an_fmu_that_saves_a_part_of_its_state_is_not_taken_back(version, proces
 def test_it_is_refused_where_steps_have_to_be_taken_back(changes, remedy, tmp_path):
     with pytest.raises(ScenarioError, match=rf"passed is 0\.02 .* but {remedy}"):
         ran(forgetful(2, tmp_path, **changes), tmp_path / "out")
+
+
+def test_what_is_kept_of_inputs_that_begin_with_zero_is_found(tmp_path):
+    """A sum of the input's values over the steps, that the FMU does not save."""
+    tables = {name: {"participant": fmu(model, 2, tmp_path)} for name, model in
+              {"decay": "dahlquist", "one": "collecting"}.items()}  # fmt: skip
+    one = scenario(tables, connections=["decay.x * 1 - 1 -> one.u"], stop_time=0.2, step_control={})
+    with pytest.raises(
+        ScenarioError, match=r"passed is 0\.02 .* was 0\.01 the first time; but \[step_control"
+    ):
+        ran(one, tmp_path / "out")
 
 
 def test_the_trial_leaves_no_trace(tmp_path):
