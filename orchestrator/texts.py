@@ -41,8 +41,11 @@ def read_bytes(path: Path) -> bytes:
 
 
 def read_text(path: Path) -> str:
-    """The text of a file; OSError and ValueError as `read_bytes`, ValueError if it is not UTF-8."""
-    return read_bytes(path).decode("utf-8")
+    """The text of a file; OSError and ValueError as `read_bytes`, ValueError if it is not UTF-8.
+
+    Editors of Windows put a byte order mark before it, which says nothing.
+    """
+    return read_bytes(path).decode("utf-8-sig")
 
 
 def to_path(written: str | Path) -> Path:

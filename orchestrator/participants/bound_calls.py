@@ -13,8 +13,9 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from .description import Variable
-from .fmi_instance import OK, WARNING
+from .description import Description, Variable
+from .fmi_instance import OK, WARNING, status_name
+from .library import open_library
 
 
 class ArrayLayout:
@@ -39,6 +40,21 @@ class BoundCalls:
     slave: Any
     warned = 0  # calls that returned a warning
 
+    def _open(self, kind: Any, name: str, about: Description, folder: str) -> None:
+        """Load the library; what fmpy calls counts warnings and raises where a status is none."""
+        self.slave = open_library(kind, name, about, folder)
+        plain = self.slave._call
+
+        def call(function: str, *arguments: Any) -> Any:
+            status = plain(function, *arguments)
+            if self.slave._functions[function].restype is ctypes.c_int:
+                if status < OK:
+                    raise RuntimeError(f"{function} returned {status_name(status)}")
+                self.warned += status == WARNING
+            return status
+
+        self.slave._call = call
+
     def _bind(self, *states: str) -> None:
         """Bind the instance and its functions that save, restore and release states, by their names."""
         slave = self.slave
@@ -51,7 +67,7 @@ class BoundCalls:
 
     def _function(self, name: str) -> Any:
         function = self._library[name]  # a new object at every look-up, so fmpy's own stay as they are
-        function.restype = ctypes.c_int
+        function.restype = ctypes.c_uint  # a negative status is no success
         return function
 
     def _addresses(self, set_real: str, do_step: str, get_real: str) -> dict[str, int]:

@@ -20,7 +20,10 @@ from .fmi_instance import DISCARD, WARNING
 
 
 def _build_function(builder: Any, address: Any, *arguments: str) -> Any:
-    """The C function at that address, of these types of arguments, that returns a status."""
+    """The C function at that address, of these types of arguments, that returns a status.
+
+    It is taken without a sign, so that a negative one is no success.
+    """
     kinds = {"address": ir.IntType(64), "double": ir.DoubleType(), "int": ir.IntType(32)}
     kind = ir.FunctionType(ir.IntType(32), [kinds[argument] for argument in arguments])
     return builder.inttoptr(address, kind.as_pointer())
@@ -34,7 +37,7 @@ def _call_reals(typing: Any, function: Any, component: Any, references: Any, cou
         called = _build_function(builder, arguments[0], "address", "address", "address", "address")
         return builder.call(called, arguments[1:])
 
-    return types.int32(*[types.int64] * 5), generate
+    return types.uint32(*[types.int64] * 5), generate
 
 
 @intrinsic
@@ -45,7 +48,7 @@ def _call_reals3(typing: Any, function: Any, component: Any, references: Any, co
         called = _build_function(builder, arguments[0], *["address"] * 5)
         return builder.call(called, [*arguments[1:], arguments[3]])
 
-    return types.int32(*[types.int64] * 5), generate
+    return types.uint32(*[types.int64] * 5), generate
 
 
 @intrinsic
@@ -56,7 +59,7 @@ def _call_step(typing: Any, function: Any, component: Any, time: Any, step: Any,
         called = _build_function(builder, arguments[0], "address", "double", "double", "int")
         return builder.call(called, arguments[1:])
 
-    return types.int32(types.int64, types.int64, types.float64, types.float64, types.int32), generate
+    return types.uint32(types.int64, types.int64, types.float64, types.float64, types.int32), generate
 
 
 @intrinsic
@@ -72,7 +75,7 @@ def _call_step3(
         places = [builder.add(arguments[5], ir.IntType(64)(offset)) for offset in (0, 1, 2, 8)]
         return builder.call(called, [*arguments[1:5], *places])
 
-    return types.int32(
+    return types.uint32(
         types.int64, types.int64, types.float64, types.float64, types.int32, types.int64
     ), generate
 
@@ -84,7 +87,7 @@ def _call_state(typing: Any, function: Any, component: Any, state: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.call(_build_function(builder, arguments[0], "address", "address"), arguments[1:])
 
-    return types.int32(types.int64, types.int64, types.int64), generate
+    return types.uint32(types.int64, types.int64, types.int64), generate
 
 
 @intrinsic
@@ -129,7 +132,7 @@ def _call_do_step(fmu: Any, time: float, step: float) -> int:
         status = _call_step3(fmu.do_step, fmu.component, time, step, yes, fmu.outcome)
         # To ask for the end, or to come back early, is not to have made the step.
         if status <= WARNING and (_byte(fmu.outcome + 1) != 0 or _byte(fmu.outcome + 2) != 0):
-            return numba.int32(DISCARD)
+            return numba.uint32(DISCARD)
         return status
     return _call_step(fmu.do_step, fmu.component, time, step, yes)
 

@@ -15,8 +15,7 @@ from models.core.quantities import Vector
 
 from .description import BOOLEANS, Description, Variable
 from .fmi2 import ScalarCalls, pass_message
-from .fmi_instance import DISCARD, WARNING
-from .library import open_library
+from .fmi_instance import DISCARD, WARNING, status_name
 
 _LOGGER = fmi1CallbackLoggerTYPE(pass_message)
 
@@ -28,7 +27,7 @@ class Fmi1(ScalarCalls):
     interface: Any = FMU1Slave
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
-        self.slave = open_library(self.interface, name, description, folder)
+        self._open(self.interface, name, description, folder)
         self._prefix = f"{description.identifier}_"
         self._interpolates = description.interpolates
         self.ended_in: list[float] = []
@@ -107,7 +106,8 @@ class Fmi1(ScalarCalls):
     def _check(self, name: str, *arguments: Any) -> None:
         """Call a function; an error with its status if it does not succeed."""
         status = self._function(name)(self._handle, *arguments)
+        self.warned += status == WARNING
         if status > WARNING:
-            error = RuntimeError(f"{name.replace('fmi1', 'fmi')} returned status {status}")
+            error = RuntimeError(f"{name.replace('fmi1', 'fmi')} returned {status_name(status)}")
             error.status = status  # type: ignore[attr-defined]
             raise error

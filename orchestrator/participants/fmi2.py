@@ -14,7 +14,6 @@ from models.core.quantities import Vector
 from .bound_calls import BoundCalls
 from .description import BOOLEANS, Description, Variable
 from .fmi_instance import DISCARD, WARNING
-from .library import open_library
 
 try:
     from fmpy.logging import addLoggerProxy as formatting
@@ -136,7 +135,7 @@ class Fmi2(ScalarCalls):
     interface: Any = FMU2Slave
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
-        self.slave = open_library(self.interface, name, description, folder)
+        self._open(self.interface, name, description, folder)
         # Messages of Python FMUs and ours are complete; their percent signs are no formats.
         self.formats = not (description.is_own or Path(folder, "resources", "slavemodule.txt").is_file())
         self.ended_in: list[float] = []

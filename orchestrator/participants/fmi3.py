@@ -18,7 +18,6 @@ from ..errors import ParticipantError
 from .bound_calls import ArrayLayout, BoundCalls
 from .description import BINARY, BOOLEANS, REALS, Description, Variable
 from .fmi_instance import DISCARD, WARNING
-from .library import open_library
 
 # Types that are stored as another one.
 STORED_AS = {"Enumeration": "Int64"}
@@ -37,7 +36,7 @@ class Fmi3(BoundCalls):
     interface: Any = FMU3Slave
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
-        self.slave = open_library(self.interface, name, description, folder)
+        self._open(self.interface, name, description, folder)
         self._name = name
         self._early = description.returns_early
         # What a step returns: event, end, early return (a byte each); at 8 the time reached.

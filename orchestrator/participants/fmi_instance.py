@@ -8,13 +8,15 @@ from models.core.quantities import Vector
 
 from .description import Variable
 
+# Of calls without success; one that FMI does not know, also a negative one, is above WARNING as well.
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-OK, WARNING, DISCARD, FATAL, PENDING = 0, 1, 2, 4, 5  # what is above WARNING did not succeed
+OK, WARNING, DISCARD, FATAL, PENDING = 0, 1, 2, 4, 5
 
 
 def status_name(status: int) -> str:
     """The name of a status; of an unknown one, its number."""
-    return STATUS[status] if 0 <= status < len(STATUS) else f"{status}, which is no status of FMI"
+    known = 0 <= status < len(STATUS)
+    return STATUS[status] if known else f"{ctypes.c_int(status).value}, which is no status of FMI"
 
 
 class FmiInstance(Protocol):

@@ -99,7 +99,7 @@ def read_angle_table(path: Path, kind: Kind) -> AngleTable:
 def read_lines(path: Path, header: str) -> list[tuple[int, str]]:
     """The numbered lines of a table that are not blank; AngleTableError with the advice `header`."""
     try:
-        text = _decode(read_bytes(path))
+        text = decode(read_bytes(path))
     except OSError as error:
         raise AngleTableError(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError as error:
@@ -149,7 +149,7 @@ def find_separator(header: str) -> str | None:
     return next((s for s in (";", "\t", ",") if s in header), None)
 
 
-def _decode(data: bytes) -> str:
+def decode(data: bytes) -> str:
     """The text of a file as spreadsheets write it: UTF-8, UTF-16 ("Unicode text"), or Windows' code page."""
     if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
         return data.decode("utf-16", "replace")

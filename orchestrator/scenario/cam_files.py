@@ -17,7 +17,7 @@ from models.valve_train.cams.table import TURN
 from models.valve_train.followers.shape import CamShape
 
 from ..texts import read_bytes
-from .angle_table import AngleTableError, Kind, read_angle_table, read_lines
+from .angle_table import AngleTableError, Kind, decode, read_angle_table, read_lines
 
 INCH, MM = 0.0254, 1e3
 DEGREES, AGAIN, DECIMALS = 360, 36, 8
@@ -82,7 +82,7 @@ def is_contour(path: Path) -> bool:
     """Whether the first line of a file names a radius."""
     if not path.is_file():
         return False
-    lines = read_bytes(path).decode("utf-8", "replace").splitlines()
+    lines = decode(read_bytes(path)).splitlines()
     head = next((line for line in lines if not line.startswith("#")), "")
     return "radius" in head.casefold()
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import fields, replace
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError, ValidationInfo, field_validator
+from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator, model_validator
 
 from models.core.quantities import Vector
 
@@ -105,7 +105,9 @@ class Scenario(Table):
         description="Draw all figures over this angle; default: each part's over its own cam's or shaft's",
     )
     start: Literal["equilibrium", "given"] = Field(
-        "equilibrium", description="Start at rest in balance, or from the start values as given"
+        "equilibrium",
+        description="Start at rest in balance, or from the start values as given; default where all "
+        "components are third-party FMUs: 'given'",
     )
     oil: str | OilSheet | None = Field(
         None,
@@ -138,6 +140,8 @@ class Scenario(Table):
     connections: list[str] = Field(
         [], description="Lines 'instance.output -> instance.input', or '... * factor + offset -> ...'"
     )
+
+    _chosen_start: bool = PrivateAttr(False)
 
     @field_validator("components")
     @classmethod
@@ -237,6 +241,24 @@ class Scenario(Table):
             except ValueError as error:
                 raise Faults(("", f".{error}")) from None
         return control
+
+    @model_validator(mode="after")
+    def _choose_start(self) -> "Scenario":
+        """Nobody can seek the equilibrium of third-party FMUs only."""
+        if "start" not in self.model_fields_set and all(one.third_party for one in self.components.values()):
+            object.__setattr__(self, "start", "given")
+            self._chosen_start = True
+        return self
+
+    @property
+    def notes(self) -> list[str]:
+        """What was chosen in reading it."""
+        if not self._chosen_start:
+            return []
+        return [
+            "start = 'given': third-party FMUs begin with their start values, as nobody knows the equations "
+            "of their equilibrium"
+        ]
 
     def build_master(self) -> Any:
         """The master. With step control an iterated master converges to 0.3 of the step tolerance, unless its

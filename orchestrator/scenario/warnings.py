@@ -29,6 +29,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
             "energy.correction = true: the energy given back is not counted; set energy.ledger = true"
         )
     return [
+        *scenario.notes,
         *found,
         *list_doubtful(scenario),
         *_list_notes(scenario),

@@ -13,6 +13,7 @@ from orchestrator.analyses._cam_timing import find_timing
 from orchestrator.analyses.cam import ANALYSIS
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.angle_table import AngleTableError
+from orchestrator.scenario.cam_files import is_contour
 from orchestrator.scenario.lift_table import read_lift_table
 
 INCH = 25.4e-3
@@ -73,6 +74,8 @@ def test_a_contour_that_is_read_lifts_its_follower_as_before(tmp_path: Path, fol
     found = find_settings(str(file))
     assert found.pop("base_radius") == pytest.approx(CAM["base_radius"], abs=1e-9), "the least radius"
     assert found == {"contour": str(file)}
+    (tmp_path / "wide.csv").write_text(file.read_text(), "utf-16")
+    assert is_contour(tmp_path / "wide.csv")
     with pytest.raises(
         MistakeError, match="is a contour, whose lift is that of a follower; take the lift table"
     ):

@@ -174,3 +174,10 @@ def test_what_is_read():
     assert parse_value("[1, 2]") == [1, 2]
     large = "x = [" + ", ".join(["0.125"] * 100_000) + "]"
     assert len(parse_toml(large)["x"]) == 100_000
+
+
+def test_a_byte_order_mark_says_nothing(tmp_path):
+    (tmp_path / "plain.toml").write_text(VALVE_TRAIN, "utf-8")
+    (tmp_path / "marked.toml").write_text(VALVE_TRAIN, "utf-8-sig")
+    plain, marked = (load(tmp_path / f"{name}.toml") for name in ("plain", "marked"))
+    assert marked.model_copy(update={"name": plain.name}) == plain

@@ -124,7 +124,7 @@ def _c_of(model: Model) -> str:
     return (
         f"#define COUNT {count}\n#define START {{ {starts} }}\n#define SIZE(r) ({sizes} 1)\n"
         f"#define RATE(r) ({rates} -1)\n#define HIGHEST {model.highest}\n"
-        f"#define READING {model.reading}\n"
+        f"#define READING {model.reading}\n#define LEAVING {model.leaving}\n"
         f"static void output(Instance *m, double *v) {{ {named(model.output)} }}\n"
         f"static int step(Instance *m, double *v, double t, double h) {{ {named(model.step)} return OK; }}\n"
     )

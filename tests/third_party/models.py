@@ -45,6 +45,7 @@ class Model:
     variable_step: bool = True
     rates: dict[str, str] = field(default_factory=dict)
     reading: str = "OK"  # the status of getters
+    leaving: str = "OK"  # that of the end of initialisation
     highest: int = 3  # less than 0: their call is an error
 
 
@@ -382,6 +383,12 @@ for _name, _said in (("warning", 'say(m, WARNING, "getting hot"); '), ("mutterin
     )
 # Warns whenever it is read.
 MODELS["uneasy"] = replace(MODELS["dahlquist"], reading="m->initialised ? WARNING : OK")
+# Warns at the end of its initialisation.
+MODELS["starting"] = replace(MODELS["dahlquist"], leaving="WARNING")
+# Return what is no status.
+MODELS["unreadable"] = replace(MODELS["dahlquist"], reading="m->initialised ? -1 : OK")
+MODELS["unready"] = replace(MODELS["dahlquist"], leaving="-1")
+MODELS["unstepped"] = replace(MODELS["dahlquist"], step=f"{EXPONENTIAL} return 7;")
 # Asks for the end of the simulation when it has come to a time.
 MODELS["landing"] = Model(
     (*MODELS["dahlquist"].variables, V("until", "parameter", 0.51)),

@@ -1,5 +1,6 @@
 /* FMI 2.0 or 3.0 (FMI) co-simulation around a model: all variables are doubles in v, a reference is the first's
-   place. MODEL is a file with COUNT, START (their start values), READING (the status of getters) and the function
+   place. MODEL is a file with COUNT, START (their start values), READING and LEAVING (the statuses of getters and of the
+   end of initialisation) and the function
    `step`, which moves v from t to t + h and returns a status, or ENDED or EARLY with `reached` set. */
 #include <math.h>
 #include <stdbool.h>
@@ -112,7 +113,11 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean d, fmi2Real t, fmi2R
     return fmi2OK;
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return fmi2OK; }
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) { ((Instance *)c)->initialised = true; return fmi2OK; }
+fmi2Status fmi2ExitInitializationMode(fmi2Component c)
+{
+    ((Instance *)c)->initialised = true;
+    return (fmi2Status)(LEAVING);
+}
 fmi2Status fmi2Terminate(fmi2Component c) { return fmi2OK; }
 fmi2Status fmi2Reset(fmi2Component c) { memcpy(((Instance *)c)->v, start_values, sizeof start_values); return fmi2OK; }
 
@@ -206,7 +211,11 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
 void fmi3FreeInstance(fmi3Instance c) { free(((Instance *)c)->v); free(c); }
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean d, fmi3Float64 e, fmi3Float64 t, fmi3Boolean s,
                                        fmi3Float64 x) { return fmi3OK; }
-fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { ((Instance *)c)->initialised = true; return fmi3OK; }
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
+{
+    ((Instance *)c)->initialised = true;
+    return (fmi3Status)(LEAVING);
+}
 fmi3Status fmi3Terminate(fmi3Instance c) { return fmi3OK; }
 fmi3Status fmi3Reset(fmi3Instance c) { memcpy(((Instance *)c)->v, start_values, sizeof start_values); return fmi3OK; }
 

@@ -10,8 +10,10 @@ import pytest
 from fmus.fmi.validate import validate
 from orchestrator.participants.description import DescriptionError, read_description
 from orchestrator.scenario import Scenario, ScenarioError, build_scenario
-from orchestrator.scenario.files import list_shipped, read_contents
+from orchestrator.scenario.files import list_shipped, read_contents, to_full_toml
 from orchestrator.scenario.system import build_system
+from orchestrator.scenario.warnings import list_warnings
+from orchestrator.texts import parse_toml
 
 from ..archives import rename_files, replace_text
 from .c_fmus import fmu
@@ -248,3 +250,15 @@ def test_a_false_claim_to_take_derivatives_is_named_with_what_helps(tmp_path):
     assert "integral: setting the derivatives of the inputs returned Error" in str(summary.message)
     assert "(canInterpolateInputs); set master.extrapolation = 'hold'" in str(summary.message)
     assert ran(scenario(tables, **connected, **HOLD), tmp_path / "hold")[0].complete
+
+
+def test_third_party_fmus_alone_begin_as_given_unless_they_are_told_otherwise(tmp_path):
+    tables = {"one": {"participant": fmu("dahlquist", 2, tmp_path)}}
+    content = scenario(tables).model_dump(exclude_defaults=True)
+    del content["start"]
+    made = build_scenario(content)
+    assert made.start == "given"
+    assert [line for line in list_warnings(made) if "start" in line] == made.notes != []
+    assert build_scenario(parse_toml(to_full_toml(made))).notes == []
+    with pytest.raises(ScenarioError, match="set start = 'given'"):
+        build_system(build_scenario(content | {"start": "equilibrium"}))

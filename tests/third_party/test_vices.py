@@ -274,6 +274,36 @@ def test_warnings_of_every_call_are_counted(process, version, tmp_path):
     assert summary.warnings["one"].count >= 100
 
 
+@pytest.mark.parametrize(("version", "process"), CASES)
+def test_a_warning_at_the_end_of_initialisation_counts(process, version, tmp_path):
+    summary, _ = ran(case(fmu("starting", version, tmp_path), process), tmp_path / "out")
+    assert summary.warnings["decay"].count == 1
+
+
+UNKNOWN = {
+    "unreadable": r"one: reading the outputs returned -1, which is no status of FMI",
+    "unstepped": r"one: step from t = 0 s by 0.01 s returned 7, which is no status of FMI",
+    "unready": r"one: initialise: fmi[23]ExitInitializationMode returned -1, which is no status of FMI",
+}
+
+
+@pytest.mark.parametrize("vice", UNKNOWN)
+@pytest.mark.parametrize(("version", "process"), CASES)
+def test_what_is_no_status_is_an_error(vice, process, version, tmp_path):
+    """Of a call of Python and of compiled code."""
+    tables = {
+        "one": {"participant": fmu(vice, version, tmp_path), "process": process},
+        "other": {"participant": fmu("vanderpol", version, tmp_path), "process": process},
+    }
+    for lines in ([], ["one.x -> other.force"]):
+        one = scenario(tables, connections=lines, master={"name": "jacobi"})
+        try:
+            said = run(one, tmp_path / f"out{len(lines)}", never, Reporter(), figures=False).message
+        except MistakeError as error:  # of initialisation
+            said = str(error)
+        assert re.search(UNKNOWN[vice], said)
+
+
 def test_steps_that_go_on_by_themselves_are_said_to_be_unsupported(tmp_path):
     summary, found = ran(case(fmu("pending", 2, tmp_path), "shared"), tmp_path / "out")
     assert "returned Pending: no message; asynchronous steps" in summary.message
