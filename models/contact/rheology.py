@@ -15,7 +15,7 @@ import math
 from typing import NamedTuple
 
 from ..compile.kernel import kernel
-from .fluid import ROELANDS, Lubricant, log_viscosity
+from .fluid import ROELANDS, Lubricant
 
 # How a stress meets its limit. The order is the number of the law in FMUs: append only.
 LIMITING_LAWS = ("cut", "gradual")
@@ -41,14 +41,6 @@ class Thinned(NamedTuple):
     slope: float
 
 
-class LogViscosity(NamedTuple):
-    """ln(eta/eta0), and its derivatives by pressure (1/Pa) and temperature (1/K)."""
-
-    value: float
-    by_pressure: float
-    by_temperature: float
-
-
 @kernel
 def thin_by_heat(rise: float, viscosity: float, thermal: Thermal) -> Thinned:
     """c (theta^-S - 1) at T = T_0 + rise (K), above 138 K."""
@@ -65,17 +57,6 @@ def pressed_share(pressure: float, fluid: Lubricant) -> float:
     if fluid.viscosity_law == ROELANDS:
         return (1.0 + pressure / fluid.roelands_pressure) ** fluid.roelands_exponent
     return 1.0
-
-
-@kernel
-def hot_log_viscosity(pressure: float, rise: float, fluid: Lubricant, thermal: Thermal) -> LogViscosity:
-    """At the pressure p >= 0 (Pa) and T = T_0 + rise (K), above 138 K; without rise as `log_viscosity`."""
-    cold, by_pressure = log_viscosity(pressure, fluid)
-    thinned, share = thin_by_heat(rise, fluid.viscosity, thermal), pressed_share(pressure, fluid)
-    if fluid.viscosity_law == ROELANDS:
-        more = pressure + fluid.roelands_pressure
-        by_pressure += thinned.value * fluid.roelands_exponent * share / more
-    return LogViscosity(cold + thinned.value * share, by_pressure, thinned.slope * share)
 
 
 @kernel
