@@ -24,8 +24,11 @@ def choose() -> None:
             os.environ[NAME] = llvmlite.binding.get_host_cpu_name()
         elif NAME not in os.environ and FEATURES not in os.environ and (name := _common_name()):
             os.environ.update({NAME: name, FEATURES: ""})
-    if "numba" in sys.modules:  # it has read them
-        sys.modules["numba"].config.reload_config()
+    if "numba" in sys.modules:  # it has read them, and its user may have set others
+        config = sys.modules["numba"].config
+        kept = {key: value for key, value in vars(config).items() if key.isupper() and key[:4] != "CPU_"}
+        config.reload_config()
+        vars(config).update(kept)
 
 
 def _common_name() -> str:

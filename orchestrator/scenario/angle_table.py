@@ -39,6 +39,8 @@ from .units import UnitError
 GAP, WIDE = 3.0, math.radians(10.0)
 # In a regular table a row is missing from this many times the spacing on. This share of its rows is regular.
 MISSING, REGULAR = 1.5, 0.8
+# So many steps nearby tell the spacing of a part that is coarser.
+NEARBY = 9
 MOST_ROWS = 100_000  # 3.6 thousandths of a degree
 LONGEST_LINE = 5000
 LONGEST_NUMBER = 40
@@ -129,14 +131,18 @@ class Gap(NamedTuple):
 
 
 def find_gaps(angle: Vector, cycle: float) -> list[Gap]:
-    """The gaps between ascending angles (rad), and from the last to the first one, a cycle later."""
+    """The gaps between ascending angles (rad), and from the last to the first one, a cycle later.
+
+    A table may be finer in a part, as indicated pressures are about the dead centre.
+    """
     steps = np.diff(angle, append=angle[0] + cycle)
     spacing = float(np.median(steps))
     regular = float(np.mean(np.abs(steps / spacing - 1.0) < 0.02)) > REGULAR
     beside = np.maximum(np.roll(steps, 1), np.roll(steps, -1))
-    gaps = steps > (MISSING * spacing if regular else GAP * np.maximum(spacing, beside))
-    wide = GAP * spacing if regular else WIDE
-    return [Gap(int(i), angle[i], steps[i], bool(steps[i] > wide)) for i in np.flatnonzero(gaps)]
+    usual = np.maximum(spacing, scipy.ndimage.median_filter(steps, NEARBY, mode="wrap"))
+    gaps = steps > (MISSING * usual if regular else GAP * np.maximum(spacing, beside))
+    wide = steps > (GAP * usual if regular else WIDE)
+    return [Gap(int(i), angle[i], steps[i], bool(wide[i])) for i in np.flatnonzero(gaps)]
 
 
 def split_row(line: str, separator: str) -> list[str]:
@@ -290,7 +296,7 @@ TURN = 2.0 * math.pi
 OF_FORMULA = {f.name for f in fields(CylinderGasParameters)} - {f.name for f in fields(CylinderParameters)}
 # Ends of a cycle agree to this share.
 AGREED = 0.05
-# Points on both sides from which the slope at an end follows.
+# Points on both sides from which the slope at an end, and its spacing, follow.
 BESIDE = 3
 
 
@@ -331,7 +337,8 @@ def _close_cycle(angle: Vector, pressure: Vector) -> tuple[int, Vector, Vector]:
             "add that of the surroundings to pressures above it"
         )
     turns = 1 if angle[-1] - angle[0] <= TURN * (1.0 + 1e-9) else 2
-    spacing = float(np.median(np.diff(angle)))
+    steps = np.diff(angle)
+    spacing = float(np.median(np.r_[steps[:BESIDE], steps[-BESIDE:]]))
     gap = angle[0] + turns * TURN - angle[-1]
     if gap > GAP * spacing:
         raise AngleTableError(

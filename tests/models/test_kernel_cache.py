@@ -154,6 +154,16 @@ def test_kernels_of_a_wheel_are_loaded_and_none_is_compiled(tmp_path: Path) -> N
     assert stored(tmp_path), "what is damaged is compiled"
 
 
+def test_settings_of_numba_are_its_users(tmp_path: Path) -> None:
+    """Only the processor is set, also where numba was imported before."""
+    code = (
+        "import numba, os; c = numba.config; c.THREADING_LAYER = 'workqueue'; "
+        "os.environ.pop('NUMBA_CPU_NAME', None); import models.compile; "
+        "print(c.THREADING_LAYER, c.CPU_NAME == os.environ.get('NUMBA_CPU_NAME'))"
+    )
+    assert run(tmp_path, code) == "workqueue True\n"
+
+
 def test_kernels_are_compiled_for_all_processors_of_a_kind(monkeypatch: pytest.MonkeyPatch) -> None:
     """Unless the user says for which."""
     from models.compile import processor

@@ -147,6 +147,19 @@ def test_rows_that_are_missing_within_a_pressure_table_are_named(
     assert said in told
 
 
+def test_rows_may_be_closer_about_the_dead_centre(tmp_path: Path) -> None:
+    """As tools of indication write them; a row that is missing is one in either part."""
+    degrees = np.concatenate(
+        [np.arange(-360, -120), np.linspace(-120.0, 120.0, 2400, endpoint=False), np.arange(120, 360)]
+    )
+    for left_out, count in ((None, 0), (100, 1), (1500, 1)):
+        rest = degrees if left_out is None else np.delete(degrees, left_out)
+        path = write(tmp_path / "p.csv", np.radians(rest), np.full(rest.size, 2e5))
+        table = {"component": "cylinder_gas", "pressure_table": str(path)}
+        notes = [note for note in insert_pressure_table(table)["notes"] if "rows are missing" in note]
+        assert len(notes) == count, notes
+
+
 def test_only_a_gas_has_a_pressure_table(tmp_path: Path) -> None:
     file = tmp_path / "gas.toml"
     file.write_text('extends = "exhaust-valve"\n[components.contact]\npressure_table = "p.csv"\n')
