@@ -46,6 +46,7 @@ def test_the_result_has_the_choice_and_is_had_again_without_choosing(tmp_path):
     [
         ("valve-train-ehl", {}, "cannot be analysed"),
         ("two-masses", {"reference": {"enabled": False}, "tolerance": {}}, "tolerance: missing"),
+        ("seat-and-lash", {"stop_time": 0.02}, "contact lands at t = 0.019 s"),
         ("two-masses", {"master": {"name": "auto", "order": ["first", "second"]}}, "auto has no options"),
     ],
 )

@@ -1,12 +1,9 @@
 """`tribocosim analyse SCENARIO`: predict how a scenario's coupling behaves."""
 
-import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from ...errors import MistakeError, Option
-from ...masters import MASTERS
 from ...reporter import Reporter
 from ...run.plan import plan_participants
 from ...scenario import Scenario
@@ -15,7 +12,7 @@ from ...scenario.system import Builder, assemble, resolve_start
 from ...scenario.units import UnitError, to_unit
 from .._evaluate import create_folder, find_results
 from .linearisation import open_linearisations
-from .survey import Survey, survey
+from .survey import EVERY, Scope, Survey, survey
 
 FILE = "stability"
 
@@ -69,19 +66,18 @@ def survey_scenario(
     reporter: Reporter,
     build: Builder | None = None,
     responses: bool = False,
-    kinds: Collection[type[Any]] = tuple(MASTERS.values()),
-    longest: float = math.inf,
+    scope: Scope = EVERY,
 ) -> Survey:
     """The survey about a scenario's start and these instants (s); options as of `analyse_scenario`.
 
-    `kinds` of masters and the `longest` step (s) to assess are as in `survey`.
+    `scope` is as in `survey`.
     """
     with reporter.stage("stability and errors of every method") as bar:
         assembly = assemble(scenario)
         system = resolve_start(scenario, assembly.system)
         participants = plan_participants(scenario, assembly.linear, build if responses else None)
         with open_linearisations(scenario, system, participants, responses) as sources:
-            return survey(scenario, system, participants, instants, bar.show, sources, kinds, longest)
+            return survey(scenario, system, participants, instants, bar.show, sources, scope)
 
 
 def parse_instants(at: Sequence[str], stop: float) -> list[float]:

@@ -105,6 +105,20 @@ ALMOST = 0.97
 LONGER = 1.05
 
 
+@dataclass(frozen=True)
+class Scope:
+    """The kinds of masters that are assessed, up to the `longest` step (s).
+
+    `check` looks at the solved motion before and raises an error where nothing shall be assessed."""
+
+    kinds: Collection[type[Any]] = tuple(MASTERS.values())
+    longest: float = math.inf
+    check: Callable[[System, Trajectory], None] = lambda system, motion: None
+
+
+EVERY = Scope()
+
+
 def survey(
     scenario: Scenario,
     system: System,
@@ -112,13 +126,12 @@ def survey(
     at: Sequence[float] = (),
     progress: Callable[[float], None] = lambda share: None,
     linearisations: Mapping[str, Linearisation] | None = None,
-    kinds: Collection[type[Any]] = tuple(MASTERS.values()),
-    longest: float = math.inf,
+    scope: Scope = EVERY,
 ) -> Survey:
     """Survey the methods on the scenario's system, which has its start values; ModelError if it fails.
 
     `at` are further instants (s) at which to linearise. Without `linearisations`, components are linearised
-    by their equations. Beside the scenario's own master those of `kinds` are assessed, up to `longest` (s).
+    by their equations. The scenario's own master is assessed beside those in `scope`.
     """
     watched = [parse_port(n, system.instances, "output") for n in scenario.tolerance]
     if not watched:
@@ -141,14 +154,15 @@ def survey(
         np.arange(count + 1) * np.float64(interval),
         lambda s: progress(0.2 * s),
     )
+    scope.check(system, trajectory)
     rows = np.linspace(0, count, POINTS, endpoint=False).astype(int)
     rows = np.unique([*rows, *(round(min(max(t / interval, 0.0), count)) for t in at)])
     if not limits.variable_step:  # which gets to whole strides only
         rows = np.unique(rows // STRIDE * STRIDE)
     points, left = linearise_points(system, trajectory, rows.tolist(), watched, linearisations)
-    surveyor = Surveyor(scenario, system, trajectory, watched, points, longest)
+    surveyor = Surveyor(scenario, system, trajectory, watched, points, scope.longest)
     methods = []
-    masters = _list_masters(scenario, system, surveyor, limits.restorable, kinds)
+    masters = _list_masters(scenario, system, surveyor, limits.restorable, scope.kinds)
     for i, master in enumerate(masters):
         methods.append(surveyor.assess(master))
         progress(0.3 + 0.7 * (i + 1) / len(masters))
