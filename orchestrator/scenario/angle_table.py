@@ -117,16 +117,18 @@ def read_lines(path: Path, header: str) -> list[tuple[int, str]]:
 
 
 class Gap(NamedTuple):
-    """Where rows are missing after row `i`; too many of them to go on between both ends, if it is `wide`."""
+    """Where rows are missing after row `i` of a cycle; too many of them to go on between both ends, if it is
+    `wide`."""
 
     i: int
+    cycle: float
     begin: float
     length: float
     wide: bool
 
     @property
     def place(self) -> str:
-        begin, end = (math.degrees(angle) % 360.0 for angle in (self.begin, self.begin + self.length))
+        begin, end = (math.degrees(angle % self.cycle) for angle in (self.begin, self.begin + self.length))
         return f"between {begin:.6g} and {end:.6g} deg"
 
 
@@ -142,7 +144,7 @@ def find_gaps(angle: Vector, cycle: float) -> list[Gap]:
     usual = np.maximum(spacing, scipy.ndimage.median_filter(steps, NEARBY, mode="wrap"))
     gaps = steps > (MISSING * usual if regular else GAP * np.maximum(spacing, beside))
     wide = steps > (GAP * usual if regular else WIDE)
-    return [Gap(int(i), angle[i], steps[i], bool(wide[i])) for i in np.flatnonzero(gaps)]
+    return [Gap(int(i), cycle, angle[i], steps[i], bool(wide[i])) for i in np.flatnonzero(gaps)]
 
 
 def split_row(line: str, separator: str) -> list[str]:

@@ -131,19 +131,20 @@ def test_angles_of_the_cam_are_half_of_the_cranks(tmp_path: Path) -> None:
         assert cam(angle) == pytest.approx(crank(angle), rel=1e-9)
 
 
-@pytest.mark.parametrize(("rows", "said"), [(1, "interpolated"), (20, "add them")])
+@pytest.mark.parametrize(("first", "rows", "said"), [(100, 1, "interpolated"), (460, 20, "add them")])
 def test_rows_that_are_missing_within_a_pressure_table_are_named(
-    tmp_path: Path, rows: int, said: str
+    tmp_path: Path, first: int, rows: int, said: str
 ) -> None:
     """One is interpolated; the peak of a cycle could be in more."""
-    angles = np.radians([a for a in np.arange(0.0, 720.0, 2.0) if not 100.0 < a < 102.0 + 2 * rows])
+    last = first + 2 + 2 * rows
+    angles = np.radians([a for a in np.arange(0.0, 720.0, 2.0) if not first < a < last])
     path = write(tmp_path / "p.csv", angles, np.full(angles.size, 2e5))
     table = {"component": "cylinder_gas", "pressure_table": str(path)}
     try:
         told = " ".join(insert_pressure_table(table)["notes"])
     except AngleTableError as error:
         told = str(error)
-    assert f"rows are missing between 100 and {102 + 2 * rows} deg" in told
+    assert f"rows are missing between {first} and {last} deg" in told
     assert said in told
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from fmus.fmi.validate import validate
 from orchestrator.participants.description import DescriptionError, read_description
+from orchestrator.participants.third_party import read_component
 from orchestrator.scenario import Scenario, ScenarioError, build_scenario
 from orchestrator.scenario.files import list_shipped, read_contents, to_full_toml
 from orchestrator.scenario.system import build_system
@@ -151,6 +152,12 @@ def test_the_attribute_is_named(changes, said, tmp_path):
     path = describe2(tmp_path / "one.fmu", **({"variables": Y} | changes))
     with pytest.raises(DescriptionError, match=f"{said}.*, in its modelDescription.xml"):
         read_description(path)
+
+
+def test_a_start_that_is_not_a_number_is_none(tmp_path):
+    """As tools state that a value is unknown."""
+    path = describe2(tmp_path / "one.fmu", real2("y", 0, "output", 'start="NaN" initial="approx"'))
+    assert read_component(path).outputs.field("y").start == 0.0
 
 
 @pytest.mark.parametrize(
