@@ -196,6 +196,7 @@ def _to_pint(unit: str) -> str:
         raise UnitError(f"{unit[:30]!r} is no unit")
     unit = "revolution" if unit == "rev" else unit
     unit = unit.replace("r/min", "rpm").replace("°", "degree").replace(".", "*").replace("·", "*")
+    unit = re.sub(r"\b([kmM]?N)(mm?)\b", r"\1*\2", unit)  # pint's Nm is a number of yarn
     above, slash, below = unit.partition("/")
     if slash and "*" in below:
         unit = f"{above}/({below})"

@@ -55,6 +55,11 @@ def test_units(case):
     refuse(lambda: to_unit(f"1 {UNITS[case]}", "s"), UnitError)
 
 
+def test_torques_may_be_written_without_a_sign():
+    for text, unit, value in (("3 Nm", "N.m", 3.0), ("2 kNm/rad", "N.m/rad", 2e3), ("4 Nmm", "J", 4e-3)):
+        assert to_unit(text, unit) == pytest.approx(value, rel=1e-12)
+
+
 @pytest.mark.parametrize("unit", ["N/mm**2", "N/mm^2", "kg.m2/s2", "m^(1/2)", "mm2/s", "1/GPa", "m²"])
 def test_powers_that_engineers_write_are_units(unit):
     assert units.to_base_units(unit) is not None
