@@ -59,7 +59,7 @@ def find_spring_settings(
             f"{source}: its springs have no wire",
             (
                 "give one by [components.SPRING.wire], or by ",
-                Option("set", "'diameter=4 mm'"),
+                Option("set", "diameter=4 mm"),
                 " and the like",
             ),
         )

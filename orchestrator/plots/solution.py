@@ -81,7 +81,7 @@ def draw(data: FigureData) -> Figure:
         _draw_panel(ax, data, found[variable], variable)
     label_abscissa(axes[-1, 0], data)
     if data.reference:
-        figure.supxlabel("Wide pale lines: the monolithic reference.", fontsize=8.5, x=0.012, ha="left")
+        figure.supxlabel(f"Wide pale lines: {data.names[1]}.", fontsize=8.5, x=0.012, ha="left")
     return figure
 
 

@@ -118,6 +118,8 @@ def _hint(given: str, unit: str) -> str:
     """What a unit of another dimension may mean."""
     if (given, unit) == ("C", "K"):
         return " (C is the coulomb; degrees Celsius are degC)"
+    if given in ("1/min", "min^-1", "min-1", "1/s", "Hz") and _fits("rpm", unit):
+        return " (for revolutions write rpm or r/s)"
     mass, force = _MASS.search(given), _MASS.sub(r"\1f", given)
     if mass is None or unit == "1" or not _fits(force, unit):
         return ""

@@ -184,8 +184,8 @@ def longest(facts: Facts) -> str | None:
     """Most steps are cut at maximum_step although their error would allow more."""
     share = facts.diagnosis.share("maximum_step")
     control = facts.scenario.step_control
-    if share < MOST or control is None or control.maximum_step is None:
-        return None
+    if share < MOST or control is None or control.maximum_step is None or facts.scenario.master.chosen:
+        return None  # what auto has chosen keeps the coupling stable
     chosen = facts.steps.reason == REASONS.index("maximum_step")
     error = float(np.median(facts.steps.error[chosen]))
     return (
