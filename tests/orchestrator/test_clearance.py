@@ -58,7 +58,7 @@ def test_an_advanced_intake_and_a_retarded_exhaust_come_closer():
     [
         ({"rod_length": 0.04}, r"crank_radius = 0.043 m: must be less than rod_length = 0.04 m"),
         ({"pin_offset": 0.12}, r"pin_offset = 0.12 m: must be less than rod_length - crank_radius = 0.1 m"),
-        ({"advance": -0.2}, r"advance = -11.4592 deg: must be at least -retard, -0 deg"),
+        ({"advance": -0.2}, r"advance = -11.4592 deg: must be at least -retard, 0 deg"),
     ],
 )
 def test_cranks_and_phases_that_are_none(values, said):

@@ -172,8 +172,9 @@ def shear_node(
     """
     layers = heat.speed.shape[1]
     share = 1.0 / layers
+    leaning = tilt  # that by which an Eyring oil's flow is divided
     if fluid.eyring_stress > 0.0 and abs(tilt) < _LEAST_TILT * fluid.eyring_stress:
-        tilt = _LEAST_TILT * fluid.eyring_stress
+        leaning = _LEAST_TILT * fluid.eyring_stress
     fluidity, softening = heat.speed[i], heat.softening[i]
     log_eta, by_pressure = log_viscosity(pressure, fluid)
     eta, pressed = fluid.viscosity * math.exp(log_eta), pressed_share(pressure, fluid)
@@ -189,7 +190,7 @@ def shear_node(
         J1 += share * fluidity[k] * zeta
     answer, plain_centre = 1.0, J1 / J0
     if fluid.eyring_stress > 0.0:
-        J0, J1, answer = thin_layers(J0, J1, tilt, eta * sliding / film, fluidity, fluid.eyring_stress)
+        J0, J1, answer = thin_layers(J0, J1, leaning, eta * sliding / film, fluidity, fluid.eyring_stress)
     centre = J1 / J0
     for k in range(layers):
         J2 += share * fluidity[k] * (((k + 0.5) * share - centre) ** 2 + share * share / 12.0)
@@ -226,8 +227,8 @@ def shear_node(
         heat.wedging[i] = sliding * wedging * by_pressed
     if fluid.eyring_stress > 0.0:
         # What the pressure's slope makes of the drift flows by it; Conry's factor is that of cold oil.
-        slope = 12.0 * J2 - 12.0 * eta * sliding * (centre - plain_centre) / (film * tilt)
-        thin = thinning(eta, film, tilt / film, sliding, fluid.eyring_stress)
+        slope = 12.0 * J2 - 12.0 * eta * sliding * (centre - plain_centre) / (film * leaning)
+        thin = thinning(eta, film, leaning / film, sliding, fluid.eyring_stress)
         return slope / thin.factor, sliding * (plain_centre - 0.5)
     return 12.0 * J2, sliding * (centre - 0.5)
 
