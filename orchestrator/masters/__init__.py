@@ -33,7 +33,9 @@ def find_master(name: str) -> type[Any]:
     """The master of that name, or a user's own as "module:object"; ValueError if there is none."""
     if ":" not in name:
         if name not in MASTERS:
-            raise ValueError(f"{name!r}: {one_of(MASTERS, name)} (or your own as module:object)")
+            raise ValueError(
+                f"{name!r}: {one_of(MASTERS, name)} (or auto in a scenario, or your own as module:object)"
+            )
         return MASTERS[name]
     kind = import_own(name)
     members = ("implicit", "extrapolation", "degree", "order", "iterate", "acceleration", "step")

@@ -110,6 +110,9 @@ def find_place(name: str, tables: Mapping[str, Sequence[str]], near: str) -> str
         return f"it belongs in {' or '.join(places)}"
     if near.startswith("did you mean"):
         return near
+    start = f"{name}_start"  # of a state, as our FMUs name it
+    if places := [table for table, names in tables.items() if start in names]:
+        return f"did you mean {start}, in {' or '.join(places)}?"
     close = {table: difflib.get_close_matches(name[:100], names, 1, ALIKE) for table, names in tables.items()}
     return next((f"did you mean {found[0]}, in {table}?" for table, found in close.items() if found), near)
 

@@ -226,16 +226,12 @@ MODELS["lookup"] = Model(
 )  # fmt: skip
 
 # What they count is no part of the state that they save.
-MODELS["forgetful"] = Model(
-    (V("passed", "output"), V("u", "input")),
-    "*(double *)m->text += h; $passed = *(double *)m->text;",
-    depends={"passed": ()},
-)
-MODELS["collecting"] = Model(
-    (V("passed", "output"), V("u", "input")),
-    "*(double *)m->text += $u * h; $passed = *(double *)m->text;",
-    depends={"passed": ()},
-)
+for name, counted in {"forgetful": "h", "collecting": "$u * h"}.items():
+    MODELS[name] = Model(
+        (V("passed", "output"), V("u", "input")),
+        f"*(double *)m->text += {counted}; $passed = *(double *)m->text;",
+        depends={"passed": ()},
+    )
 LIMITED = "if (t > 0.495) "
 VICES = {
     "crashing": "raise(SIGSEGV);",

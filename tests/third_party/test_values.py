@@ -8,6 +8,7 @@ from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.ssp.reader import read_package
 from orchestrator.scenario.ssp.writer import export
+from orchestrator.scenario.values import find_place
 from orchestrator.scenario.warnings import list_warnings
 
 from .c_fmus import fmu
@@ -105,6 +106,11 @@ REFUSED = [
 def test_a_value_that_does_not_fit_is_named(name, table, values, said, tmp_path):
     with pytest.raises(ScenarioError, match=said):
         scenario({"one": {"participant": fmu(name, 3, tmp_path), table: values}})
+
+
+def test_a_state_that_a_parameter_starts_is_led_to_it():
+    said = find_place("position", {"inputs": [], "parameters": ["position_start"]}, "leave it out")
+    assert said == "did you mean position_start, in parameters?"
 
 
 ODD = "µ/a \"b\" 'c' \\ #.csv"
