@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -19,6 +18,7 @@ from ...masters import MASTERS, Master, find_name
 from ...run.plan import ParticipantPlan, open_participants
 from ...scenario import Scenario, ScenarioError
 from ...scenario.fmu_limits import FmuLimits
+from .advised_step import find_step_at_error, round_down
 from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
 from .linearisation import POINTS, Linearisation, Point, linearise_points, needs_run, select_participants
 from .macro_step import SampledTrajectory, predict_errors, sample_trajectory
@@ -375,34 +375,3 @@ class Surveyor:
         return max(
             (error / self.scenario.tolerance[name] for name, error in errors.items()), default=math.inf
         )
-
-
-# Mantissas of advised steps.
-ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
-
-
-def find_step_at_error(excess: Mapping[float, float], order: int, share: float) -> float:
-    """Find the step at which the excess grows beyond `share`, by a power law between known steps.
-
-    Below the first one the power is the method's order.
-    """
-    steps = list(excess)
-    if not steps or not math.isfinite(excess[steps[0]]):
-        return 0.0
-    if excess[steps[0]] > share:
-        return float(steps[0] * (share / excess[steps[0]]) ** (1.0 / order))
-    for low, high in itertools.pairwise(steps):
-        if not excess[high] <= share:
-            if not math.isfinite(excess[high]) or excess[low] <= 0.0:
-                return low
-            slope = math.log(high / low) / math.log(excess[high] / excess[low])
-            return float(low * (share / excess[low]) ** slope)
-    return steps[-1]
-
-
-def round_down(step: float) -> float:
-    """Round down to a step with a short mantissa; zero for zero."""
-    if not step > 0.0:
-        return 0.0
-    power = 10.0 ** math.floor(math.log10(step))
-    return float(f"{max(m for m in ROUND if m * power <= step * (1.0 + 1e-12)) * power:.3g}")
