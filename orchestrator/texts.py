@@ -59,14 +59,14 @@ def to_path(written: str | Path) -> Path:
     return path
 
 
-def read_toml(path: Path) -> dict[str, Any]:
-    """The tables of a TOML file; MistakeError that names the file."""
+def read_toml(path: Path, mistake: type[MistakeError] = MistakeError, hint: str = "") -> dict[str, Any]:
+    """The tables of a TOML file; a mistake that names the file, with the hint if it is none."""
     try:
         return parse_toml(read_text(path))
     except OSError as error:
-        raise MistakeError(f"{path}: cannot be read ({error.strerror})") from None
+        raise mistake(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError as error:
-        raise MistakeError(f"{path}: not a valid TOML file: {error}") from None
+        raise mistake(f"{path}: not a valid TOML file: {error}{hint}") from None
 
 
 def parse_toml(text: str) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from models.compile.temporary import TemporaryFolder
+from orchestrator.analyses.stability.chosen import choose_master
 from orchestrator.errors import MistakeError, RunError, one_of
 from orchestrator.run.pipeline import run as run_pipeline
 from orchestrator.run.pipeline import run_plan
@@ -17,7 +18,6 @@ from orchestrator.store.result_file import find_result, open_result
 
 from .cached_fmus import build_fmu as build_cached_fmu
 from .cached_fmus import check_native
-from .choice import choose_master
 from .fmu import build_fmu, compare_fmu, fmu_info, validate_fmu
 from .planning import plan
 from .reporting import Progress, SilentReporter

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
+from orchestrator.analyses.stability.chosen import choose_master
 from orchestrator.run.plan import Plan, make_plan
 
 from .cached_fmus import build_fmu, check_native
-from .choice import choose_master
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load
 

@@ -132,11 +132,11 @@ def _list_rows(variables: Sequence[VariableInfo]) -> list[tuple[str, ...]]:
     for name, (first, *_, last) in tables.items():
         starts = dict.fromkeys((known[first].start, known[last].start))
         shown.append(replace(known[first], name=name, start=" ... ".join(starts)))
+    rounded = (
+        v if v.kind == "String" else replace(v, start=_round(v.start), range=_round(v.range)) for v in shown
+    )
     return [
-        (v.name, v.kind, v.causality, v.variability, v.unit, *map(_round, (v.start, v.range)), v.description)
-        if v.kind != "String"
-        else (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.range, v.description)
-        for v in shown
+        (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.range, v.description) for v in rounded
     ]
 
 

@@ -33,6 +33,9 @@ from numba.core.runtime.nrt import rtsys
 from .cache_eviction import due, tidy, use
 from .cache_folder import open_folder, user_cache_directory
 from .kernel_content import PACKAGE, compute_digest, describe, is_ours, relative_name
+from .processor import choose
+
+choose()
 
 # numba's, whose types say little.
 types: Any = numba.types

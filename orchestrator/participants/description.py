@@ -13,13 +13,13 @@ from xml.etree import ElementTree
 from ..errors import MistakeError
 from . import description1, description3
 from .description3 import STRUCTURAL, EventMode, resize
+from .description_faults import REALS as REALS
 from .description_faults import read_file, read_root
 
 VERSIONS = ("1.0", "2.0", "3.0")
 # The interfaces by which an FMU can take part.
 CO_SIMULATION, MODEL_EXCHANGE = "co_simulation", "model_exchange"
 OWN_TOOL = "tribocosim "
-REALS = ("Real", "Float64", "Float32")
 BOOLEANS = ("Boolean",)
 STRING, BINARY, CLOCK = "String", "Binary", "Clock"
 INTEGERS = (

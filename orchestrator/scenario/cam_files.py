@@ -32,9 +32,12 @@ RADIUS = Kind(
 def write_s96(lift: Callable[[float], float], nose: float) -> str:
     """Of a lift (m) of the cam angle (rad) with its nose there."""
     angles = nose - math.pi + np.radians(np.arange(DEGREES + AGAIN) % DEGREES)
-    # No lift is -0, which rounding would leave.
-    rounded = (round(lift(a % TURN) / INCH, DECIMALS) + 0.0 for a in angles)
-    return "".join(f"{value:.{DECIMALS}f}\n" for value in rounded)
+    return "".join(f"{_format(lift(a % TURN) / INCH, DECIMALS)}\n" for a in angles)
+
+
+def _format(value: float, decimals: int) -> str:
+    """The rounded value; a small negative one is 0, not -0."""
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"
 
 
 def read_s96(path: Path) -> tuple[Vector, Vector, float]:
@@ -64,9 +67,7 @@ def write_lift(lift: Callable[[float], float], unit: str) -> str:
     """A lift table that `lift_table` reads, for each degree of the cam; `unit` is mm or in."""
     size, decimals = (MM, 6) if unit == "mm" else (1.0 / INCH, 8)
     angles = np.arange(DEGREES)
-    # No lift is -0, which rounding would leave.
-    lifts = (round(size * lift(math.radians(a)), decimals) + 0.0 for a in angles)
-    rows = (f"{a},{value:.{decimals}f}" for a, value in zip(angles, lifts, strict=True))
+    rows = (f"{a},{_format(size * lift(math.radians(a)), decimals)}" for a in angles)
     return "\n".join([f"cam angle [deg],lift [{unit}]", *rows, ""])
 
 

@@ -15,7 +15,7 @@ from models.catalogue import CATALOGUE
 from models.core.system import suggestion
 
 from ..errors import Fault, MistakeError, Option, Set
-from ..texts import DEEPEST, parse_toml, parse_value, read_text, to_path
+from ..texts import DEEPEST, parse_value, read_toml, to_path
 from . import Scenario, ScenarioError, build_scenario, find_tables
 from .component_table import ComponentTable
 from .extending import EXTENDS, WITHOUT, drop, drop_other_options, merge, replace_cam
@@ -136,12 +136,7 @@ _OTHERS = {
 
 
 def _read(path: Path) -> dict[str, Any]:
-    try:
-        return parse_toml(read_text(path))
-    except OSError as error:
-        raise ScenarioError(f"{path}: cannot be read ({error.strerror})") from None
-    except ValueError as error:
-        raise ScenarioError(f"{path}: not a valid TOML file: {error}{_OTHERS.get(path.suffix, '')}") from None
+    return read_toml(path, ScenarioError, _OTHERS.get(path.suffix, ""))
 
 
 def resolve_paths(content: dict[str, Any], folder: Path) -> None:

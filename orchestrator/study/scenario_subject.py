@@ -16,7 +16,7 @@ from models.core import roles
 from models.core.quantities import Quantity
 
 from ..analyses import Result
-from ..analyses.stability.choice import choose
+from ..analyses.stability.chosen import choose_master
 from ..assessment.contacts import ContactSummary
 from ..errors import IncompleteError, MistakeError, in_command_line
 from ..reporter import Reporter
@@ -169,7 +169,7 @@ class ScenarioSubject:
         quiet = Reporter(Console(quiet=True))
         # A lost point is computed again, without a checkpoint.
         asked = self.build_scenario_at(values).model_copy(update={"checkpoint_every": 0.0})
-        scenario = choose(asked, quiet)
+        scenario = choose_master(asked, quiet)
         found: dict[str, float] = {}
         with TemporaryFolder() as folder:
             summary = run(scenario, folder, self.build, quiet, figures=False)

@@ -158,7 +158,7 @@ def test_settings_of_numba_are_its_users(tmp_path: Path) -> None:
     """Only the processor is set, also where numba was imported before."""
     code = (
         "import numba, os; c = numba.config; c.THREADING_LAYER = 'workqueue'; "
-        "os.environ.pop('NUMBA_CPU_NAME', None); import models.compile; "
+        "os.environ.pop('NUMBA_CPU_NAME', None); import models.compile.kernel; "
         "print(c.THREADING_LAYER, c.CPU_NAME == os.environ.get('NUMBA_CPU_NAME'))"
     )
     assert run(tmp_path, code) == "workqueue True\n"

@@ -60,12 +60,12 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     Exit status 0: within the tolerance, or without a reference, 1: outside the tolerance, 2: a mistake in the
     scenario or the command, 3: the run failed, 4: the reference could not be computed, 130: interrupted.
     """
+    from orchestrator.analyses.stability.chosen import choose_master
     from orchestrator.run.pipeline import run
     from orchestrator.scenario.files import find, load, read_changed, to_full_toml
     from orchestrator.store.output_folder import refuse_overwriting_source
 
     from ..cached_fmus import build_fmu, check_native
-    from ..choice import choose_master
     from ..scenario import Scenario
 
     overrides = [f"master.name={master}"] if master else []

@@ -34,7 +34,7 @@ from .behaviour import Behaviour, format_time
 from .survey import WITHIN, AssessedMethod, Scope, Survey
 
 # Safety factor towards the stability limit: steps that follow their defect become shorter where values swing.
-AWAY = 1.25
+MARGIN = 1.25
 # The steps that are made, over those that the error aimed at allows: a step is kept until twice as long a one
 # is allowed, and an error is remembered for some steps.
 KEPT, REMEMBERED = 0.8, 7
@@ -61,12 +61,10 @@ class Choice:
 
 
 def choose(scenario: Scenario, reporter: Reporter, build: Builder | None = None) -> Scenario:
-    """The scenario with what `auto` chooses for it; other scenarios as they are.
+    """The scenario with what `auto` chooses for it.
 
     ScenarioError, which says why, if nothing can be chosen.
     """
-    if scenario.master.name != AUTO:
-        return scenario
     remedy = "; name a master, e.g. ", Set("master.name", "gauss_seidel")
     try:
         found = survey_choices(scenario, reporter, build)
@@ -110,7 +108,7 @@ def list_choices(found: Survey) -> Iterator[Choice]:
     limits = FmuLimits(scenario)
     longest = scenario.stop_time / (LEAST if found.partition.loops else 2 * LEAST)
     for method in found.methods:
-        stable = min(method.limit / AWAY, longest)
+        stable = min(method.limit / MARGIN, longest)
         step = min(method.safe_step, stable)
         if not (step > 0.0 and math.isfinite(method.cost)) or method.master.extrapolation == "hold":
             continue
