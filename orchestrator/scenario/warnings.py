@@ -72,7 +72,7 @@ def _find_doubts(scenario: Scenario) -> Iterator[Fault]:
                 if doubt := quantity.doubt(float(value)):
                     written = f"{value:g} {quantity.unit}"
                     said, _, meant = doubt.partition("; ")
-                    remedy = meant and f"{meant} Write the unit; if {written} is meant, that too"
+                    remedy = meant and f"{meant} Write the unit, even if {written} is meant"
                     place = f"components.{name}.{key}.{variable}"
                     yield Fault(place, f" = {written} ({quantity.description}): {said}", remedy)
 

@@ -163,7 +163,8 @@ def _publish(plan: Plan, out: Path) -> list[Path]:
     stem = out.name.removesuffix(".zarr")
     files = [out.with_name(f"{stem}.csv")]
     names = plan.study.figure or plan.subject.default_figure
-    with xarray.open_zarr(out) as found:
+    # Without chunks: by this process, as the scheduler may have ended.
+    with xarray.open_zarr(out, chunks=None) as found:
         write_table(found, files[0])
         if POINT not in plan.points.dimensions and len(plan.points.dimensions) <= 2 and names:
             files.append(save_figure(lambda: draw_figure(found, names), out.with_name(f"{stem}.png")))

@@ -56,8 +56,10 @@ def test_a_run_refuses_a_slip_of_the_unit_and_takes_the_number_with_its_unit(set
         check_units(load("valve-train", [f"components.{setting}"]))
     (fault,) = refused.value.faults
     assert fault.place == f"components.{path}"
-    assert in_python(fault.remedy).startswith(f"did you mean {SLIPS[setting]}? Write the unit; if {number} ")
-    written = in_python(fault.remedy).partition("; if ")[2].partition(" is meant")[0]
+    assert in_python(fault.remedy).startswith(
+        f"did you mean {SLIPS[setting]}? Write the unit, even if {number} "
+    )
+    written = in_python(fault.remedy).partition("even if ")[2].partition(" is meant")[0]
     meant = load("valve-train", [f"components.{path}={written}"])
     check_units(meant)
     (kept := tmp_path / "kept.toml").write_text(to_full_toml(meant))

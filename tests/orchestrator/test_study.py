@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import dask
 import numpy as np
 import pytest
 import xarray
@@ -23,6 +24,8 @@ from distributed import Client, Security
 from distributed.comm import connect
 
 from orchestrator.study.execution import DIED
+from orchestrator.study.files import load
+from orchestrator.study.run import _publish
 from tribocosim.packages import STUDY_PACKAGES
 
 from .commands import ROOT, called, said, tribocosim
@@ -367,15 +370,23 @@ def test_a_worker_without_our_packages_is_refused(tmp_path):
 def test_a_scheduler_that_ends_is_named_and_what_is_finished_is_kept(tmp_path):
     store = tmp_path / "store.zarr"
     arguments = [str(write_study(tmp_path, "SLOW", 8.0, 10)), "--out", str(store)]
-    with run_scheduler() as (address, scheduler):
+    with run_scheduler(STUDY_WAITS_FOR=str(killed := tmp_path / "killed")) as (address, scheduler):
         running = start(*arguments, "--scheduler", address)
         wait_for(lambda: np.count_nonzero(read_status(store)) >= 3)
         scheduler.kill()
+        killed.touch()
         message = running.communicate(timeout=240)[1]
         assert running.returncode == 3
         (line,) = message.splitlines()
         assert address in line
     assert 3 <= np.count_nonzero(read_status(store)) < 20
+
+
+def test_the_table_needs_no_scheduler_which_may_have_ended(undisturbed, tmp_path):
+    store = Path(shutil.copytree(undisturbed / "store.zarr", tmp_path / "store.zarr"))
+    with dask.config.set(scheduler=pytest.fail):
+        table, _ = _publish(load(str(undisturbed / "test.toml"), pytest.fail), store)
+    assert table.read_bytes() == (undisturbed / "store.csv").read_bytes()
 
 
 @pytest.mark.long
