@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -32,9 +32,7 @@ from orchestrator.scenario.master_table import AUTO, MasterTable
 from orchestrator.scenario.system import assemble, resolve_start
 from orchestrator.stepping import FixedSteps, StepControl, Stepper, control_steps
 
-from .coupling.methods import Trace
-from .coupling.problem import PROBLEMS
-from .public import describe_manipulator
+from .published import TWO_MASSES, describe_manipulator, describe_two_masses
 
 # Steps of a ladder, each shorter by RATIO, from the longest that has LEAST steps in the run.
 RATIO = math.sqrt(2.0)
@@ -110,24 +108,36 @@ TOO_MANY = "more doSteps than the best"
 
 
 @dataclass
-class Limited(Trace):
-    """Ends a run that takes more doSteps than `most`."""
+class Trace:
+    """An observer that records some outputs at the end of every step, of which there are at most `most`
+    calls of doStep."""
 
+    names: Sequence[str]
     most: float = math.inf
+    times: list[float] = field(default_factory=list)
+    rows: list[Vector] = field(default_factory=list)
 
     def watch(self, coupling: Coupling) -> None:
         self._calls = coupling.calls
 
+    def begin(self, names: Sequence[str]) -> None:
+        self._columns = [list(names).index(name) for name in self.names]
+
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        super().observe(time, outputs, step)
+        if step.length > 0.0:
+            self.times.append(time)
+            self.rows.append(outputs()[self._columns])
         if self._calls.sum() > self.most:
             raise RunError(TOO_MANY)
+
+    def end(self, complete: bool, message: str) -> None:
+        pass
 
 
 def run(problem: Problem, name: str, master: Master, steps: Stepper, most: float = math.inf) -> Outcome:
     """Run the problem's components with a master and these steps, and at most so many doSteps."""
     scenario = problem.scenario
-    trace = Limited(list(scenario.tolerance), most=most)
+    trace = Trace(list(scenario.tolerance), most)
     assembly = assemble(scenario)
     plans = plan_participants(scenario, assembly.linear, None)
     try:
@@ -235,20 +245,13 @@ ALLOWED = 1e-3
 def list_scenarios() -> dict[str, Callable[[], Scenario]]:
     """The problems by name."""
     found = {name: partial(_load_shipped, name, stop) for name, stop in SHIPPED.items()}
-    published = {name: partial(_load_published, name) for name in PROBLEMS if name not in SHIPPED}
-    stop = 64 * 16e-3
-    return {**published, "hydraulic-manipulator": lambda: describe_manipulator(stop, 1e-3, ALLOWED), **found}
+    published = {name: partial(describe_two_masses, name, ALLOWED) for name in TWO_MASSES}
+    manipulator = partial(describe_manipulator, 64 * 16e-3, ALLOWED)
+    return {**published, "hydraulic-manipulator": manipulator, **found}
 
 
 def _load_shipped(name: str, stop: float | None) -> Scenario:
     return load(name, [] if stop is None else [f"stop_time={stop!r}"])
-
-
-def _load_published(name: str) -> Scenario:
-    kind = PROBLEMS[name]
-    allowed = ", ".join(f"'{one}'={ALLOWED!r}" for one in kind.outputs)
-    steps = [f"stop_time={kind.stop!r}", f"macro_step={kind.spacing / 4!r}", f"tolerance={{{allowed}}}"]
-    return load(kind.scenario, [*kind.settings, *steps])
 
 
 def run_chosen(problem: Problem) -> Outcome:

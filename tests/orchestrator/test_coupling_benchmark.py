@@ -1,4 +1,4 @@
-"""Masters on solved problems: what is counted and compared; the manipulator's equations.
+"""Masters on solved problems; published pairs of masses and the manipulator's equations.
 
 The quarter car of Schierz, Arnold and Clauss (2012) against its matrix exponential: orders, errors, steps.
 
@@ -8,20 +8,17 @@ held inputs, which leaves its quadratic signals at second order, and happens to 
 linear ones: hence Gauss-Seidel in that row, and the Jacobi one beside it with the method's own error.
 """
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from benchmarks.coupling.methods import Method, measure_method
-from benchmarks.coupling.problem import PROBLEMS, build_fmus, build_problem, compute_errors
 from benchmarks.hydraulic_manipulator import OPENING, PRESSURE_1, PRESSURE_2, WEIGHT, links
-from benchmarks.public import PUBLISHED, compare_manipulator, describe_manipulator, find_data
-from fmus.build import build
+from benchmarks.published import compare_manipulator, describe_manipulator, describe_two_masses
 from models.core.system import Instance, System
 from models.monolithic import solve
-from models.oscillators.exact import quarter_car
+from models.oscillators.exact import quarter_car, two_masses
+from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
 from orchestrator.participants.capabilities import HIGHEST
@@ -30,96 +27,29 @@ from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.stepping import ControlledSteps, StepControl
 from orchestrator.stepping.guard import RunawayGuard
 
+from ..third_party.public import public
 from .coupled import run_coupled
 from .recorder import Recorder
 
-SAMPLES = 8  # of the quarter car: the wheel's first swing
+PUBLISHED = "cosim-benchmarks/hydraulicManipulator_refM2.csv"
 
 
-def build_fmu(name, structure, kind):
-    return build(name, structure=structure)
-
-
-@pytest.fixture(scope="module")
-def car_problem():
-    return replace(build_problem("quarter-car", SAMPLES), held_halvings=(2, 3, 4))
-
-
-@pytest.fixture(scope="module")
-def files(car_problem):
-    return build_fmus(car_problem, build_fmu)
-
-
-def test_errors_at_the_samples_ask_for_the_truth_beside_them_only(car_problem):
-    """An error that is linear in time is met exactly, whatever the run's own times, which are many."""
-    asked = []
-
-    def truth(times):
-        asked.append(len(times))
-        return np.column_stack([np.sin(times), np.ones_like(times)])
-
-    samples = np.linspace(0.0, 2.0 * np.pi, 65)[1:]
-    problem = replace(car_problem, times=samples, outputs=("a", "b"), truth=truth)
-    times = 2.0 * np.pi * np.linspace(0.0, 1.0, 5001)[1:] ** 2
-    values = truth(times) + 0.1 * times[:, None]
-    asked.clear()
-    found = compute_errors(problem, times, values)
-    assert sum(asked) <= 3 * len(samples)
-    spread = np.sqrt(0.5)
-    assert found["a"] == pytest.approx(0.1 * np.sqrt(np.mean(samples**2)) / spread, rel=1e-9)
-
-
-def test_errors_are_relative_to_the_spread_of_the_true_output(car_problem):
-    """A sine of amplitude 1 (RMS 1/sqrt 2) that is 0.1 too large everywhere, and an output without error."""
-    t = np.linspace(0.0, 2.0 * np.pi, 65)[1:]
-
-    def truth(at):
-        return np.column_stack([np.sin(at), np.cos(at)])
-
-    problem = replace(car_problem, times=t, outputs=("a", "b"), truth=truth)
-    found = compute_errors(problem, t, truth(t) + np.array([0.1, 0.0]))
-    assert found == {"a": pytest.approx(0.1 * np.sqrt(2.0)), "b": 0.0}
-
-
-@pytest.mark.parametrize("name", PROBLEMS)
-def test_samples_fall_on_every_macro_step(name):
-    problem = build_problem(name)
-    for step in (*problem.ladder, *problem.held_ladder):
-        assert problem.spacing / step == pytest.approx(round(problem.spacing / step), abs=1e-9)
-    assert problem.times[-1] == pytest.approx(problem.duration)
-
-
-def test_calls_are_steps_of_all_instances_repeated_ones_too(car_problem, files):
-    step = 1e-3
-    steps = round(car_problem.duration / step)
-    held = measure_method(car_problem, files, Method("jacobi", "hold"), step)
-    assert held.calls == 2 * steps
-    repeated = measure_method(car_problem, files, Method("iterated", "linear"), step)
-    assert repeated.calls > 4 * steps
-
-
-def test_a_run_with_step_control_counts_what_it_took_back(car_problem, files):
-    """A smaller tolerance costs more steps and leaves a smaller error."""
-    method = Method("jacobi", "quadratic", "schierz")
-    coarse, fine = (measure_method(car_problem, files, method, tolerance) for tolerance in (1e-3, 1e-5))
-    assert fine.error < 0.2 * coarse.error
-    assert coarse.calls < fine.calls
-
-
-def test_an_unstable_coupling_is_a_row_without_error_that_says_so(files):
-    row = measure_method(build_problem("quarter-car", 300), files, Method("jacobi", "hermite"), 60e-3)
-    assert np.isnan(row.error)
-    assert "unstable coupling" in row.note
+def solve_masses(name: str, times: np.ndarray) -> np.ndarray:
+    """The published pair of masses by its matrix exponential."""
+    system = build_system(describe_two_masses(name))
+    coupled = CoupledMassParameters(**system.instances["first"].parameters)
+    sprung = SprungMassParameters(**system.instances["second"].parameters)
+    return two_masses(times, coupled, sprung, system.x0)
 
 
 def test_published_pairs_of_masses_have_their_modes() -> None:
     """Closed forms: half the sum of the even and the odd mode."""
     times = np.linspace(0.016, 0.96, 60)
-    precice = build_problem("precice-oscillator").truth(times)
+    precice = solve_masses("precice-oscillator", times)
     modes = 0.5 * np.cos(2.0 * np.pi * times), 0.5 * np.cos(6.0 * np.pi * times)
     np.testing.assert_allclose(precice[:, 0], modes[0] + modes[1], atol=1e-11)
     np.testing.assert_allclose(precice[:, 2], modes[0] - modes[1], atol=1e-11)
-    damped = build_problem("mass-spring-damper").truth(times)
+    damped = solve_masses("mass-spring-damper", times)
 
     def decay(rate: float) -> np.ndarray:
         """x'' + rate (x' + x) = 0 from 1/2 at rest."""
@@ -159,10 +89,7 @@ def test_links_that_nothing_lifts_keep_their_energy(record) -> None:
 def test_the_solution_is_the_published_one(record) -> None:
     """Of the manoeuvre M2 over 10 s, which was integrated there in steps of 0.05 ms with a method of first
     order: some 1e-4 of each output's range."""
-    folder = find_data([PUBLISHED])
-    if folder is None:
-        pytest.skip(f"{PUBLISHED} is in no folder of data of others (TRIBOCOSIM_THIRD_PARTY)")
-    for output, difference in compare_manipulator(folder / PUBLISHED).items():
+    for output, difference in compare_manipulator(public(PUBLISHED)).items():
         record("FMUs", f"hydraulic manipulator, M2: {output}", difference, 0.0, "published", tolerance=5e-4)
 
 
