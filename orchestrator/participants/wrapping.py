@@ -6,8 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from models.core.quantities import Vector
-
 from .compiled_calls import CompiledCalls
 from .protocol import Abilities, BoundVariables, Participant
 
@@ -49,30 +47,6 @@ class StatelessWrapper(ParticipantWrapper):
 
     def from_bytes(self, data: bytes) -> Any:
         return self._participant.from_bytes(data)
-
-
-class StatefulWrapper(ParticipantWrapper):
-    """Saves the vector `_own` with the participant's state. A subclass adds connect, write, advance, read and
-    read_all."""
-
-    _own: Vector
-
-    def save(self) -> tuple[Any, Vector]:
-        return self._participant.save(), self._own.copy()
-
-    def restore(self, saved: tuple[Any, Vector]) -> None:
-        self._participant.restore(saved[0])
-        self._own[:] = saved[1]
-
-    def release(self, saved: tuple[Any, Vector]) -> None:
-        self._participant.release(saved[0])
-
-    def to_bytes(self, saved: tuple[Any, Vector]) -> bytes:
-        return saved[1].tobytes() + self._participant.to_bytes(saved[0])
-
-    def from_bytes(self, data: bytes) -> tuple[Any, Vector]:
-        size = self._own.nbytes
-        return self._participant.from_bytes(data[size:]), np.frombuffer(data[:size]).copy()
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ from models.core.system import Instance, ModelError, System
 
 from ..assessment.gas_phase import list_doubtful_gas
 from ..engine.energy import add_counting, add_estimates
-from ..engine.energy.correction import Compensated, bond_inputs
 from ..engine.energy.estimate import EstimatedComponent, Estimating, counting_structure, without_estimates
 from ..engine.instants import SideLines
 from ..engine.substeps import Substepped
@@ -61,9 +60,8 @@ class FmuFile:
 class ParticipantPlan:
     """An FMU and how it runs, or without a `file` the component's equations in this process.
 
-    `linear` transforms inputs, by name. A `compensated` one gets back what its inputs missed in the last
-    step. With `limits` an FMU has its own process. Of one with a `proof` it is tried whether it restores its
-    state.
+    `linear` transforms inputs, by name. With `limits` an FMU has its own process. Of one with a `proof` it is
+    tried whether it restores its state.
     """
 
     file: FmuFile | None = None
@@ -73,7 +71,6 @@ class ParticipantPlan:
     substeps: int = 1
     retries: int = 0
     linear: Mapping[str, Linear] = field(default_factory=dict)
-    compensated: bool = False
 
     def open_bare(self, name: str, instance: Instance) -> Participant:
         """The participant alone, which takes whole macro steps and inputs in its own units."""
@@ -96,8 +93,6 @@ class ParticipantPlan:
             participant = Estimating(participant, instance.component)
         if self.substeps > 1 or self.retries:
             participant = Substepped(participant, self.substeps, self.retries)
-        if self.compensated:
-            participant = Compensated(participant, bond_inputs(instance.component))
         return transformed(participant, self.linear) if self.linear else participant
 
 
@@ -271,7 +266,6 @@ def plan_participants(
             substeps=table.substeps,
             retries=table.retries,
             linear=linear.get(name, {}),
-            compensated=scenario.energy.correction,
         )
     return plans
 

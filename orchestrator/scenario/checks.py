@@ -65,23 +65,17 @@ def _check_master(scenario: Scenario) -> None:
 
 
 def _check_energy(scenario: Scenario, system: System) -> None:
-    """The energy estimator needs a power bond; the correction needs held or extrapolated inputs."""
+    """The energy estimator needs a power bond, and steps that are never made again no located events."""
     control = scenario.step_control
-    if control and control.estimator in ("energy", "residual_energy") and not find_exchanged_bonds(system):
+    if control and control.estimator == "energy" and not find_exchanged_bonds(system):
         raise ScenarioError(
-            f"step_control.estimator = {control.estimator!r}: no power bond has both its effort and its flow "
-            "among the connections, so that it would see no error; use "
-            f"{'defect' if control.forward else 'schierz or step_doubling'}"
+            "step_control.estimator = 'energy': no power bond has both its effort and its flow among the "
+            "connections, so that it would see no error; use schierz or step_doubling"
         )
     if control and control.forward and scenario.event_tolerance is not None:
         raise ScenarioError(
             f"event_tolerance: step_control.estimator = {control.estimator!r} makes no step again, as the "
             "location of events does; leave one of them out"
-        )
-    if scenario.energy.correction and scenario.master.name != "jacobi":
-        raise ScenarioError(
-            f"energy.correction = true: the master {scenario.master.name} interpolates inputs, which then "
-            "miss nothing; use the master jacobi, or leave the correction out"
         )
 
 

@@ -10,7 +10,7 @@ from models.core.system import suggestion
 
 from ..errors import one_of
 from ..masters import GaussSeidel, find_master
-from ..stepping import INDICATORS, JUDGES, StepControl
+from ..stepping import DEFECT, JUDGES, StepControl
 from .fields import Seconds, Table, Tolerance
 from .values import Faults
 
@@ -67,8 +67,8 @@ class StepControlTable(Table):
     estimator: str | None = Field(
         None,
         description="predictor_corrector, step_doubling, schierz or energy; default: predictor_corrector for "
-        "iterated masters, step_doubling for others. defect and residual_energy never make a step again, for "
-        "FMUs that cannot restore their state",
+        "iterated masters, step_doubling for others. defect never makes a step again, for FMUs that cannot "
+        "restore their state",
     )
     relative: Annotated[Tolerance, Field(lt=1.0)] = Field(1e-4, description="Local error allowed, of a value")
     absolute: Tolerance | None = Field(
@@ -87,7 +87,7 @@ class StepControlTable(Table):
     @property
     def forward(self) -> bool:
         """Whether steps are never made again."""
-        return self.estimator in INDICATORS
+        return self.estimator == DEFECT
 
     def build(self, implicit: bool, event_tolerance: float) -> StepControl:
         """Build the step control of an iterated (`implicit`) or another master."""

@@ -74,11 +74,6 @@ class EnergyTable(Table):
     ledger: bool = Field(
         False, description="Count the energy over every power bond, and what the coupling creates"
     )
-    correction: bool = Field(
-        False,
-        description="Give back in the next step what efforts and flows missed in the last one (Benedikt et "
-        "al. 2013); for the master jacobi",
-    )
 
 
 class Scenario(Table):

@@ -24,10 +24,6 @@ def list_warnings(scenario: Scenario) -> list[str]:
         )
     elif scenario.output_step is not None:
         found += _check_records(scenario, scenario.output_step)
-    if scenario.energy.correction and not scenario.energy.ledger:
-        found.append(
-            "energy.correction = true: the energy given back is not counted; set energy.ledger = true"
-        )
     return [
         *scenario.notes,
         *found,

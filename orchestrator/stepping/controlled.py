@@ -35,7 +35,6 @@ from ..engine.sweeps import JACOBI
 from ..errors import EndedError, NonConvergenceError, RecoverableError, RunError, one_of
 from ..masters import Master
 from .estimators import ESTIMATORS, Attempt
-from .indicators import INDICATORS
 from .locator import Locator
 
 # The error aimed at, over what is allowed: at order five a sixth of the length away from a rejection.
@@ -134,7 +133,8 @@ RESTARTED = 0.1
 DISCONTINUITY = 5
 
 # Names of what judges steps: those that may be made again, and those that are made once.
-JUDGES = (*ESTIMATORS, *INDICATORS)
+DEFECT = "defect"
+JUDGES = (*ESTIMATORS, DEFECT)
 
 
 @dataclass(frozen=True)

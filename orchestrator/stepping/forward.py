@@ -1,18 +1,25 @@
-"""Macro steps for participants without a way back: each is as long as the ones before it allow."""
+"""Macro steps for participants without a way back: each is as long as the ones before it allow.
+
+The defect, |y - u| of an output and the signal that went on from its past, needs no more of a participant
+than its outputs (Kyllingstad, Sadjina and Skjong 2024, arXiv 2406.17353). It sees what a signal has missed,
+not what that did inside of a participant.
+"""
 
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
+from models.core.quantities import Vector
+
 from ..engine.coupling import Coupling
 from ..engine.signals import evaluate, extrapolate
 from ..engine.step import ERROR, GROWTH, LONGEST, STOP, TIME_EVENT, Step
 from ..masters import Master
+from ..masters.gauss_seidel import GaussSeidel, resolve_order
 from .controlled import GROW, PI, StepControl
 from .estimators import effective_degree
 from .guard import RunawayGuard
-from .indicators import INDICATORS
 
 # Steps this near to the end (relative) go there.
 ENDING = 1e-9
@@ -25,10 +32,10 @@ KEPT = 0.75
 
 
 class ForwardSteps:
-    """Takes every step that it makes, and chooses the next one by what an indicator says of it.
+    """Takes every step that it makes, and chooses the next one by its defect.
 
     An error is known only when it has been made: a jump, or the closing of a contact, may be missed by any
-    amount within one step, and no event is located. The indicator falls with the power k + 1 of the step,
+    amount within one step, and no event is located. The defect falls with the power k + 1 of the step,
     k being the degree of the signals, or 1 where an FMU holds its inputs.
     """
 
@@ -36,12 +43,11 @@ class ForwardSteps:
 
     def __init__(self, first_step: float, control: StepControl) -> None:
         self._control, self._next, self._set_by = control, FIRST * first_step, GROWTH
-        self._indicator = INDICATORS[control.estimator]()
         self._controller = PI()
 
     def begin(self, coupling: Coupling, master: Master, start: float, stop: float) -> None:
         self._coupling, self._master, self._stop = coupling, master, stop
-        self._indicator.begin(coupling, master)
+        self._extrapolated = find_extrapolated(coupling, master)
         self._guard = RunawayGuard(coupling, master)
         self._signals = np.zeros_like(coupling.signals)
         self._assumed, self._rates = np.zeros(self._signals.shape[1]), np.zeros(self._signals.shape[1])
@@ -56,15 +62,21 @@ class ForwardSteps:
         iterations = self._master.step(coupling, time, length).iterations
         error, source = 0.0, -1
         if coupling.wiring.connected.size:
-            control = self._control
-            parts = self._indicator.measure(self._assumed, control.absolute, control.relative)
-            parts = parts[coupling.wiring.connected]
+            parts = self._measure_defects()[coupling.wiring.connected]
             error = float(np.sqrt(np.mean(parts**2)))
             source = int(coupling.wiring.connected[np.argmax(parts)])
         self._guard.judge(end, length)
         coupling.accept(end)
         self._choose(length, error, degree + 1.0)
         return Step(end, length, iterations, 0, error, coupling.wiring.output_number(source), reason)
+
+    def _measure_defects(self) -> Vector:
+        """Of each source at the end of the step, over what is allowed; only signals that somebody followed
+        into the unknown count."""
+        values, assumed, control = self._coupling.state.values, self._assumed, self._control
+        size = np.maximum(np.abs(values), np.abs(assumed))
+        allowed = control.absolute * self._coupling.wiring.nominal + control.relative * size
+        return np.where(self._extrapolated, np.abs(values - assumed) / allowed, 0.0)
 
     def _propose(self, time: float) -> tuple[float, float, int]:
         """The length of the step, where it ends, and what sets it."""
@@ -105,3 +117,20 @@ class ForwardSteps:
         self._next, self._set_by = float(state["next"]), int(state["set_by"])
         self._controller = PI(**state["controller"])
         self._guard.resume(state["guard"])
+
+
+def find_extrapolated(coupling: Coupling, master: Master) -> Any:
+    """The sources whose signals the master extrapolates for somebody: with Gauss-Seidel those that go to a
+    participant before their own."""
+    wiring = coupling.wiring
+    if not isinstance(master, GaussSeidel):
+        found = np.zeros(len(wiring.sources), dtype=np.bool_)
+        found[wiring.connected] = True
+        return found
+    order = resolve_order(coupling, master.order)
+    found = np.zeros(len(wiring.sources), dtype=np.bool_)
+    for turn, i in enumerate(order):
+        for later in order[turn:]:
+            own = wiring.slices[later]
+            found[[c for c in wiring.columns[i] if own.start <= c < own.stop]] = True
+    return found

@@ -12,7 +12,6 @@ from hypothesis.extra import numpy as arrays
 from orchestrator.analyses.stability.linear import Linear
 from orchestrator.analyses.stability.linear_participants import LinearParticipant
 from orchestrator.engine.energy import add_counting, add_estimates
-from orchestrator.engine.energy.correction import Compensated
 from orchestrator.engine.energy.estimate import Estimating, without_estimates
 from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import CannotSerializeError, CheckpointError, MistakeError, start_over
@@ -105,7 +104,6 @@ def _estimating() -> Participant:
 UNITS = {
     "in-process": _second,
     "substepped": lambda: Substepped(_second(), 3),
-    "compensated": lambda: Compensated(_second(), ["force"]),
     "estimating": _estimating,
 }
 

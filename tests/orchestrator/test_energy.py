@@ -11,17 +11,15 @@ from models.core.system import System
 from models.oscillators import exact as solutions
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.engine.energy import Ledger, Trimmed, add_counting, add_estimates, lines
-from orchestrator.engine.energy.correction import Compensated, bond_inputs
 from orchestrator.engine.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
-from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 
-from .coupled import Wrapper, build_participants, run_coupled
+from .coupled import Wrapper, run_coupled
 from .recorder import Recorder
 from .small_fmus import small_fmu
 from .two_masses import START, two_masses
@@ -31,14 +29,10 @@ BOND = "first.force * second.velocity"
 STOP = 2.0
 
 
-def booked(master, step, every=1, correct=False, **parameters):
+def booked(master, step, every=1, **parameters):
     system = add_counting(two_masses(**parameters), ["first", "second"])
     ledger = Ledger(system, every)
-    units = build_participants(system)
-    if correct:
-        for name, instance in system.instances.items():
-            units[name] = Compensated(units[name], bond_inputs(instance.component))
-    run_coupled(system, master, step, STOP, ledger, **units)
+    run_coupled(system, master, step, STOP, ledger)
     return ledger
 
 
@@ -152,20 +146,6 @@ def test_a_ledger_goes_on_from_its_state(tmp_path):
     assert halves.now.account() == whole.account()
 
 
-@pytest.mark.parametrize(
-    ("signal", "factor", "parameters"),
-    [("hold", 3.0, {}), ("linear", 1.5, UNDAMPED), ("quadratic", 1.5, {})],
-    ids=["hold", "linear, undamped", "quadratic"],
-)
-def test_the_correction_lowers_what_the_coupling_creates(signal, factor, parameters):
-    """At H = 1 ms: held signals create a quarter, others about half; a factor less is asked for here."""
-    plain, corrected = (
-        booked(Jacobi(signal), 1e-3, correct=correct, **parameters).account().bonds[BOND].largest_created
-        for correct in (False, True)
-    )
-    assert corrected < plain / factor
-
-
 class Impulses:
     """Angular impulses between a bouncing slider-crank and its free flywheel, booked by a ledger.
 
@@ -234,12 +214,6 @@ def test_what_impulses_take_from_the_shaft_the_mechanism_stores_or_loses(stop, s
     record("Coupling", "energy lost in impacts (J)", dissipated, losses, "(1 - e) P v / 2", relative=1e-12)
 
 
-def test_scenarios_refuse_a_correction_of_masters_that_interpolate():
-    scenario = load("two-masses", ["energy.correction=true", "master.name='iterated'"])
-    with pytest.raises(ScenarioError, match=r"energy\.correction"):
-        build_system(scenario)
-
-
 class Unrated(Wrapper):
     """A participant that gives no rates."""
 
@@ -259,17 +233,10 @@ def book_estimated(master, step, observers=(), rated=True, **parameters):
     return ledger
 
 
-def counts(master, step):
-    system = add_counting(two_masses(), ["first", "second"])
-    ledger = Ledger(system)
-    run_coupled(system, master, step, STOP, ledger)
-    return ledger
-
-
 def misestimated(master, step, rated):
     """By how much the estimate of what the second mass took is off what it counts (J)."""
     channel = f"taken {BOND}"
-    return book_estimated(master, step, rated=rated)[channel] - counts(master, step)[channel]
+    return book_estimated(master, step, rated=rated)[channel] - booked(master, step)[channel]
 
 
 @pytest.mark.parametrize("master", [Jacobi("hold"), Jacobi("quadratic"), GaussSeidel("linear")], ids=repr)

@@ -135,7 +135,6 @@ def test_estimated_over_true_energy_that_the_coupling_creates_in_a_step(signal, 
         ("energy", Iterated(), "predictor_corrector or step_doubling"),
         ("predictor_corrector", Jacobi(), "use iterated"),
         ("defect", Iterated(), "use predictor_corrector"),
-        ("residual_energy", GaussSeidel(), "use defect, or the master jacobi"),
     ],
 )
 def test_an_estimator_refuses_masters_that_it_cannot_judge(estimator, master, remedy):

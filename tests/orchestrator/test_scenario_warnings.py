@@ -17,12 +17,6 @@ def test_what_has_no_effect_is_noticed():
     assert list_warnings(load("valve-train-controlled")) == []
     (said,) = list_warnings(load("valve-train-controlled", ["output_step=1 ms"]))
     assert said.startswith("output_step = 0.001 s: has no effect: [step_control] records every step")
-    corrected = ["master={name='jacobi'}", "energy.correction=true"]
-    (said,) = list_warnings(load("two-masses", corrected))
-    assert said.startswith(
-        "energy.correction = true: the energy given back is not counted; set energy.ledger = true"
-    )
-    assert list_warnings(load("two-masses", [*corrected, "energy.ledger=true"])) == []
     given = "components.contact.parameters.load_is_given=true"
     (said,) = list_warnings(load("valve-train", [given]))
     assert "nothing drives contact.applied_load" in said

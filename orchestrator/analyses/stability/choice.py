@@ -28,7 +28,7 @@ from ...scenario.master_table import AUTO, MasterTable, StepControlTable
 from ...scenario.scenario import COMPARED_INTERVALS
 from ...scenario.system import Builder
 from ...stepping.controlled import AIM
-from ...stepping.indicators import find_extrapolated
+from ...stepping.forward import find_extrapolated
 from .analyse import survey_scenario
 from .behaviour import Behaviour, format_time
 from .survey import WITHIN, AssessedMethod, Scope, Survey

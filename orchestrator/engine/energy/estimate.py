@@ -21,7 +21,7 @@ from models.core.system import Instance, System
 from ...participants.compiled_calls import NotCompiledError
 from ...participants.held_inputs import mean
 from ...participants.protocol import BoundVariables, Participant
-from ...participants.wrapping import StatefulWrapper
+from ...participants.wrapping import ParticipantWrapper
 from ..observer import Observer
 from ..step import Step
 from .bonds import find_exchanged_bonds
@@ -79,7 +79,7 @@ def without_estimates(instance: Instance) -> Instance:
     )
 
 
-class Estimating(StatefulWrapper):
+class Estimating(ParticipantWrapper):
     """Implements `Participant` by `participant`; after its outputs come those of `component.estimates`."""
 
     def __init__(self, participant: Participant, component: EstimatedComponent) -> None:
@@ -139,9 +139,23 @@ class Estimating(StatefulWrapper):
         power = course[:, self._efforts] * course[:, self._flows] * self._signs
         self._own += step * (WEIGHTS @ power)
 
+    def save(self) -> tuple[Any, Vector]:
+        return self._participant.save(), self._own.copy()
+
     def restore(self, saved: tuple[Any, Vector]) -> None:
         self._fresh = False
-        super().restore(saved)
+        self._participant.restore(saved[0])
+        self._own[:] = saved[1]
+
+    def release(self, saved: tuple[Any, Vector]) -> None:
+        self._participant.release(saved[0])
+
+    def to_bytes(self, saved: tuple[Any, Vector]) -> bytes:
+        return saved[1].tobytes() + self._participant.to_bytes(saved[0])
+
+    def from_bytes(self, data: bytes) -> tuple[Any, Vector]:
+        size = self._own.nbytes
+        return self._participant.from_bytes(data[size:]), np.frombuffer(data[:size]).copy()
 
 
 def add_counting(system: System, names: Collection[str]) -> System:
