@@ -3,13 +3,14 @@
 import math
 from dataclasses import dataclass
 
+from . import kinds
 from .compile.kernel import kernel
 from .core import roles
 from .core.bonds import counts_energies
 from .core.component import NO_EVENT, Component, PowerBond, check_sizes
 from .core.integrator import TOLERANCE
 from .core.quantities import Layout, Quantity, Vector
-from .plausible import ANGLE, RAMP, SPEED
+from .plausible import RAMP, SPEED
 
 FREE, PRESCRIBED = 0.0, 1.0
 LINEAR, SMOOTH = 0.0, 1.0
@@ -21,38 +22,30 @@ class FlywheelParameters:
         "1", "free under its torques, or turning as prescribed", choices=("free", "prescribed")
     ).default(PRESCRIBED)
     inertia: float = Quantity("kg.m2", "moment of inertia", nominal=0.1, positive=True).default(0.1)
-    initial_speed: float = Quantity(
-        "rad/s", "prescribed speed before the ramp", nominal=100.0, display_unit="rpm", plausible=SPEED
+    initial_speed: float = kinds.SPEED("prescribed speed before the ramp", plausible=SPEED).default(
+        1000.0 * math.pi / 30.0
+    )
+    final_speed: float = kinds.SPEED(
+        "prescribed speed after the ramp", same_as="initial_speed", plausible=SPEED
     ).default(1000.0 * math.pi / 30.0)
-    final_speed: float = Quantity(
-        "rad/s", "prescribed speed after the ramp",
-        nominal=100.0, display_unit="rpm", same_as="initial_speed", plausible=SPEED,
-    ).default(1000.0 * math.pi / 30.0)  # fmt: skip
     ramp_start: float = Quantity("s", "time at which the ramp begins", plausible=RAMP).default()
     ramp_duration: float = Quantity("s", "length of the ramp", positive=True, plausible=RAMP).default(1.0)
     ramp_shape: float = Quantity(
         "1", "linear in time, or smooth (3 r^2 - 2 r^3)", choices=("linear", "smooth")
     ).default(LINEAR)
-    throw: Vector = Quantity(
-        "rad", "angle by which a crank throw lags the shaft",
-        display_unit="deg", size="throws", plausible=ANGLE,
-    ).per_element()  # fmt: skip
+    throw: Vector = kinds.PHASE("angle by which a crank throw lags the shaft", size="throws").per_element()
 
 
 @dataclass
 class FlywheelState:
-    angle: float = Quantity("rad", "angle of the shaft", display_unit="deg").default()
-    speed: float = Quantity(
-        "rad/s", "speed of the free shaft", nominal=100.0, display_unit="rpm", plausible=SPEED
-    ).default(1000.0 * math.pi / 30.0)
+    angle: float = kinds.ANGLE("angle of the shaft").default()
+    speed: float = kinds.SPEED("speed of the free shaft", plausible=SPEED).default(1000.0 * math.pi / 30.0)
 
 
 @dataclass
 class FlywheelInputs:
-    drive_torque: float = Quantity("N.m", "torque on the free shaft", nominal=10.0).default()
-    load_torque: Vector = Quantity(
-        "N.m", "torque taken by a driven mechanism", nominal=10.0, size="loads"
-    ).per_element()
+    drive_torque: float = kinds.TORQUE("torque on the free shaft").default()
+    load_torque: Vector = kinds.TORQUE("torque taken by a driven mechanism", size="loads").per_element()
     load_impulse: Vector = Quantity(
         "N.m.s", "sum of the angular impulses taken in impacts by a mechanism", nominal=0.1, size="loads"
     ).per_element()
@@ -60,15 +53,13 @@ class FlywheelInputs:
 
 @dataclass
 class FlywheelOutputs:
-    angle: float = Quantity("rad", "angle of the shaft", display_unit="deg").default()
-    speed: float = Quantity("rad/s", "speed of the shaft", nominal=100.0, display_unit="rpm").default()
+    angle: float = kinds.ANGLE("angle of the shaft").default()
+    speed: float = kinds.SPEED("speed of the shaft").default()
     acceleration: float = Quantity("rad/s2", "angular acceleration of the shaft", nominal=100.0).default()
-    supplied_torque: float = Quantity(
-        "N.m", "torque that the drive gives (what the prescribed motion needs)", nominal=10.0
+    supplied_torque: float = kinds.TORQUE(
+        "torque that the drive gives (what the prescribed motion needs)"
     ).default()
-    throw_angle: Vector = Quantity(
-        "rad", "angle of a crank throw", display_unit="deg", size="throws"
-    ).per_element()
+    throw_angle: Vector = kinds.ANGLE("angle of a crank throw", size="throws").per_element()
     next_event: float = Quantity(
         "s", "time at which the ramp next begins or ends; 1e30 if it does not"
     ).default(NO_EVENT)

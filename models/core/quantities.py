@@ -59,7 +59,7 @@ class Quantity:
     """
 
     unit: str
-    description: str
+    description: str = ""
     nominal: float = 1.0
     minimum: float = -math.inf
     maximum: float = math.inf
@@ -75,6 +75,10 @@ class Quantity:
     accumulates: bool = False
     same_as: str = ""
     plausible: Plausible | None = None
+
+    def __call__(self, description: str, **changes: Any) -> Quantity:
+        """A quantity of this kind, with a description and, where it differs, other fields."""
+        return replace(self, description=description, **changes)
 
     @property
     def jumps(self) -> bool:

@@ -12,13 +12,14 @@ a sine. A damper takes hold at once, so that with d > 0 the force jumps when the
 from dataclasses import dataclass
 from typing import Annotated
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.quantities import Layout, Quantity, Vector
 
 Position = Annotated[float, Quantity("m", "height of the mass", nominal=0.1)]
-Velocity = Annotated[float, Quantity("m/s", "upward velocity of the mass")]
+Velocity = Annotated[float, kinds.VELOCITY("upward velocity of the mass")]
 
 
 @dataclass
@@ -35,7 +36,7 @@ class FallingMassState:
 
 @dataclass
 class FallingMassInputs:
-    force: float = Quantity("N", "upward force on the mass", nominal=100.0).default()
+    force: float = kinds.SIDE_FORCE("upward force on the mass").default()
 
 
 @dataclass
@@ -47,13 +48,13 @@ class FallingMassOutputs:
 @dataclass
 class SpringStopParameters:
     stiffness: float = Quantity("N/m", "stiffness k", nominal=1e4, positive=True).default(1e4)
-    damping: float = Quantity("N.s/m", "damping d", nominal=10.0, minimum=0.0).default()
+    damping: float = kinds.DAMPING("damping d", nominal=10.0).default()
     stop_position: float = Quantity("m", "height y_s of the free stop", nominal=0.1).default()
 
 
 @dataclass
 class SpringStopState:
-    impulse: float = Quantity("N.s", "integral of the force").default()
+    impulse: float = kinds.IMPULSE("integral of the force").default()
 
 
 @dataclass
@@ -64,15 +65,12 @@ class SpringStopInputs:
 
 @dataclass
 class SpringStopOutputs:
-    force: float = Quantity("N", "upward force on the mass", nominal=100.0).default()
-    compression: float = Quantity(
-        "m", "compression c of the stop; negative: the gap", nominal=1e-2, display_unit="mm"
+    force: float = kinds.SIDE_FORCE("upward force on the mass").default()
+    compression: float = kinds.DISTANCE("compression c of the stop; negative: the gap").default()
+    contact_margin: float = kinds.DISTANCE(
+        "lesser of c and c - d y'/k: the stop pushes where it is positive"
     ).default()
-    contact_margin: float = Quantity(
-        "m", "lesser of c and c - d y'/k: the stop pushes where it is positive",
-        nominal=1e-2, display_unit="mm",
-    ).default()  # fmt: skip
-    impulse: float = Quantity("N.s", "integral of the force").default()
+    impulse: float = kinds.IMPULSE("integral of the force").default()
 
 
 @kernel

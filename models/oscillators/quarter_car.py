@@ -13,14 +13,15 @@ the wheel. `exact.quarter_car` has the solution.
 from dataclasses import dataclass
 from typing import Annotated
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.quantities import Layout, Quantity, Vector
 
 Stiffness = Annotated[float, Quantity("N/m", "stiffness k_c of the suspension", nominal=1e4, minimum=0.0)]
-Damping = Annotated[float, Quantity("N.s/m", "damping d_c of the suspension", nominal=1e3, minimum=0.0)]
-Force = Annotated[float, Quantity("N", "force of the suspension, upwards on the wheel", nominal=1e3)]
+Damping = Annotated[float, kinds.DAMPING("damping d_c of the suspension", nominal=1e3)]
+Force = Annotated[float, kinds.WALL_FORCE("force of the suspension, upwards on the wheel")]
 
 
 @dataclass
@@ -44,26 +45,26 @@ class QuarterCarWheelParameters:
     tyre_stiffness: float = Quantity("N/m", "stiffness k_w of the tyre", nominal=1e5, minimum=0.0).default(
         150e3
     )
-    tyre_damping: float = Quantity("N.s/m", "damping d_w of the tyre", nominal=1e3, minimum=0.0).default()
+    tyre_damping: float = kinds.DAMPING("damping d_w of the tyre", nominal=1e3).default()
     road_step: float = Quantity("m", "height z to which the road has stepped", nominal=0.1).default(0.1)
 
 
 @dataclass
 class QuarterCarState:
     position: float = Quantity("m", "height over its rest before the step", nominal=0.1).default()
-    velocity: float = Quantity("m/s", "upward velocity").default()
+    velocity: float = kinds.VELOCITY("upward velocity").default()
 
 
 @dataclass
 class QuarterCarChassisInputs:
     wheel_position: float = Quantity("m", "height of the wheel", nominal=0.1).default()
-    wheel_velocity: float = Quantity("m/s", "upward velocity of the wheel").default()
+    wheel_velocity: float = kinds.VELOCITY("upward velocity of the wheel").default()
 
 
 @dataclass
 class QuarterCarWheelInputs:
     chassis_position: float = Quantity("m", "height of the chassis", nominal=0.1).default()
-    chassis_velocity: float = Quantity("m/s", "upward velocity of the chassis").default()
+    chassis_velocity: float = kinds.VELOCITY("upward velocity of the chassis").default()
 
 
 @dataclass
@@ -74,7 +75,7 @@ class QuarterCarChassisOutputs(QuarterCarState):
 @dataclass
 class QuarterCarWheelOutputs(QuarterCarState):
     suspension_force: Force = 0.0
-    tyre_force: float = Quantity("N", "force of the tyre, upwards on the wheel", nominal=1e3).default()
+    tyre_force: float = kinds.WALL_FORCE("force of the tyre, upwards on the wheel").default()
 
 
 @kernel

@@ -10,6 +10,7 @@ k = K = 0 the pair is free. `exact.two_masses` has the solution.
 from dataclasses import dataclass
 from typing import Annotated
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
@@ -17,9 +18,9 @@ from ..core.quantities import Layout, Quantity, Vector
 
 Mass = Annotated[float, Quantity("kg", "mass", positive=True)]
 Stiffness = Annotated[float, Quantity("N/m", "spring to the ground", nominal=10.0, minimum=0.0)]
-Damping = Annotated[float, Quantity("N.s/m", "damper to the ground", minimum=0.0)]
+Damping = Annotated[float, kinds.DAMPING("damper to the ground")]
 Position = Annotated[float, Quantity("m", "position")]
-Velocity = Annotated[float, Quantity("m/s", "velocity")]
+Velocity = Annotated[float, kinds.VELOCITY("velocity")]
 
 
 @dataclass
@@ -37,7 +38,7 @@ class CoupledMassParameters:
     coupling_stiffness: float = Quantity(
         "N/m", "spring to the other mass", nominal=10.0, minimum=0.0
     ).default(40.0)
-    coupling_damping: float = Quantity("N.s/m", "damper to the other mass", minimum=0.0).default(1.0)
+    coupling_damping: float = kinds.DAMPING("damper to the other mass").default(1.0)
 
 
 @dataclass
@@ -48,18 +49,18 @@ class MassState:
 
 @dataclass
 class SprungMassInputs:
-    force: float = Quantity("N", "force on the mass", nominal=10.0).default()
+    force: float = kinds.FRICTION("force on the mass").default()
 
 
 @dataclass
 class CoupledMassInputs:
     other_position: float = Quantity("m", "position of the other mass").default()
-    other_velocity: float = Quantity("m/s", "velocity of the other mass").default()
+    other_velocity: float = kinds.VELOCITY("velocity of the other mass").default()
 
 
 @dataclass
 class CoupledMassOutputs:
-    force: float = Quantity("N", "force on the other mass", nominal=10.0).default()
+    force: float = kinds.FRICTION("force on the other mass").default()
     position: Position = 0.0
     velocity: Velocity = 0.0
 

@@ -2,22 +2,14 @@
 
 from typing import Annotated, Any
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core.quantities import Quantity, Vector
-from ..plausible import PART_LENGTH
 
-CrankRadius = Annotated[
-    float, Quantity("m", "crank radius", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH)
-]
-RodLength = Annotated[
-    float,
-    Quantity(
-        "m", "length of the connecting rod", nominal=0.1, positive=True, display_unit="mm",
-        plausible=PART_LENGTH,
-    ),
-]  # fmt: skip
-CrankAngle = Annotated[float, Quantity("rad", "crank angle, zero at top dead centre", display_unit="deg")]
-CrankSpeed = Annotated[float, Quantity("rad/s", "crank speed", nominal=100.0, display_unit="rpm")]
+CrankRadius = Annotated[float, kinds.LENGTH("crank radius")]
+RodLength = Annotated[float, kinds.LENGTH("length of the connecting rod")]
+CrankAngle = Annotated[float, kinds.ANGLE("crank angle, zero at top dead centre")]
+CrankSpeed = Annotated[float, kinds.SPEED("crank speed")]
 CrankAcceleration = Annotated[float, Quantity("rad/s2", "angular acceleration of the crank", nominal=100.0)]
 CrankImpulse = Annotated[
     float, Quantity("N.m.s", "sum of the angular impulses taken from the crank by impacts", nominal=0.1)

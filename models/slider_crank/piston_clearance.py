@@ -14,13 +14,14 @@ its pocket by
 import math
 from dataclasses import dataclass
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
-from ..plausible import ANGLE, CAM_LIFT, LEVER_ANGLE, OFFSET
+from ..plausible import CAM_LIFT
 from .crank import CrankRadius, RodLength, crank_turns
 
 
@@ -30,36 +31,26 @@ class PistonClearanceParameters:
 
     crank_radius: CrankRadius = 0.043
     rod_length: RodLength = 0.143
-    pin_offset: float = Quantity(
-        "m", "offset e of the piston's pin from the crank's axis",
-        nominal=1e-3, display_unit="mm", plausible=OFFSET,
-    ).default()  # fmt: skip
-    deck_height: float = Quantity(
-        "m", "from the crown to the head's face at top dead centre, with the gasket",
-        nominal=1e-3, display_unit="mm", plausible=CAM_LIFT,
-    ).default(1e-3)  # fmt: skip
-    valve_angle: float = Quantity(
-        "rad", "angle i of the valve's axis to the cylinder's", nominal=0.3, minimum=-1.5, maximum=1.5,
-        display_unit="deg", plausible=LEVER_ANGLE,
-    ).default(math.radians(20.0))  # fmt: skip
-    valve_recess: float = Quantity(
-        "m", "from the head's face to the closed valve, along its axis; negative: it stands out",
-        nominal=1e-3, display_unit="mm",
-    ).default(1e-3)  # fmt: skip
-    pocket_depth: float = Quantity(
-        "m", "depth of the valve's pocket in the crown, along the valve's axis",
-        nominal=1e-3, minimum=0.0, display_unit="mm", plausible=CAM_LIFT,
-    ).default(3e-3)  # fmt: skip
-    radial_play: float = Quantity(
-        "m", "from the valve's head to the pocket's wall at top dead centre",
-        nominal=1e-3, minimum=0.0, display_unit="mm", plausible=CAM_LIFT,
-    ).default(2e-3)  # fmt: skip
+    pin_offset: float = kinds.OFFSET("offset e of the piston's pin from the crank's axis").default()
+    deck_height: float = kinds.DISPLACEMENT(
+        "from the crown to the head's face at top dead centre, with the gasket", plausible=CAM_LIFT
+    ).default(1e-3)
+    valve_angle: float = kinds.LEVER_ANGLE(
+        "angle i of the valve's axis to the cylinder's", nominal=0.3, minimum=-1.5, maximum=1.5
+    ).default(math.radians(20.0))
+    valve_recess: float = kinds.DISPLACEMENT(
+        "from the head's face to the closed valve, along its axis; negative: it stands out"
+    ).default(1e-3)
+    pocket_depth: float = kinds.DISPLACEMENT(
+        "depth of the valve's pocket in the crown, along the valve's axis", minimum=0.0, plausible=CAM_LIFT
+    ).default(3e-3)
+    radial_play: float = kinds.DISPLACEMENT(
+        "from the valve's head to the pocket's wall at top dead centre", minimum=0.0, plausible=CAM_LIFT
+    ).default(2e-3)
     angle_ratio: float = Quantity(
         "1", "angle of the crank over the input `angle`: 2 where it is the cam's", positive=True
     ).default(1.0)
-    top_angle: float = Quantity(
-        "rad", "the input `angle` at the top dead centre of gas exchange", display_unit="deg", plausible=ANGLE
-    ).default()
+    top_angle: float = kinds.PHASE("the input `angle` at the top dead centre of gas exchange").default()
 
 
 @dataclass
@@ -69,17 +60,15 @@ class PistonClearanceState:
 
 @dataclass
 class PistonClearanceInputs:
-    angle: float = Quantity("rad", "angle of the crank or cam", display_unit="deg").default()
-    valve_lift: float = Quantity("m", "lift of the valve", nominal=1e-3, display_unit="mm").default()
+    angle: float = kinds.ANGLE("angle of the crank or cam").default()
+    valve_lift: float = kinds.DISPLACEMENT("lift of the valve").default()
 
 
 @dataclass
 class PistonClearanceOutputs:
-    clearance: float = Quantity(
-        "m", "clearance along the valve's axis; negative: they meet", nominal=1e-3, display_unit="mm"
-    ).default()
-    radial_clearance: float = Quantity(
-        "m", "clearance to the pocket's wall, of a head in its pocket", nominal=1e-3, display_unit="mm"
+    clearance: float = kinds.DISPLACEMENT("clearance along the valve's axis; negative: they meet").default()
+    radial_clearance: float = kinds.DISPLACEMENT(
+        "clearance to the pocket's wall, of a head in its pocket"
     ).default()
     piston_travel: float = Quantity(
         "m", "travel x of the piston from top dead centre", nominal=0.1, display_unit="mm"

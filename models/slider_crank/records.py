@@ -4,9 +4,10 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core.quantities import Quantity
-from ..plausible import PART_LENGTH, PART_MASS, PLAY
+from ..plausible import PLAY
 from .crank import CrankAcceleration, CrankImpulse, CrankSpeed
 from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Mechanism
 from .forms import AS_PUBLISHED, CORRECTED
@@ -36,29 +37,21 @@ class SliderCrankParameters:
         "equation of motion: F's own, with +beta, or without the small-angle step",
         choices=("as_published", "corrected", "nonlinear"),
     ).default(CORRECTED)
-    crank_radius: float = Quantity(
-        "m", "crank radius r", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH
-    ).default(THESIS_XI * _ROD_LENGTH)
-    rod_length: float = Quantity(
-        "m", "length l of the connecting rod",
-        nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH,
-    ).default(_ROD_LENGTH)  # fmt: skip
-    rod_mass: float = Quantity(
-        "kg", "mass m of the connecting rod, centre in its middle", minimum=0.0, plausible=PART_MASS
+    crank_radius: float = kinds.LENGTH("crank radius r").default(THESIS_XI * _ROD_LENGTH)
+    rod_length: float = kinds.LENGTH("length l of the connecting rod").default(_ROD_LENGTH)
+    rod_mass: float = kinds.PART_MASS(
+        "mass m of the connecting rod, centre in its middle", minimum=0.0
     ).default(THESIS_ALPHA * _PISTON_MASS)
     rod_inertia: float = Quantity(
         "kg.m2", "inertia J_r of the connecting rod about its centre", nominal=1e-3, minimum=0.0
     ).default(THESIS_BETA * _PISTON_MASS * _ROD_LENGTH**2)
-    piston_mass: float = Quantity(
-        "kg", "mass M of the piston (roller)", positive=True, plausible=PART_MASS
-    ).default(_PISTON_MASS)
-    joint_friction: float = Quantity(
-        "N.m.s", "friction moment c2 of the crank pin per relative speed", nominal=0.1, minimum=0.0
+    piston_mass: float = kinds.PART_MASS("mass M of the piston (roller)", positive=True).default(_PISTON_MASS)
+    joint_friction: float = kinds.TURNING_DAMPING(
+        "friction moment c2 of the crank pin per relative speed", nominal=0.1
     ).default(_FRICTION)
-    clearance: float = Quantity(
-        "m", "travel d - r* from the centre to either wall",
-        nominal=1e-3, minimum=0.0, display_unit="mm", plausible=PLAY,
-    ).default(_CLEARANCE)  # fmt: skip
+    clearance: float = kinds.DISPLACEMENT(
+        "travel d - r* from the centre to either wall", minimum=0.0, plausible=PLAY
+    ).default(_CLEARANCE)
     restitution: float = Quantity("1", "coefficient of restitution e", minimum=0.0, maximum=1.0).default(0.9)
     # F used 0.005; chatter ends by itself without it (see `slider_crank`).
     sliding_threshold: float = Quantity(
@@ -69,17 +62,11 @@ class SliderCrankParameters:
         "s", "time constant of walls that follow their films: T^2 h'' + 2 T h' + h = film thickness",
         nominal=1e-5, positive=True, display_unit="us",
     ).default(FILM_LAG)  # fmt: skip
-    roller_radius: float = Quantity(
-        "m", "radius r* of the roller on the liner",
-        nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH,
-    ).default(0.040)  # fmt: skip
+    roller_radius: float = kinds.LENGTH("radius r* of the roller on the liner").default(0.040)
 
 
 WallMode = Annotated[
-    float,
-    Quantity(
-        "1", "+1 sliding on the upper wall, -1 on the lower, 0 free", minimum=-1.0, maximum=1.0, count=True
-    ),
+    float, kinds.COUNT("+1 sliding on the upper wall, -1 on the lower, 0 free", minimum=-1.0, maximum=1.0)
 ]
 
 
@@ -90,28 +77,24 @@ class SliderCrankState:
     ).default()
     psi_rate: float = Quantity("rad/s", "rate of psi").default()
     mode: WallMode = 0.0
-    upper_impact_count: float = Quantity("1", "impacts on the upper wall", count=True).default()
-    lower_impact_count: float = Quantity("1", "impacts on the lower wall", count=True).default()
-    upper_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the upper wall").default()
-    lower_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the lower wall").default()
-    upper_force_integral: float = Quantity("N.s", "time integral of the upper wall's sliding force").default()
-    lower_force_integral: float = Quantity("N.s", "time integral of the lower wall's sliding force").default()
+    upper_impact_count: float = kinds.COUNT("impacts on the upper wall").default()
+    lower_impact_count: float = kinds.COUNT("impacts on the lower wall").default()
+    upper_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the upper wall").default()
+    lower_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the lower wall").default()
+    upper_force_integral: float = kinds.IMPULSE("time integral of the upper wall's sliding force").default()
+    lower_force_integral: float = kinds.IMPULSE("time integral of the lower wall's sliding force").default()
     crank_impact_impulse: CrankImpulse = 0.0
     last_impact_time: float = Quantity("s", "time of the last impact").default()
-    last_impact_velocity: float = Quantity(
-        "m/s", "velocity towards the wall just before the last impact"
+    last_impact_velocity: float = kinds.VELOCITY(
+        "velocity towards the wall just before the last impact"
     ).default()
     impact_loss: float = Quantity("J", "energy lost in impacts").default()
     impact_work: float = Quantity("J", "energy given in impacts by crank and moving film").default()
-    upper_wall_film: float = Quantity(
-        "m", "film by which the upper wall stands in", nominal=1e-6, display_unit="um"
-    ).default()
-    upper_wall_film_rate: float = Quantity("m/s", "rate of the upper wall's film", nominal=1e-3).default()
-    lower_wall_film: float = Quantity(
-        "m", "film by which the lower wall stands in", nominal=1e-6, display_unit="um"
-    ).default()
-    lower_wall_film_rate: float = Quantity("m/s", "rate of the lower wall's film", nominal=1e-3).default()
-    event_count: float = Quantity("1", "impacts and releases", count=True).default()
+    upper_wall_film: float = kinds.FILM("film by which the upper wall stands in").default()
+    upper_wall_film_rate: float = kinds.VELOCITY("rate of the upper wall's film", nominal=1e-3).default()
+    lower_wall_film: float = kinds.FILM("film by which the lower wall stands in").default()
+    lower_wall_film_rate: float = kinds.VELOCITY("rate of the lower wall's film", nominal=1e-3).default()
+    event_count: float = kinds.COUNT("impacts and releases").default()
     last_event_time: float = Quantity("s", "time of the last impact or release").default()
 
 
@@ -123,17 +106,11 @@ WALL_FILMS = ("upper_wall_film", "upper_wall_film_rate", "lower_wall_film", "low
 class SliderCrankInputs:
     """The films narrow the clearance; the walls follow them with `film_lag`."""
 
-    crank_angle: float = Quantity(
-        "rad", "crank angle theta, zero at top dead centre", display_unit="deg"
-    ).default()
+    crank_angle: float = kinds.ANGLE("crank angle theta, zero at top dead centre").default()
     crank_speed: CrankSpeed = 0.0
     crank_acceleration: CrankAcceleration = 0.0
-    upper_film_thickness: float = Quantity(
-        "m", "lubricant film on the upper wall", nominal=1e-6, display_unit="um"
-    ).default()
-    lower_film_thickness: float = Quantity(
-        "m", "lubricant film on the lower wall", nominal=1e-6, display_unit="um"
-    ).default()
+    upper_film_thickness: float = kinds.FILM("lubricant film on the upper wall").default()
+    lower_film_thickness: float = kinds.FILM("lubricant film on the lower wall").default()
 
 
 @dataclass
@@ -145,44 +122,36 @@ class SliderCrankOutputs:
     piston_position: float = Quantity(
         "m", "piston position from the crank's centre along the cylinder", nominal=0.1
     ).default()
-    piston_velocity: float = Quantity("m/s", "piston velocity along the cylinder").default()
-    piston_offset: float = Quantity(
-        "m", "piston position across the cylinder, upwards", nominal=1e-3, display_unit="mm"
+    piston_velocity: float = kinds.VELOCITY("piston velocity along the cylinder").default()
+    piston_offset: float = kinds.DISPLACEMENT("piston position across the cylinder, upwards").default()
+    upper_wall_force: float = kinds.SIDE_FORCE("force of the upper wall on the sliding piston").default()
+    lower_wall_force: float = kinds.SIDE_FORCE("force of the lower wall on the sliding piston").default()
+    crank_torque: float = kinds.TORQUE("torque taken from the crank, between impacts").default()
+    wall_entraining_velocity: float = kinds.VELOCITY(
+        "mean surface velocity of roller and liner relative to their contact"
     ).default()
-    upper_wall_force: float = Quantity(
-        "N", "force of the upper wall on the sliding piston", nominal=100.0
-    ).default()
-    lower_wall_force: float = Quantity(
-        "N", "force of the lower wall on the sliding piston", nominal=100.0
-    ).default()
-    crank_torque: float = Quantity(
-        "N.m", "torque taken from the crank, between impacts", nominal=10.0
-    ).default()
-    wall_entraining_velocity: float = Quantity(
-        "m/s", "mean surface velocity of roller and liner relative to their contact"
-    ).default()
-    wall_sliding_velocity: float = Quantity("m/s", "velocity of the roller over the liner").default()
+    wall_sliding_velocity: float = kinds.VELOCITY("velocity of the roller over the liner").default()
     wall_radius: float = Quantity(
         "m", "reduced radius of roller and liner", nominal=0.1, display_unit="mm"
     ).default()
     sliding: WallMode = 0.0
-    impact_count: float = Quantity("1", "impacts on both walls", count=True).default()
-    upper_impact_count: float = Quantity("1", "impacts on the upper wall", count=True).default()
-    lower_impact_count: float = Quantity("1", "impacts on the lower wall", count=True).default()
-    upper_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the upper wall").default()
-    lower_impact_impulse: float = Quantity("N.s", "sum of the impulses given by the lower wall").default()
-    upper_wall_impulse: float = Quantity(
-        "N.s", "upper wall's impulses and integral of its force: differences give means"
+    impact_count: float = kinds.COUNT("impacts on both walls").default()
+    upper_impact_count: float = kinds.COUNT("impacts on the upper wall").default()
+    lower_impact_count: float = kinds.COUNT("impacts on the lower wall").default()
+    upper_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the upper wall").default()
+    lower_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the lower wall").default()
+    upper_wall_impulse: float = kinds.IMPULSE(
+        "upper wall's impulses and integral of its force: differences give means"
     ).default()
-    lower_wall_impulse: float = Quantity(
-        "N.s", "lower wall's impulses and integral of its force: differences give means"
+    lower_wall_impulse: float = kinds.IMPULSE(
+        "lower wall's impulses and integral of its force: differences give means"
     ).default()
     crank_impact_impulse: CrankImpulse = 0.0
     last_impact_time: float = Quantity("s", "time of the last impact").default()
-    last_impact_velocity: float = Quantity(
-        "m/s", "velocity towards the wall just before the last impact"
+    last_impact_velocity: float = kinds.VELOCITY(
+        "velocity towards the wall just before the last impact"
     ).default()
-    event_count: float = Quantity("1", "impacts and releases", count=True).default()
+    event_count: float = kinds.COUNT("impacts and releases").default()
     last_event_time: float = Quantity("s", "time of the last impact or release").default()
 
 

@@ -8,13 +8,13 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import ANGLE, CAM_RADIUS, PART_LENGTH, PART_MASS, YOUNGS_MODULUS
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
 from .cams.profile import (
@@ -50,34 +50,19 @@ class ShaftParameters:
     drive_ratio: float = Quantity(
         "1", "cam angle over drive angle (0.5 behind a four-stroke crankshaft)"
     ).default(1.0)
-    phase: float = Quantity(
-        "rad", "cam angle at drive angle zero; the nose is at pi", display_unit="deg", plausible=ANGLE
-    ).default()
-    flexible: float = Quantity("1", "the shaft bends and twists; false: rigid", boolean=True).default()
-    mass: float = Quantity("kg", "mass at the cam", nominal=0.4, positive=True, plausible=PART_MASS).default(
-        0.425
-    )
-    polar_inertia: float = Quantity(
-        "kg.m2", "moment of inertia about the shaft", nominal=1e-4, positive=True
-    ).default(3.00e-4)
-    transverse_inertia: float = Quantity(
-        "kg.m2", "moment of inertia about a diameter", nominal=1e-4, positive=True
-    ).default(1.42e-4)
-    shaft_length: float = Quantity(
-        "m", "length l of the field element",
-        nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH,
-    ).default(0.1)  # fmt: skip
-    shaft_diameter: float = Quantity(
-        "m", "diameter of the shaft", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
-    ).default(0.02)
-    youngs_modulus: float = Quantity(
-        "Pa", "Young's modulus of the shaft", nominal=1e11, positive=True, plausible=YOUNGS_MODULUS
-    ).default(207e9)
+    phase: float = kinds.PHASE("cam angle at drive angle zero; the nose is at pi").default()
+    flexible: float = kinds.SWITCH("the shaft bends and twists; false: rigid").default()
+    mass: float = kinds.PART_MASS("mass at the cam", nominal=0.4, positive=True).default(0.425)
+    polar_inertia: float = kinds.INERTIA("moment of inertia about the shaft").default(3.00e-4)
+    transverse_inertia: float = kinds.INERTIA("moment of inertia about a diameter").default(1.42e-4)
+    shaft_length: float = kinds.LENGTH("length l of the field element").default(0.1)
+    shaft_diameter: float = kinds.DIAMETER("diameter of the shaft").default(0.02)
+    youngs_modulus: float = kinds.YOUNGS_MODULUS("Young's modulus of the shaft").default(207e9)
     poissons_ratio: float = Quantity("1", "Poisson's ratio of the shaft", minimum=0.0, maximum=0.5).default(
         0.3
     )
-    shaft_damping_ratio: float = Quantity(
-        "1", "damping ratio of every mode of the shaft", nominal=1e-2, minimum=0.0, maximum=1.0
+    shaft_damping_ratio: float = kinds.DAMPING_RATIO(
+        "damping ratio of every mode of the shaft", maximum=1.0
     ).default(0.02)
 
 
@@ -95,20 +80,19 @@ class TableCamshaftParameters(ShaftParameters, TableParameters):
 class CamshaftState:
     """All stay at zero when the shaft is rigid."""
 
-    twist: float = Quantity("rad", "cam angle less driven angle", nominal=1e-4, display_unit="deg").default()
+    twist: float = kinds.ANGLE("cam angle less driven angle", nominal=1e-4).default()
     twist_rate: float = Quantity("rad/s", "rate of twist").default()
     bending: float = Quantity(
         "m", "cam axis displacement towards the follower", nominal=1e-4, display_unit="mm"
     ).default()
-    bending_rate: float = Quantity("m/s", "cam axis velocity towards the follower", nominal=0.1).default()
+    bending_rate: float = kinds.VELOCITY("cam axis velocity towards the follower", nominal=0.1).default()
     slope: float = Quantity("rad", "slope of the shaft at the cam", nominal=1e-3).default()
     slope_rate: float = Quantity("rad/s", "rate of the slope at the cam").default()
-    bending_across: float = Quantity(
-        "m", "cam axis displacement across the follower's path, against the cam's surface",
-        nominal=1e-5, display_unit="um",
-    ).default()  # fmt: skip
-    bending_across_rate: float = Quantity(
-        "m/s", "its rate, the axis's drift along the follower", nominal=1e-2
+    bending_across: float = kinds.DEFLECTION(
+        "cam axis displacement across the follower's path, against the cam's surface"
+    ).default()
+    bending_across_rate: float = kinds.VELOCITY(
+        "its rate, the axis's drift along the follower", nominal=1e-2
     ).default()
     slope_across: float = Quantity(
         "rad", "slope of the shaft at the cam across the follower's path", nominal=1e-4
@@ -118,27 +102,23 @@ class CamshaftState:
 
 @dataclass
 class CamshaftInputs(DriveInputs):
-    contact_load: float = Quantity("N", "load W of the follower on the cam", nominal=500.0).default()
-    friction_force: float = Quantity("N", "friction on the cam against its sliding", nominal=10.0).default()
+    contact_load: float = kinds.FORCE("load W of the follower on the cam").default()
+    friction_force: float = kinds.FRICTION("friction on the cam against its sliding").default()
 
 
 @dataclass
 class CamshaftOutputs:
-    surface_position: float = Quantity(
-        "m", "cam surface towards the follower, s + bending", nominal=1e-3, display_unit="mm"
-    ).default()
-    surface_velocity: float = Quantity("m/s", "velocity of the cam surface towards the follower").default()
-    radius_of_curvature: float = Quantity(
-        "m", "radius of the cam at the contact", nominal=1e-2, display_unit="mm"
-    ).default()
-    entraining_velocity: float = Quantity("m/s", "mean surface velocity relative to the contact").default()
-    sliding_velocity: float = Quantity("m/s", "velocity of cam over follower surface").default()
-    drive_torque: float = Quantity("N.m", "torque taken from the drive", nominal=10.0).default()
-    cam_angle: float = Quantity("rad", "angle of the cam; the nose is at pi", display_unit="deg").default()
-    cam_speed: float = Quantity("rad/s", "speed of the cam", nominal=100.0, display_unit="rpm").default()
-    cam_lift: float = Quantity("m", "lift s of the profile", nominal=1e-3, display_unit="mm").default()
-    contact_offset: float = Quantity(
-        "m", "offset of the contact along the follower, s' + bending across", nominal=1e-2, display_unit="mm"
+    surface_position: float = kinds.DISPLACEMENT("cam surface towards the follower, s + bending").default()
+    surface_velocity: float = kinds.VELOCITY("velocity of the cam surface towards the follower").default()
+    radius_of_curvature: float = kinds.DISTANCE("radius of the cam at the contact").default()
+    entraining_velocity: float = kinds.VELOCITY("mean surface velocity relative to the contact").default()
+    sliding_velocity: float = kinds.VELOCITY("velocity of cam over follower surface").default()
+    drive_torque: float = kinds.TORQUE("torque taken from the drive").default()
+    cam_angle: float = kinds.ANGLE("angle of the cam; the nose is at pi").default()
+    cam_speed: float = kinds.SPEED("speed of the cam").default()
+    cam_lift: float = kinds.DISPLACEMENT("lift s of the profile").default()
+    contact_offset: float = kinds.DISTANCE(
+        "offset of the contact along the follower, s' + bending across"
     ).default()
     next_event: float = Quantity(
         "s", "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests"

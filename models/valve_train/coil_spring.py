@@ -8,13 +8,13 @@ close one after the other, and rate and natural frequency rise.
 import math
 from dataclasses import dataclass
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import SEAT_STIFFNESS, SPRING_RATE
 from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
 
 
@@ -22,22 +22,19 @@ from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, W
 class CoilSpringParameters:
     """Defaults: the spring of the set `kushwaha2000`, whose coils do not close within 20 mm."""
 
-    spring_rate: float = Quantity(
-        "N/m", "static rate k0 while no coil is closed", nominal=3e4, positive=True, plausible=SPRING_RATE
-    ).default(35e3)
+    spring_rate: float = kinds.SPRING_RATE("static rate k0 while no coil is closed").default(35e3)
     surge_frequency: SurgeFrequency = 504.5
     damping_ratio: SurgeDamping = 0.02
     preload: float = Quantity("N", "force f_p at position zero", nominal=300.0, minimum=0.0).default(330.0)
-    gap: Vector = Quantity(
-        "m", "compression of a segment at which its coils close, from the moving end",
-        nominal=1e-3, display_unit="mm", positive=True, size="segments",
-    ).per_element(2e-3)  # fmt: skip
-    stop_stiffness: float = Quantity(
-        "N/m", "stiffness of closed coils", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS
+    gap: Vector = kinds.DISPLACEMENT(
+        "compression of a segment at which its coils close, from the moving end",
+        positive=True,
+        size="segments",
+    ).per_element(2e-3)
+    stop_stiffness: float = kinds.SEAT_STIFFNESS(
+        "stiffness of closed coils", nominal=1e6, minimum=0.0
     ).default(5e6)
-    stop_damping: float = Quantity("N.s/m", "damping of closed coils", nominal=10.0, minimum=0.0).default(
-        20.0
-    )
+    stop_damping: float = kinds.DAMPING("damping of closed coils", nominal=10.0).default(20.0)
     wire_stress: WireStress = 0.0
     wire_amplitude: WireAmplitude = 0.0
     wire_strength: WireStrength = 0.0
@@ -45,27 +42,25 @@ class CoilSpringParameters:
 
 @dataclass
 class CoilSpringState:
-    coil_position: Vector = Quantity(
-        "m", "displacement of a coil mass", nominal=1e-3, display_unit="mm", size="coil_masses"
+    coil_position: Vector = kinds.DISPLACEMENT(
+        "displacement of a coil mass", size="coil_masses"
     ).per_element()
-    coil_velocity: Vector = Quantity("m/s", "velocity of a coil mass", size="coil_masses").per_element()
+    coil_velocity: Vector = kinds.VELOCITY("velocity of a coil mass", size="coil_masses").per_element()
 
 
 @dataclass
 class CoilSpringInputs:
-    position: float = Quantity("m", "position of the moving end", nominal=1e-3, display_unit="mm").default()
-    velocity: float = Quantity("m/s", "velocity of the moving end").default()
+    position: float = kinds.DISPLACEMENT("position of the moving end").default()
+    velocity: float = kinds.VELOCITY("velocity of the moving end").default()
 
 
 @dataclass
 class CoilSpringOutputs:
-    force: float = Quantity("N", "force on the moving end, preload included", nominal=500.0).default()
-    least_gap: float = Quantity(
-        "m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm"
-    ).default()
-    clash_force: float = Quantity("N", "largest force of a stop", nominal=10.0).default()
-    coil_position: Vector = Quantity(
-        "m", "displacement of a coil mass", nominal=1e-3, display_unit="mm", size="coil_masses"
+    force: float = kinds.FORCE("force on the moving end, preload included").default()
+    least_gap: float = kinds.DISPLACEMENT("least gap between coils, negative in a clash").default()
+    clash_force: float = kinds.FRICTION("largest force of a stop").default()
+    coil_position: Vector = kinds.DISPLACEMENT(
+        "displacement of a coil mass", size="coil_masses"
     ).per_element()
 
 

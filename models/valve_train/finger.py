@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
@@ -15,7 +16,6 @@ from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
-from ..plausible import LEVER_ANGLE, PART_LENGTH, PART_MASS, SEAT_STIFFNESS
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
 from .cams.profile import CamProfile, time_to_break
@@ -52,43 +52,32 @@ class LeverParameters(TipParameters):
     """Defaults: a finger of 28 and 40 mm with a pad. The lift of the profile is the valve's."""
 
     phase: Phase = 0.0
-    rolls: float = Quantity("1", "a roller on the cam; false: a pad, which slides", boolean=True).default()
+    rolls: float = kinds.SWITCH("a roller on the cam; false: a pad, which slides").default()
     follower_radius: FollowerRadius = 20e-3
-    cam_arm: float = Quantity(
-        "m",
+    cam_arm: float = kinds.ARM(
         "distance from the pivot to the centre of roller or pad; the cam's surface moves towards it, "
-        "away from it where this is negative",
-        nominal=1e-2,
-        display_unit="mm",
-        plausible=PART_LENGTH,
+        "away from it where this is negative"
     ).default(28e-3)
-    pivot_angle: float = Quantity(
-        "rad", "angle by which that line falls, valve closed", display_unit="deg", plausible=LEVER_ANGLE
-    ).default(math.radians(8.0))
-    valve_arm: float = Quantity(
-        "m", "distance from the pivot to the centre of the pad on the valve; the sign of cam_arm",
-        nominal=1e-2, display_unit="mm", plausible=PART_LENGTH,
-    ).default(40e-3)  # fmt: skip
-    valve_angle: float = Quantity(
-        "rad", "angle by which that line falls further", display_unit="deg", plausible=LEVER_ANGLE
-    ).default(math.radians(2.0))
-    mass: float = Quantity(
-        "kg", "mass of the finger", nominal=0.1, positive=True, plausible=PART_MASS
-    ).default(0.05)
+    pivot_angle: float = kinds.LEVER_ANGLE("angle by which that line falls, valve closed").default(
+        math.radians(8.0)
+    )
+    valve_arm: float = kinds.ARM(
+        "distance from the pivot to the centre of the pad on the valve; the sign of cam_arm"
+    ).default(40e-3)
+    valve_angle: float = kinds.LEVER_ANGLE("angle by which that line falls further").default(
+        math.radians(2.0)
+    )
+    mass: float = kinds.PART_MASS("mass of the finger", nominal=0.1, positive=True).default(0.05)
     inertia: float = Quantity(
         "kg.m2", "moment of inertia about the pivot", nominal=1e-5, positive=True
     ).default(3e-5)
-    mass_arm: float = Quantity(
-        "m", "distance from the pivot to the centre of mass, on the line to roller or pad",
-        nominal=1e-2, display_unit="mm",
-    ).default(18e-3)  # fmt: skip
-    pivot_stiffness: float = Quantity(
-        "N/m", "stiffness of the pivot's support; 0: a lash adjuster bears it",
-        nominal=1e8, minimum=0.0, plausible=SEAT_STIFFNESS,
-    ).default()  # fmt: skip
-    pivot_damping: float = Quantity(
-        "N.s/m", "damping of the pivot's support", nominal=1e2, minimum=0.0
+    mass_arm: float = kinds.DISTANCE(
+        "distance from the pivot to the centre of mass, on the line to roller or pad"
+    ).default(18e-3)
+    pivot_stiffness: float = kinds.SEAT_STIFFNESS(
+        "stiffness of the pivot's support; 0: a lash adjuster bears it", nominal=1e8, minimum=0.0
     ).default()
+    pivot_damping: float = kinds.DAMPING("damping of the pivot's support", nominal=1e2).default()
 
 
 @dataclass
@@ -103,29 +92,25 @@ class TableFingerParameters(LeverParameters, TableParameters):
 
 @dataclass
 class FingerState(LeverMotion):
-    pivot_position: float = Quantity(
-        "m", "position of the pivot away from the cam", nominal=1e-5, display_unit="um"
-    ).default()
-    pivot_velocity: float = Quantity("m/s", "velocity of the pivot", nominal=1e-2).default()
+    pivot_position: float = kinds.DEFLECTION("position of the pivot away from the cam").default()
+    pivot_velocity: float = kinds.VELOCITY("velocity of the pivot", nominal=1e-2).default()
 
 
 @dataclass
 class FingerInputs(CamInputs, TipInputs):
-    pivot_force: float = Quantity(
-        "N", "force of a lash adjuster on the pivot, towards the cam", nominal=500.0
+    pivot_force: float = kinds.FORCE("force of a lash adjuster on the pivot, towards the cam").default()
+    pivot_torque: float = kinds.FRICTION_TORQUE(
+        "torque of the pivot's friction against the rotation"
     ).default()
-    pivot_torque: float = Quantity(
-        "N.m", "torque of the pivot's friction against the rotation", nominal=0.1
-    ).default()
-    roller_torque: float = Quantity(
-        "N.m", "torque of a roller that may slip, against the rotation", nominal=0.1
+    roller_torque: float = kinds.FRICTION_TORQUE(
+        "torque of a roller that may slip, against the rotation"
     ).default()
 
 
 @dataclass
 class FingerOutputs(FingerState, CamOutputs, TipOutputs):
     ratio: float = Quantity("1", "load on the cam over that on the valve, slowly turned").default(1.0)
-    support_force: float = Quantity("N", "force of the pivot on its support", nominal=500.0).default()
+    support_force: float = kinds.FORCE("force of the pivot on its support").default()
 
 
 class Arm(NamedTuple):

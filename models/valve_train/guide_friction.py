@@ -12,13 +12,13 @@ sheared as in a bearing without load (Petroff 1883): F_v = pi mu d L v/c.
 import math
 from dataclasses import dataclass
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import CAM_RADIUS, PART_LENGTH, PLAY, VISCOSITY
 from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, lost_power
 
 
@@ -26,26 +26,16 @@ from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, l
 class GuideFrictionParameters:
     """Defaults: the stem of a valve in its guide, mixed lubrication."""
 
-    length: float = Quantity(
-        "m", "length L of the guide", nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH
-    ).default(40e-3)
-    diameter: float = Quantity(
-        "m", "diameter d of stem or tappet", nominal=1e-2, positive=True, display_unit="mm",
-        plausible=CAM_RADIUS,
-    ).default(6e-3)  # fmt: skip
-    radial_clearance: float = Quantity(
-        "m", "radial clearance c in the guide", nominal=1e-5, positive=True, display_unit="um", plausible=PLAY
-    ).default(20e-6)
-    overhang: float = Quantity(
-        "m", "distance a of the guide from the side force; negative: the force acts inside", nominal=1e-2,
-        display_unit="mm",
-    ).default(20e-3)  # fmt: skip
-    viscosity: float = Quantity(
-        "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
-    ).default(0.01)
-    friction_coefficient: float = Quantity(
-        "1", "Coulomb's coefficient of friction mu", nominal=0.1, minimum=0.0
-    ).default(0.1)
+    length: float = kinds.WIDTH("length L of the guide").default(40e-3)
+    diameter: float = kinds.DIAMETER("diameter d of stem or tappet").default(6e-3)
+    radial_clearance: float = kinds.CLEARANCE("radial clearance c in the guide").default(20e-6)
+    overhang: float = kinds.DISTANCE(
+        "distance a of the guide from the side force; negative: the force acts inside"
+    ).default(20e-3)
+    viscosity: float = kinds.VISCOSITY("viscosity of the oil").default(0.01)
+    friction_coefficient: float = kinds.FRICTION_COEFFICIENT("Coulomb's coefficient of friction mu").default(
+        0.1
+    )
     sticking_stiffness: StickingStiffness = 1e6
     relaxation_time: RelaxationTime = 3e-5
 
@@ -57,19 +47,19 @@ class GuideFrictionState:
 
 @dataclass
 class GuideFrictionInputs:
-    velocity: float = Quantity("m/s", "velocity v in the guide").default()
-    side_force: float = Quantity("N", "force S on the guide", nominal=100.0).default()
+    velocity: float = kinds.VELOCITY("velocity v in the guide").default()
+    side_force: float = kinds.SIDE_FORCE("force S on the guide").default()
     side_moment: float = Quantity("N.m", "moment M about the place of that force", nominal=1.0).default()
 
 
 @dataclass
 class GuideFrictionOutputs:
-    friction_force: float = Quantity("N", "friction against the velocity", nominal=10.0).default()
+    friction_force: float = kinds.FRICTION("friction against the velocity").default()
     viscous_friction: float = Quantity("N", "its share F_v of the oil", nominal=1.0).default()
-    near_load: float = Quantity("N", "load N_1 on the guide's near end", nominal=100.0).default()
-    far_load: float = Quantity("N", "load N_2 on its far end", nominal=100.0).default()
-    sticking_margin: float = Quantity(
-        "N", "limit less what sticking would take; negative: it slides", nominal=10.0
+    near_load: float = kinds.SIDE_FORCE("load N_1 on the guide's near end").default()
+    far_load: float = kinds.SIDE_FORCE("load N_2 on its far end").default()
+    sticking_margin: float = kinds.FRICTION(
+        "limit less what sticking would take; negative: it slides"
     ).default()
     power_loss: float = Quantity("W", "power lost to friction").default()
 

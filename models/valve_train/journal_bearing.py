@@ -16,6 +16,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..contact.asperities import APART, Asperities, mean_gap
 from ..contact.asperity_arc import Arc, AsperityForce, press_arc
@@ -27,7 +28,6 @@ from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
-from ..plausible import CAM_RADIUS, PART_LENGTH, PLAY, SEAT_STIFFNESS, VISCOSITY, YOUNGS_MODULUS
 
 # The film is no thinner than this part of the clearance, below any roughness. Over its square, 1e-15 is the
 # rounding error of the mobility.
@@ -39,31 +39,18 @@ OVERLAP = 10.0
 SHORT, FINITE = 0.0, 1.0
 
 
-Eccentricity = Annotated[
-    float, Quantity("m", "eccentricity of the journal in the bush", nominal=1e-5, display_unit="um")
-]
-Displacement = Annotated[
-    float, Quantity("m", "displacement of the journal's axis", nominal=1e-5, display_unit="um")
-]
+Eccentricity = Annotated[float, kinds.DEFLECTION("eccentricity of the journal in the bush")]
+Displacement = Annotated[float, kinds.DEFLECTION("displacement of the journal's axis")]
 
 
 @dataclass
 class PlainBearingParameters:
     """Defaults: a bearing of a camshaft, 25 mm, with hot engine oil."""
 
-    diameter: float = Quantity(
-        "m", "diameter of the journal", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
-    ).default(25e-3)
-    width: float = Quantity(
-        "m", "width of the bearing", nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH
-    ).default(12e-3)
-    radial_clearance: float = Quantity(
-        "m", "radius of the bush less that of the journal",
-        nominal=1e-5, positive=True, display_unit="um", plausible=PLAY,
-    ).default(25e-6)  # fmt: skip
-    viscosity: float = Quantity(
-        "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
-    ).default(0.01)
+    diameter: float = kinds.DIAMETER("diameter of the journal").default(25e-3)
+    width: float = kinds.WIDTH("width of the bearing").default(12e-3)
+    radial_clearance: float = kinds.CLEARANCE("radius of the bush less that of the journal").default(25e-6)
+    viscosity: float = kinds.VISCOSITY("viscosity of the oil").default(0.01)
     film_model: float = Quantity(
         "1", "Ocvirk's film, too thick in wide bearings, or Reynolds' equation", choices=("short", "finite")
     ).default(FINITE)
@@ -76,19 +63,18 @@ class PlainBearingParameters:
     asperity_slope: float = Quantity(
         "1", "rms over radius of asperities", nominal=1e-3, positive=True
     ).default(1e-3)
-    contact_modulus: float = Quantity(
-        "Pa", "modulus E of the contact, 1/E = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
-        nominal=1e11, positive=True, plausible=YOUNGS_MODULUS,
-    ).default(58e9)  # fmt: skip
-    boundary_friction_coefficient: float = Quantity(
-        "1", "friction coefficient of asperities", nominal=0.1, minimum=0.0
+    contact_modulus: float = kinds.YOUNGS_MODULUS(
+        "modulus E of the contact, 1/E = (1 - nu1^2)/E1 + (1 - nu2^2)/E2"
+    ).default(58e9)
+    boundary_friction_coefficient: float = kinds.FRICTION_COEFFICIENT(
+        "friction coefficient of asperities"
     ).default(0.1)
 
 
 @dataclass
 class JournalBearingParameters(PlainBearingParameters):
-    support_stiffness: float = Quantity(
-        "N/m", "radial stiffness of bush and housing", nominal=1e8, positive=True, plausible=SEAT_STIFFNESS
+    support_stiffness: float = kinds.SEAT_STIFFNESS(
+        "radial stiffness of bush and housing", nominal=1e8, positive=True
     ).default(2e8)
 
 
@@ -100,37 +86,30 @@ class JournalBearingState:
 
 @dataclass
 class JournalBearingInputs:
-    shaft_speed: float = Quantity(
-        "rad/s", "speed of the journal, anticlockwise", nominal=100.0, display_unit="rpm"
-    ).default()
+    shaft_speed: float = kinds.SPEED("speed of the journal, anticlockwise").default()
     axis_x: Displacement = 0.0
     axis_y: Displacement = 0.0
-    axis_velocity_x: float = Quantity("m/s", "rate of axis_x", nominal=1e-2).default()
-    axis_velocity_y: float = Quantity("m/s", "rate of axis_y", nominal=1e-2).default()
+    axis_velocity_x: float = kinds.VELOCITY("rate of axis_x", nominal=1e-2).default()
+    axis_velocity_y: float = kinds.VELOCITY("rate of axis_y", nominal=1e-2).default()
 
 
 @dataclass
 class JournalBearingOutputs:
-    force_x: float = Quantity("N", "force on the journal", nominal=500.0).default()
-    force_y: float = Quantity("N", "force on the journal", nominal=500.0).default()
-    friction_torque: float = Quantity(
-        "N.m", "torque that film and asperities take from the shaft", nominal=0.1
+    force_x: float = kinds.FORCE("force on the journal").default()
+    force_y: float = kinds.FORCE("force on the journal").default()
+    friction_torque: float = kinds.FRICTION_TORQUE(
+        "torque that film and asperities take from the shaft"
     ).default()
-    load: float = Quantity("N", "force on the bush", nominal=500.0).default()
+    load: float = kinds.FORCE("force on the bush").default()
     eccentricity_x: Eccentricity = 0.0
     eccentricity_y: Eccentricity = 0.0
     eccentricity_ratio: float = Quantity("1", "eccentricity over the radial clearance").default()
-    minimum_film_thickness: float = Quantity(
-        "m",
-        "least thickness of the film; finite: to 0.1 % of Reynolds' equation up to an eccentricity of 0.95",
-        nominal=1e-6,
-        display_unit="um",
+    minimum_film_thickness: float = kinds.FILM(
+        "least thickness of the film; finite: to 0.1 % of Reynolds' equation up to an eccentricity of 0.95"
     ).default()
     film_ratio: float = Quantity("1", "least film over roughness").default()
-    maximum_pressure: float = Quantity(
-        "Pa", "highest pressure of the film", nominal=1e6, display_unit="MPa"
-    ).default()
-    asperity_load: float = Quantity("N", "load on the asperities", nominal=500.0).default()
+    maximum_pressure: float = kinds.PRESSURE("highest pressure of the film").default()
+    asperity_load: float = kinds.FORCE("load on the asperities").default()
     power_loss: float = Quantity("W", "power lost to friction and squeeze", nominal=10.0).default()
 
 

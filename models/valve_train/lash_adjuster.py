@@ -9,13 +9,14 @@ that floats lets the adjuster pump itself up in each cycle, until the retainer s
 import math
 from dataclasses import dataclass
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import CAM_RADIUS, GAS_PRESSURE, PART_LENGTH, PLAY, VISCOSITY, VOLUME
+from ..plausible import GAS_PRESSURE, PART_LENGTH, PLAY, VOLUME
 from .shared import EndMotions
 
 # Newton's steps for the pressure of oil with air end at this part of a volume; they converge from below.
@@ -26,9 +27,7 @@ STEPS, CLOSE = 60, 1e-15
 class LashAdjusterParameters:
     """Defaults: an adjuster of 9 mm with a chamber of 600 mm3, without air."""
 
-    plunger_diameter: float = Quantity(
-        "m", "diameter of the plunger", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
-    ).default(9e-3)
+    plunger_diameter: float = kinds.DIAMETER("diameter of the plunger").default(9e-3)
     chamber_volume: float = Quantity(
         "m3", "volume of the chamber", nominal=1e-6, positive=True, display_unit="mm3", plausible=VOLUME
     ).default(600e-9)
@@ -45,26 +44,22 @@ class LashAdjusterParameters:
         "Pa", "absolute pressure of the oil supply",
         nominal=1e5, positive=True, display_unit="MPa", plausible=GAS_PRESSURE,
     ).default(5e5)  # fmt: skip
-    leak_clearance: float = Quantity(
-        "m", "radial clearance of the plunger", nominal=1e-6, minimum=0.0, display_unit="um", plausible=PLAY
+    leak_clearance: float = kinds.FILM(
+        "radial clearance of the plunger", minimum=0.0, plausible=PLAY
     ).default(6e-6)
-    leak_length: float = Quantity(
-        "m", "length of the clearance", nominal=1e-3, positive=True, display_unit="mm", plausible=PART_LENGTH
+    leak_length: float = kinds.DISPLACEMENT(
+        "length of the clearance", positive=True, plausible=PART_LENGTH
     ).default(5e-3)
-    viscosity: float = Quantity(
-        "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
-    ).default(0.01)
+    viscosity: float = kinds.VISCOSITY("viscosity of the oil").default(0.01)
     valve_opening_pressure: float = Quantity(
         "Pa", "pressure below the supply's at which the check valve opens", minimum=0.0
     ).default(3e3)
     valve_conductance: float = Quantity(
         "m3/s.Pa", "flow through the check valve over pressure", nominal=1e-10, minimum=0.0
     ).default(1e-10)
-    spring_force: float = Quantity("N", "force of the plunger's spring", nominal=10.0, minimum=0.0).default(
-        20.0
-    )
-    travel: float = Quantity(
-        "m", "extension at which the retainer stops the plunger", nominal=1e-3, minimum=0.0, display_unit="mm"
+    spring_force: float = kinds.FRICTION("force of the plunger's spring", minimum=0.0).default(20.0)
+    travel: float = kinds.DISPLACEMENT(
+        "extension at which the retainer stops the plunger", minimum=0.0
     ).default(2e-3)
     retainer_stiffness: float = Quantity(
         "N/m", "stiffness of the retainer", nominal=1e7, minimum=0.0, display_unit="N/mm"
@@ -80,19 +75,15 @@ class LashAdjusterState:
 
 @dataclass
 class LashAdjusterOutputs:
-    force: float = Quantity("N", "force that parts both bodies", nominal=500.0).default()
-    pressure: float = Quantity(
-        "Pa", "pressure of the chamber over the supply's", nominal=1e6, display_unit="MPa"
-    ).default()
-    extension: float = Quantity(
-        "m", "length over that of the start", nominal=1e-5, display_unit="um"
-    ).default()
+    force: float = kinds.FORCE("force that parts both bodies").default()
+    pressure: float = kinds.PRESSURE("pressure of the chamber over the supply's").default()
+    extension: float = kinds.DEFLECTION("length over that of the start").default()
     leak_flow: float = Quantity("m3/s", "flow out by the clearance", nominal=1e-7).default()
     valve_flow: float = Quantity("m3/s", "flow in through the check valve", nominal=1e-7).default()
     valve_excess: float = Quantity(
         "Pa", "pressure above that at which the check valve opens", nominal=1e6
     ).default()
-    cavitates: float = Quantity("1", "the oil is torn, at no absolute pressure", boolean=True).default()
+    cavitates: float = kinds.SWITCH("the oil is torn, at no absolute pressure").default()
 
 
 @kernel

@@ -11,12 +11,12 @@ What does not depend on the speed, the load's share and the least M_0, is dry fr
 import math
 from dataclasses import dataclass
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Quantity
-from ..plausible import CAM_RADIUS, VISCOSITY
 from .pivot_friction import PivotFrictionInputs, PivotLaws, RelaxationTime, TwistStiffness, make_pivot
 
 # nu n (mm2/s r/min) below which M_0 is constant: 2000^(2/3) = 159.
@@ -28,13 +28,8 @@ _RPM = 30.0 / math.pi
 class NeedleBearingParameters:
     """Defaults: caged needles in a roller of 18 mm, hot engine oil. f_0 and f_1 are in catalogues."""
 
-    mean_diameter: float = Quantity(
-        "m", "mean diameter d_m of the needles' circle", nominal=1e-2, positive=True, display_unit="mm",
-        plausible=CAM_RADIUS,
-    ).default(10e-3)  # fmt: skip
-    viscosity: float = Quantity(
-        "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
-    ).default(0.01)
+    mean_diameter: float = kinds.DIAMETER("mean diameter d_m of the needles' circle").default(10e-3)
+    viscosity: float = kinds.VISCOSITY("viscosity of the oil").default(0.01)
     density: float = Quantity("kg/m3", "density of the oil", nominal=1e3, positive=True).default(800.0)
     viscous_factor: float = Quantity("1", "bearing factor f_0", nominal=5.0, minimum=0.0).default(5.0)
     load_factor: float = Quantity("1", "bearing factor f_1", nominal=1e-3, minimum=0.0).default(5e-4)

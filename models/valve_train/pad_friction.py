@@ -6,6 +6,7 @@ surfaces give elastically. Its dry part has the limit mu W under the load W; the
 
 from dataclasses import dataclass
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
@@ -19,12 +20,10 @@ from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, l
 class PadFrictionParameters:
     """Defaults: mixed lubrication; under 500 N the surfaces give by 5 um before they slide."""
 
-    friction_coefficient: float = Quantity(
-        "1", "Coulomb's coefficient of friction mu", nominal=0.1, minimum=0.0
-    ).default(0.1)
-    viscous_coefficient: float = Quantity(
-        "N.s/m", "viscous friction c over velocity", nominal=1.0, minimum=0.0
-    ).default()
+    friction_coefficient: float = kinds.FRICTION_COEFFICIENT("Coulomb's coefficient of friction mu").default(
+        0.1
+    )
+    viscous_coefficient: float = kinds.DAMPING("viscous friction c over velocity", nominal=1.0).default()
     sticking_stiffness: StickingStiffness = 1e7
     relaxation_time: RelaxationTime = 3e-5
 
@@ -36,17 +35,17 @@ class PadFrictionState:
 
 @dataclass
 class PadFrictionInputs:
-    sliding_velocity: float = Quantity("m/s", "velocity v_s of one surface on the other").default()
-    load: float = Quantity("N", "load W of the contact", nominal=500.0).default()
+    sliding_velocity: float = kinds.VELOCITY("velocity v_s of one surface on the other").default()
+    load: float = kinds.FORCE("load W of the contact").default()
 
 
 @dataclass
 class PadFrictionOutputs:
-    friction_force: float = Quantity("N", "friction against the sliding", nominal=10.0).default()
-    sticking_margin: float = Quantity(
-        "N", "limit less what sticking would take; negative: it slides", nominal=10.0
+    friction_force: float = kinds.FRICTION("friction against the sliding").default()
+    sticking_margin: float = kinds.FRICTION(
+        "limit less what sticking would take; negative: it slides"
     ).default()
-    slip: float = Quantity("m/s", "velocity by which the surfaces slide").default()
+    slip: float = kinds.VELOCITY("velocity by which the surfaces slide").default()
     power_loss: float = Quantity("W", "power lost to friction", nominal=1.0).default()
 
 

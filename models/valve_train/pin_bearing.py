@@ -16,6 +16,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..contact.short_bearing import Squeeze
 from ..core import roles
@@ -24,7 +25,6 @@ from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
-from ..plausible import CAM_RADIUS, PART_LENGTH, PLAY
 from .journal_bearing import (
     IS_INSIDE,
     REQUIREMENTS,
@@ -40,18 +40,9 @@ from .journal_bearing import (
 from .pivot_friction import RelaxationTime, TwistStiffness
 from .slider import Slip, find_slip, lost_power
 
-Length = Annotated[
-    float, Quantity("m", "width of the bearing", nominal=1e-2, positive=True, display_unit="mm",
-                    plausible=PART_LENGTH)
-]  # fmt: skip
-Diameter = Annotated[
-    float, Quantity("m", "diameter of the pin", nominal=1e-2, positive=True, display_unit="mm",
-                    plausible=CAM_RADIUS)
-]  # fmt: skip
-Clearance = Annotated[
-    float, Quantity("m", "radius of the bush less that of the pin", nominal=1e-5, positive=True,
-                    display_unit="um", plausible=PLAY)
-]  # fmt: skip
+Length = Annotated[float, kinds.WIDTH("width of the bearing")]
+Diameter = Annotated[float, kinds.DIAMETER("diameter of the pin")]
+Clearance = Annotated[float, kinds.CLEARANCE("radius of the bush less that of the pin")]
 
 
 @dataclass
@@ -63,10 +54,7 @@ class PinBearingParameters(PlainBearingParameters):
     radial_clearance: Clearance = 15e-6
     sticking_stiffness: TwistStiffness = 50.0
     relaxation_time: RelaxationTime = 3e-5
-    face_radius: float = Quantity(
-        "m", "outer radius R_F of the end faces", nominal=1e-2, positive=True, display_unit="mm",
-        plausible=CAM_RADIUS,
-    ).default(7e-3)  # fmt: skip
+    face_radius: float = kinds.DIAMETER("outer radius R_F of the end faces").default(7e-3)
     face_gap: float = Quantity(
         "m", "gap h_F at each end face; 0: no faces", nominal=1e-4, minimum=0.0, display_unit="mm"
     ).default()
@@ -79,28 +67,22 @@ class PinBearingState(JournalBearingState):
 
 @dataclass
 class PinBearingInputs:
-    rotation_rate: float = Quantity(
-        "rad/s", "speed omega of roller or lever on the pin", nominal=100.0, display_unit="rpm"
-    ).default()
-    applied_load: float = Quantity("N", "load W of the bearing", nominal=500.0).default()
+    rotation_rate: float = kinds.SPEED("speed omega of roller or lever on the pin").default()
+    applied_load: float = kinds.FORCE("load W of the bearing").default()
 
 
 @dataclass
 class PinBearingOutputs:
-    friction_torque: float = Quantity("N.m", "torque T against the rotation", nominal=0.1).default()
-    load: float = Quantity("N", "load W of the bearing", nominal=500.0).default()
+    friction_torque: float = kinds.FRICTION_TORQUE("torque T against the rotation").default()
+    load: float = kinds.FORCE("load W of the bearing").default()
     eccentricity_ratio: float = Quantity("1", "eccentricity over the radial clearance").default()
-    minimum_film_thickness: float = Quantity(
-        "m", "least thickness of the film", nominal=1e-6, display_unit="um"
-    ).default()
+    minimum_film_thickness: float = kinds.FILM("least thickness of the film").default()
     film_ratio: float = Quantity("1", "least film over roughness").default()
-    maximum_pressure: float = Quantity(
-        "Pa", "highest pressure of the film", nominal=1e6, display_unit="MPa"
-    ).default()
-    asperity_load: float = Quantity("N", "load N on the asperities", nominal=500.0).default()
-    asperity_torque: float = Quantity("N.m", "share T_N of the asperities", nominal=0.1).default()
-    sticking_margin: float = Quantity(
-        "N.m", "limit of T_N less what sticking would take; negative: it slides", nominal=0.1
+    maximum_pressure: float = kinds.PRESSURE("highest pressure of the film").default()
+    asperity_load: float = kinds.FORCE("load N on the asperities").default()
+    asperity_torque: float = kinds.FRICTION_TORQUE("share T_N of the asperities").default()
+    sticking_margin: float = kinds.FRICTION_TORQUE(
+        "limit of T_N less what sticking would take; negative: it slides"
     ).default()
     power_loss: float = Quantity("W", "power T omega that friction takes from the rotation").default()
 

@@ -7,6 +7,7 @@ T + c omega.
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
@@ -14,7 +15,6 @@ from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..core.roles import Role
-from ..plausible import PART_LENGTH
 from .slider import Slip, find_slip, lost_power
 
 TwistStiffness = Annotated[
@@ -29,18 +29,15 @@ RelaxationTime = Annotated[
 class PivotFrictionParameters:
     """Defaults: a pin of 16 mm in mixed lubrication, which twists by 1.3 um under 1000 N before it slides."""
 
-    friction_coefficient: float = Quantity(
-        "1", "Coulomb's coefficient of friction mu", nominal=0.1, minimum=0.0
-    ).default(0.1)
-    radius: float = Quantity(
-        "m", "radius of the pivot's pin or ball",
-        nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH,
-    ).default(8e-3)  # fmt: skip
-    preload_torque: float = Quantity(
-        "N.m", "limit T_0 of the dry friction without load", nominal=0.1, minimum=0.0
+    friction_coefficient: float = kinds.FRICTION_COEFFICIENT("Coulomb's coefficient of friction mu").default(
+        0.1
+    )
+    radius: float = kinds.WIDTH("radius of the pivot's pin or ball").default(8e-3)
+    preload_torque: float = kinds.FRICTION_TORQUE(
+        "limit T_0 of the dry friction without load", minimum=0.0
     ).default()
-    viscous_coefficient: float = Quantity(
-        "N.m.s", "viscous friction c over speed", nominal=1e-3, minimum=0.0
+    viscous_coefficient: float = kinds.TURNING_DAMPING(
+        "viscous friction c over speed", nominal=1e-3
     ).default()
     sticking_stiffness: TwistStiffness = 5e3
     relaxation_time: RelaxationTime = 3e-5
@@ -54,17 +51,15 @@ class PivotFrictionState:
 @dataclass
 class PivotFrictionInputs:
     rotation_rate: float = Quantity("rad/s", "speed omega of the lever", nominal=10.0).default()
-    load: float = Quantity("N", "force F on the pivot", nominal=500.0).default()
+    load: float = kinds.FORCE("force F on the pivot").default()
 
 
 @dataclass
 class PivotFrictionOutputs:
-    friction_torque: float = Quantity("N.m", "torque T against the lever's rotation", nominal=0.1).default()
-    sliding_torque: float = Quantity(
-        "N.m", "limit T_c of the dry friction under this load", nominal=0.1
-    ).default()
-    sticking_margin: float = Quantity(
-        "N.m", "limit less what sticking would take; negative: it slides", nominal=0.1
+    friction_torque: float = kinds.FRICTION_TORQUE("torque T against the lever's rotation").default()
+    sliding_torque: float = kinds.FRICTION_TORQUE("limit T_c of the dry friction under this load").default()
+    sticking_margin: float = kinds.FRICTION_TORQUE(
+        "limit less what sticking would take; negative: it slides"
     ).default()
     sliding_rate: float = Quantity(
         "rad/s", "part of the speed by which the surfaces slide", nominal=10.0

@@ -4,13 +4,13 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import LEVER_ANGLE, PART_LENGTH
 from .followers.tip import (
     TIP_BONDS,
     LeverMotion,
@@ -27,47 +27,31 @@ from .followers.tip import (
 class RockerParameters(TipParameters):
     """Angles are those of the closed valve. An arm at angle zero is normal to the motion of its end."""
 
-    rod_arm: float = Quantity(
-        "m", "distance from the pivot to the pushrod's end",
-        nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH,
-    ).default(32e-3)  # fmt: skip
-    rod_angle: float = Quantity(
-        "rad", "angle by which the pushrod's arm falls", display_unit="deg", plausible=LEVER_ANGLE
+    rod_arm: float = kinds.WIDTH("distance from the pivot to the pushrod's end").default(32e-3)
+    rod_angle: float = kinds.LEVER_ANGLE("angle by which the pushrod's arm falls").default()
+    valve_arm: float = kinds.WIDTH("distance from the pivot to the centre of the pad").default(40e-3)
+    valve_angle: float = kinds.LEVER_ANGLE("angle by which the valve's arm falls").default()
+    small_motion: float = kinds.SWITCH(
+        "constant lever ratio, that of the closed valve; false: true geometry"
     ).default()
-    valve_arm: float = Quantity(
-        "m", "distance from the pivot to the centre of the pad",
-        nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH,
-    ).default(40e-3)  # fmt: skip
-    valve_angle: float = Quantity(
-        "rad", "angle by which the valve's arm falls", display_unit="deg", plausible=LEVER_ANGLE
-    ).default()
-    small_motion: float = Quantity(
-        "1", "constant lever ratio, that of the closed valve; false: true geometry", boolean=True
-    ).default()
-    inertia: float = Quantity(
-        "kg.m2", "moment of inertia about the pivot", nominal=1e-4, positive=True
-    ).default(6e-5)
-    pivot_damping: float = Quantity(
-        "N.m.s", "viscous friction of the pivot", nominal=1e-3, minimum=0.0
-    ).default()
+    inertia: float = kinds.INERTIA("moment of inertia about the pivot").default(6e-5)
+    pivot_damping: float = kinds.TURNING_DAMPING("viscous friction of the pivot", nominal=1e-3).default()
 
 
 @dataclass
 class RockerInputs(TipInputs):
-    rod_force: float = Quantity("N", "force of the pushrod", nominal=500.0).default()
-    pivot_torque: float = Quantity(
-        "N.m", "torque of the pivot's friction against the rotation", nominal=0.1
+    rod_force: float = kinds.FORCE("force of the pushrod").default()
+    pivot_torque: float = kinds.FRICTION_TORQUE(
+        "torque of the pivot's friction against the rotation"
     ).default()
 
 
 @dataclass
 class RockerOutputs(LeverMotion, TipOutputs):
-    rod_position: float = Quantity(
-        "m", "position of the pushrod's end", nominal=1e-3, display_unit="mm"
-    ).default()
-    rod_velocity: float = Quantity("m/s", "velocity of the pushrod's end").default()
+    rod_position: float = kinds.DISPLACEMENT("position of the pushrod's end").default()
+    rod_velocity: float = kinds.VELOCITY("velocity of the pushrod's end").default()
     ratio: float = Quantity("1", "velocity of the pad over that of the pushrod's end").default(1.0)
-    pivot_force: float = Quantity("N", "force on the pivot, along the rod", nominal=500.0).default()
+    pivot_force: float = kinds.FORCE("force on the pivot, along the rod").default()
 
 
 class Ends(NamedTuple):

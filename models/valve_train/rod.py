@@ -6,13 +6,14 @@ distance l, and springs of twice that rate at both ends. So the static rate A E/
 
 from dataclasses import dataclass
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import AREA, PART_LENGTH, YOUNGS_MODULUS
+from ..plausible import AREA
 from .shared import EndMotions
 
 
@@ -20,22 +21,16 @@ from .shared import EndMotions
 class RodParameters:
     """Defaults: a steel pushrod of 200 mm."""
 
-    length: float = Quantity(
-        "m", "length of the rod", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH
-    ).default(0.2)
+    length: float = kinds.LENGTH("length of the rod").default(0.2)
     area: float = Quantity(
         "m2", "cross-section of the rod", nominal=5e-5, positive=True, display_unit="mm2", plausible=AREA
     ).default(50e-6)
-    youngs_modulus: float = Quantity(
-        "Pa", "Young's modulus of the rod", nominal=1e11, positive=True, plausible=YOUNGS_MODULUS
-    ).default(207e9)
+    youngs_modulus: float = kinds.YOUNGS_MODULUS("Young's modulus of the rod").default(207e9)
     density: float = Quantity("kg/m3", "density of the rod", nominal=7850.0, positive=True).default(7850.0)
     damping_time: float = Quantity(
         "s", "damping of the rod over its stiffness", nominal=5e-6, minimum=0.0
     ).default(5e-6)
-    bonded: float = Quantity(
-        "1", "the ends also pull; false: they only push, and may part", boolean=True
-    ).default()
+    bonded: float = kinds.SWITCH("the ends also pull; false: they only push, and may part").default()
     clearance: float = Quantity(
         "m", "gap at the upper end, at rest", nominal=1e-4, minimum=0.0, display_unit="mm"
     ).default()
@@ -43,26 +38,18 @@ class RodParameters:
 
 @dataclass
 class RodState:
-    displacement: Vector = Quantity(
-        "m", "displacement of a segment, from the lower end", nominal=1e-3, size="segments", display_unit="mm"
+    displacement: Vector = kinds.DISPLACEMENT(
+        "displacement of a segment, from the lower end", size="segments"
     ).per_element()
-    velocity: Vector = Quantity("m/s", "velocity of a segment", size="segments").per_element()
+    velocity: Vector = kinds.VELOCITY("velocity of a segment", size="segments").per_element()
 
 
 @dataclass
 class RodOutputs:
-    lower_force: float = Quantity(
-        "N", "force on the body below, which it presses down", nominal=500.0
-    ).default()
-    upper_force: float = Quantity(
-        "N", "force on the body above, which it presses up", nominal=500.0
-    ).default()
-    lower_compression: float = Quantity(
-        "m", "compression of the lower end", nominal=1e-5, display_unit="um"
-    ).default()
-    upper_compression: float = Quantity(
-        "m", "compression of the upper end", nominal=1e-5, display_unit="um"
-    ).default()
+    lower_force: float = kinds.FORCE("force on the body below, which it presses down").default()
+    upper_force: float = kinds.FORCE("force on the body above, which it presses up").default()
+    lower_compression: float = kinds.DEFLECTION("compression of the lower end").default()
+    upper_compression: float = kinds.DEFLECTION("compression of the upper end").default()
 
 
 @kernel

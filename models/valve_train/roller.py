@@ -11,13 +11,13 @@ rotation of the carrier against the spin, T_p + c omega the friction of the pin,
 
 from dataclasses import dataclass
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import CURVATURE
 from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, lost_power
 
 
@@ -25,17 +25,15 @@ from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, l
 class RollerParameters:
     """Defaults: a steel ring of 9 mm and 12 mm length on its pin."""
 
-    radius: float = Quantity(
-        "m", "radius r of the roller", nominal=1e-2, positive=True, display_unit="mm", plausible=CURVATURE
-    ).default(9e-3)
+    radius: float = kinds.ARC("radius r of the roller").default(9e-3)
     inertia: float = Quantity(
         "kg.m2", "moment of inertia J about the pin", nominal=1e-6, positive=True
     ).default(8e-7)
     traction_coefficient: float = Quantity(
         "1", "largest traction over load, mu", nominal=0.05, minimum=0.0
     ).default(0.05)
-    pin_damping: float = Quantity(
-        "N.m.s", "viscous friction c of the pin over speed", nominal=1e-5, minimum=0.0
+    pin_damping: float = kinds.TURNING_DAMPING(
+        "viscous friction c of the pin over speed", nominal=1e-5
     ).default(1e-5)
     sticking_stiffness: StickingStiffness = 1e7
     relaxation_time: RelaxationTime = 3e-5
@@ -43,19 +41,15 @@ class RollerParameters:
 
 @dataclass
 class RollerState:
-    absolute_spin: float = Quantity(
-        "rad/s", "spin in space, omega - beta'", nominal=100.0, display_unit="rpm"
-    ).default()
+    absolute_spin: float = kinds.SPEED("spin in space, omega - beta'").default()
     creep: Creep = 0.0
 
 
 @dataclass
 class RollerInputs:
-    rolling_velocity: float = Quantity("m/s", "surface speed v at which nothing would slide").default()
-    load: float = Quantity("N", "load W of the contact", nominal=500.0).default()
-    pin_torque: float = Quantity(
-        "N.m", "further friction T_p of the pin, against the spin", nominal=0.01
-    ).default()
+    rolling_velocity: float = kinds.VELOCITY("surface speed v at which nothing would slide").default()
+    load: float = kinds.FORCE("load W of the contact").default()
+    pin_torque: float = kinds.PIN_TORQUE("further friction T_p of the pin, against the spin").default()
     rolling_friction: float = Quantity(
         "N", "rolling friction F_R of the contact, against its motion", nominal=1.0
     ).default()
@@ -66,17 +60,15 @@ class RollerInputs:
 
 @dataclass
 class RollerOutputs:
-    surface_speed: float = Quantity("m/s", "r omega along the carrier").default()
-    spin: float = Quantity(
-        "rad/s", "spin omega about the carrier", nominal=100.0, display_unit="rpm"
+    surface_speed: float = kinds.VELOCITY("r omega along the carrier").default()
+    spin: float = kinds.SPEED("spin omega about the carrier").default()
+    traction: float = kinds.FRICTION("traction T of the cam").default()
+    traction_margin: float = kinds.FRICTION(
+        "largest traction less what sticking would take; negative: it slides"
     ).default()
-    traction: float = Quantity("N", "traction T of the cam", nominal=10.0).default()
-    traction_margin: float = Quantity(
-        "N", "largest traction less what sticking would take; negative: it slides", nominal=10.0
-    ).default()
-    slip: float = Quantity("m/s", "velocity by which the surfaces slide").default()
-    carrier_torque: float = Quantity(
-        "N.m", "torque on the carrier, with the spin, beyond that of a fixed pad", nominal=0.01
+    slip: float = kinds.VELOCITY("velocity by which the surfaces slide").default()
+    carrier_torque: float = kinds.PIN_TORQUE(
+        "torque on the carrier, with the spin, beyond that of a fixed pad"
     ).default()
     power_loss: float = Quantity("W", "power lost to slip, and to the pin's damping").default()
 

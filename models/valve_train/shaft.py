@@ -8,13 +8,13 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import ANGLE
 from .shared import DriveInputs
 
 
@@ -25,17 +25,15 @@ class ShaftParameters:
     drive_ratio: float = Quantity(
         "1", "shaft angle over drive angle (0.5 behind a four-stroke crankshaft)"
     ).default(1.0)
-    inertia: float = Quantity(
-        "kg.m2", "moment of inertia of the whole shaft", nominal=1e-4, positive=True
-    ).default(3e-4)
+    inertia: float = kinds.INERTIA("moment of inertia of the whole shaft").default(3e-4)
     torsion_frequency: Vector = Quantity(
         "Hz", "frequency of a mode of torsion", nominal=1e3, positive=True, size="torsion_modes"
     ).per_element(1000.0)
-    torsion_damping: Vector = Quantity(
-        "1", "damping ratio of a mode of torsion", nominal=0.01, minimum=0.0, size="torsion_modes"
+    torsion_damping: Vector = kinds.DAMPING_RATIO(
+        "damping ratio of a mode of torsion", size="torsion_modes"
     ).per_element(0.02)
-    torsion_inertia: Vector = Quantity(
-        "kg.m2", "modal inertia of a mode of torsion", nominal=1e-4, positive=True, size="torsion_modes"
+    torsion_inertia: Vector = kinds.INERTIA(
+        "modal inertia of a mode of torsion", size="torsion_modes"
     ).per_element(3e-4)
     torsion_share: Vector = Quantity(
         "kg.m2", "part of a mode of torsion in turning the whole shaft, phi^T M 1",
@@ -50,8 +48,8 @@ class ShaftParameters:
         "Hz", "frequency of a mode of bending; 0: rigid motion",
         nominal=1e3, minimum=0.0, size="bending_modes",
     ).per_element(540.0)  # fmt: skip
-    bending_damping: Vector = Quantity(
-        "1", "damping ratio of a mode of bending", nominal=0.01, minimum=0.0, size="bending_modes"
+    bending_damping: Vector = kinds.DAMPING_RATIO(
+        "damping ratio of a mode of bending", size="bending_modes"
     ).per_element(0.02)
     bending_mass: Vector = Quantity(
         "kg", "modal mass of a mode of bending", nominal=0.1, positive=True, size="bending_modes"
@@ -64,10 +62,9 @@ class ShaftParameters:
     gyroscopic: Vector = Quantity(
         "kg", "gyroscopic coupling of two modes of bending, row by row", size="bending_pairs"
     ).per_element()
-    direction: Vector = Quantity(
-        "rad", "direction of a cam's follower, anticlockwise from y",
-        display_unit="deg", size="cams", plausible=ANGLE,
-    ).per_element()  # fmt: skip
+    direction: Vector = kinds.PHASE(
+        "direction of a cam's follower, anticlockwise from y", size="cams"
+    ).per_element()
 
 
 @dataclass
@@ -81,46 +78,34 @@ class ShaftState:
     bending_x: Vector = Quantity(
         "m", "coordinate of a mode of bending along x", nominal=1e-5, size="bending_modes"
     ).per_element()
-    bending_x_rate: Vector = Quantity("m/s", "its rate", nominal=1e-2, size="bending_modes").per_element()
+    bending_x_rate: Vector = kinds.VELOCITY("its rate", nominal=1e-2, size="bending_modes").per_element()
     bending_y: Vector = Quantity(
         "m", "coordinate of a mode of bending along y", nominal=1e-5, size="bending_modes"
     ).per_element()
-    bending_y_rate: Vector = Quantity("m/s", "its rate", nominal=1e-2, size="bending_modes").per_element()
+    bending_y_rate: Vector = kinds.VELOCITY("its rate", nominal=1e-2, size="bending_modes").per_element()
 
 
 @dataclass
 class ShaftInputs(DriveInputs):
-    cam_torque: Vector = Quantity(
-        "N.m", "torque taken by a follower", nominal=10.0, size="cams"
-    ).per_element()
-    cam_force_x: Vector = Quantity(
-        "N", "force on a cam across its follower's path", nominal=500.0, size="cams"
-    ).per_element()
-    cam_force_y: Vector = Quantity(
-        "N", "force on a cam towards its follower", nominal=500.0, size="cams"
-    ).per_element()
+    cam_torque: Vector = kinds.TORQUE("torque taken by a follower", size="cams").per_element()
+    cam_force_x: Vector = kinds.FORCE("force on a cam across its follower's path", size="cams").per_element()
+    cam_force_y: Vector = kinds.FORCE("force on a cam towards its follower", size="cams").per_element()
 
 
 @dataclass
 class ShaftOutputs:
-    cam_angle: Vector = Quantity(
-        "rad", "angle of the shaft at a cam", display_unit="deg", size="cams"
-    ).per_element()
-    cam_speed: Vector = Quantity(
-        "rad/s", "speed of the shaft at a cam", nominal=100.0, display_unit="rpm", size="cams"
-    ).per_element()
-    twist: Vector = Quantity(
-        "rad", "twist of the shaft at a cam", nominal=1e-3, display_unit="deg", size="cams"
-    ).per_element()
+    cam_angle: Vector = kinds.ANGLE("angle of the shaft at a cam", size="cams").per_element()
+    cam_speed: Vector = kinds.SPEED("speed of the shaft at a cam", size="cams").per_element()
+    twist: Vector = kinds.ANGLE("twist of the shaft at a cam", nominal=1e-3, size="cams").per_element()
     axis_x: Vector = Quantity(
         "m", "displacement of a cam across its follower's path", nominal=1e-5, size="cams"
     ).per_element()
     axis_y: Vector = Quantity(
         "m", "displacement of a cam towards its follower", nominal=1e-5, size="cams"
     ).per_element()
-    axis_velocity_x: Vector = Quantity("m/s", "rate of axis_x", nominal=0.1, size="cams").per_element()
-    axis_velocity_y: Vector = Quantity("m/s", "rate of axis_y", nominal=0.1, size="cams").per_element()
-    drive_torque: float = Quantity("N.m", "torque taken from the drive", nominal=10.0).default()
+    axis_velocity_x: Vector = kinds.VELOCITY("rate of axis_x", nominal=0.1, size="cams").per_element()
+    axis_velocity_y: Vector = kinds.VELOCITY("rate of axis_y", nominal=0.1, size="cams").per_element()
+    drive_torque: float = kinds.TORQUE("torque taken from the drive").default()
 
 
 class Plane(NamedTuple):

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated
 
+from .. import kinds
 from ..core.quantities import Quantity
 from ..plausible import SURGE_FREQUENCY
 
@@ -14,8 +15,7 @@ SurgeFrequency = Annotated[
     ),
 ]  # fmt: skip
 SurgeDamping = Annotated[
-    float,
-    Quantity("1", "damping ratio of the spring at f0 (stiffness-proportional)", nominal=0.01, minimum=0.0),
+    float, kinds.DAMPING_RATIO("damping ratio of the spring at f0 (stiffness-proportional)")
 ]
 
 WireStress = Annotated[
@@ -35,8 +35,8 @@ WireStrength = Annotated[float, Quantity("Pa", "shear strength of the wire", nom
 class DriveInputs:
     """Motion of what drives a shaft."""
 
-    drive_angle: float = Quantity("rad", "angle of the drive", display_unit="deg").default()
-    drive_speed: float = Quantity("rad/s", "speed of the drive", nominal=100.0, display_unit="rpm").default()
+    drive_angle: float = kinds.ANGLE("angle of the drive").default()
+    drive_speed: float = kinds.SPEED("speed of the drive").default()
     drive_acceleration: float = Quantity(
         "rad/s2", "angular acceleration of the drive", nominal=100.0
     ).default()
@@ -46,11 +46,7 @@ class DriveInputs:
 class EndMotions:
     """Motions of the bodies at both ends of a rod or a lash adjuster."""
 
-    lower_position: float = Quantity(
-        "m", "position of the body below", nominal=1e-3, display_unit="mm"
-    ).default()
-    lower_velocity: float = Quantity("m/s", "velocity of the body below").default()
-    upper_position: float = Quantity(
-        "m", "position of the body above", nominal=1e-3, display_unit="mm"
-    ).default()
-    upper_velocity: float = Quantity("m/s", "velocity of the body above").default()
+    lower_position: float = kinds.DISPLACEMENT("position of the body below").default()
+    lower_velocity: float = kinds.VELOCITY("velocity of the body below").default()
+    upper_position: float = kinds.DISPLACEMENT("position of the body above").default()
+    upper_velocity: float = kinds.VELOCITY("velocity of the body above").default()

@@ -7,6 +7,7 @@ with the cam is another component, which takes the overlap and gives the load ba
 from dataclasses import dataclass
 from typing import Any
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
@@ -14,7 +15,6 @@ from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
-from ..plausible import OFFSET, PART_MASS
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
 from .cams.profile import CamProfile, time_to_break
@@ -44,20 +44,17 @@ class FollowerParameters:
     phase: Phase = 0.0
     follower: float = Quantity("1", "surface on the cam", choices=("flat", "roller", "pad")).default(FLAT)
     follower_radius: FollowerRadius = 10e-3
-    offset: float = Quantity(
-        "m", "offset of the path of roller or pad from the cam's axis, along axis_x",
-        nominal=1e-3, display_unit="mm", plausible=OFFSET,
-    ).default()  # fmt: skip
-    tilt: float = Quantity(
-        "rad", "tilt of a flat face: of its normal from the path towards axis_x",
-        nominal=0.1, minimum=-1.0, maximum=1.0, display_unit="deg",
-    ).default()  # fmt: skip
-    mass: float = Quantity(
-        "kg", "mass of the follower", nominal=0.1, positive=True, plausible=PART_MASS
-    ).default(0.1)
-    guide_damping: float = Quantity(
-        "N.s/m", "viscous friction in the guide", nominal=10.0, minimum=0.0
+    offset: float = kinds.OFFSET(
+        "offset of the path of roller or pad from the cam's axis, along axis_x"
     ).default()
+    tilt: float = kinds.ANGLE(
+        "tilt of a flat face: of its normal from the path towards axis_x",
+        nominal=0.1,
+        minimum=-1.0,
+        maximum=1.0,
+    ).default()
+    mass: float = kinds.PART_MASS("mass of the follower", nominal=0.1, positive=True).default(0.1)
+    guide_damping: float = kinds.DAMPING("viscous friction in the guide", nominal=10.0).default()
 
 
 @dataclass
@@ -72,26 +69,20 @@ class TableTappetParameters(FollowerParameters, TableParameters):
 
 @dataclass
 class TappetState:
-    position: float = Quantity(
-        "m", "position y, zero on the base circle", nominal=1e-3, display_unit="mm"
-    ).default()
-    velocity: float = Quantity("m/s", "velocity of the follower").default()
+    position: float = kinds.DISPLACEMENT("position y, zero on the base circle").default()
+    velocity: float = kinds.VELOCITY("velocity of the follower").default()
 
 
 @dataclass
 class TappetInputs(CamInputs):
-    load: float = Quantity("N", "force of the train on the follower", nominal=500.0).default()
-    guide_friction: float = Quantity(
-        "N", "friction of the guide against the velocity", nominal=10.0
-    ).default()
+    load: float = kinds.FORCE("force of the train on the follower").default()
+    guide_friction: float = kinds.FRICTION("friction of the guide against the velocity").default()
 
 
 @dataclass
 class TappetOutputs(TappetState, CamOutputs):
     acceleration: float = Quantity("m/s2", "acceleration of the follower", nominal=1e3).default()
-    side_force: float = Quantity(
-        "N", "force of the follower on its guide along axis_x", nominal=100.0
-    ).default()
+    side_force: float = kinds.SIDE_FORCE("force of the follower on its guide along axis_x").default()
     side_moment: float = Quantity(
         "N.m", "moment of load and friction about the face, or the centre of roller or pad", nominal=1.0
     ).default()

@@ -20,13 +20,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import CAM_RADIUS, OFFSET, PART_LENGTH, PLAY, VISCOSITY
 
 # Gauss-Legendre points along the line.
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -37,54 +37,39 @@ _PLACES, _WEIGHTS = 0.5 * _PLACES, 0.5 * _WEIGHTS
 class TappetSpinParameters:
     """Defaults: a bucket of 30 mm in its bore, with hot engine oil."""
 
-    axial_offset: float = Quantity(
-        "m", "offset e of the cam's middle from the tappet's axis, along the camshaft", nominal=1e-3,
-        display_unit="mm", plausible=OFFSET,
-    ).default()  # fmt: skip
-    length: float = Quantity(
-        "m", "length L of the contact line", nominal=1e-2, positive=True, display_unit="mm",
-        plausible=PART_LENGTH,
-    ).default(12e-3)  # fmt: skip
+    axial_offset: float = kinds.OFFSET(
+        "offset e of the cam's middle from the tappet's axis, along the camshaft"
+    ).default()
+    length: float = kinds.WIDTH("length L of the contact line").default(12e-3)
     inertia: float = Quantity(
         "kg.m2", "moment of inertia J about the axis", nominal=1e-5, positive=True
     ).default(7e-6)
-    diameter: float = Quantity(
-        "m", "diameter 2 R of the tappet", nominal=1e-2, positive=True, display_unit="mm",
-        plausible=CAM_RADIUS,
-    ).default(30e-3)  # fmt: skip
-    bore_length: float = Quantity(
-        "m", "length L_b of the bore", nominal=1e-2, positive=True, display_unit="mm", plausible=PART_LENGTH
-    ).default(25e-3)
-    radial_clearance: float = Quantity(
-        "m", "radial clearance c in the bore", nominal=1e-5, positive=True, display_unit="um", plausible=PLAY
-    ).default(20e-6)
-    viscosity: float = Quantity(
-        "Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY
-    ).default(0.01)
+    diameter: float = kinds.DIAMETER("diameter 2 R of the tappet").default(30e-3)
+    bore_length: float = kinds.WIDTH("length L_b of the bore").default(25e-3)
+    radial_clearance: float = kinds.CLEARANCE("radial clearance c in the bore").default(20e-6)
+    viscosity: float = kinds.VISCOSITY("viscosity of the oil").default(0.01)
 
 
 @dataclass
 class TappetSpinState:
-    spin: float = Quantity("rad/s", "spin Omega", nominal=100.0, display_unit="rpm").default()
+    spin: float = kinds.SPEED("spin Omega").default()
 
 
 @dataclass
 class TappetSpinInputs:
-    sliding_velocity: float = Quantity("m/s", "sliding u_s of the cam over the tappet without spin").default()
-    contact_offset: float = Quantity(
-        "m", "offset x of the contact along the tappet", nominal=1e-2, display_unit="mm"
-    ).default()
-    friction_force: float = Quantity("N", "friction F of the contact", nominal=10.0).default()
+    sliding_velocity: float = kinds.VELOCITY("sliding u_s of the cam over the tappet without spin").default()
+    contact_offset: float = kinds.DISTANCE("offset x of the contact along the tappet").default()
+    friction_force: float = kinds.FRICTION("friction F of the contact").default()
 
 
 @dataclass
 class TappetSpinOutputs(TappetSpinState):
-    contact_sliding: float = Quantity(
-        "m/s", "mean sliding <|v|> of the contact, with the sign of u_s"
+    contact_sliding: float = kinds.VELOCITY(
+        "mean sliding <|v|> of the contact, with the sign of u_s"
     ).default()
-    cam_friction: float = Quantity("N", "friction F_x on the cam against its sliding", nominal=10.0).default()
-    spin_torque: float = Quantity("N.m", "torque T of the cam", nominal=0.01).default()
-    bore_torque: float = Quantity("N.m", "torque of the bore against the spin", nominal=0.01).default()
+    cam_friction: float = kinds.FRICTION("friction F_x on the cam against its sliding").default()
+    spin_torque: float = kinds.PIN_TORQUE("torque T of the cam").default()
+    bore_torque: float = kinds.PIN_TORQUE("torque of the bore against the spin").default()
     power_loss: float = Quantity("W", "power lost in the bore").default()
 
 

@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import LASH, SEAT_STIFFNESS, VALVE_MASS
+from ..plausible import VALVE_MASS
 from .valve_spring import seat_force
 
 
@@ -18,50 +19,34 @@ class ValveParameters:
         "kg", "mass of valve, retainer and what moves with them",
         nominal=0.1, positive=True, plausible=VALVE_MASS,
     ).default(0.1)  # fmt: skip
-    lash: float = Quantity(
-        "m", "position at which the valve sits on its seat", nominal=1e-4, display_unit="mm", plausible=LASH
-    ).default()
-    seat_stiffness: float = Quantity(
-        "N/m", "stiffness of the seat", nominal=1e7, positive=True, plausible=SEAT_STIFFNESS
-    ).default(2e7)
-    seat_damping: float = Quantity(
-        "N.s/m", "damping of the seat while touching", nominal=1e2, minimum=0.0
-    ).default(300.0)
-    guide_damping: float = Quantity(
-        "N.s/m", "viscous friction in the guide", nominal=10.0, minimum=0.0
-    ).default()
+    lash: float = kinds.LASH("position at which the valve sits on its seat").default()
+    seat_stiffness: float = kinds.SEAT_STIFFNESS("stiffness of the seat", nominal=1e7, positive=True).default(
+        2e7
+    )
+    seat_damping: float = kinds.DAMPING("damping of the seat while touching", nominal=1e2).default(300.0)
+    guide_damping: float = kinds.DAMPING("viscous friction in the guide", nominal=10.0).default()
 
 
 @dataclass
 class ValveState:
-    position: float = Quantity(
-        "m", "position towards the open valve", nominal=1e-3, display_unit="mm"
-    ).default()
-    velocity: float = Quantity("m/s", "velocity of the valve").default()
+    position: float = kinds.DISPLACEMENT("position towards the open valve").default()
+    velocity: float = kinds.VELOCITY("velocity of the valve").default()
 
 
 @dataclass
 class ValveInputs:
-    load: float = Quantity("N", "load of the train, opening the valve", nominal=500.0).default()
-    spring_force: Vector = Quantity(
-        "N", "force of a spring, closing the valve", nominal=500.0, size="springs"
-    ).per_element()
-    gas_force: float = Quantity(
-        "N", "force of the gas on the valve's head, closing it", nominal=500.0
-    ).default()
-    guide_friction: float = Quantity(
-        "N", "friction of the guide against the velocity", nominal=10.0
-    ).default()
+    load: float = kinds.FORCE("load of the train, opening the valve").default()
+    spring_force: Vector = kinds.FORCE("force of a spring, closing the valve", size="springs").per_element()
+    gas_force: float = kinds.FORCE("force of the gas on the valve's head, closing it").default()
+    guide_friction: float = kinds.FRICTION("friction of the guide against the velocity").default()
 
 
 @dataclass
 class ValveOutputs(ValveState):
     acceleration: float = Quantity("m/s2", "acceleration of the valve", nominal=1e3).default()
-    valve_lift: float = Quantity("m", "lift: position less lash", nominal=1e-3, display_unit="mm").default()
-    seat_force: float = Quantity("N", "force of the seat on the valve", nominal=500.0).default()
-    seat_dip: float = Quantity(
-        "m", "dip of the valve into its seat", nominal=1e-5, display_unit="um"
-    ).default()
+    valve_lift: float = kinds.DISPLACEMENT("lift: position less lash").default()
+    seat_force: float = kinds.FORCE("force of the seat on the valve").default()
+    seat_dip: float = kinds.DEFLECTION("dip of the valve into its seat").default()
 
 
 @kernel

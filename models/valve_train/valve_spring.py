@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
@@ -17,7 +18,7 @@ from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
-from ..plausible import CAM_LIFT, LASH, SEAT_STIFFNESS, SPRING_RATE, VALVE_MASS
+from ..plausible import VALVE_MASS
 from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
 
 # A dip that is far from any event.
@@ -33,28 +34,18 @@ class ValveSpringParameters:
     valve_mass: float = Quantity(
         "kg", "mass m3 of valve and follower", nominal=0.2, positive=True, plausible=VALVE_MASS
     ).default(0.22)
-    spring_rate: float = Quantity(
-        "N/m", "static rate k0 of the spring", nominal=3e4, positive=True, plausible=SPRING_RATE
-    ).default(35e3)
+    spring_rate: float = kinds.SPRING_RATE("static rate k0 of the spring").default(35e3)
     surge_frequency: SurgeFrequency = 504.5
     damping_ratio: SurgeDamping = 0.02
     preload: float = Quantity("N", "spring force f_p at zero lift", nominal=300.0, minimum=0.0).default(330.0)
-    lash: float = Quantity(
-        "m", "follower position at which the valve sits on its seat",
-        nominal=1e-4, display_unit="mm", plausible=LASH,
-    ).default()  # fmt: skip
-    seat_stiffness: float = Quantity(
-        "N/m", "stiffness of the valve seat; 0: no seat", nominal=1e7, minimum=0.0, plausible=SEAT_STIFFNESS
+    lash: float = kinds.LASH("follower position at which the valve sits on its seat").default()
+    seat_stiffness: float = kinds.SEAT_STIFFNESS(
+        "stiffness of the valve seat; 0: no seat", nominal=1e7, minimum=0.0
     ).default()
-    seat_damping: float = Quantity(
-        "N.s/m", "damping of the valve seat while touching", nominal=1e2, minimum=0.0
-    ).default()
-    clash_clearance: float = Quantity(
-        "m", "travel after which all coils touch",
-        nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_LIFT,
-    ).default(0.02)  # fmt: skip
-    clash_stiffness: float = Quantity(
-        "N/m", "added rate between coils that touch", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS
+    seat_damping: float = kinds.DAMPING("damping of the valve seat while touching", nominal=1e2).default()
+    clash_clearance: float = kinds.CAM_LIFT("travel after which all coils touch").default(0.02)
+    clash_stiffness: float = kinds.SEAT_STIFFNESS(
+        "added rate between coils that touch", nominal=1e6, minimum=0.0
     ).default()
     wire_stress: WireStress = 0.0
     wire_amplitude: WireAmplitude = 0.0
@@ -63,45 +54,31 @@ class ValveSpringParameters:
 
 @dataclass
 class FollowerMotion:
-    position: float = Quantity(
-        "m", "follower position y3, zero on the base circle", nominal=1e-3, display_unit="mm"
-    ).default()
-    velocity: float = Quantity("m/s", "follower velocity").default()
+    position: float = kinds.DISPLACEMENT("follower position y3, zero on the base circle").default()
+    velocity: float = kinds.VELOCITY("follower velocity").default()
 
 
 @dataclass
 class ValveSpringState(FollowerMotion):
     coil_position: Vector = COIL_POSITION.per_element()
-    coil_velocity: Vector = Quantity("m/s", "coil velocity", size="coil_masses").per_element()
+    coil_velocity: Vector = kinds.VELOCITY("coil velocity", size="coil_masses").per_element()
 
 
 @dataclass
 class ValveSpringInputs:
-    load: float = Quantity("N", "contact load W on the follower", nominal=500.0).default()
-    gas_force: float = Quantity(
-        "N", "force of the gas on the valve's head, closing it", nominal=500.0
-    ).default()
-    guide_friction: float = Quantity(
-        "N", "friction of the guide against the velocity", nominal=10.0
-    ).default()
+    load: float = kinds.FORCE("contact load W on the follower").default()
+    gas_force: float = kinds.FORCE("force of the gas on the valve's head, closing it").default()
+    guide_friction: float = kinds.FRICTION("friction of the guide against the velocity").default()
 
 
 @dataclass
 class ValveSpringOutputs(FollowerMotion):
     acceleration: float = Quantity("m/s2", "follower acceleration", nominal=1e3).default()
-    valve_lift: float = Quantity(
-        "m", "valve lift: follower position less lash", nominal=1e-3, display_unit="mm"
-    ).default()
-    spring_force: float = Quantity(
-        "N", "force of the spring on the follower, preload included", nominal=500.0
-    ).default()
-    seat_force: float = Quantity("N", "force of the seat on the valve", nominal=500.0).default()
-    seat_dip: float = Quantity(
-        "m", "dip of the valve into its seat; -1 m without a seat", nominal=1e-5, display_unit="um"
-    ).default(NO_SEAT)
-    least_gap: float = Quantity(
-        "m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm"
-    ).default()
+    valve_lift: float = kinds.DISPLACEMENT("valve lift: follower position less lash").default()
+    spring_force: float = kinds.FORCE("force of the spring on the follower, preload included").default()
+    seat_force: float = kinds.FORCE("force of the seat on the valve").default()
+    seat_dip: float = kinds.DEFLECTION("dip of the valve into its seat; -1 m without a seat").default(NO_SEAT)
+    least_gap: float = kinds.DISPLACEMENT("least gap between coils, negative in a clash").default()
     coil_position: Vector = COIL_POSITION.per_element()
 
 

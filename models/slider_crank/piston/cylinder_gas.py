@@ -16,6 +16,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from ... import kinds
 from ...compile.kernel import kernel
 from ...core import roles
 from ...core.bonds import counts_energies
@@ -23,7 +24,7 @@ from ...core.component import Component, check_sizes
 from ...core.points import find_segment
 from ...core.quantities import Layout, Quantity, Vector
 from ...core.requirements import Requirement
-from ...plausible import ANGLE, AREA, GAS_PRESSURE
+from ...plausible import AREA
 from ..crank import CrankAngle, CrankRadius, CrankSpeed, GasPressure, RodLength, crank_turns
 
 TURN = 2.0 * math.pi
@@ -43,13 +44,8 @@ class CylinderParameters:
     bore_area: float = Quantity("m2", "area of the bore", nominal=1e-2, positive=True).default(
         0.25 * math.pi * 0.086**2
     )
-    crankcase_pressure: float = Quantity(
-        "Pa", "pressure under the piston",
-        nominal=1e5, minimum=0.0, display_unit="kPa", plausible=GAS_PRESSURE,
-    ).default(100e3)  # fmt: skip
-    firing_angle: float = Quantity(
-        "rad", "crank angle of the firing dead centre", display_unit="deg", plausible=ANGLE
-    ).default()
+    crankcase_pressure: float = kinds.GAS_PRESSURE("pressure under the piston", minimum=0.0).default(100e3)
+    firing_angle: float = kinds.PHASE("crank angle of the firing dead centre").default()
     valve_area: Vector = Quantity(
         "m2", "area of a valve's head",
         nominal=1e-3, positive=True, display_unit="mm2", plausible=AREA, size="valves",
@@ -63,14 +59,10 @@ class CylinderGasParameters(CylinderParameters):
     compression_ratio: float = Quantity(
         "1", "largest over smallest volume", nominal=10.0, minimum=1.1
     ).default(10.0)
-    intake_pressure: float = Quantity(
-        "Pa", "pressure in the intake stroke",
-        nominal=1e5, positive=True, display_unit="kPa", plausible=GAS_PRESSURE,
-    ).default(95e3)  # fmt: skip
-    exhaust_pressure: float = Quantity(
-        "Pa", "pressure in the exhaust stroke",
-        nominal=1e5, positive=True, display_unit="kPa", plausible=GAS_PRESSURE,
-    ).default(108e3)  # fmt: skip
+    intake_pressure: float = kinds.GAS_PRESSURE("pressure in the intake stroke", positive=True).default(95e3)
+    exhaust_pressure: float = kinds.GAS_PRESSURE("pressure in the exhaust stroke", positive=True).default(
+        108e3
+    )
     compression_exponent: float = Quantity(
         "1", "polytropic exponent n_c of the compression", minimum=1.0
     ).default(1.3)
@@ -80,20 +72,16 @@ class CylinderGasParameters(CylinderParameters):
     pressure_ratio: float = Quantity(
         "1", "rise R by heat release at constant volume; 1: motored", minimum=1.0
     ).default(4.0)
-    burn_start: float = Quantity(
-        "rad", "begin of heat release before dead centre", minimum=0.0, display_unit="deg"
-    ).default(25.0 * _DEGREE)
-    burn_duration: float = Quantity(
-        "rad", "duration of the heat release", positive=True, display_unit="deg"
-    ).default(60.0 * _DEGREE)
-    exhaust_opening: float = Quantity(
-        "rad", "begin of the blowdown after dead centre", minimum=0.0, display_unit="deg"
-    ).default(130.0 * _DEGREE)
-    blowdown_duration: float = Quantity(
-        "rad", "duration of the blowdown", positive=True, display_unit="deg"
-    ).default(60.0 * _DEGREE)
-    overlap_duration: float = Quantity(
-        "rad", "change to intake pressure, about dead centre", positive=True, display_unit="deg"
+    burn_start: float = kinds.ANGLE("begin of heat release before dead centre", minimum=0.0).default(
+        25.0 * _DEGREE
+    )
+    burn_duration: float = kinds.ANGLE("duration of the heat release", positive=True).default(60.0 * _DEGREE)
+    exhaust_opening: float = kinds.ANGLE("begin of the blowdown after dead centre", minimum=0.0).default(
+        130.0 * _DEGREE
+    )
+    blowdown_duration: float = kinds.ANGLE("duration of the blowdown", positive=True).default(60.0 * _DEGREE)
+    overlap_duration: float = kinds.ANGLE(
+        "change to intake pressure, about dead centre", positive=True
     ).default(30.0 * _DEGREE)
 
 
@@ -104,8 +92,8 @@ class GasTableParameters(CylinderParameters):
     cycle_turns: float = Quantity(
         "1", "turns of the crank in a cycle: 2 of a four-stroke engine", minimum=1.0
     ).default(2.0)
-    pressure_angle: Vector = Quantity(
-        "rad", "crank angle of a point after dead centre", display_unit="deg", size="pressure_points"
+    pressure_angle: Vector = kinds.ANGLE(
+        "crank angle of a point after dead centre", size="pressure_points"
     ).per_element()
     point_pressure: Vector = Quantity(
         "Pa", "absolute pressure at a point", nominal=1e5, display_unit="kPa", size="pressure_points"
@@ -134,9 +122,7 @@ class CylinderGasOutputs:
     indicated_work: float = Quantity(
         "J", "work given to a piston without clearance and pin offset", nominal=100.0
     ).default()
-    valve_force: Vector = Quantity(
-        "N", "force of the gas that closes a valve", nominal=500.0, size="valves"
-    ).per_element()
+    valve_force: Vector = kinds.FORCE("force of the gas that closes a valve", size="valves").per_element()
 
 
 @kernel

@@ -4,8 +4,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ... import kinds
 from ...core.quantities import Quantity, Vector
-from ...plausible import OFFSET, PART_LENGTH, PART_MASS, PLAY
+from ...plausible import OFFSET, PART_LENGTH, PLAY
 from ..crank import (
     CrankAcceleration,
     CrankAngle,
@@ -60,9 +61,7 @@ class PistonParameters:
     crank_inertia: float = Quantity(
         "kg.m2", "inertia of the crank about its centre of mass", nominal=1e-3, minimum=0.0
     ).default()
-    rod_mass: float = Quantity("kg", "mass of the connecting rod", minimum=0.0, plausible=PART_MASS).default(
-        0.55
-    )
+    rod_mass: float = kinds.PART_MASS("mass of the connecting rod", minimum=0.0).default(0.55)
     rod_centre: float = Quantity(
         "m", "distance of the rod's centre of mass from the crank pin",
         nominal=0.1, minimum=0.0, display_unit="mm",
@@ -70,12 +69,8 @@ class PistonParameters:
     rod_inertia: float = Quantity(
         "kg.m2", "inertia of the rod about its centre of mass", nominal=1e-3, minimum=0.0
     ).default(2.0e-3)
-    piston_mass: float = Quantity(
-        "kg", "mass of the piston with its pin", positive=True, plausible=PART_MASS
-    ).default(0.42)
-    piston_inertia: float = Quantity(
-        "kg.m2", "inertia of the piston about its centre of mass", nominal=1e-4, positive=True
-    ).default(3.5e-4)
+    piston_mass: float = kinds.PART_MASS("mass of the piston with its pin", positive=True).default(0.42)
+    piston_inertia: float = kinds.INERTIA("inertia of the piston about its centre of mass").default(3.5e-4)
     half_length: float = Quantity(
         "m", "half the length of the skirt; 0: a roller, which touches each wall at one point",
         nominal=0.1, minimum=0.0, display_unit="mm", plausible=PART_LENGTH,
@@ -84,40 +79,31 @@ class PistonParameters:
         "m", "half the width of the piston across the bore",
         nominal=0.1, minimum=0.0, display_unit="mm", plausible=PART_LENGTH,
     ).default(0.5 * _BORE)  # fmt: skip
-    clearance: float = Quantity(
-        "m", "play of the middle piston to either wall",
-        nominal=1e-4, minimum=1e-7, display_unit="um", plausible=PLAY,
-    ).default(40e-6)  # fmt: skip
-    pin_height: float = Quantity(
-        "m", "pin ahead of the skirt's middle, along", nominal=1e-2, display_unit="mm", plausible=OFFSET
-    ).default(4e-3)
-    pin_offset: float = Quantity(
-        "m", "pin above the piston's middle line (to the upper wall)",
-        nominal=1e-3, display_unit="mm", plausible=OFFSET,
-    ).default()  # fmt: skip
-    mass_height: float = Quantity(
-        "m", "centre of mass ahead of the skirt's middle, along",
-        nominal=1e-2, display_unit="mm", plausible=OFFSET,
-    ).default(8e-3)  # fmt: skip
-    mass_offset: float = Quantity(
-        "m", "centre of mass above the piston's middle line",
-        nominal=1e-3, display_unit="mm", plausible=OFFSET,
-    ).default()  # fmt: skip
-    crank_pin_friction: float = Quantity(
-        "N.m.s", "friction moment of the crank pin per relative speed", nominal=1e-2, minimum=0.0
+    clearance: float = kinds.GAP(
+        "play of the middle piston to either wall", minimum=1e-7, plausible=PLAY
+    ).default(40e-6)
+    pin_height: float = kinds.DISTANCE("pin ahead of the skirt's middle, along", plausible=OFFSET).default(
+        4e-3
+    )
+    pin_offset: float = kinds.OFFSET("pin above the piston's middle line (to the upper wall)").default()
+    mass_height: float = kinds.DISTANCE(
+        "centre of mass ahead of the skirt's middle, along", plausible=OFFSET
+    ).default(8e-3)
+    mass_offset: float = kinds.OFFSET("centre of mass above the piston's middle line").default()
+    crank_pin_friction: float = kinds.TURNING_DAMPING(
+        "friction moment of the crank pin per relative speed", nominal=1e-2
     ).default(1e-2)
-    piston_pin_friction: float = Quantity(
-        "N.m.s", "friction moment of the piston pin per relative speed", nominal=1e-2, minimum=0.0
+    piston_pin_friction: float = kinds.TURNING_DAMPING(
+        "friction moment of the piston pin per relative speed", nominal=1e-2
     ).default(2e-3)
     wall_friction: float = Quantity(
         "1", "coefficient of Coulomb friction mu at the walls", minimum=0.0, maximum=1.0
     ).default(0.05)
     # A piston passes 1 mm/s within a microsecond of its dead centre, so that this rounding off moves
     # nothing visible, and a piston at rest creeps instead of sticking.
-    creep_velocity: float = Quantity(
-        "m/s", "sliding velocity below which lasting friction falls to zero (as tanh)",
-        nominal=1e-3, positive=True,
-    ).default(1e-3)  # fmt: skip
+    creep_velocity: float = kinds.VELOCITY(
+        "sliding velocity below which lasting friction falls to zero (as tanh)", nominal=1e-3, positive=True
+    ).default(1e-3)
     restitution: float = Quantity(
         "1", "coefficient of restitution e normal to the walls", minimum=0.0, maximum=1.0
     ).default(0.3)
@@ -151,27 +137,23 @@ class FreePistonParameters(PistonParameters):
 class PistonState:
     """Corners in the order upper front, upper rear, lower front, lower rear; front is away from the crank."""
 
-    offset: float = Quantity(
-        "m", "the piston's middle above the cylinder's axis", nominal=1e-4, display_unit="um"
-    ).default()
-    offset_rate: float = Quantity("m/s", "rate of offset", nominal=1e-1).default()
+    offset: float = kinds.GAP("the piston's middle above the cylinder's axis").default()
+    offset_rate: float = kinds.VELOCITY("rate of offset", nominal=1e-1).default()
     tilt: float = Quantity("rad", "tilt of the piston, front towards the upper wall", nominal=1e-3).default()
     tilt_rate: float = Quantity("rad/s", "rate of tilt").default()
-    closed: Vector = Quantity(
-        "1", "corner in lasting contact with its wall", boolean=True, size="corners"
+    closed: Vector = kinds.SWITCH("corner in lasting contact with its wall", size="corners").per_element()
+    impact_count: Vector = kinds.COUNT("impacts of a corner", size="corners").per_element()
+    impact_impulse: Vector = kinds.IMPULSE(
+        "sum of the normal impulses on a corner", size="corners"
     ).per_element()
-    impact_count: Vector = Quantity("1", "impacts of a corner", count=True, size="corners").per_element()
-    impact_impulse: Vector = Quantity(
-        "N.s", "sum of the normal impulses on a corner", size="corners"
-    ).per_element()
-    force_integral: Vector = Quantity(
-        "N.s", "time integral of the lasting wall force on a corner", size="corners"
+    force_integral: Vector = kinds.IMPULSE(
+        "time integral of the lasting wall force on a corner", size="corners"
     ).per_element()
     last_impact_time: float = Quantity("s", "time of the last impact").default()
-    last_impact_velocity: float = Quantity(
-        "m/s", "velocity towards the wall just before the last impact", nominal=0.1
+    last_impact_velocity: float = kinds.VELOCITY(
+        "velocity towards the wall just before the last impact", nominal=0.1
     ).default()
-    event_count: float = Quantity("1", "impacts and releases", count=True).default()
+    event_count: float = kinds.COUNT("impacts and releases").default()
     last_event_time: float = Quantity("s", "time of the last impact or release").default()
     impact_loss: float = Quantity("J", "energy lost in impacts").default()
 
@@ -198,7 +180,7 @@ class PistonCrankInputs:
 
 @dataclass
 class FreePistonCrankInputs:
-    crank_drive: float = Quantity("N.m", "torque that drives the crank", nominal=10.0).default()
+    crank_drive: float = kinds.TORQUE("torque that drives the crank").default()
     gas_pressure: GasPressure = 0.0
 
 
@@ -207,68 +189,49 @@ class PistonOutputs:
     piston_position: float = Quantity(
         "m", "the skirt's middle from the shaft, along the cylinder", nominal=0.1
     ).default()
-    piston_velocity: float = Quantity("m/s", "its velocity along the cylinder").default()
-    piston_offset: float = Quantity(
-        "m", "the skirt's middle above the cylinder's axis", nominal=1e-4, display_unit="um"
-    ).default()
-    piston_offset_rate: float = Quantity("m/s", "its velocity across", nominal=0.1).default()
+    piston_velocity: float = kinds.VELOCITY("its velocity along the cylinder").default()
+    piston_offset: float = kinds.GAP("the skirt's middle above the cylinder's axis").default()
+    piston_offset_rate: float = kinds.VELOCITY("its velocity across", nominal=0.1).default()
     piston_tilt: float = Quantity(
         "rad", "tilt of the piston, front towards the upper wall", nominal=1e-3
     ).default()
     piston_tilt_rate: float = Quantity("rad/s", "rate of the tilt").default()
     rod_angle: float = Quantity("rad", "angle of the connecting rod, piston end below", nominal=0.1).default()
-    upper_front_gap: float = Quantity(
-        "m", "gap of the upper front corner", nominal=1e-4, display_unit="um"
+    upper_front_gap: float = kinds.GAP("gap of the upper front corner").default()
+    upper_rear_gap: float = kinds.GAP("gap of the upper rear corner").default()
+    lower_front_gap: float = kinds.GAP("gap of the lower front corner").default()
+    lower_rear_gap: float = kinds.GAP("gap of the lower rear corner").default()
+    upper_front_force: float = kinds.WALL_FORCE("lasting wall force on the upper front corner").default()
+    upper_rear_force: float = kinds.WALL_FORCE("lasting wall force on the upper rear corner").default()
+    lower_front_force: float = kinds.WALL_FORCE("lasting wall force on the lower front corner").default()
+    lower_rear_force: float = kinds.WALL_FORCE("lasting wall force on the lower rear corner").default()
+    wall_friction_force: float = kinds.SIDE_FORCE(
+        "lasting friction of the walls on the piston, along"
     ).default()
-    upper_rear_gap: float = Quantity(
-        "m", "gap of the upper rear corner", nominal=1e-4, display_unit="um"
+    pin_force_along: float = kinds.WALL_FORCE(
+        "force of the rod on the piston pin, along, between impacts"
     ).default()
-    lower_front_gap: float = Quantity(
-        "m", "gap of the lower front corner", nominal=1e-4, display_unit="um"
+    pin_force_across: float = kinds.WALL_FORCE(
+        "force of the rod on the piston pin, across, between impacts"
     ).default()
-    lower_rear_gap: float = Quantity(
-        "m", "gap of the lower rear corner", nominal=1e-4, display_unit="um"
+    upper_wall_impulse: float = kinds.IMPULSE(
+        "upper wall's impulses and integral of its forces: differences give means"
     ).default()
-    upper_front_force: float = Quantity(
-        "N", "lasting wall force on the upper front corner", nominal=1e3
+    lower_wall_impulse: float = kinds.IMPULSE(
+        "lower wall's impulses and integral of its forces: differences give means"
     ).default()
-    upper_rear_force: float = Quantity(
-        "N", "lasting wall force on the upper rear corner", nominal=1e3
-    ).default()
-    lower_front_force: float = Quantity(
-        "N", "lasting wall force on the lower front corner", nominal=1e3
-    ).default()
-    lower_rear_force: float = Quantity(
-        "N", "lasting wall force on the lower rear corner", nominal=1e3
-    ).default()
-    wall_friction_force: float = Quantity(
-        "N", "lasting friction of the walls on the piston, along", nominal=100.0
-    ).default()
-    pin_force_along: float = Quantity(
-        "N", "force of the rod on the piston pin, along, between impacts", nominal=1e3
-    ).default()
-    pin_force_across: float = Quantity(
-        "N", "force of the rod on the piston pin, across, between impacts", nominal=1e3
-    ).default()
-    upper_wall_impulse: float = Quantity(
-        "N.s", "upper wall's impulses and integral of its forces: differences give means"
-    ).default()
-    lower_wall_impulse: float = Quantity(
-        "N.s", "lower wall's impulses and integral of its forces: differences give means"
-    ).default()
-    corner_impact_count: Vector = Quantity(
-        "1", "impacts of a corner (upper front, upper rear, lower front, lower rear)",
-        count=True, size="corners",
-    ).per_element()  # fmt: skip
-    corner_impact_impulse: Vector = Quantity(
-        "N.s", "sum of the normal impulses on a corner", size="corners"
+    corner_impact_count: Vector = kinds.COUNT(
+        "impacts of a corner (upper front, upper rear, lower front, lower rear)", size="corners"
     ).per_element()
-    impact_count: float = Quantity("1", "impacts of all corners", count=True).default()
+    corner_impact_impulse: Vector = kinds.IMPULSE(
+        "sum of the normal impulses on a corner", size="corners"
+    ).per_element()
+    impact_count: float = kinds.COUNT("impacts of all corners").default()
     last_impact_time: float = Quantity("s", "time of the last impact").default()
-    last_impact_velocity: float = Quantity(
-        "m/s", "velocity towards the wall just before the last impact", nominal=0.1
+    last_impact_velocity: float = kinds.VELOCITY(
+        "velocity towards the wall just before the last impact", nominal=0.1
     ).default()
-    event_count: float = Quantity("1", "impacts and releases", count=True).default()
+    event_count: float = kinds.COUNT("impacts and releases").default()
     last_event_time: float = Quantity("s", "time of the last impact or release").default()
     friction_power: float = Quantity(
         "W", "power taken by friction at pins and walls, between impacts", nominal=100.0
@@ -278,9 +241,7 @@ class PistonOutputs:
 
 @dataclass
 class PistonCrankOutputs(PistonOutputs):
-    crank_torque: float = Quantity(
-        "N.m", "torque taken from the crank, between impacts", nominal=10.0
-    ).default()
+    crank_torque: float = kinds.TORQUE("torque taken from the crank, between impacts").default()
     crank_impact_impulse: CrankImpulse = 0.0
 
 

@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from ... import kinds
 from ...compile.kernel import kernel
 from ...core.quantities import Quantity, Vector
 from ...core.requirements import Requirement
-from ...plausible import CAM_LIFT, CAM_RADIUS
 from .lift import Lift
 from .profile import Breaks, CamProfile, turn_to_break
 from .ramps import RampParameters, add_ramp, add_ramp_breaks, angle_below_pi, ramp_turn
@@ -23,13 +23,8 @@ class RiseParameters:
     """Defaults: the set `kushwaha2000`."""
 
     law: float = Quantity("1", "law of rise and fall", choices=tuple(RISES)).default()
-    lift: float = Quantity(
-        "m", "lift S of the law, without ramps",
-        nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_LIFT,
-    ).default(8e-3)  # fmt: skip
-    base_radius: float = Quantity(
-        "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
-    ).default(2.610272395869072 * 8e-3)
+    lift: float = kinds.CAM_LIFT("lift S of the law, without ramps").default(8e-3)
+    base_radius: float = kinds.DIAMETER("base circle radius R0").default(2.610272395869072 * 8e-3)
     rise_angle: float = angle_below_pi("cam angle of the rise B", positive=True).default(
         math.radians(88.66608103115016)
     )

@@ -8,9 +8,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from ... import kinds
 from ...compile.kernel import kernel
 from ...core.quantities import Quantity
-from ...plausible import LASH
 from .lift import Lift
 from .profile import Breaks, turn_to_break
 
@@ -24,9 +24,7 @@ def angle_below_pi(description: str, **limits: Any) -> Quantity:
 class RampParameters:
     """Defaults: no ramps."""
 
-    ramp_height: float = Quantity(
-        "m", "lift of the ramps; 0: none", nominal=1e-4, minimum=0.0, display_unit="mm", plausible=LASH
-    ).default()
+    ramp_height: float = kinds.LASH("lift of the ramps; 0: none", minimum=0.0).default()
     opening_ramp_angle: float = angle_below_pi(
         "cam angle of constant velocity before the rise", minimum=0.0
     ).default(math.radians(20.0))

@@ -8,11 +8,11 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from ... import kinds
 from ...compile.kernel import kernel
 from ...core.points import find_segment
-from ...core.quantities import Quantity, Vector
+from ...core.quantities import Vector
 from ...core.requirements import Requirement
-from ...plausible import CAM_RADIUS
 from .lift import Lift
 from .profile import Breaks, CamProfile, turn_to_break
 from .ramps import RampParameters, add_ramp, add_ramp_breaks, ramp_turn
@@ -26,30 +26,22 @@ LEAST_POINTS, MOST_POINTS = 3, 2000
 class PointParameters:
     """Angles ascend within one turn. After the last point the profile goes on to the first one."""
 
-    base_radius: float = Quantity(
-        "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
-    ).default(20e-3)
-    smooth: float = Quantity(
-        "1", "s''' is continuous, as of a spline; false: it jumps at every point", boolean=True
+    base_radius: float = kinds.DIAMETER("base circle radius R0").default(20e-3)
+    smooth: float = kinds.SWITCH(
+        "s''' is continuous, as of a spline; false: it jumps at every point"
     ).default(1.0)
-    table_angle: Vector = Quantity(
-        "rad", "cam angle of a point", display_unit="deg", size="table_points"
+    table_angle: Vector = kinds.ANGLE("cam angle of a point", size="table_points").per_element()
+    table_lift: Vector = kinds.DISPLACEMENT("lift s at a point", size="table_points").per_element()
+    table_slope: Vector = kinds.DISTANCE("s' at a point, by radian", size="table_points").per_element()
+    table_curvature: Vector = kinds.DISTANCE(
+        "s'' at a point, by radian squared", size="table_points"
     ).per_element()
-    table_lift: Vector = Quantity(
-        "m", "lift s at a point", nominal=1e-3, display_unit="mm", size="table_points"
-    ).per_element()
-    table_slope: Vector = Quantity(
-        "m", "s' at a point, by radian", nominal=1e-2, display_unit="mm", size="table_points"
-    ).per_element()
-    table_curvature: Vector = Quantity(
-        "m", "s'' at a point, by radian squared", nominal=1e-2, display_unit="mm", size="table_points"
-    ).per_element()
-    event_begin: float = Quantity(
-        "rad", "cam angle at which the opening ramp joins the event", display_unit="deg"
-    ).default(0.5 * math.pi)
-    event_end: float = Quantity(
-        "rad", "cam angle at which the closing ramp joins the event", display_unit="deg"
-    ).default(1.5 * math.pi)
+    event_begin: float = kinds.ANGLE("cam angle at which the opening ramp joins the event").default(
+        0.5 * math.pi
+    )
+    event_end: float = kinds.ANGLE("cam angle at which the closing ramp joins the event").default(
+        1.5 * math.pi
+    )
 
 
 @dataclass

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
-from ... import plausible
+from ... import kinds
 from ...compile.kernel import kernel
 from ...core.component import NO_EVENT, PowerBond
 from ...core.quantities import Quantity, Vector
@@ -17,51 +17,31 @@ from ...core.requirements import Requirement
 from ..cams.profile import CamProfile
 from .arc import CamContact
 
-Phase = Annotated[
-    float,
-    Quantity(
-        "rad",
-        "cam angle at shaft angle zero; the nose is at pi",
-        display_unit="deg",
-        plausible=plausible.ANGLE,
-    ),
-]
-FollowerRadius = Annotated[
-    float,
-    Quantity(
-        "m",
-        "radius of roller or pad",
-        nominal=1e-2,
-        positive=True,
-        display_unit="mm",
-        plausible=plausible.CURVATURE,
-    ),
-]
+Phase = Annotated[float, kinds.PHASE("cam angle at shaft angle zero; the nose is at pi")]
+FollowerRadius = Annotated[float, kinds.ARC("radius of roller or pad")]
 
 
 @dataclass
 class CamInputs:
     """What a follower feels of its cam. The cam's axis stays in place where its displacement is not given."""
 
-    cam_angle: float = Quantity("rad", "angle of the shaft at the cam", display_unit="deg").default()
-    cam_speed: float = Quantity(
-        "rad/s", "speed of the shaft at the cam", nominal=100.0, display_unit="rpm"
-    ).default()
+    cam_angle: float = kinds.ANGLE("angle of the shaft at the cam").default()
+    cam_speed: float = kinds.SPEED("speed of the shaft at the cam").default()
     axis_x: float = Quantity(
         "m", "displacement of the cam's axis across the follower's path", nominal=1e-4
     ).default()
     axis_y: float = Quantity(
         "m", "displacement of the cam's axis towards the follower", nominal=1e-4
     ).default()
-    axis_velocity_x: float = Quantity("m/s", "rate of axis_x", nominal=0.1).default()
-    axis_velocity_y: float = Quantity("m/s", "rate of axis_y", nominal=0.1).default()
-    cam_load: float = Quantity("N", "load W of the cam on the follower", nominal=500.0).default()
-    cam_friction: float = Quantity("N", "friction on the cam against its sliding", nominal=10.0).default()
-    rolling_friction: float = Quantity(
-        "N", "rolling friction F_R of each surface, with the sign of the entraining velocity", nominal=10.0
+    axis_velocity_x: float = kinds.VELOCITY("rate of axis_x", nominal=0.1).default()
+    axis_velocity_y: float = kinds.VELOCITY("rate of axis_y", nominal=0.1).default()
+    cam_load: float = kinds.FORCE("load W of the cam on the follower").default()
+    cam_friction: float = kinds.FRICTION("friction on the cam against its sliding").default()
+    rolling_friction: float = kinds.FRICTION(
+        "rolling friction F_R of each surface, with the sign of the entraining velocity"
     ).default()
-    surface_speed: float = Quantity(
-        "m/s", "speed of a pad's surface along its body: of a roller that may slip"
+    surface_speed: float = kinds.VELOCITY(
+        "speed of a pad's surface along its body: of a roller that may slip"
     ).default()
 
 
@@ -69,38 +49,26 @@ class CamInputs:
 class CamOutputs:
     """What the contact and the shaft feel of a follower."""
 
-    overlap: float = Quantity(
-        "m", "cam into follower along the normal", nominal=1e-6, display_unit="um"
+    overlap: float = kinds.FILM("cam into follower along the normal").default()
+    overlap_rate: float = kinds.VELOCITY("rate of the overlap", nominal=1e-2).default()
+    entraining_velocity: float = kinds.VELOCITY("mean surface velocity relative to the contact").default()
+    sliding_velocity: float = kinds.VELOCITY("velocity of cam over follower surface").default()
+    rolling_velocity: float = kinds.VELOCITY(
+        "surface_speed at which nothing would slide; 0 where nothing can"
     ).default()
-    overlap_rate: float = Quantity("m/s", "rate of the overlap", nominal=1e-2).default()
-    entraining_velocity: float = Quantity("m/s", "mean surface velocity relative to the contact").default()
-    sliding_velocity: float = Quantity("m/s", "velocity of cam over follower surface").default()
-    rolling_velocity: float = Quantity(
-        "m/s", "surface_speed at which nothing would slide; 0 where nothing can"
+    rolling_speed: float = kinds.VELOCITY(
+        "velocities of both surfaces past the contact, without that of a roller that may slip"
     ).default()
-    rolling_speed: float = Quantity(
-        "m/s", "velocities of both surfaces past the contact, without that of a roller that may slip"
-    ).default()
-    surface_velocity: float = Quantity("m/s", "surface_speed of a pad; 0 for a roller without slip").default()
-    radius_of_curvature: float = Quantity(
-        "m", "reduced radius of cam and follower", nominal=1e-2, display_unit="mm"
-    ).default(0.02)
-    pressure_angle: float = Quantity(
-        "rad", "angle of the contact's normal to the follower's path", display_unit="deg"
-    ).default()
-    cam_radius: float = Quantity(
-        "m", "radius of the cam at the contact", nominal=1e-2, display_unit="mm"
-    ).default(0.02)
-    contact_offset: float = Quantity(
-        "m", "place of the contact along the follower", nominal=1e-2, display_unit="mm"
-    ).default()
-    profile_angle: float = Quantity(
-        "rad", "angle of the cam at the contact; the nose is at pi", display_unit="deg"
-    ).default()
-    cam_torque: float = Quantity("N.m", "torque taken from the shaft", nominal=10.0).default()
-    cam_force_x: float = Quantity("N", "force on the cam's axis along axis_x", nominal=500.0).default()
-    cam_force_y: float = Quantity("N", "force on the cam's axis along axis_y", nominal=500.0).default()
-    cam_lift: float = Quantity("m", "lift s of the profile", nominal=1e-3, display_unit="mm").default()
+    surface_velocity: float = kinds.VELOCITY("surface_speed of a pad; 0 for a roller without slip").default()
+    radius_of_curvature: float = kinds.DISTANCE("reduced radius of cam and follower").default(0.02)
+    pressure_angle: float = kinds.ANGLE("angle of the contact's normal to the follower's path").default()
+    cam_radius: float = kinds.DISTANCE("radius of the cam at the contact").default(0.02)
+    contact_offset: float = kinds.DISTANCE("place of the contact along the follower").default()
+    profile_angle: float = kinds.ANGLE("angle of the cam at the contact; the nose is at pi").default()
+    cam_torque: float = kinds.TORQUE("torque taken from the shaft").default()
+    cam_force_x: float = kinds.FORCE("force on the cam's axis along axis_x").default()
+    cam_force_y: float = kinds.FORCE("force on the cam's axis along axis_y").default()
+    cam_lift: float = kinds.DISPLACEMENT("lift s of the profile").default()
     next_event: float = Quantity(
         "s", "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests"
     ).default(NO_EVENT)

@@ -7,48 +7,37 @@ import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from ... import kinds
 from ...compile.kernel import kernel
 from ...core.component import PowerBond
 from ...core.quantities import Quantity
-from ...plausible import CURVATURE
 
 
 @dataclass
 class TipParameters:
-    tip_radius: float = Quantity(
-        "m", "radius of the lever's pad on the valve",
-        nominal=1e-2, positive=True, display_unit="mm", plausible=CURVATURE,
-    ).default(10e-3)  # fmt: skip
+    tip_radius: float = kinds.ARC("radius of the lever's pad on the valve").default(10e-3)
 
 
 @dataclass
 class TipInputs:
-    tip_load: float = Quantity("N", "load of the lever on the valve", nominal=500.0).default()
-    tip_friction: float = Quantity(
-        "N", "friction on the lever's pad against its sliding", nominal=10.0
-    ).default()
+    tip_load: float = kinds.FORCE("load of the lever on the valve").default()
+    tip_friction: float = kinds.FRICTION("friction on the lever's pad against its sliding").default()
 
 
 @dataclass
 class TipOutputs:
-    tip_position: float = Quantity(
-        "m", "position of the pad towards the valve", nominal=1e-3, display_unit="mm"
+    tip_position: float = kinds.DISPLACEMENT("position of the pad towards the valve").default()
+    tip_velocity: float = kinds.VELOCITY("velocity of the pad towards the valve").default()
+    tip_entraining_velocity: float = kinds.VELOCITY(
+        "mean surface velocity relative to the contact on the valve"
     ).default()
-    tip_velocity: float = Quantity("m/s", "velocity of the pad towards the valve").default()
-    tip_entraining_velocity: float = Quantity(
-        "m/s", "mean surface velocity relative to the contact on the valve"
-    ).default()
-    tip_sliding_velocity: float = Quantity("m/s", "velocity of the pad over the valve's tip").default()
-    tip_contact_radius: float = Quantity(
-        "m", "reduced radius of pad and tip", nominal=1e-2, display_unit="mm"
-    ).default(10e-3)
+    tip_sliding_velocity: float = kinds.VELOCITY("velocity of the pad over the valve's tip").default()
+    tip_contact_radius: float = kinds.DISTANCE("reduced radius of pad and tip").default(10e-3)
 
 
 @dataclass
 class LeverMotion:
-    rotation: float = Quantity(
-        "rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg"
-    ).default()
+    rotation: float = kinds.ANGLE("rotation, zero with the valve closed", nominal=0.1).default()
     rotation_rate: float = Quantity("rad/s", "rate of the rotation", nominal=10.0).default()
 
 
