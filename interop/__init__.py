@@ -6,9 +6,6 @@ only the tool's packages and this folder. It has
 - TITLE; REQUIREMENTS, the packages that pip installs; USE, what else its user needs, or "nothing";
 - version(): the tool's version, or an exception that says what is missing;
 - values(case): all outputs after every step. Each step holds its row of the case's input table;
-- timing(case): a context that gives a function from a number of steps to the seconds that the tool's own
-  loop takes for them. It holds the inputs of the first row and records as little as the tool allows. The
-  first call does not count;
 - optionally steps(count, step): time and size of each step, if the steps do not begin at i * step;
 - optionally FMI: the versions that the tool takes, if not both;
 - optionally PLATFORM: the platform of native FMUs, if it is not this one;

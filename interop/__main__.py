@@ -17,8 +17,6 @@ from .comparison import KINDS, TRAINS, compare
 from .document import make_result, read_results, write_results
 from .processes import NAMES, explain_missing, install
 
-RUNS = 4  # the best one counts
-
 
 def main() -> int:
     """Return 0 if every named tool could run."""
@@ -41,10 +39,10 @@ def main() -> int:
             continue
         for fmu, kind in product(given.fmu or [*FMUS, *TRAINS], KINDS):
             began = time.perf_counter()
-            result = make_result(fmu, *compare(name, fmu, KINDS[kind], RUNS))
+            result = make_result(fmu, *compare(name, fmu, KINDS[kind]))
             results[name, fmu, kind] = result
             passed = time.perf_counter() - began
-            shown = " ".join((result.difference, result.steps_per_s, result.message))
+            shown = " ".join((result.difference, result.message))
             print(f"{name}: {fmu}, {KINDS[kind].title}: {shown} ({passed:.1f} s)", flush=True)
         write_results(results)
     return 1 if given.tools and absent else 0

@@ -6,19 +6,14 @@ import subprocess
 import sys
 import sysconfig
 import zipfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from .case import Case, RefusedError, report_loaded
 
 SOURCE = Path(__file__).with_name("host.c")
 WARNINGS = ["-Wall", "-Wextra", "-Werror"]
-
-# The functions of a tool: outputs after each step; seconds that a number of steps takes.
-Values = Callable[[Case], list[list[float]]]
-Timing = Callable[[Case], AbstractContextManager[Callable[[int], float]]]
 
 
 def compile_host(folder: Path, target: str = "", suffix: str = "") -> Path:
@@ -68,23 +63,6 @@ class Host:
             raise RefusedError(f"{words} (exit status {process.returncode})")
         return [[_value(bits) for bits in line.split()] for line in said.splitlines()[1:]]
 
-    @contextmanager
-    def timing(self, case: Case) -> Iterator[Callable[[int], float]]:
-        process = self._start(replace(case, table=case.table[:1]), "free", {})
-        answers = process.stdout
-        assert answers is not None
-        answers.readline(), answers.readline()
-
-        def seconds(steps: int) -> float:
-            print(steps, file=process.stdin, flush=True)
-            said = answers.readline()
-            if not said:
-                raise RefusedError(process.communicate()[1].strip() or "no message")
-            return float(said)
-
-        yield seconds
-        process.communicate()
-
     def _start(self, case: Case, at_end: str, environment: Mapping[str, str]) -> subprocess.Popen[str]:
         folder = self.program.parent / "unpacked"
         with zipfile.ZipFile(case.fmu) as archive:
@@ -109,21 +87,6 @@ class Host:
             text=True,
             errors="replace",
         )
-
-
-def tool_functions(started: Callable[[Case], AbstractContextManager[Host]]) -> tuple[Values, Timing]:
-    """The `values` and `timing` of a tool that starts the program with `started`."""
-
-    def values(case: Case) -> list[list[float]]:
-        with started(case) as host:
-            return host.values(case)
-
-    @contextmanager
-    def timing(case: Case) -> Iterator[Callable[[int], float]]:
-        with started(case) as host, host.timing(case) as seconds:
-            yield seconds
-
-    return values, timing
 
 
 def format_case(case: Case) -> str:

@@ -113,11 +113,11 @@ def largest_difference(found: list[list[float]], truth: list[list[float]]) -> fl
     return float((missed[apart] / np.where(scale[apart] > 0.0, scale[apart], 1.0)).max(initial=0.0))
 
 
-def compare(name: str, fmu: str, kind: Kind, runs: int = 0) -> tuple[float | None, Answer]:
+def compare(name: str, fmu: str, kind: Kind) -> tuple[float | None, Answer]:
     """The largest difference from the component (None without values), and the tool's answer."""
     with make_component(fmu) as component:
         case = make_case(component, kind, kind.build(component, getattr(load_tool(name), "PLATFORM", "")))
-        answer = ask(name, case, runs)
+        answer = ask(name, case)
         if answer.values is None:
             return None, answer
         steps = getattr(load_tool(name), "steps", list_equal_steps)(case.steps, case.step)

@@ -28,7 +28,6 @@ class Result:
     version: str
     machine: str
     difference: str
-    steps_per_s: str
     message: str
 
     @property
@@ -40,15 +39,14 @@ Results = dict[tuple[str, str, str], Result]  # by tool, FMU and kind
 
 
 def make_result(fmu: str, difference: float | None, answer: Answer) -> Result:
-    """The difference has two digits, the rate three."""
+    """The difference has two digits."""
     if difference is None:
         stage = "stops" if answer.loaded else "does not load"
         shown = stage if answer.tried else "not tried"
     else:
         shown = f"{difference:.1e}" if difference else "0"
-    rate = "" if difference is None or answer.rate is None else f"{float(f'{answer.rate:.3g}'):.0f}"
     machine = f"Python {platform.python_version()} on {platform.system()}, {os.cpu_count()} cores"
-    return Result(answer.version, machine, shown, rate, answer.failed.replace(fmu, "NAME"))
+    return Result(answer.version, machine, shown, answer.failed.replace(fmu, "NAME"))
 
 
 def read_results() -> Results:
@@ -90,7 +88,7 @@ def format_page(results: Results) -> str:
 
 
 def summarise(tool: str, results: Mapping[tuple[str, str], Result]) -> list[str]:
-    """The tool's row: how many FMUs of each kind run, the largest difference, the range of rates."""
+    """The tool's row: how many FMUs of each kind run, and the largest difference."""
     cells = []
     for kind in KINDS:
         found = [result for (_, which), result in results.items() if which == kind]
@@ -98,10 +96,8 @@ def summarise(tool: str, results: Mapping[tuple[str, str], Result]) -> list[str]
         if not ran:
             cells.append(", ".join(sorted({result.difference for result in found})))
             continue
-        words = [f"{len(ran)} of {len(found)}", max((result.difference for result in ran), key=float)]
-        if rates := [int(result.steps_per_s) for result in ran if result.steps_per_s]:
-            words.append(f"{min(rates)} to {max(rates)}")
-        cells.append(", ".join(words))
+        largest = max((result.difference for result in ran), key=float)
+        cells.append(f"{len(ran)} of {len(found)}, {largest}")
     version = max(result.version for result in results.values())
     return [load_tool(tool).TITLE, version, *cells]
 

@@ -5,16 +5,13 @@
    LIBPYTHON is loaded first, for all to see, because libraries of FMUs that run in Python name it nowhere; "-" is
    none. CASE has whole numbers and doubles, the latter as their bits in hexadecimal: version of FMI, step, numbers of
    inputs, outputs and steps; the references of inputs and outputs; the inputs' values, step by step. The outputs' bits
-   after each step are a line. Then, for each number that standard input has, so many steps are made without setting
-   or getting anything, and their seconds are a line. Last, the instance is freed, or kept until the process ends.
-   Messages of the FMU go to standard error. Exit status: 2 wrong arguments, 3 a library or function missing, 4 a call
-   that fails. */
+   after each step are a line. Last, the instance is freed, or kept until the process ends. Messages of the FMU go to
+   standard error. Exit status: 2 wrong arguments, 3 a library or function missing, 4 a call that fails. */
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "fmi2Functions.h"
 #include "fmi3Functions.h"
@@ -162,13 +159,6 @@ static void advance(double time, double step)
           "step");
 }
 
-static double now(void)
-{
-    struct timespec time;
-    timespec_get(&time, TIME_UTC);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
 int main(int argc, char **argv)
 {
     if (argc != 7 || (numbers = fopen(argv[5], "r")) == NULL) {
@@ -200,12 +190,6 @@ int main(int argc, char **argv)
             memcpy(&bits, found + i, sizeof bits);
             printf("%016" PRIx64 "%c", bits, i + 1 < outputs ? ' ' : '\n');
         }
-    }
-    fflush(stdout);
-    for (size_t k = steps, more; scanf("%zu", &more) == 1; fflush(stdout)) {
-        const double began = now();
-        for (const size_t end = k + more; k < end; k++) advance((double)k * step, step);
-        printf("%.9g\n", now() - began);
     }
     if (strcmp(argv[6], "free") == 0) {
         if (fmi == 2) {

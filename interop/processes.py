@@ -41,7 +41,6 @@ class Answer:
     version: str = ""
     loaded: bool = False
     values: list[list[float]] | None = None
-    rate: float | None = None
     failed: str = ""
     tried: bool = True
 
@@ -76,12 +75,12 @@ def explain_missing(name: str, python: Path | None = None) -> str:
     return f"{load_tool(name).TITLE} cannot run here: {why}" if why else ""
 
 
-def ask(name: str, case: Case | None = None, runs: int = 0, python: Path | None = None) -> Answer:
-    """Run the tool on a case, with `runs` timed runs; without a case, ask for its version only."""
+def ask(name: str, case: Case | None = None, python: Path | None = None) -> Answer:
+    """Run the tool on a case, or, ask for its version only."""
     with tempfile.TemporaryDirectory(prefix="tribocosim-tools-") as folder:
         command = [str(python or find_interpreter(name)), "-m", "interop.tool_process", name]
         if case is not None:
-            command += [str(case.write(Path(folder) / "case.json")), str(runs)]
+            command += [str(case.write(Path(folder) / "case.json"))]
         environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
         try:
             finished = subprocess.run(
@@ -106,7 +105,7 @@ def _read_answer(finished: subprocess.CompletedProcess[str]) -> Answer:
     reported: dict[str, Any] = {}
     for line in finished.stdout.splitlines():
         word, _, rest = line.partition(" ")
-        if word in ("VERSION", "VALUES", "RATE", "FAILED", "UNTRIED"):
+        if word in ("VERSION", "VALUES", "FAILED", "UNTRIED"):
             reported[word] = json.loads(rest)
         elif word == "LOADED":
             reported[word] = True
@@ -119,7 +118,6 @@ def _read_answer(finished: subprocess.CompletedProcess[str]) -> Answer:
         version=reported.get("VERSION", ""),
         loaded="LOADED" in reported,
         values=reported.get("VALUES"),
-        rate=reported.get("RATE"),
         failed=failed,
         tried="UNTRIED" not in reported,
     )

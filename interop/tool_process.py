@@ -1,8 +1,7 @@
-"""Runs one tool on one case in its own process: `python -m interop.tool_process TOOL [CASE [RUNS]]`.
+"""Runs one tool on one case in its own process: `python -m interop.tool_process TOOL [CASE]`.
 
 FMU and tool cannot import this repository's packages. The process writes lines of a word and JSON: VERSION;
-LOADED; VALUES, the outputs after each step; RATE, steps per second, the best of RUNS; FAILED, the reason;
-UNTRIED, what is missing.
+LOADED; VALUES, the outputs after each step; FAILED, the reason; UNTRIED, what is missing.
 """
 
 import importlib
@@ -16,31 +15,19 @@ from tests.fmus.instance import Blocker
 from .case import Case, NotTriedError, RefusedError
 
 OURS = ("models", "fmus", "orchestrator", "pythonfmu")
-# Steps of the first run; largest number of steps of a timed run, and its longest time (s).
-FIRST, STEPS, LONG = 50, 2000, 0.3
 
 
 def report(word: str, value: Any = None) -> None:
     print(word, json.dumps(value), flush=True)
 
 
-def measure_rate(tool: Any, case: Case, runs: int) -> float:
-    """Steps per second, the best of several runs."""
-    with tool.timing(case) as seconds:
-        count = min(STEPS, int(FIRST + LONG * FIRST / seconds(FIRST)))
-        return count / min(seconds(count) for _ in range(runs))
-
-
-def main(name: str, file: str = "", runs: str = "0") -> int:
+def main(name: str, file: str = "") -> int:
     tool = importlib.import_module(f"interop.tools.{name}")
     sys.meta_path.insert(0, Blocker(OURS))
     try:
         report("VERSION", tool.version())
         if file:
-            case = Case.read(Path(file))
-            report("VALUES", tool.values(case))
-            if int(runs):
-                report("RATE", measure_rate(tool, case, int(runs)))
+            report("VALUES", tool.values(Case.read(Path(file))))
     except (RefusedError, NotTriedError) as error:
         report("FAILED" if isinstance(error, RefusedError) else "UNTRIED", str(error))
         return 1

@@ -1,11 +1,9 @@
 """A program in C (`interop/host.c`)."""
 
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
-from ..c_program import Host, compile_host, find_libpython, tool_functions
+from ..c_program import Host, compile_host, find_libpython
 from ..case import Case, RefusedError
 
 TITLE = "program in C"
@@ -21,11 +19,7 @@ def version() -> str:
     return f"zig {version('ziglang')}"
 
 
-@contextmanager
-def _host(case: Case) -> Iterator[Host]:
+def values(case: Case) -> list[list[float]]:
     preload = str(find_libpython()) if case.python else "-"
     with tempfile.TemporaryDirectory() as folder:
-        yield Host(compile_host(Path(folder)), preload=preload)
-
-
-values, timing = tool_functions(_host)
+        return Host(compile_host(Path(folder)), preload=preload).values(case)

@@ -1,8 +1,5 @@
 """CoFmuPy: a coordinator, with the inputs as literal streams."""
 
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from typing import Any
 
 from ..case import Case, report_loaded
@@ -28,34 +25,13 @@ def version() -> str:
 
 
 def values(case: Case) -> list[list[float]]:
-    coordinator = _start(case, case.table)
-    coordinator.run_simulation(case.step, case.steps * case.step)
-    found = coordinator.get_results()
-    return [[float(found["unit", name][i]) for name in case.outputs] for i in range(case.steps)]
-
-
-@contextmanager
-def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    coordinator, done = _start(case, case.table[:1]), 0
-
-    def seconds(steps: int) -> float:
-        nonlocal done
-        done += steps
-        began = time.perf_counter()
-        coordinator.run_simulation(case.step, done * case.step)
-        return time.perf_counter() - began
-
-    yield seconds
-
-
-def _start(case: Case, table: Sequence[Sequence[float]]) -> Any:
     from cofmupy import Coordinator
 
     streams = {
-        name: {str(i * case.step): row[j] for i, row in enumerate(table)}
+        name: {str(i * case.step): row[j] for i, row in enumerate(case.table)}
         for j, name in enumerate(case.inputs)
     }
-    coordinator = Coordinator()
+    coordinator: Any = Coordinator()
     coordinator.start(
         {
             "fmus": [{"id": "unit", "name": "unit", "path": case.fmu}],
@@ -70,4 +46,6 @@ def _start(case: Case, table: Sequence[Sequence[float]]) -> Any:
         }
     )
     report_loaded()
-    return coordinator
+    coordinator.run_simulation(case.step, case.steps * case.step)
+    found = coordinator.get_results()
+    return [[float(found["unit", name][i]) for name in case.outputs] for i in range(case.steps)]

@@ -4,8 +4,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,18 +25,6 @@ def version() -> str:
 
 
 def values(case: Case) -> list[list[float]]:
-    with _pack_container(case) as container:
-        return fmpy.values(container)
-
-
-@contextmanager
-def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    with _pack_container(case) as container, fmpy.timing(container) as seconds:
-        yield seconds
-
-
-@contextmanager
-def _pack_container(case: Case) -> Iterator[Case]:
     with tempfile.TemporaryDirectory() as folder:
         shutil.copy(case.fmu, Path(folder) / "unit.fmu")
         (Path(folder) / "container.csv").write_text(
@@ -48,4 +34,4 @@ def _pack_container(case: Case) -> Iterator[Case]:
         finished = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if finished.returncode:
             raise RefusedError((finished.stdout + finished.stderr).strip().splitlines()[-1])
-        yield replace(case, fmu=str(Path(folder) / "container.fmu"))
+        return fmpy.values(replace(case, fmu=str(Path(folder) / "container.fmu")))

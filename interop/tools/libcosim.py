@@ -1,10 +1,6 @@
 """libcosim, through its Python package."""
 
 import itertools
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Any
 
 from ..case import Case, RefusedError, report_loaded
 
@@ -35,36 +31,9 @@ def steps(count: int, step: float) -> list[tuple[float, float]]:
 
 
 def values(case: Case) -> list[list[float]]:
-    from libcosimpy.CosimObserver import CosimObserver
-
-    execution, index, manipulator = _load(case)
-    observer = CosimObserver.create_last_value()
-    execution.add_observer(observer)
-    inputs, outputs = case.find_references(case.inputs), case.find_references(case.outputs)
-    found = []
-    for row in case.table:
-        manipulator.slave_real_values(index, inputs, row)
-        _step(execution, 1)
-        found.append(observer.last_real_values(index, outputs))
-    return found
-
-
-@contextmanager
-def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    execution, index, manipulator = _load(case)
-    manipulator.slave_real_values(index, case.find_references(case.inputs), case.table[0])
-
-    def seconds(steps: int) -> float:
-        began = time.perf_counter()
-        _step(execution, steps)
-        return time.perf_counter() - began
-
-    yield seconds
-
-
-def _load(case: Case) -> tuple[Any, int, Any]:
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimManipulator import CosimManipulator
+    from libcosimpy.CosimObserver import CosimObserver
     from libcosimpy.CosimSlave import CosimLocalSlave
 
     execution = CosimExecution.from_step_size(step_size=round(case.step * SECOND))
@@ -73,14 +42,17 @@ def _load(case: Case) -> tuple[Any, int, Any]:
         raise RefusedError(_last_error())
     index = execution.add_local_slave(slave)
     report_loaded()
-    manipulator = CosimManipulator.create_override()
+    manipulator, observer = CosimManipulator.create_override(), CosimObserver.create_last_value()
     execution.add_manipulator(manipulator)
-    return execution, index, manipulator
-
-
-def _step(execution: Any, count: int) -> None:
-    if not execution.step(step_count=count):
-        raise RefusedError(_last_error())
+    execution.add_observer(observer)
+    inputs, outputs = case.find_references(case.inputs), case.find_references(case.outputs)
+    found = []
+    for row in case.table:
+        manipulator.slave_real_values(index, inputs, row)
+        if not execution.step(step_count=1):
+            raise RefusedError(_last_error())
+        found.append(observer.last_real_values(index, outputs))
+    return found
 
 
 def _last_error() -> str:

@@ -1,9 +1,6 @@
 """PathSim: a block `CoSimulationFMU` with a source at every input."""
 
-import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Callable
 
 from ..case import Case, report_loaded
 
@@ -27,38 +24,20 @@ def version() -> str:
 
 
 def values(case: Case) -> list[list[float]]:
-    def held(column: int) -> Callable[[float], float]:
-        return lambda t: case.table[min(round(t / case.step), case.steps - 1)][column]
-
-    sources = {name: held(j) for j, name in enumerate(case.inputs)}
-    simulation, scope = _simulation(case, sources, case.outputs)
-    simulation.run((case.steps - 1) * case.step, adaptive=False)
-    _, found = scope.read()
-    return [[float(value) for value in row] for row in found.T]
-
-
-@contextmanager
-def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    sources = {name: (lambda t, value=value: value) for name, value in case.start.items()}
-    simulation, _ = _simulation(case, sources, ())
-
-    def seconds(steps: int) -> float:
-        began = time.perf_counter()
-        simulation.run(steps * case.step, adaptive=False)
-        return time.perf_counter() - began
-
-    yield seconds
-
-
-def _simulation(case: Case, sources: Mapping[str, Callable[[float], float]], outputs: Any) -> tuple[Any, Any]:
     from pathsim import Connection, Simulation
     from pathsim.blocks import Scope, Source
     from pathsim_fmi import CoSimulationFMU
 
+    def held(column: int) -> Callable[[float], float]:
+        return lambda t: case.table[min(round(t / case.step), case.steps - 1)][column]
+
     unit = CoSimulationFMU(case.fmu, dt=case.step)
     report_loaded()
-    scope = Scope(labels=list(outputs))
-    blocks = {name: Source(source) for name, source in sources.items()}
+    scope = Scope(labels=list(case.outputs))
+    blocks = {name: Source(held(j)) for j, name in enumerate(case.inputs)}
     connections = [Connection(block, unit[name]) for name, block in blocks.items()]
-    connections += [Connection(unit[name], scope[j]) for j, name in enumerate(outputs)]
-    return Simulation([unit, *blocks.values(), scope], connections, dt=case.step, log=False), scope
+    connections += [Connection(unit[name], scope[j]) for j, name in enumerate(case.outputs)]
+    simulation = Simulation([unit, *blocks.values(), scope], connections, dt=case.step, log=False)
+    simulation.run((case.steps - 1) * case.step, adaptive=False)
+    _, found = scope.read()
+    return [[float(value) for value in row] for row in found.T]

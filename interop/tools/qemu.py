@@ -3,11 +3,9 @@
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
-from ..c_program import Host, compile_host, tool_functions
+from ..c_program import Host, compile_host
 from ..case import Case, RefusedError
 
 TITLE = "program in C for ARM64, in qemu"
@@ -17,7 +15,6 @@ PLATFORM = "aarch64-linux"
 FINDINGS = (
     "The difference of `ehl_contact` comes from glibc's `erfc` (load of asperities): on ARM64 one value of "
     "twenty has another last bit.",
-    "Rates are those of an emulator.",
 )
 
 LIBRARIES = "/usr/aarch64-linux-gnu"
@@ -30,12 +27,8 @@ def version() -> str:
     return said.splitlines()[0].partition(" (")[0]
 
 
-@contextmanager
-def _host(case: Case) -> Iterator[Host]:
+def values(case: Case) -> list[list[float]]:
     with tempfile.TemporaryDirectory() as folder:
         program = compile_host(Path(folder), "aarch64-linux-gnu.2.17")
         places = {2: PLATFORM, 3: PLATFORM}
-        yield Host(program, places, runner=["qemu-aarch64", "-L", LIBRARIES])
-
-
-values, timing = tool_functions(_host)
+        return Host(program, places, runner=["qemu-aarch64", "-L", LIBRARIES]).values(case)

@@ -4,11 +4,9 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
-from ..c_program import Host, compile_host, tool_functions
+from ..c_program import Host, compile_host
 from ..case import FOLDER, Case, NotTriedError, RefusedError
 
 TITLE = "program in C for Windows, in wine"
@@ -28,8 +26,7 @@ def version() -> str:
     return subprocess.run(["wine", "--version"], capture_output=True, text=True, check=True).stdout.strip()
 
 
-@contextmanager
-def _host(case: Case) -> Iterator[Host]:
+def values(case: Case) -> list[list[float]]:
     if case.python:
         raise NotTriedError("there is no Python for Windows here")
     prefix = Path(os.environ[FOLDER]) / "prefix"
@@ -37,7 +34,4 @@ def _host(case: Case) -> Iterator[Host]:
     os.environ |= {"WINEPREFIX": str(prefix), "WINEDEBUG": "-all"}
     with tempfile.TemporaryDirectory() as folder:
         program = compile_host(Path(folder), "x86_64-windows-gnu", ".exe")
-        yield Host(program, {2: "win64", 3: PLATFORM}, ".dll", runner=["wine"], drive="Z:")
-
-
-values, timing = tool_functions(_host)
+        return Host(program, {2: "win64", 3: PLATFORM}, ".dll", runner=["wine"], drive="Z:").values(case)
