@@ -1,12 +1,10 @@
 """The machine's parameters on axes, and coloured cells around their values."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
@@ -36,14 +34,3 @@ def draw_cells(figure: Figure, axes: Axes, x: Vector, y: Vector, values: Vector,
     axes.grid(False)
     mesh = axes.pcolormesh(compute_edges(x), compute_edges(y), values, rasterized=True, **style)
     return figure.colorbar(mesh, ax=axes, pad=0.02)
-
-
-def draw_kinds(
-    figure: Figure, axes: Axes, x: Vector, y: Vector, kinds: Any, colours: Sequence[str], names: Sequence[str]
-) -> Colorbar:
-    """Cells of kinds 0, 1, ..., each of which has its colour and its name."""
-    norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
-    bar = draw_cells(figure, axes, x, y, kinds, cmap=ListedColormap(colours), norm=norm)
-    bar.set_ticks(range(len(names)), labels=names)
-    bar.ax.tick_params(length=0)
-    return bar

@@ -13,10 +13,9 @@ from scipy.optimize import brentq
 from models.compile.parallel import cores, each
 from models.slider_crank.flight.bouncing import Walls
 from models.slider_crank.flight.flow import Flow
-from models.slider_crank.motions.basins import find_basins
 from models.slider_crank.motions.bifurcation import continue_sweep, sweep_from_rest
 from models.slider_crank.motions.machine import Machine, Motion
-from models.slider_crank.motions.maps import exponent_map, largest_exponent, period_map
+from models.slider_crank.motions.maps import exponent_map, largest_exponent
 
 from .oscillators import FAR, impact_oscillator, impact_oscillator_orbit
 
@@ -76,12 +75,6 @@ def test_period_doubles_where_the_closed_form_says(doubling):
     assert onset == pytest.approx(0.0, abs=2e-5)
 
 
-def test_the_period_map_doubles_there_too(doubling):
-    omegas = doubling + np.array([-0.03, 0.03])
-    periods = period_map(ImpactOscillator(), ("omega", omegas), ("restitution", [0.8]), cycles=4000)
-    assert periods.tolist() == [[1, 2]]
-
-
 def test_exponent_of_the_impact_oscillator_has_its_closed_form():
     # Complex multipliers of determinant r^2: both exponents are ln(r^2) / 2 a cycle.
     exponent, _, impacts = largest_exponent(ImpactOscillator(omega=2.5), 4000, 1000)
@@ -98,8 +91,6 @@ def test_maps_are_made_of_single_points_whatever_the_number_of_workers():
     assert one.largest.shape == (6, 7)
     alone = largest_exponent(Machine(float(XS[1][2]), float(YS[1][4]), form="as_published"), 100, 20)
     assert (one.largest[4, 2], one.uncertainty[4, 2], one.impacts_per_cycle[4, 2]) == alone
-    periods = [period_map(machine, XS, YS, cycles=300, workers=workers) for workers in (1, 2)]
-    np.testing.assert_array_equal(*periods)
 
 
 def test_a_diagram_from_rest_is_made_of_single_motions():
@@ -169,37 +160,3 @@ def test_an_interruption_ends_the_work():
     with pytest.raises(KeyboardInterrupt):
         each(work, range(20_000), workers=2, progress=interrupted)
     assert len(done) < 20_000
-
-
-def grid(gap: float, count: int):
-    return np.linspace(-gap, gap, count), np.linspace(-10.0 * gap, 10.0 * gap, count)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("workers", [1, 3])
-def test_a_sliding_and_a_bouncing_orbit_have_a_basin_each(workers):
-    # Permanent sliding and four impacts a cycle, both stable, with the corrected sign.
-    machine = Machine(damping=0.15, gap=0.02, form="corrected")
-    found = find_basins(machine, *grid(0.02, 8), cycles=2000, workers=workers)
-    assert [attractor.period for attractor in found.attractors] == [1, 1]
-    sliding = [attractor.exponent == -math.inf for attractor in found.attractors]
-    assert sorted(sliding) == [False, True]
-    counts = [attractor.starts for attractor in found.attractors]
-    assert counts == sorted(counts, reverse=True)
-    np.testing.assert_array_equal(np.bincount(found.label.ravel()), counts)
-
-
-@pytest.mark.parametrize(("gap", "period", "sign"), [(0.015, 1, -1.0), (0.01, 0, 1.0)])
-def test_one_attractor_whether_periodic_or_chaotic_is_one_from_every_start(gap, period, sign):
-    found = find_basins(Machine(damping=0.05, gap=gap, form="as_published"), *grid(gap, 6), cycles=2000)
-    assert len(found.attractors) == 1
-    assert found.attractors[0].period == period
-    assert found.attractors[0].exponent * sign > 3.0 * found.attractors[0].uncertainty
-
-
-@pytest.mark.parametrize(
-    ("farthest", "cycles", "said"), [(0.02, 100, "between the walls"), (0.0, 39, "cycles = 39")]
-)
-def test_starts_outside_the_walls_and_too_few_cycles_are_refused(farthest, cycles, said):
-    with pytest.raises(ValueError, match=said):
-        find_basins(Machine(gap=0.01), np.array([0.0, farthest]), np.array([0.0]), cycles=cycles)

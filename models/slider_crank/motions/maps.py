@@ -1,4 +1,4 @@
-"""Maps over two parameters of the machine: largest exponent and period."""
+"""Maps of the largest exponent over two parameters of the machine."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -10,7 +10,6 @@ import numpy as np
 from ...compile.parallel import each, no_progress
 from ...core.quantities import Vector
 from .machine import Machine, Motion
-from .recurrence import run_until_recurrent
 
 # Parameters that a map or a bifurcation diagram can vary.
 VARIABLES = tuple(field.name for field in fields(Machine) if field.name != "form")
@@ -47,25 +46,6 @@ def exponent_map(
 
     found = np.array(each(point, build_grid(machine, x, y), workers, progress))
     return ExponentMap(*found.T.reshape(3, len(y[1]), len(x[1])))
-
-
-def period_map(
-    machine: Machine,
-    x: tuple[str, Vector],
-    y: tuple[str, Vector],
-    cycles: int = 2000,
-    workers: int | None = None,
-    progress: Callable[[int, int], None] = no_progress,
-) -> Vector:
-    """Period in cycles (rows of y, columns of x) of the motion from psi = psi' = 0; 0 where none is found
-    within so many cycles. ValueError as in `exponent_map`."""
-
-    def point(at: Machine) -> int:
-        found = run_until_recurrent(Motion(at), cycles)[1]
-        return found.period if found else 0
-
-    found = np.array(each(point, build_grid(machine, x, y), workers, progress))
-    return found.reshape(len(y[1]), len(x[1]))
 
 
 def build_grid(machine: Machine, x: tuple[str, Vector], y: tuple[str, Vector]) -> list[Machine]:
