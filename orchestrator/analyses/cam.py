@@ -20,7 +20,7 @@ from models.valve_train.cams.table import TURN
 from models.valve_train.followers.shape import FOLLOWERS, Follower, sample_angles, trace_shape
 
 from ..errors import MistakeError
-from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
+from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, RPM, create_subplots
 from ..scenario.cam_files import write_contour, write_lift, write_s96
 from ._cam_profile import (
     FIELDS,
@@ -213,7 +213,7 @@ def _describe(values: Mapping[str, Any]) -> str:
     radius = f" of radius {1e3 * values['radius']:g} mm" if "radius" in fields else ""
     return (
         f"{values['follower'].replace('_', ' ')} follower{radius}, base circle radius "
-        f"{1e3 * values['base_radius']:g} mm, {values['speed'] * 30.0 / math.pi:g} r/min"
+        f"{1e3 * values['base_radius']:g} mm, {values['speed'] * RPM:g} r/min"
     )
 
 
@@ -225,11 +225,9 @@ MM = 1e3
 
 def draw_cam(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     """The contour on the left; over the cam angle lift and derivatives, and what the contact has of them."""
-    figure, axes = create_subplots(4, 3, figsize=(11.0, 8.4), width_ratios=(1.3, 1.0, 1.0))
     name = Path(values["lift_table"]).stem or values["law"]
-    add_title(
-        figure, f"Cam {name} with follower {values['follower']}, {values['speed'] * 30 / math.pi:.0f} r/min"
-    )
+    title = f"Cam {name} with follower {values['follower']}, {values['speed'] * RPM:.0f} r/min"
+    figure, axes = create_subplots(4, 3, title, (11.0, 8.4), width_ratios=(1.3, 1.0, 1.0))
     grid = axes[0, 0].get_gridspec()
     for panel in axes[:, 0]:
         panel.remove()

@@ -21,7 +21,7 @@ from models.slider_crank.piston_clearance import (
 )
 
 from ..errors import MistakeError
-from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
+from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, create_subplots
 from ._cam_profile import TABLE_EVENT, build_profile, convert, list_law_parameters
 from ._machine import column, evaluate_by
 from .protocol import Analysis, Parameter, Result, describe_values
@@ -93,9 +93,9 @@ def _tabulate(values: Mapping[str, Any]) -> xarray.Dataset:
 
 def draw_clearance(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     """Lift and piston above, clearance below."""
-    figure, (motion, clear) = create_subplots(2, 1, figsize=(7.2, 5.4), sharex=True)
     own, least = (MM * data[name].item() for name in ("least_clearance", "least_over_phases"))
-    add_title(figure, f"Valve and piston: least clearance {own:.3g} mm, over all phases {least:.3g} mm")
+    title = f"Valve and piston: least clearance {own:.3g} mm, over all phases {least:.3g} mm"
+    figure, (motion, clear) = create_subplots(2, 1, title, (7.2, 5.4), sharex=True)
     degrees = np.degrees(data["angle"].values)
     motion.plot(degrees, MM * data["lift"].values, color=COUPLED, label="lift of the valve")
     room = values["valve_recess"] + values["pocket_depth"]

@@ -17,7 +17,7 @@ from models.valve_train.wire_materials import MATERIALS, MPA
 from models.valve_train.wire_spring import STRESS_FACTORS, WireSpring
 
 from ..errors import MistakeError
-from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
+from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, RPM, create_subplots
 from ..scenario.wire import read_wire
 from ._cam_profile import TABLE_EVENT, build_profile, list_law_parameters
 from ._machine import column, evaluate_by
@@ -26,7 +26,7 @@ from .protocol import Analysis, Parameter, Result, describe_values
 POINTS, ORDERS, SAMPLES = 200, 40, 4096
 # Highest frequency that is drawn over that of full lift; least surge that is drawn over the largest.
 SHOWN, SMALL = 2.5, 1e-2
-RPM, MM = 30.0 / math.pi, 1e3
+MM = 1e3
 FREE_LENGTH = 52e-3
 # Of the solid travel, where the table ends: there the last coils close.
 NEARLY = 0.999
@@ -171,12 +171,9 @@ def write_orders(table: xarray.Dataset, values: Mapping[str, Any]) -> str:
 
 def draw_spring(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     """Force and frequency over the length, the fatigue diagram, and surge by order."""
-    figure, axes = create_subplots(2, 2, figsize=(9.6, 6.6))
-    add_title(
-        figure,
-        f"Spring of {MM * values['diameter']:g} mm wire, {data['spring_rate'].item() / MM:.3g} N/mm, "
-        f"{data['surge_frequency'].item():.0f} Hz",
-    )
+    rate, frequency = data["spring_rate"].item() / MM, data["surge_frequency"].item()
+    title = f"Spring of {MM * values['diameter']:g} mm wire, {rate:.3g} N/mm, {frequency:.0f} Hz"
+    figure, axes = create_subplots(2, 2, title, (9.6, 6.6))
     length = MM * data["length"].values
     _over_length(axes[0, 0], data, length, data["force"].values, "Force (N)")
     _over_length(axes[0, 1], data, length, data["surge"].values, "First natural frequency (Hz)")

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from models.core.quantities import Vector
 
 from ..scenario.display import show_unit
-from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots
+from .style import COUPLED, MUTED, REFERENCE, create_subplots
 
 # Speeds that are drawn.
 MOST_COLUMNS = 4
@@ -35,11 +35,9 @@ def draw_calibration(panels: Sequence[Panel], title: str) -> Figure:
     if len(speeds) > MOST_COLUMNS:
         speeds = [speeds[i] for i in np.linspace(0, len(speeds) - 1, MOST_COLUMNS).round().astype(int)]
     rows = 2 * len(signals)
-    figure, axes = create_subplots(
-        rows, len(speeds), sharex="col", sharey="row", squeeze=False,
-        figsize=(2.0 + 3.0 * len(speeds), 0.8 + 1.6 * rows), height_ratios=[2.0, 1.0] * len(signals),
-    )  # fmt: skip
-    add_title(figure, title)
+    shape: dict[str, Any] = {"sharex": "col", "sharey": "row", "height_ratios": [2.0, 1.0] * len(signals)}
+    size = (2.0 + 3.0 * len(speeds), 0.8 + 1.6 * rows)
+    figure, axes = create_subplots(rows, len(speeds), title, size, squeeze=False, **shape)
     for one in panels:
         if one.speed not in speeds:
             continue
@@ -68,8 +66,7 @@ def _scale(one: Panel) -> Vector:
 def draw_parameters(names: Sequence[str], intervals: Vector, correlation: Vector, title: str) -> Figure:
     """95 % intervals (parameters, 2) over the values, nan where not identified, and correlations."""
     count = len(names)
-    figure, (left, right) = create_subplots(1, 2, figsize=(11.0, 1.8 + 0.35 * count), width_ratios=[1.0, 1.2])
-    add_title(figure, title)
+    figure, (left, right) = create_subplots(1, 2, title, (11.0, 1.8 + 0.35 * count), width_ratios=[1.0, 1.2])
     rows = np.arange(count)
     percent = 100.0 * (intervals - 1.0)
     left.hlines(rows, percent[:, 0], percent[:, 1], color=COUPLED, linewidth=3.0)

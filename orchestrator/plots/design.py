@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots
+from .style import COUPLED, MUTED, REFERENCE, create_subplots
 
 COLOURS = {"before": MUTED, "after": COUPLED}
 RPM = 30.0 / math.pi
@@ -21,8 +21,7 @@ def draw_design(table: xarray.Dataset) -> Figure:
     limits, speed = json.loads(table.attrs["limits"]), float(table.attrs["cam_speed"])
     contacts = [str(n).removesuffix(".load") for n in table.data_vars if str(n).endswith(".load")]
     contact = contacts[0]
-    figure, axes = create_subplots(4, 2, figsize=(10.0, 9.6), sharex=True)
-    add_title(figure, str(table.attrs["title"]))
+    figure, axes = create_subplots(4, 2, str(table.attrs["title"]), (10.0, 9.6), sharex=True)
     degrees = np.degrees(table["angle"].values)
     square, cube = speed**2, speed**3
     sizes = {key: limits[key] for key in limits}

@@ -1,6 +1,5 @@
 """Error of the judged variables, each in a panel, over the reference's RMS spread, as tolerances count it."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from models.core.difference import CONSTANT, time_weights
 from models.core.quantities import Vector
 
 from .data import FigureData
-from .style import ACCENT, COUPLED, add_title, create_subplots, label_abscissa
+from .style import ACCENT, COUPLED, create_grid, label_abscissa, list_handles
 
 # Errors below this share of the spread are rounding and not shown.
 FLOOR = 1e-15
@@ -51,25 +50,17 @@ def draw(data: FigureData) -> Figure:
     names = choose_variables(data)
     shown = names[:PANELS]
     columns = min(COLUMNS, len(shown))
-    rows = math.ceil(len(shown) / columns)
-    size = (6.8 if columns == 1 else 10.4, 1.2 + (3.0 if rows == 1 else 2.0 * rows))
-    figure, axes = create_subplots(rows, columns, figsize=size, sharey=True, squeeze=False)
+    size = (6.8, 3.0) if columns == 1 else (10.4, 3.0 if len(shown) <= columns else 2.0)
     what = f"error of {len(shown)} of {len(names)} variables" if len(names) > len(shown) else "error"
-    add_title(figure, f"{data.title}: {what} against the reference")
+    title = f"{data.title}: {what} against the reference"
+    figure, panels = create_grid(len(shown), columns, title, size, 1.2, sharey=True)
     hidden = [
-        _draw_panel(ax, data.of(name.split(".")[0]), name) for ax, name in zip(axes.flat, shown, strict=False)
+        _draw_panel(ax, data.of(name.split(".")[0]), name) for ax, name in zip(panels, shown, strict=True)
     ]
-    for ax in axes.flat[len(shown) :]:
-        ax.set_visible(False)
     figure.supylabel("|coupled − reference| / RMS spread of the reference", fontsize=9.0)
     if any(hidden):
         figure.supxlabel(f"Errors below {FLOOR:.0e} are not drawn.", fontsize=8.5, x=0.012, ha="left")
-    handles = {
-        label: handle
-        for ax in axes.flat
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
-    }
-    if handles:
+    if handles := list_handles(panels):
         figure.legend(handles.values(), handles.keys(), loc="outside upper right", ncols=2)
     return figure
 

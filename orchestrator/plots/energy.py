@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from ..scenario.display import SYMBOLS
 from ..scenario.units import choose_time_unit
 from .data import FigureData
-from .style import ACCENT, COUPLED, MUTED, add_title, create_subplots
+from .style import ACCENT, COUPLED, MUTED, create_subplots
 
 # Bonds with less than this share of the largest created energy cannot be seen beside it.
 SHOWN = 1e-6
@@ -34,8 +34,8 @@ def find_bonds(data: FigureData) -> list[str]:
 def draw(data: FigureData) -> Figure:
     names = find_bonds(data)
     rows = len(names) + 1
-    figure, axes = create_subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + 1.5 * rows))
-    add_title(figure, f"{data.title}: energy created by the coupling")
+    title = f"{data.title}: energy created by the coupling"
+    figure, axes = create_subplots(rows, 1, title, (6.8, 0.9 + 1.5 * rows), sharex=True, squeeze=False)
     unit, factor = choose_time_unit(float(np.ptp(data.energy_time)))
     time = factor * data.energy_time
     for ax, name in zip(axes[:, 0], names, strict=False):

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .data import FigureData
-from .style import ACCENT, add_title, create_subplots, label_abscissa, plot_both, shade
+from .style import ACCENT, create_subplots, label_abscissa, plot_both, shade
 
 # Contacts side by side at most.
 COLUMNS = 4
@@ -45,11 +45,11 @@ def draw(data: FigureData) -> Figure:
         largest = sorted(loaded, key=lambda name: -float(np.nanmax(np.abs(data.error(f"{name}.load")))))
         names = [name for name in loaded if name in largest[:COLUMNS]]
     width = 6.8 if len(names) == 1 else 0.8 + 4.6 * len(names)
-    figure, axes = create_subplots(
-        4, len(names), sharex="col", squeeze=False, figsize=(width, 7.0), height_ratios=(3, 2, 3, 2)
-    )
     which = f" of {len(names)} of {len(loaded)} contacts, the largest" if len(loaded) > COLUMNS else ""
-    add_title(figure, f"{data.title}: load and film, with their errors{which}")
+    figure, axes = create_subplots(
+        4, len(names), f"{data.title}: load and film, with their errors{which}", (width, 7.0),
+        sharex="col", squeeze=False, height_ratios=(3, 2, 3, 2),
+    )  # fmt: skip
     for column, name in zip(axes.T, names, strict=True):
         own = data.of(name).in_contact(name)
         for row, (variable, words) in enumerate(VARIABLES.items()):

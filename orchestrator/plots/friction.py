@@ -1,6 +1,5 @@
 """Friction, its torque, film ratio and wear over a cam revolution, and the wear along the follower."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
@@ -14,12 +13,12 @@ from models.core.quantities import Vector
 from ..assessment.friction.cycle import TURN, Cycle, Wear
 from ..assessment.friction.shares import SHARES
 from .solved_film import FULL
-from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
+from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_legend_above, create_grid, create_subplots
 
 
 def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
-    figure, axes = create_subplots(5, 1, figsize=(6.8, 8.6))
-    add_title(figure, f"{title}, {cycle.contact}: friction and wear over a cam revolution")
+    title = f"{title}, {cycle.contact}: friction and wear over a cam revolution"
+    figure, axes = create_subplots(5, 1, title, (6.8, 8.6))
     angle = np.degrees(cycle["cam_angle"] - TURN * np.floor(cycle["cam_angle"][0] / TURN + 1e-9))
     force, torque, ratio, cam, follower = axes
     force.plot(angle, cycle["friction_force"], color=COUPLED, label="friction")
@@ -53,7 +52,7 @@ def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure
     follower.set_xlabel("Place along the follower (mm)")
     for ax in axes:
         ax.set_ylim(bottom=0.0)
-    force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
+    add_legend_above(force, 3)
     return figure
 
 
@@ -76,13 +75,9 @@ class Torques(Protocol):
 def draw_shares(designs: Sequence[Torques], title: str) -> Figure:
     count = len(designs) + (len(designs) > 1)
     columns = 2 if count == 4 else min(COLUMNS, count)
-    rows = math.ceil(count / columns)
-    size = (max(6.0, 3.6 * columns), 3.0 * rows + 0.8)
-    figure, axes = create_subplots(rows, columns, figsize=size, squeeze=False, sharex=True, sharey=True)
-    add_title(figure, f"{title}: friction torque on the drive over speed")
-    panels = list(axes.flat)
-    for panel in panels[count:]:
-        panel.remove()
+    title = f"{title}: friction torque on the drive over speed"
+    size = (max(6.0, 3.6 * columns), 3.0)
+    figure, panels = create_grid(count, columns, title, size, 0.8, sharex=True, sharey=True)
     shares = [share for share in SHARES if any(share in one.torques for one in designs)]
     hues = matplotlib.colormaps["tab10"](np.arange(len(SHARES)))
     colours = {share: hues[SHARES.index(share)] for share in shares}
@@ -98,9 +93,8 @@ def draw_shares(designs: Sequence[Torques], title: str) -> Figure:
         for shade, one in zip(shades, designs, strict=True):
             sums.plot(one.speeds, 1e3 * one.total, color=shade, marker="o", ms=3.0, label=one.design)
         sums.legend(loc="best", fontsize=7.5)
-    for i, panel in enumerate(panels[:count]):
+    for i, panel in enumerate(panels):
         panel.set_xlabel("Speed (r/min)")
-        panel.tick_params(labelbottom=True)
         panel.set_ylim(bottom=0.0)
         if i % columns == 0:
             panel.set_ylabel("Torque (mN m)")

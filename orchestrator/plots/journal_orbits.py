@@ -10,7 +10,7 @@ from matplotlib.patches import Circle
 from models.core.quantities import Vector
 
 from .data import FigureData
-from .style import ACCENT, COUPLED, MUTED, add_title, create_subplots, label_abscissa, plot_both
+from .style import ACCENT, COUPLED, MUTED, create_subplots, label_abscissa, list_handles, plot_both
 
 # Bearings side by side at most.
 COLUMNS = 4
@@ -41,10 +41,9 @@ def draw(data: FigureData) -> Figure:
     names = sorted(every, key=lambda name: float(np.min(data.coupled[f"{name}.minimum_film_thickness"])))
     names = [name for name in every if name in names[:COLUMNS]]
     which = f", {len(names)} of {len(every)} with the least film" if len(every) > COLUMNS else ""
-    figure, axes = create_subplots(
-        3, len(names), squeeze=False, figsize=(0.8 + 4.0 * len(names), 9.6), height_ratios=(3, 3, 2)
-    )
-    add_title(figure, f"{data.title}: journals in their bushes{which}")
+    title = f"{data.title}: journals in their bushes{which}"
+    size = (0.8 + 4.0 * len(names), 9.6)
+    figure, axes = create_subplots(3, len(names), title, size, squeeze=False, height_ratios=(3, 3, 2))
     for (above, magnified, below), name in zip(axes.T, names, strict=True):
         orbit = find_orbit(data, name)
         _draw_orbit(above, orbit, (0.0, 0.0), 1.08)
@@ -56,12 +55,8 @@ def draw(data: FigureData) -> Figure:
         plot_both(below, data.of(name), f"{name}.minimum_film_thickness", "Least film")
         below.set_ylim(bottom=0.0)
         label_abscissa(below, data.of(name))
-    kinds = dict(zip(*reversed(axes[0, 0].get_legend_handles_labels()), strict=True))
-    curves = dict(zip(*reversed(axes[2, 0].get_legend_handles_labels()), strict=True))
-    every_label = curves | kinds
-    figure.legend(
-        every_label.values(), every_label.keys(), loc="outside lower center", ncols=len(every_label)
-    )
+    found = list_handles([axes[2, 0], axes[0, 0]])
+    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=len(found))
     return figure
 
 

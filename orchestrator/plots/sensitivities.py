@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from .style import COUPLED, REFERENCE, add_title, create_subplots
+from .style import COUPLED, REFERENCE, create_grid
 
 # Bars of a panel, and panels in a row.
 MOST_BARS, COLUMNS = 8, 2
@@ -12,15 +12,9 @@ MOST_BARS, COLUMNS = 8, 2
 
 def draw_tornado(dataset: xarray.Dataset, title: str) -> Figure:
     """A panel for each figure: its change in % for 1 % more of each parameter; red where it falls."""
-    count = dataset.sizes["figure"]
-    rows = -(-count // COLUMNS)
-    size = (10.0, 0.6 + 2.3 * rows)
-    figure, axes = create_subplots(rows, COLUMNS, figsize=size, squeeze=False)
-    add_title(figure, f"{title}: change in % for 1 % more of a parameter")
-    panels = list(axes.flat)
-    for panel in panels[count:]:
-        panel.remove()
-    for panel, name in zip(panels, dataset["figure"].values, strict=False):
+    title = f"{title}: change in % for 1 % more of a parameter"
+    figure, panels = create_grid(dataset.sizes["figure"], COLUMNS, title, (10.0, 2.3), 0.6)
+    for panel, name in zip(panels, dataset["figure"].values, strict=True):
         values = np.nan_to_num(dataset["elasticity"].sel(figure=name).values)
         order = np.argsort(-np.abs(values), kind="stable")[:MOST_BARS][::-1]
         colours = [COUPLED if values[k] >= 0.0 else REFERENCE for k in order]

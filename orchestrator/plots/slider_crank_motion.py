@@ -59,7 +59,7 @@ def _draw_forces(ax: Axes, data: FigureData, instance: str) -> None:
         ax.plot(data.x(), data.coupled[name], color=WALLS[side], lw=1.1, label=f"{side} wall")
     ax.set_ylabel("Wall force (N)")
     ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]))
-    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
+    add_legend_above(ax)
 
 
 def _draw_impacts(ax: Axes, data: FigureData, instance: str) -> None:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from . import film_and_load, piston, slider_crank_motion, valve_train
 from .data import FigureData
-from .style import ACCENT, COUPLED, add_title, create_subplots, label_abscissa
+from .style import ACCENT, COUPLED, add_legend_above, create_subplots, label_abscissa
 
 # Panels at most, and lines in each.
 PANELS, LINES = 8, 4
@@ -72,11 +72,9 @@ def draw(data: FigureData) -> Figure:
     found = choose_panels(data)
     shown = list(found)[:PANELS]
     data = data.of(found[shown[0]][0].split(".")[0])
-    figure, axes = create_subplots(
-        len(shown), 1, sharex=True, squeeze=False, figsize=(6.8, 1.3 + 1.8 * len(shown))
-    )
     which = f", {len(shown)} of {len(found)} variables" if len(found) > len(shown) else ""
-    add_title(figure, f"{data.title}: solution{which}")
+    title, size = f"{data.title}: solution{which}", (6.8, 1.3 + 1.8 * len(shown))
+    figure, axes = create_subplots(len(shown), 1, title, size, sharex=True, squeeze=False)
     for ax, variable in zip(axes[:, 0], shown, strict=True):
         _draw_panel(ax, data, found[variable], variable)
     label_abscissa(axes[-1, 0], data)
@@ -92,8 +90,7 @@ def _draw_panel(ax: Axes, data: FigureData, names: list[str], variable: str) -> 
             ax.plot(data.x(True), factor * data.reference[name], color=colour, alpha=0.3, lw=3.4)
         ax.plot(data.x(), factor * data.coupled[name], color=colour, lw=1.1, label=_split(name)[0])
     ax.set_ylabel(data.label(names[0], variable))
-    ax.legend(
-        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=LINES, borderaxespad=0.2, fontsize=7.0,
-        columnspacing=1.2, handlelength=1.2, alignment="right", title_fontsize=7.0,
+    add_legend_above(
+        ax, LINES, fontsize=7.0, columnspacing=1.2, handlelength=1.2, alignment="right", title_fontsize=7.0,
         title=f"{LINES} of {len(names)}" if len(names) > LINES else None,
     )  # fmt: skip

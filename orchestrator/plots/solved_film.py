@@ -15,7 +15,6 @@ from .style import (
     COUPLED,
     MUTED,
     add_legend_above,
-    add_title,
     create_subplots,
     label_abscissa,
     plot_both,
@@ -52,8 +51,8 @@ def draw(data: FigureData) -> Figure:
     heated = [name for name in names if f"{name}.{HOT}" in data.coupled]
     rows = (*ROWS, (HOT, "Temperature")) if heated else ROWS
     size = (width, 1.9 * len(rows))
-    figure, axes = create_subplots(len(rows), len(names), sharex="col", squeeze=False, figsize=size)
-    add_title(figure, f"{data.title}: the solved film")
+    title = f"{data.title}: the solved film"
+    figure, axes = create_subplots(len(rows), len(names), title, size, sharex="col", squeeze=False)
     for column, name in zip(axes.T, names, strict=True):
         own = data.of(name)
         for ax, (variable, words) in zip(column, rows, strict=True):

@@ -13,9 +13,18 @@ from numpy.typing import NDArray
 from models.core.quantities import Vector
 
 from ..assessment.lost_contact import find_lost
-from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
+from .style import (
+    ACCENT,
+    COUPLED,
+    MUTED,
+    REFERENCE,
+    RPM,
+    add_legend_above,
+    create_grid,
+    create_subplots,
+    list_handles,
+)
 
-RPM = 30.0 / math.pi
 COLOURS = (COUPLED, REFERENCE, ACCENT, MUTED)
 MOST_ORDERS = 24
 PALE = 0.3  # opacity of speeds at which contact is lost
@@ -55,14 +64,10 @@ def draw_summary(
         )
         if names := [n for n in every if any(has_values(table, n) for table in tables.values())]:
             shown.append((title, scale, names))
-    figure, panels = create_panels(len(shown))
     lost = any(find_lost(table).any() for table in tables.values())
-    add_title(
-        figure,
-        " and ".join(tables)
-        + (" (dashed)" if len(tables) > 1 else " over speed")
-        + ("; shaded where contact is lost: there curves may leave the frame" if lost else ""),
-    )
+    title = " and ".join(tables) + (" (dashed)" if len(tables) > 1 else " over speed")
+    title += "; shaded where contact is lost: there curves may leave the frame" * lost
+    figure, panels = create_panels(len(shown), title)
     for panel, (title, scale, names) in zip(panels, shown, strict=True):
         for table, line in zip(tables.values(), ("solid", "dashed"), strict=False):
             _draw_curves(panel, scale, names, table, line)
@@ -73,20 +78,14 @@ def draw_summary(
     return figure
 
 
-def create_panels(count: int, below: float = 0.0) -> tuple[Figure, list[Axes]]:
+def create_panels(count: int, title: str, below: float = 0.0) -> tuple[Figure, list[Axes]]:
     """A figure with so many panels over speed, three in a row, and room `below` them (inches)."""
-    rows = math.ceil(count / 3)
-    size = (11.0, 2.6 * rows + below)
-    figure, axes = create_subplots(rows, 3, figsize=size, squeeze=False, sharex=True)
-    panels = list(axes.flat)
-    for panel in panels[count:]:
-        panel.remove()
-    for panel in panels[:count]:
+    figure, panels = create_grid(count, 3, title, (11.0, 2.6), below, sharex=True)
+    for panel in panels:
         panel.ticklabel_format(axis="y", useOffset=False)
-    for panel in panels[max(0, count - 3) : count]:
+    for panel in panels[-3:]:
         panel.set_xlabel("Speed (r/min)")
-        panel.tick_params(labelbottom=True)
-    return figure, panels[:count]
+    return figure, panels
 
 
 def limit_to_contact(
@@ -149,8 +148,7 @@ def shade_lost(axes: Axes, table: xarray.Dataset, separation: float | None) -> N
 def draw_map(cycles: xarray.Dataset, name: str, lost: NDArray[np.bool_]) -> Figure:
     """A load over cam angle and speed; white where it is zero, pale at speeds (rad/s) at which contact is
     `lost`: there cycles are no steady motions, and impacts follow one another."""
-    figure, axes = create_subplots(figsize=(7.6, 5.0))
-    add_title(figure, f"{name} (N)")
+    figure, axes = create_subplots(1, 1, f"{name} (N)", (7.6, 5.0))
     degrees = np.degrees(cycles["cam_angle"].values)
     degrees -= 360.0 * np.floor(degrees[:, :1] / 360.0)
     load = cycles[name].values
@@ -177,8 +175,7 @@ def draw_map(cycles: xarray.Dataset, name: str, lost: NDArray[np.bool_]) -> Figu
 
 def draw_orders(cycles: xarray.Dataset, name: str) -> Figure:
     """Amplitudes of a load's orders over speed, with the order that meets the spring's surge."""
-    figure, axes = create_subplots(figsize=(7.6, 5.0))
-    add_title(figure, f"Orders of {name}: amplitude (N)")
+    figure, axes = create_subplots(1, 1, f"Orders of {name}: amplitude (N)", (7.6, 5.0))
     orders, amplitude = find_orders(cycles[name])
     rpm = RPM * cycles["speed"].values
     every = np.linspace(rpm[0], rpm[-1], 200)  # the curve is a hyperbola, between few speeds a polygon
@@ -201,8 +198,8 @@ def draw_orders(cycles: xarray.Dataset, name: str) -> Figure:
 
 def draw_campbell(cycles: xarray.Dataset, name: str) -> Figure:
     """Campbell diagram: a load's orders at their frequencies over speed, and the natural frequencies."""
-    figure, axes = create_subplots(figsize=(7.6, 5.0))
-    add_title(figure, f"Campbell diagram of {name}: amplitude (N) of the numbered orders")
+    title = f"Campbell diagram of {name}: amplitude (N) of the numbered orders"
+    figure, axes = create_subplots(1, 1, title, (7.6, 5.0))
     orders, amplitude = find_orders(cycles[name])
     rpm, turns = RPM * cycles["speed"].values, find_cam_speeds(cycles) / (2.0 * math.pi)
     for order in orders:
@@ -251,8 +248,5 @@ def _scale(amplitude: NDArray[np.float64]) -> LogNorm:
 
 def _add_legend(axes: Axes) -> None:
     """Each label once, above the axes."""
-    handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-    if handles:
-        axes.legend(
-            handles.values(), handles.keys(), loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(handles)
-        )
+    if found := list_handles([axes]):
+        add_legend_above(axes, len(found), handles=found.values(), labels=found.keys())

@@ -18,7 +18,7 @@ from ..engine.step import REASONS
 from ..scenario.display import SYMBOLS
 from ..scenario.units import choose_time_unit
 from .data import FigureData
-from .style import ACCENT, MUTED, REFERENCE, add_title, create_subplots
+from .style import ACCENT, MUTED, REFERENCE, create_subplots
 
 # Steps drawn of each kind at most: more cannot be told apart.
 DRAWN = 20_000
@@ -70,11 +70,9 @@ def draw_steps(steps: Steps, title: str) -> Figure:
     judged = bool(np.any(steps.error > 0.0))
     iterated = bool(steps.iterations.max() > 1)
     heights = [2.6] + [1.5] * judged + [1.7] * iterated
-    figure, axes = create_subplots(
-        len(heights), 2, squeeze=False, sharey="row",
-        figsize=(7.6, 1.5 + sum(heights)), gridspec_kw={"width_ratios": [4, 1], "height_ratios": heights},
-    )  # fmt: skip
-    add_title(figure, f"{title}: macro steps")
+    shape: dict[str, Any] = {"sharey": "row", "width_ratios": [4, 1], "height_ratios": heights}
+    size = (7.6, 1.5 + sum(heights))
+    figure, axes = create_subplots(len(heights), 2, f"{title}: macro steps", size, squeeze=False, **shape)
     kinds, entries = _assign_colours(steps)
     rows: Any = iter(axes)
     ax, side = next(rows)

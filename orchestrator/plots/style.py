@@ -1,6 +1,7 @@
 """The look of all figures."""
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,9 @@ from numpy.typing import NDArray
 from .data import FigureData
 
 COUPLED, REFERENCE, ACCENT, MUTED = "#0b5fa5", "#d1495b", "#2a9d5c", "#8d99a6"
+
+RPM = 30.0 / math.pi
+TITLE: dict[str, Any] = {"x": 0.012, "ha": "left", "fontsize": 11, "fontweight": "bold"}
 
 # Input signals of masters.
 SIGNALS = {"hold": MUTED, "linear": ACCENT, "quadratic": COUPLED, "hermite": REFERENCE}
@@ -52,11 +56,41 @@ def save_figure(make: Callable[[], Figure], path: Path, dpi: float | None = None
 
 
 def create_subplots(
-    rows: int = 1, columns: int = 1, figsize: tuple[float, float] | None = None, **create_panels: Any
+    rows: int = 1,
+    columns: int = 1,
+    title: str = "",
+    figsize: tuple[float, float] | None = None,
+    **create_panels: Any,
 ) -> tuple[Figure, Any]:
-    """A figure and its panels, without pyplot, so that no window or notebook shows it."""
+    """A figure with a title on the left, and its panels; without pyplot, so that no window or notebook shows
+    it."""
     figure = Figure(figsize=figsize, layout=_Layout())
+    if title:
+        figure.suptitle(title, **TITLE)
     return figure, figure.subplots(rows, columns, **create_panels)
+
+
+def create_grid(
+    count: int, columns: int, title: str, size: tuple[float, float], margin: float, **options: Any
+) -> tuple[Figure, list[Axes]]:
+    """A figure and so many panels, row by row. `size` (inches): width, and height of a row, besides the
+    height of a `margin`."""
+    rows = math.ceil(count / columns)
+    figsize = (size[0], size[1] * rows + margin)
+    figure, axes = create_subplots(rows, columns, title, figsize, squeeze=False, **options)
+    panels = list(axes.flat)
+    for panel in panels[count:]:
+        panel.remove()
+    for panel in panels[max(0, count - columns) : count]:
+        panel.tick_params(labelbottom=True)
+    return figure, panels[:count]
+
+
+def list_handles(axes: Iterable[Axes]) -> dict[str, Any]:
+    """What legends of these axes have, each label once."""
+    return {
+        label: handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
+    }
 
 
 class _Layout(ConstrainedLayoutEngine):
@@ -90,16 +124,11 @@ def _place_labels(places: Mapping[Axes, float]) -> None:
         ax.yaxis.set_label_coords(left / ax.bbox.width, 0.5)
 
 
-def add_title(figure: Figure, title: str) -> None:
-    """Add a title on the left."""
-    figure.suptitle(title, x=0.012, ha="left", fontsize=11, fontweight="bold")
-
-
 def create_panels(rows: int, data: FigureData, title: str, height: float = 1.75) -> tuple[Figure, Any]:
     """Create panels over a common abscissa."""
-    figure, axes = create_subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + height * rows))
+    figsize = (6.8, 0.9 + height * rows)
+    figure, axes = create_subplots(rows, 1, title, figsize, sharex=True, squeeze=False)
     axes = axes[:, 0]
-    add_title(figure, title)
     label_abscissa(axes[-1], data)
     return figure, axes
 
@@ -144,8 +173,7 @@ def shade_where(axes: Axes, data: FigureData, lost: NDArray[np.bool_]) -> None:
         )  # fmt: skip
 
 
-def add_legend_above(axes: Axes, columns: int = 2) -> None:
-    """Add a legend above the first panel, on the right."""
-    axes.legend(
-        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.2, handlelength=1.8
-    )
+def add_legend_above(axes: Axes, columns: int = 2, **options: Any) -> None:
+    """Add a legend above the panel, on the right."""
+    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2, "handlelength": 1.8}
+    axes.legend(ncols=columns, **{**place, **options})

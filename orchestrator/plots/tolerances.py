@@ -5,12 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
-from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots
+from .style import COUPLED, MUTED, REFERENCE, create_grid
 
 COLUMNS, MOST_BARS = 2, 8
 # Room on both sides of a histogram, as a part of its width; what lies further out is written.
@@ -27,20 +26,9 @@ class Panel(NamedTuple):
     linear: tuple[float, float]
 
 
-def _create_panels(count: int, title: str) -> tuple[Figure, list[Axes]]:
-    """A figure with so many axes, row by row."""
-    rows = -(-count // COLUMNS)
-    figure, axes = create_subplots(rows, COLUMNS, figsize=(10.0, 0.6 + 2.5 * rows), squeeze=False)
-    add_title(figure, title)
-    places = list(axes.flat)
-    for place in places[count:]:
-        place.remove()
-    return figure, places[:count]
-
-
 def draw_histograms(panels: Sequence[Panel], title: str) -> Figure:
     """A panel for each: red where a limit is not kept; the line is the normal distribution of first order."""
-    figure, places = _create_panels(len(panels), title)
+    figure, places = create_grid(len(panels), COLUMNS, title, (10.0, 2.5), 0.6)
     for place, panel in zip(places, panels, strict=True):
         known = panel.values[np.isfinite(panel.values)]
         edges = np.histogram_bin_edges(known, "auto")
@@ -75,12 +63,11 @@ def draw_histograms(panels: Sequence[Panel], title: str) -> Figure:
 def draw_indices(dataset: xarray.Dataset, title: str) -> Figure:
     """A panel for each figure: first and total indices of the factors, the largest first."""
     names = [str(name) for name in dataset["figure"].values]
-    figure, places = _create_panels(len(names), title)
+    figure, places = create_grid(len(names), COLUMNS, title, (10.0, 2.5), 0.6)
     for place, name in zip(places, names, strict=True):
         own = dataset.sel(figure=name)
-        order = np.argsort(-np.nan_to_num(own["total"].sel(end="value").values), kind="stable")[:MOST_BARS][
-            ::-1
-        ]
+        total = np.nan_to_num(own["total"].sel(end="value").values)
+        order = np.argsort(-total, kind="stable")[:MOST_BARS][::-1]
         heads, at = [str(dataset["factor"].values[k]) for k in order], np.arange(order.size)
         for kind, shift, colour in (("total", -0.2, MUTED), ("first", 0.2, COUPLED)):
             value, low, high = (own[kind].sel(end=end).values[order] for end in ("value", "low", "high"))

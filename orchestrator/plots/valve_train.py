@@ -22,7 +22,16 @@ from ..assessment.merits import read_motion
 from ..assessment.motion import Found, Part
 from ..assessment.trains import Angle, Train, find_kinematics
 from .data import FigureData
-from .style import ACCENT, MUTED, add_title, create_subplots, label_abscissa, plot_both, shade, shade_where
+from .style import (
+    ACCENT,
+    MUTED,
+    create_subplots,
+    label_abscissa,
+    list_handles,
+    plot_both,
+    shade,
+    shade_where,
+)
 
 CONTACT = {
     "Load": "load",
@@ -62,8 +71,8 @@ def draw(data: FigureData) -> Figure:
     columns = list_columns(own, train)
     rows = max(map(len, columns))
     size = (0.6 + 4.4 * len(columns), 1.4 + 1.45 * rows)
-    figure, axes = create_subplots(rows, len(columns), figsize=size, sharex=True, squeeze=False)
-    add_title(figure, f"{data.title}: valve train of {train.cam}, {which}")
+    title = f"{data.title}: valve train of {train.cam}, {which}"
+    figure, axes = create_subplots(rows, len(columns), title, size, sharex=True, squeeze=False)
     for other in others:
         _draw_pale(axes, columns, data, other)
     for column, panels in zip(axes.T, columns, strict=True):
@@ -262,11 +271,7 @@ def _shade(axes: np.ndarray, data: FigureData, train: Train) -> None:
 
 
 def _add_legend(figure: Figure, axes: np.ndarray, others: int) -> None:
-    found = {
-        label: handle
-        for ax in axes.flat
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
-    }
+    found = list_handles(axes.flat)
     if others:
         found[f"the other {others} trains"] = Line2D([], [], color=PALE)
     figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=len(found))

@@ -1,6 +1,5 @@
 """All valve trains of an engine: contact load and lift of each over the angle of their common drive."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +7,7 @@ from matplotlib.figure import Figure
 
 from ..assessment.trains import find_drive_angle
 from .data import FigureData
-from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots, label_abscissa, shade
+from .style import COUPLED, MUTED, REFERENCE, create_grid, label_abscissa, shade
 
 COLUMNS = 4
 
@@ -21,20 +20,11 @@ def draw(data: FigureData) -> Figure:
     first = {train.contacts[0] for train in data.trains}
     names = [name for name in data.list_instances() if name in first]
     data = replace(data, angle=find_drive_angle(data.system)) if data.system else data
-    rows = math.ceil(len(names) / COLUMNS)
-    figure, axes = create_subplots(
-        rows,
-        min(COLUMNS, len(names)),
-        figsize=(12.0, 1.1 + 1.9 * rows),
-        sharex=True,
-        sharey=True,
-        squeeze=False,
-    )
-    add_title(
-        figure, f"{data.title}: contact loads of {len(names)} valve trains, shaded where contact is lost"
-    )
+    title = f"{data.title}: contact loads of {len(names)} valve trains, shaded where contact is lost"
+    columns = min(COLUMNS, len(names))
+    figure, panels = create_grid(len(names), columns, title, (12.0, 1.9), 1.1, sharex=True, sharey=True)
     x, top = data.x(), 1.05 * max(float(np.max(data.coupled[f"{name}.load"])) for name in names)
-    for ax, name in zip(axes.flat, names, strict=False):
+    for ax, name in zip(panels, names, strict=True):
         lift = data.coupled.get(data.drivers.get(f"{name}.retreat", ""), np.zeros_like(x))
         share = lift / (float(np.max(lift)) or 1.0)
         ax.fill_between(
@@ -48,13 +38,11 @@ def draw(data: FigureData) -> Figure:
         ax.plot(x, data.coupled[f"{name}.load"], color=COUPLED, lw=1.0, label="coupled")
         shade(ax, data, name)
         ax.set_title(name, loc="left", fontsize=8.5)
-    for ax in axes.flat[len(names) :]:
-        ax.set_visible(False)
-    axes[0, 0].set_ylim(0.0, top)
-    for ax in axes[:, 0]:
+    panels[0].set_ylim(0.0, top)
+    for ax in panels[::columns]:
         ax.set_ylabel("Load (N)")
-    for ax in axes[-1]:
+    for ax in panels[-columns:]:
         label_abscissa(ax, data)
-    handles, labels = axes[0, 0].get_legend_handles_labels()
+    handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
     return figure

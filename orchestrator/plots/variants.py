@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..assessment.lost_contact import find_lost
-from .speeds import PANELS, RPM, create_panels, has_values, limit_to_contact, shade_lost
-from .style import MUTED, add_title
+from .speeds import PANELS, create_panels, has_values, limit_to_contact, shade_lost
+from .style import MUTED, RPM
 
 # Line styles of results that share a panel, by the beginning of their names; others are solid.
 STYLES = {"least": "dashed", "mean": "dotted", "largest": "solid"}
@@ -27,9 +27,9 @@ def draw_variants(tables: Mapping[str, xarray.Dataset]) -> Figure:
         ]
         if names:
             shown.append((title, scale, names))
-    figure, panels = create_panels(len(shown), below=0.4)
     lost = any(find_lost(table).any() for table in tables.values())
-    add_title(figure, "Designs over speed" + ("; shaded where one loses contact" if lost else ""))
+    title = "Designs over speed" + "; shaded where one loses contact" * lost
+    figure, panels = create_panels(len(shown), title, below=0.4)
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(tables)))
     used: set[str] = set()
     for panel, (title, scale, names) in zip(panels, shown, strict=True):

@@ -5,7 +5,7 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from .style import ACCENT, COUPLED, REFERENCE, add_title, create_subplots
+from .style import ACCENT, COUPLED, REFERENCE, create_subplots
 
 # Ages that are drawn at most.
 SHOWN = 6
@@ -13,8 +13,7 @@ SHOWN = 6
 
 def draw_wear(table: xarray.Dataset) -> Figure:
     """The ages of a table of `tribocosim wear`; cycles are those by the largest wear coefficient."""
-    figure, ((profile, life), (pressure, film)) = create_subplots(2, 2, figsize=(9.6, 6.0))
-    add_title(figure, str(table.attrs["title"]))
+    figure, ((profile, life), (pressure, film)) = create_subplots(2, 2, str(table.attrs["title"]), (9.6, 6.0))
     deepest = 1e3 * table["deepest"].values
     fewest, most = table["fewest_cycles"].values, table["most_cycles"].values
     for age in select_ages(deepest):

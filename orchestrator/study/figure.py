@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
-from ..plots.style import add_title, create_subplots
+from ..plots.style import create_subplots
 from ..scenario.display import show_attributes
 
 MOST_CURVES = 6  # that can be told apart in one panel
@@ -23,10 +23,9 @@ def draw_figure(found: xarray.Dataset, names: Sequence[str]) -> Figure:
     x, *other = sorted(axes, key=lambda axis: (_is_numeric(axis), axis.size))[::-1]
     maps = bool(other) and _is_numeric(other[0]) and other[0].size > MOST_CURVES
     height = 3.0 if maps else 2.1
-    figure, panels = create_subplots(
-        len(names), 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + height * len(names))
-    )
-    add_title(figure, found.attrs["title"])
+    title = found.attrs["title"]
+    size = (6.8, 0.9 + height * len(names))
+    figure, panels = create_subplots(len(names), 1, title, size, sharex=True, squeeze=False)
     for panel, name in zip(panels[:, 0], names, strict=True):
         values = found[name].transpose(*(axis.name for axis in (*other, x)))
         if maps:

@@ -16,7 +16,7 @@ from models.compile.temporary import TemporaryFolder
 from ..analyses._evaluate import create_folder, find_results
 from ..errors import MistakeError, RunError, in_command_line
 from ..masters import MASTERS, find_master
-from ..plots.style import add_title, create_subplots, save_figure
+from ..plots.style import create_subplots, save_figure
 from ..reporter import Reporter
 from ..run.pipeline import run
 from ..scenario import Scenario
@@ -123,8 +123,8 @@ def _tabulate(scenario: Scenario, tried: Sequence[Tried]) -> Table:
 
 
 def _draw(scenario: Scenario, tried: Sequence[Tried]) -> Figure:
-    figure, ((left, right),) = create_subplots(1, 2, figsize=(8.6, 3.6), sharey=True, squeeze=False)
-    add_title(figure, f"{scenario.name}: error of each master against its work")
+    title = f"{scenario.name}: error of each master against its work"
+    figure, ((left, right),) = create_subplots(1, 2, title, (8.6, 3.6), sharey=True, squeeze=False)
     for i, name in enumerate(dict.fromkeys(one.master for one in tried)):
         style = {"marker": "osD^v"[i % 5], "ls": "-" if i % 2 else "--", "ms": 4}
         points = [one for one in tried if one.master == name and one.error > 0.0]

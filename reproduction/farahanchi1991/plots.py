@@ -22,7 +22,7 @@ from orchestrator.analyses.force import draw_force
 from orchestrator.analyses.poincare import draw_poincare, magnify
 from orchestrator.analyses.regions import draw_regions
 from orchestrator.plots.motion import add_legend, create_figure, shift_to_first_turn
-from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
+from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, TITLE, create_subplots
 
 from .force import find_changes
 from .impacts import select_wall
@@ -273,8 +273,7 @@ def plot_magnification(runs: Runs, picture: Picture, level: int) -> Figure:
 
 def plot_walls(runs: Runs, picture: Picture) -> Figure:
     """psi at the walls over the crank angle."""
-    figure, ax = create_subplots(figsize=(5.4, 2.6))
-    add_title(figure, picture.heading)
+    figure, ax = create_subplots(1, 1, picture.heading, (5.4, 2.6))
     theta = np.linspace(0.0, TURN, 361)
     upper, lower = (wall_angles(EXAMPLE.machine, side, theta) for side in (UPPER, LOWER))
     draw_walls(ax, theta, upper, lower)
@@ -289,7 +288,7 @@ def plot_walls(runs: Runs, picture: Picture) -> Figure:
 def plot_extended_phase_space(runs: Runs, picture: Picture) -> Figure:
     """One cycle between the walls, over crank angle, psi and psi'."""
     figure = Figure(figsize=(6.2, 4.8))
-    add_title(figure, picture.heading)
+    figure.suptitle(picture.heading, **TITLE)
     ax = figure.add_subplot(projection="3d")
     motion = trace_portrait(runs.motion(EXAMPLE), 1)
     theta = np.linspace(0.0, TURN, 37)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, MultipleLocator, NullFormatter
 
 from models.core.quantities import Vector
-from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
+from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, TITLE, create_subplots
 
 from ..publication import Drawing, NumbersFile
 from .cam import EVENT_DEG, SQUEEZED, STEADY, CamCycle, Flags
@@ -50,10 +50,8 @@ MAP_DEG = (130.0, 230.0)
 def plot_cycles(found: Sequence[CamCycle]) -> Figure:
     """A row for each speed: numerical films; films over the transient one, central and minimum."""
     rows = len(found)
-    figure, axes = create_subplots(rows, 3, sharex=True, squeeze=False, figsize=(11.5, 1.4 + 2.2 * rows))
-    add_title(
-        figure, "Films through the cam's event: numerical, and formulas over the transient numerical film"
-    )
+    title = "Films through the cam's event: numerical, and formulas over the transient numerical film"
+    figure, axes = create_subplots(rows, 3, title, (11.5, 1.4 + 2.2 * rows), sharex=True, squeeze=False)
     for row, c in zip(axes, found, strict=True):
         _draw_films(row[0], c)
         for ax, film in zip(row[1:], (CENTRAL, MINIMUM), strict=True):
@@ -132,7 +130,7 @@ def _label_plainly(ax: Axes) -> None:
 def plot_field(c: CamCycle) -> Figure:
     """Profiles at six instants; maps of pressure and film over cam angle and x."""
     figure = Figure(figsize=(11.0, 9.0))
-    add_title(figure, f"Pressure and film across the contact at {c.speed_rpm:.0f} r/min (transient)")
+    figure.suptitle(f"Pressure and film across the contact at {c.speed_rpm:.0f} r/min (transient)", **TITLE)
     halves: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
     upper, lower = halves
     first = c.reversals_deg[0]
@@ -192,8 +190,8 @@ def _draw_map(
 
 def plot_table_3(runs: Runs) -> Figure:
     """Ratio to the numerical central film over M: steady, and with squeeze for Kushwaha's formula."""
-    figure, axes = create_subplots(1, 2, sharey=True, figsize=(8.6, 3.4))
-    add_title(figure, "Formulas over the numerical central film, contacts of Kushwaha's Table 3")
+    title = "Formulas over the numerical central film, contacts of Kushwaha's Table 3"
+    figure, axes = create_subplots(1, 2, title, (8.6, 3.4), sharey=True)
     central = [formula for formula in FORMULAS if formula.film == CENTRAL]
     for formula in central:
         _draw_points(axes[0], runs.sample.M, runs.sample.over_numerical(formula), formula)

@@ -10,7 +10,7 @@ from models.core.quantities import Vector
 from models.core.system import System
 from models.monolithic import Reference, solve
 from models.monolithic.cycle import Cycle, find_cycle
-from orchestrator.plots.style import ACCENT, COUPLED, REFERENCE, add_title, create_subplots
+from orchestrator.plots.style import ACCENT, COUPLED, REFERENCE, create_subplots
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 
@@ -77,8 +77,8 @@ PANELS = (
 
 
 def plot_train(runs: Runs) -> Figure:
-    figure, axes = create_subplots(2, 3, sharex=True, figsize=(11.0, 5.4))
-    add_title(figure, "Pushrod train at three speeds of the camshaft")
+    title = "Pushrod train at three speeds of the camshaft"
+    figure, axes = create_subplots(2, 3, title, (11.0, 5.4), sharex=True)
     for (name, label, scale), ax in zip(PANELS, axes.flat, strict=True):
         for speed, colour in COLOURS.items():
             cycle = runs.cycle(speed)

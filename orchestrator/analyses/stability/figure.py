@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ...masters import find_name
-from ...plots.style import SIGNALS, add_title, create_subplots
+from ...plots.style import SIGNALS, create_subplots
 from .behaviour import format_time
 from .survey import AssessedMethod, Survey
 
@@ -24,10 +24,9 @@ def draw_figure(found: Survey) -> Figure:
     masters = list(
         dict.fromkeys(find_name(m.master) for m in sorted(found.methods, key=lambda m: m.master.implicit))
     )
-    figure, axes = create_subplots(
-        2, len(masters), figsize=(1.2 + 2.7 * len(masters), 5.7), sharex=True, sharey="row", squeeze=False
-    )
-    add_title(figure, f"{found.scenario.name}: coupling against the macro step")
+    title = f"{found.scenario.name}: coupling against the macro step"
+    size = (1.2 + 2.7 * len(masters), 5.7)
+    figure, axes = create_subplots(2, len(masters), title, size, sharex=True, sharey="row", squeeze=False)
     for column, name in enumerate(masters):
         radius, error = axes[:, column]
         radius.set_title(name)
