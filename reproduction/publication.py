@@ -2,7 +2,6 @@
 
 import csv
 import json
-import textwrap
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -106,13 +105,6 @@ def format_table(headings: Sequence[str], *rows: Sequence[str]) -> str:
     return "\n".join("| " + " | ".join(row) + " |" for row in (headings, ["---"] * len(headings), *rows))
 
 
-def format_bullets(sentences: Iterable[str]) -> str:
-    """A Markdown list."""
-    return "".join(
-        textwrap.fill(text, 110, initial_indent="- ", subsequent_indent="  ") + "\n" for text in sentences
-    )
-
-
 CSV, JSON, FIGURES = "statements.csv", "statements.json", "figures"
 # Line drawings lose nothing in so few colours, and the files are small enough for a repository.
 PALETTE = 128
@@ -137,17 +129,6 @@ class Drawing(Generic[Runs]):
 
 
 @dataclass(frozen=True)
-class NumbersFile(Generic[Runs]):
-    """A CSV file beside the figures, with the numbers that they show."""
-
-    file: str
-    rows: Callable[[Runs], list[list[str]]]
-
-    def save(self, runs: Runs, folder: Path) -> None:
-        write_csv(self.rows(runs), folder / self.file)
-
-
-@dataclass(frozen=True)
 class Publication(Generic[Runs]):
     """`claims` are the source's statements, in its order. `sections` gives the parts of the Markdown page
     between the introduction and the statements.
@@ -159,7 +140,7 @@ class Publication(Generic[Runs]):
     name: str
     runs: Callable[[], Runs]
     claims: Sequence[Claim[Runs]]
-    figures: Sequence[Drawing[Runs] | NumbersFile[Runs]]
+    figures: Sequence[Drawing[Runs]]
     introduction: str
     sections: Callable[[Runs], Sequence[str]]
     solve: Callable[[Runs], Iterator[float]] | None = None
@@ -196,7 +177,7 @@ class Publication(Generic[Runs]):
         )
 
     def draw(self, runs: Runs, folder: Path) -> None:
-        """All figures, and the numbers of those that have many."""
+        """All figures."""
         for figure in self.figures:
             figure.save(runs, folder)
 

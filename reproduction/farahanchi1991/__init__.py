@@ -7,7 +7,6 @@ M.S. thesis, Michigan State University (1991).
 from ..publication import Publication
 from .chapters_1_to_3 import CLAIMS as CHAPTERS_1_TO_3
 from .chapters_4_and_5 import CLAIMS as CHAPTERS_4_AND_5
-from .engineer import format_findings
 from .figures import FIGURES
 from .runs import STARTS, STARTS_SOUGHT, Runs
 
@@ -48,7 +47,6 @@ def format_sections(runs: Runs) -> list[str]:
     """The page's parts before the statements."""
     shown = [figure.markdown for figure in FIGURES if figure.caption]
     return [
-        format_findings(runs),
         "## Figures\n",
         f"The command draws {len(FIGURES)}; six of them:\n",
         *shown,

@@ -10,7 +10,7 @@ from models.contact.analysis.line.history import FilmHistory, film_history, form
 from models.contact.analysis.line.line_contact import LineContact
 from models.contact.ehl_contact import TABLE_3, ContactParameters
 from models.contact.fluid import DOWSON_HIGGINSON, build_lubricant
-from models.contact.hertz import maximum_pressure, pair_compliance
+from models.contact.hertz import pair_compliance
 from models.core.quantities import Vector
 
 from ..kushwaha2000.runs import NOSE_DEG
@@ -50,19 +50,14 @@ class JudgedFilm:
 class CamCycle:
     """Films (m) over the cam angle at one speed.
 
-    `M`, `L`: Moes' groups, nan where entrainment reverses; `hertz_pressure` (Pa). `steady` and `transient`
-    numerical films by CENTRAL and MINIMUM, nan where there is none. `judged` by the formula's name,
-    "kushwaha squeezed" with the squeeze term, "steady central" of the numerical solution. `history` with
-    its angles `history_deg` is the transient film as it was solved for.
+    `steady` and `transient` numerical films by CENTRAL and MINIMUM, nan where there is none. `judged` by the
+    formula's name, "kushwaha squeezed" with the squeeze term, "steady central" of the numerical solution.
+    `history` with its angles `history_deg` is the transient film as it was solved for.
     """
 
     speed_rpm: float
     angle_deg: Vector
     reversals_deg: Sequence[float]
-    velocity: Vector
-    M: Vector
-    L: Vector
-    hertz_pressure: Vector
     steady: Mapping[str, Vector]
     transient: Mapping[str, Vector]
     judged: Mapping[str, JudgedFilm]
@@ -142,15 +137,6 @@ def solve_cycle(train: ValveTrain, speed_rpm: float, step_deg: float, nodes: int
         speed_rpm,
         at,
         [angle for angle in train.reversals_deg if EVENT_DEG[0] < angle < EVENT_DEG[1]],
-        np.array([turn.at(SEEN[1], angle) for angle in at]),
-        np.array([np.nan if contact is None else contact.M for contact in found]),
-        np.array([np.nan if contact is None else contact.L for contact in found]),
-        np.array(
-            [
-                maximum_pressure(turn.at(SEEN[0], a), turn.at(SEEN[2], a), p.length, pair_compliance(p))
-                for a in at
-            ]
-        ),
         steady,
         {
             CENTRAL: np.interp(at, fine, history.film_thickness),

@@ -1,22 +1,18 @@
-"""Figures and their numbers: films through the cam cycle and across the contact, formulas over Table 3."""
+"""Figures: films through the cam cycle, formulas over Table 3."""
 
 from collections.abc import Sequence
-from typing import Any, Literal
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, MultipleLocator, NullFormatter
 
 from models.core.quantities import Vector
-from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, TITLE, create_subplots
+from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, create_subplots
 
-from ..publication import Drawing, NumbersFile
+from ..publication import Drawing
 from .cam import EVENT_DEG, SQUEEZED, STEADY, CamCycle, Flags
 from .formulas import CENTRAL, FORMULAS, MINIMUM, Formula
-from .numerical import list_heights
 from .runs import Runs
 
 # Of the figures with many panels.
@@ -31,20 +27,12 @@ COLOURS = {
     "pan_hamrock_minimum": COUPLED,
     "moes_venner": AMBER,
 }
-MICRO, GIGA = 1e6, 1e-9
+MICRO = 1e6
 # Ratios of either film that are drawn, and their ticks.
 LIMITS = {CENTRAL: (0.5, 10.0), MINIMUM: (0.78, 1.3)}
 TICKS = {CENTRAL: (0.7, 1.0, 1.4, 2.0, 5.0, 10.0), MINIMUM: (0.9, 1.0, 1.1, 1.2, 1.3)}
 # Bars of the conditions: their height, and the first's place above the panel's foot (shares of the panel).
 BAR, FOOT = 0.028, 0.02
-# Largest |x| in profiles and maps (µm).
-PROFILE, WIDTH = 250.0, 150.0
-# Points of the maps: every so many angles of the history, and rows over x.
-EVERY, ROWS = 2, 241
-# Steps of colour of the film's map (µm) and the pressure's (GPa).
-FILMS = (0.08, 0.1, 0.125, 0.16, 0.2, 0.25, 0.32, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25)
-PRESSURES = (0.0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6)
-MAP_DEG = (130.0, 230.0)
 
 
 def plot_cycles(found: Sequence[CamCycle]) -> Figure:
@@ -127,67 +115,6 @@ def _label_plainly(ax: Axes) -> None:
     ax.yaxis.set_minor_formatter(NullFormatter())
 
 
-def plot_field(c: CamCycle) -> Figure:
-    """Profiles at six instants; maps of pressure and film over cam angle and x."""
-    figure = Figure(figsize=(11.0, 9.0))
-    figure.suptitle(f"Pressure and film across the contact at {c.speed_rpm:.0f} r/min (transient)", **TITLE)
-    halves: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
-    upper, lower = halves
-    first = c.reversals_deg[0]
-    instants = (
-        (112.0, "flank"),
-        (first - 2.0, "before the first reversal"),
-        (first, "first reversal"),
-        (first + 1.0, "trapped dimple"),
-        (first + 3.0, "dimple at the outlet"),
-        (180.0, "nose"),
-    )
-    axes = upper.subplots(2, 3, sharex=True, sharey=True)
-    for ax, (angle, words) in zip(axes.flat, instants, strict=True):
-        _draw_profile(ax, c, angle, words)
-    for ax in axes[1]:
-        ax.set_xlabel("x [µm]")
-    maps = lower.subplots(1, 2, sharey=True)
-    _draw_map(lower, maps[0], c, GIGA * c.history.pressure, "Pressure [GPa]", PRESSURES, "magma")
-    _draw_map(lower, maps[1], c, MICRO * c.history.film, "Film [µm]", FILMS, "viridis")
-    maps[0].set_ylabel("x [µm]")
-    return figure
-
-
-def _draw_profile(ax: Axes, c: CamCycle, angle_deg: float, words: str) -> None:
-    k = int(np.argmin(np.abs(c.history_deg - angle_deg)))
-    history, x = c.history, MICRO * c.history.x[k]
-    ax.fill_between(x, GIGA * history.pressure[k], color=REFERENCE, alpha=0.25, lw=0.0)
-    ax.plot(x, GIGA * history.pressure[k], color=REFERENCE)
-    ax.set_title(f"{angle_deg:.0f}°: {words}", loc="left", fontsize=9)
-    other = ax.twinx()
-    other.plot(x, MICRO * history.film[k], color=COUPLED)
-    ax.set_xlim(-PROFILE, PROFILE)
-    ax.set_ylim(0.0, 0.8)
-    other.set_ylim(0.0, 1.6)
-    other.grid(visible=False)
-    ax.set_ylabel("Pressure [GPa]", color=REFERENCE)
-    other.set_ylabel("Film [µm]", color=COUPLED)
-
-
-def _draw_map(
-    figure: Any, ax: Axes, c: CamCycle, values: Vector, words: str, steps: Sequence[float], colours: str
-) -> None:
-    x = np.linspace(-WIDTH, WIDTH, ROWS)
-    shown = np.flatnonzero((c.history_deg >= MAP_DEG[0]) & (c.history_deg <= MAP_DEG[1]))[::EVERY]
-    rows = np.array([np.interp(x, MICRO * c.history.x[k], values[k]) for k in shown]).T
-    # Steps of their own colour: few colours, and evenly spread over uneven steps.
-    extend: Literal["both", "max"] = "both" if steps[0] > 0.0 else "max"
-    norm = BoundaryNorm(steps, colormaps[colours].N, extend=extend)
-    drawn = ax.contourf(c.history_deg[shown], x, rows, steps, cmap=colours, norm=norm, extend=extend)
-    for angle in c.reversals_deg:
-        ax.axvline(angle, color="white", lw=0.8, ls=(0, (3, 2)))
-    ax.grid(visible=False)
-    ax.set_title(words, loc="left", fontsize=9)
-    ax.set_xlabel("Cam angle [deg] (nose at 180; dashed: reversals)")
-    figure.colorbar(drawn, ax=ax, pad=0.02, ticks=steps, format="%g")
-
-
 def plot_table_3(runs: Runs) -> Figure:
     """Ratio to the numerical central film over M: steady, and with squeeze for Kushwaha's formula."""
     title = "Formulas over the numerical central film, contacts of Kushwaha's Table 3"
@@ -215,31 +142,6 @@ def _draw_points(ax: Axes, x: Vector, y: Vector, formula: Formula) -> None:
     ax.plot(x, y, ".", ms=3.2, color=COLOURS[formula.name], label=formula.label)
 
 
-def list_cycles(runs: Runs) -> list[list[str]]:
-    names = list(runs.cycles[0].judged)
-    rows: list[list[str]] = [
-        ["speed [r/min]", "angle [deg]", "velocity [m/s]", "M [1]", "L [1]", "transient central [m]",
-         "transient minimum [m]", *(f"{name} [m]" for name in names), *(f"{name} valid" for name in names)]
-    ]  # fmt: skip
-    for c in runs.cycles:
-        films = (*c.transient.values(), *(judged.values for judged in c.judged.values()))
-        for k, angle in enumerate(c.angle_deg):
-            numbers = (f"{v[k]:.6g}" for v in (c.velocity, c.M, c.L, *films))
-            flags = (str(int(judged.valid[k])) for judged in c.judged.values())
-            rows.append([f"{c.speed_rpm:g}", f"{angle:g}", *numbers, *flags])
-    return rows
-
-
-def list_samples(runs: Runs) -> list[list[str]]:
-    head = [f"{name} [1]" for name in ("G", "W", "U", "w_s", "M", "L")]
-    head += [f"H {film}{state} [1]" for state in ("", " squeezed") for film in (CENTRAL, MINIMUM)]
-    s = runs.sample
-    columns = [s.material, s.load, s.speed, s.squeeze, s.M, s.L]
-    for films in (s.steady, s.squeezed):
-        columns += [list_heights(films, "H_central"), list_heights(films, "H_minimum")]
-    return [head, *([f"{v:.6g}" for v in row] for row in zip(*columns, strict=True))]
-
-
 FIGURES = [
     Drawing[Runs](
         "films-cycle.png", lambda runs: plot_cycles(runs.cycles),
@@ -247,12 +149,7 @@ FIGURES = [
         "one; dotted, with a bar below, where their conditions do not hold", DPI,
     ),
     Drawing[Runs](
-        "films-field.png", lambda runs: plot_field(runs.shown),
-        "Pressure and film across the contact at instants of the event, and over cam angle and x", DPI,
-    ),
-    Drawing[Runs](
         "films-table-3.png", plot_table_3,
         "Formulas over the numerical central film, at contacts sampled over Kushwaha's Table 3",
     ),
 ]  # fmt: skip
-NUMBERS = [NumbersFile("films-cycle.csv", list_cycles), NumbersFile("films-table-3.csv", list_samples)]

@@ -36,9 +36,6 @@ class Sample:
     """
 
     contacts: Sequence[LineContact]
-    material: Vector
-    load: Vector
-    speed: Vector
     squeeze: Vector
     steady: Sequence[SteadyFilm | None]
     squeezed: Sequence[SteadyFilm | None]
@@ -77,7 +74,7 @@ def draw_sample(exponent: int, seed: int) -> Sample:
         for g, w, u in zip(G, W, U, strict=True)
     ]  # fmt: skip
     closing = [replace(c, squeeze=s * c.velocity) for c, s in zip(contacts, squeeze, strict=True)]
-    return Sample(contacts, G, W, U, squeeze, solve_films(contacts), solve_films(closing))
+    return Sample(contacts, squeeze, solve_films(contacts), solve_films(closing))
 
 
 # Camshaft angles at which the film is solved for: formulas and film turn over some degrees at the reversals.
