@@ -16,7 +16,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Layout, Quantity
-from ..core.requirements import Requirement
+from ..core.requirements import require
 from .films import FILMS, moes_venner
 from .fluid import DENSITY_LAWS
 from .hertz import half_width, load_and_deflection, pair_compliance
@@ -138,17 +138,13 @@ def output_with_oil(t: float, x: Any, u: ContactInputs, p: LineContactParameters
     y.oil_volume = x.oil_volume[0]
 
 
-@kernel
+@require(
+    "oil_supply = {0:g} m: must be 1 (flooded) where cavities refill as if full; set mass_conserving = 1 in "
+    "the structure"
+)
 def is_flooded(p: LineContactParameters, numbers: Any) -> bool:
     numbers[0] = p.oil_supply
     return p.oil_supply >= FLOODED
-
-
-FLOODED_ALWAYS = Requirement(
-    is_flooded,
-    "oil_supply = {0:g} m: must be 1 (flooded) where cavities refill as if full; set mass_conserving = 1 in "
-    "the structure",
-)
 
 
 @kernel
@@ -210,7 +206,7 @@ def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0, layers: int =
             "steady_film_thickness": rated,
             "squeeze_velocity": rated,
         },
-        requirements=() if mass_conserving else (FLOODED_ALWAYS,),
+        requirements=() if mass_conserving else (is_flooded,),
         bonds=BONDS,
         structure={"nodes": nodes, "mass_conserving": mass_conserving, "layers": layers},
         advance_maker=make_field_advance,

@@ -6,10 +6,13 @@ code.
 
 import contextlib
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from ..compile.kernel import kernel
 
 # How many numbers a text may tell.
 PLACES = 8
@@ -21,10 +24,11 @@ PLACE = re.compile(r"\{(?:([0-7]):(\.\d+)?([gfe])|(word))\}")
 class Requirement:
     """`met(p, numbers)`, or of a start `met(x, u, p, numbers)`, is a kernel on records: true where it holds.
 
-    Where it does not, it leaves in `numbers` those of the message `says`: {0:g} stands for the first, in
-    that format, and {word} for the one of `words` that the first number counts, from 0. The text begins with
-    the name of a parameter or state, and says what is allowed and what to do. Rules are checked one
-    by one: a rule whose terms another one forbids counts as met. ValueError for braces that are no place.
+    `require` makes one. Where it does not hold, it leaves in `numbers` those of the message `says`: {0:g}
+    stands for the first, in that format, and {word} for the one of `words` that the first number counts, from
+    0. The text begins with the name of a parameter or state, and says what is allowed and what to do. Rules
+    are checked one by one: a rule whose terms another one forbids counts as met. ValueError for braces that
+    are no place.
     """
 
     met: Any
@@ -48,3 +52,8 @@ class Requirement:
                 return None
         word = self.words[int(numbers[0])] if self.words else ""
         return self.says.format(*numbers.tolist(), word=word)
+
+
+def require(says: str, words: tuple[str, ...] = ()) -> Callable[[Callable[..., bool]], Requirement]:
+    """Makes a function (p, numbers) or (x, u, p, numbers) the kernel of a `Requirement` that says this."""
+    return lambda met: Requirement(kernel(met), says, words)

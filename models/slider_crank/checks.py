@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from ..compile.kernel import kernel
 from ..core.quantities import Vector
-from ..core.requirements import Requirement
+from ..core.requirements import require
 from .crank import crank_turns
 from .flight.bouncing import LOWER, UPPER
 from .forms import NONLINEAR
@@ -19,7 +19,10 @@ SMALL_ANGLE = 0.1
 OUTSIDE, BESIDE = 1e-6, 0.05
 
 
-@kernel
+@require(
+    "clearance = {0:g} m: must be at most {1:g} m, so that psi stays below {2:g} rad; form = nonlinear "
+    "allows more"
+)
 def is_almost_linear(p: SliderCrankParameters, numbers: Vector) -> bool:
     """Linear forms need a small psi; checked if the crank can turn."""
     if p.form == NONLINEAR or p.crank_radius >= p.rod_length:
@@ -30,7 +33,10 @@ def is_almost_linear(p: SliderCrankParameters, numbers: Vector) -> bool:
     return p.clearance <= largest
 
 
-@kernel
+@require(
+    "clearance = {0:g} m: must be less than rod_length - crank_radius = {1:g} m, or the rod stands "
+    "across the cylinder"
+)
 def rod_stays_along(p: SliderCrankParameters, numbers: Vector) -> bool:
     """The nonlinear form needs a rod that cannot stand across; checked if the crank can turn."""
     room = p.rod_length - p.crank_radius
@@ -52,7 +58,10 @@ def measure_room(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParame
     return Room(upper, lower, upper - lower)
 
 
-@kernel
+@require(
+    "psi = {0:g} rad: there is no room between the walls, whose films of {1:g} m (upper) and {2:g} m "
+    "(lower) fill the clearance of {3:g} m; widen the clearance or start with thinner films"
+)
 def films_leave_room(
     x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, numbers: Vector
 ) -> bool:
@@ -60,7 +69,11 @@ def films_leave_room(
     return measure_room(x, u, p).travel >= 0.0
 
 
-@kernel
+@require(
+    "mode = {1:g} (sliding on the {word} wall): needs psi = {2:.9g} rad, where that wall is at "
+    "crank_angle = {3:g} rad, not {4:g} rad; set that psi, or mode = 0",
+    words=("lower", "upper"),
+)
 def slides_on_a_wall(
     x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, numbers: Vector
 ) -> bool:
@@ -73,7 +86,10 @@ def slides_on_a_wall(
     return x.mode == 0.0 or not walls.travel >= 0.0 or abs(x.psi - required) <= BESIDE * walls.travel
 
 
-@kernel
+@require(
+    "psi = {0:g} rad (deviation of the rod): must be from {1:.9g} to {2:.9g} rad, the walls' at "
+    "crank_angle = {3:g} rad; start between them or widen the clearance"
+)
 def starts_between_walls(
     x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, numbers: Vector
 ) -> bool:
@@ -85,38 +101,5 @@ def starts_between_walls(
     return x.mode != 0.0 or not walls.travel >= 0.0 or inside
 
 
-REQUIREMENTS = (
-    Requirement(
-        crank_turns,
-        "crank_radius = {0:g} m: must be less than rod_length = {1:g} m, or the crank cannot turn",
-    ),
-    Requirement(
-        is_almost_linear,
-        "clearance = {0:g} m: must be at most {1:g} m, so that psi stays below {2:g} rad; form = nonlinear "
-        "allows more",
-    ),
-    Requirement(
-        rod_stays_along,
-        "clearance = {0:g} m: must be less than rod_length - crank_radius = {1:g} m, or the rod stands "
-        "across the cylinder",
-    ),
-)
-
-START_REQUIREMENTS = (
-    Requirement(
-        films_leave_room,
-        "psi = {0:g} rad: there is no room between the walls, whose films of {1:g} m (upper) and {2:g} m "
-        "(lower) fill the clearance of {3:g} m; widen the clearance or start with thinner films",
-    ),
-    Requirement(
-        slides_on_a_wall,
-        "mode = {1:g} (sliding on the {word} wall): needs psi = {2:.9g} rad, where that wall is at "
-        "crank_angle = {3:g} rad, not {4:g} rad; set that psi, or mode = 0",
-        words=("lower", "upper"),
-    ),
-    Requirement(
-        starts_between_walls,
-        "psi = {0:g} rad (deviation of the rod): must be from {1:.9g} to {2:.9g} rad, the walls' at "
-        "crank_angle = {3:g} rad; start between them or widen the clearance",
-    ),
-)
+REQUIREMENTS = (crank_turns, is_almost_linear, rod_stays_along)
+START_REQUIREMENTS = (films_leave_room, slides_on_a_wall, starts_between_walls)

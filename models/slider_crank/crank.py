@@ -3,8 +3,8 @@
 from typing import Annotated, Any
 
 from .. import kinds
-from ..compile.kernel import kernel
 from ..core.quantities import Quantity, Vector
+from ..core.requirements import require
 
 CrankRadius = Annotated[float, kinds.LENGTH("crank radius")]
 RodLength = Annotated[float, kinds.LENGTH("length of the connecting rod")]
@@ -19,8 +19,7 @@ GasPressure = Annotated[
 ]
 
 
-@kernel
+@require("crank_radius = {0:g} m: must be less than rod_length = {1:g} m, or the crank cannot turn")
 def crank_turns(p: Any, numbers: Vector) -> bool:
-    """The crank is shorter than the rod; reports both."""
     numbers[0], numbers[1] = p.crank_radius, p.rod_length
     return p.crank_radius < p.rod_length

@@ -20,7 +20,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Layout, Quantity, Vector
-from ..core.requirements import Requirement
+from ..core.requirements import require
 from ..plausible import CAM_LIFT
 from .crank import CrankRadius, RodLength, crank_turns
 
@@ -126,16 +126,13 @@ def energy(
     e[:] = 0.0
 
 
-@kernel
+@require("pin_offset = {0:g} m: must be less than rod_length - crank_radius = {1:g} m")
 def rod_passes(p: PistonClearanceParameters, numbers: Vector) -> bool:
     numbers[0], numbers[1] = p.pin_offset, p.rod_length - p.crank_radius
     return p.crank_radius >= p.rod_length or abs(p.pin_offset) < p.rod_length - p.crank_radius
 
 
-REQUIREMENTS = (
-    Requirement(crank_turns, "crank_radius = {0:g} m: must be less than rod_length = {1:g} m"),
-    Requirement(rod_passes, "pin_offset = {0:g} m: must be less than rod_length - crank_radius = {1:g} m"),
-)
+REQUIREMENTS = (crank_turns, rod_passes)
 
 
 @counts_energies

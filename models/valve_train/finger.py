@@ -15,7 +15,7 @@ from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..core.requirements import Requirement
+from ..core.requirements import Requirement, require
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
 from .cams.profile import CamProfile, time_to_break
@@ -213,32 +213,26 @@ def energy(t: float, x: FingerState, u: FingerInputs, p: Any, e: Vector) -> None
     e[2] = 0.0
 
 
-@kernel
+@require("inertia = {0:g} kg.m2: must be > mass mass_arm^2 = {1:g} kg.m2, which the centre of mass alone has")
 def inertia_is_of_its_mass(p: Any, numbers: Vector) -> bool:
     numbers[0], numbers[1] = p.inertia, p.mass * p.mass_arm**2
     return p.inertia > p.mass * p.mass_arm**2
 
 
-@kernel
+@require("cam_arm = {0:g} mm, valve_arm = {1:g} mm: must not be zero and must have one sign")
 def arms_have_one_side(p: Any, numbers: Vector) -> bool:
     numbers[0], numbers[1] = 1e3 * p.cam_arm, 1e3 * p.valve_arm
     return p.cam_arm * p.valve_arm > 0.0
-
-
-INERTIA_IS_OF_ITS_MASS = Requirement(
-    inertia_is_of_its_mass,
-    "inertia = {0:g} kg.m2: must be > mass mass_arm^2 = {1:g} kg.m2, which the centre of mass alone has",
-)
-ARMS_HAVE_ONE_SIDE = Requirement(
-    arms_have_one_side, "cam_arm = {0:g} mm, valve_arm = {1:g} mm: must not be zero and must have one sign"
-)
 
 
 def require_reach(profile: CamProfile) -> Requirement:
     """The finger can lift the valve as far as the profile asks; 360 cam angles are looked at."""
     lift = profile.lift
 
-    @kernel
+    @require(
+        "valve_arm = {0:g} mm: the finger cannot lift the valve by {1:g} mm, at the cam angle {2:.0f} deg; "
+        "make it longer"
+    )
     def reaches(p: Any, numbers: Vector) -> bool:
         rest = math.sin(p.pivot_angle + p.valve_angle)
         for i in range(360):
@@ -248,11 +242,7 @@ def require_reach(profile: CamProfile) -> Requirement:
                 return False
         return True
 
-    return Requirement(
-        reaches,
-        "valve_arm = {0:g} mm: the finger cannot lift the valve by {1:g} mm, at the cam angle {2:.0f} deg; "
-        "make it longer",
-    )
+    return reaches
 
 
 def make_motion(profile: CamProfile) -> tuple[Any, Any]:
@@ -314,8 +304,8 @@ def finger(table_points: int = 0) -> Component:
             PowerBond("roller_torque", "rotation_rate", -1),
         ),
         requirements=(
-            INERTIA_IS_OF_ITS_MASS,
-            ARMS_HAVE_ONE_SIDE,
+            inertia_is_of_its_mass,
+            arms_have_one_side,
             *profile.requirements,
             require_reach(profile),
             require_contact(profile, touch),

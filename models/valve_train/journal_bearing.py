@@ -27,7 +27,7 @@ from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..core.requirements import Requirement
+from ..core.requirements import require
 
 # The film is no thinner than this part of the clearance, below any roughness. Over its square, 1e-15 is the
 # rounding error of the mobility.
@@ -258,37 +258,29 @@ def energy(
     e[2] = 0.0
 
 
-@kernel
+@require("width = {0:g} mm: must be <= diameter = {1:g} mm; for longer bearings these films are not checked")
 def is_short(p: PlainBearingParameters, numbers: Vector) -> bool:
     numbers[0], numbers[1] = 1e3 * p.width, 1e3 * p.diameter
     return p.width <= p.diameter
 
 
-@kernel
+@require("roughness = {0:g} um: must be <= {1:g} um, a tenth of radial_clearance")
 def is_smooth(p: PlainBearingParameters, numbers: Vector) -> bool:
     numbers[0], numbers[1] = 1e6 * p.roughness, 1e6 * ROUGHEST * p.radial_clearance
     return p.roughness <= ROUGHEST * p.radial_clearance
 
 
-@kernel
+@require(
+    "eccentricity_x = {0:g} um, eccentricity_y = {1:g} um: both together must be less than {2:g} um, "
+    "radial_clearance + 10 roughness"
+)
 def is_inside(x: Any, u: Any, p: PlainBearingParameters, numbers: Vector) -> bool:
     farthest = p.radial_clearance + OVERLAP * p.roughness
     numbers[0], numbers[1], numbers[2] = 1e6 * x.eccentricity_x, 1e6 * x.eccentricity_y, 1e6 * farthest
     return x.eccentricity_x**2 + x.eccentricity_y**2 < farthest**2
 
 
-REQUIREMENTS = (
-    Requirement(
-        is_short,
-        "width = {0:g} mm: must be <= diameter = {1:g} mm; for longer bearings these films are not checked",
-    ),
-    Requirement(is_smooth, "roughness = {0:g} um: must be <= {1:g} um, a tenth of radial_clearance"),
-)
-IS_INSIDE = Requirement(
-    is_inside,
-    "eccentricity_x = {0:g} um, eccentricity_y = {1:g} um: both together must be less than {2:g} um, "
-    "radial_clearance + 10 roughness",
-)
+REQUIREMENTS = (is_short, is_smooth)
 
 
 @counts_energies
@@ -321,5 +313,5 @@ def journal_bearing() -> Component:
             PowerBond("force_y", "axis_velocity_y", -1),
         ),
         requirements=REQUIREMENTS,
-        start_requirements=(IS_INSIDE,),
+        start_requirements=(is_inside,),
     )

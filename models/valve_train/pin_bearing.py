@@ -24,15 +24,15 @@ from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..core.requirements import Requirement
+from ..core.requirements import require
 from .journal_bearing import (
-    IS_INSIDE,
     REQUIREMENTS,
     Film,
     JournalBearingState,
     PlainBearingParameters,
     film_impedance,
     find_film,
+    is_inside,
     press_film,
     shear_film,
     squeeze_film,
@@ -159,15 +159,10 @@ def energy(t: float, x: PinBearingState, u: PinBearingInputs, p: PinBearingParam
     e[2] = u.applied_load * (motion.squeeze.x - 0.5 * u.rotation_rate * x.eccentricity_y)
 
 
-@kernel
+@require("face_radius = {0:g} mm: must be > {1:g} mm, half of the pin's diameter")
 def faces_are_outside(p: PinBearingParameters, numbers: Vector) -> bool:
     numbers[0], numbers[1] = 1e3 * p.face_radius, 0.5e3 * p.diameter
     return p.face_gap == 0.0 or p.face_radius > 0.5 * p.diameter
-
-
-FACES_ARE_OUTSIDE = Requirement(
-    faces_are_outside, "face_radius = {0:g} mm: must be > {1:g} mm, half of the pin's diameter"
-)
 
 
 @counts_energies
@@ -195,7 +190,7 @@ def pin_bearing() -> Component:
             "power_loss": turning,
         },
         bonds=(PowerBond("friction_torque", "rotation_rate", +1),),
-        requirements=(*REQUIREMENTS, FACES_ARE_OUTSIDE),
-        start_requirements=(IS_INSIDE,),
+        requirements=(*REQUIREMENTS, faces_are_outside),
+        start_requirements=(is_inside,),
         event_indicators=("sticking_margin",),
     )

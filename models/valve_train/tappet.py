@@ -14,7 +14,7 @@ from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..core.requirements import Requirement
+from ..core.requirements import require
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
 from .cams.profile import CamProfile, time_to_break
@@ -118,15 +118,10 @@ def energy(t: float, x: TappetState, u: TappetInputs, p: Any, e: Vector) -> None
     e[2] = 0.0
 
 
-@kernel
+@require("offset = {0:g} mm: must be less than base_radius + follower_radius = {1:g} mm")
 def path_is_near(p: Any, numbers: Vector) -> bool:
     numbers[0], numbers[1] = 1e3 * p.offset, 1e3 * (p.base_radius + p.follower_radius)
     return p.follower == FLAT or abs(p.offset) < p.base_radius + p.follower_radius
-
-
-PATH_IS_NEAR = Requirement(
-    path_is_near, "offset = {0:g} mm: must be less than base_radius + follower_radius = {1:g} mm"
-)
 
 
 def make_motion(profile: CamProfile) -> tuple[Any, Any]:
@@ -196,7 +191,7 @@ def tappet(table_points: int = 0) -> Component:
             PowerBond("load", "velocity", -1),
             PowerBond("guide_friction", "velocity", -1),
         ),
-        requirements=(PATH_IS_NEAR, *profile.requirements, require_contact(profile, touch)),
+        requirements=(path_is_near, *profile.requirements, require_contact(profile, touch)),
         structure=sizes,
         # Where the entrainment reverses, film formulas have a kink: they know |u|.
         event_indicators=("entraining_velocity",),

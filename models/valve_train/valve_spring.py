@@ -17,7 +17,7 @@ from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..core.requirements import Requirement
+from ..core.requirements import require
 from ..plausible import VALVE_MASS
 from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
 
@@ -82,17 +82,13 @@ class ValveSpringOutputs(FollowerMotion):
     coil_position: Vector = COIL_POSITION.per_element()
 
 
-@kernel
+@require(
+    "lash = {0:g} m: needs a valve seat, and seat_stiffness = 0 N/m means none; give seat_stiffness, e.g. "
+    "2e7 N/m, or leave lash out"
+)
 def has_a_seat_where_it_has_lash(p: ValveSpringParameters, numbers: Vector) -> bool:
     numbers[0] = p.lash
     return p.lash == 0.0 or p.seat_stiffness > 0.0
-
-
-LASH_NEEDS_A_SEAT = Requirement(
-    has_a_seat_where_it_has_lash,
-    "lash = {0:g} m: needs a valve seat, and seat_stiffness = 0 N/m means none; give seat_stiffness, e.g. "
-    "2e7 N/m, or leave lash out",
-)
 
 
 class Lumping(NamedTuple):
@@ -254,7 +250,7 @@ def valve_spring(coil_masses: int = 2) -> Component:
             PowerBond("gas_force", "velocity", -1),
             PowerBond("guide_friction", "velocity", -1),
         ),
-        requirements=(LASH_NEEDS_A_SEAT,),
+        requirements=(has_a_seat_where_it_has_lash,),
         structure=sizes,
         event_indicators=("seat_dip", "least_gap"),
     )

@@ -5,8 +5,9 @@ from typing import Any
 
 from ...compile.kernel import kernel
 from ...core.quantities import Vector
-from ...core.requirements import Requirement
+from ...core.requirements import require
 from .contact import CORNERS, exists, gap
+from .mechanics import Machine
 from .motion import machine
 
 NAMES = ("upper front", "upper rear", "lower front", "lower rear")
@@ -18,7 +19,10 @@ NAMES_TOGETHER = tuple(
 ROUNDING = 1e-9
 
 
-@kernel
+@require(
+    "crank_radius = {0:g} m: must be less than {1:g} m, the rod_length less clearance and place of the "
+    "pin, or the crank cannot turn"
+)
 def crank_turns(p: Any, numbers: Vector) -> bool:
     # The largest offset of the pin: the piston in a corner of its play.
     play = p.clearance + abs(p.pin_offset) + abs(p.pin_height)
@@ -26,7 +30,10 @@ def crank_turns(p: Any, numbers: Vector) -> bool:
     return p.crank_radius + play < p.rod_length
 
 
-@kernel
+@require(
+    "half_length = {0:g} m: must be more than {1:g} m for this half_height and clearance, or the piston "
+    "can turn over in its bore; 0 makes it a roller"
+)
 def piston_stays_upright(p: Any, numbers: Vector) -> bool:
     """A roller may turn over."""
     least = math.sqrt(p.clearance * (2.0 * p.half_height + p.clearance))
@@ -45,14 +52,17 @@ def encode_closed_corners(x: Any) -> int:
 
 
 @kernel
-def closes_its_own(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
-    """A roller has no rear corners."""
-    m = machine(p)
+def has_its_closed_corners(x: Any, m: Machine) -> bool:
     absent = 0
     for i in range(CORNERS):
         if x.closed[i] != 0.0 and not exists(i, m):
             absent += 1
     return absent == 0
+
+
+@require("closed: a piston with half_length = 0 has no rear corners; close the front ones")
+def closes_its_own(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
+    return has_its_closed_corners(x, machine(p))
 
 
 @kernel
@@ -61,18 +71,25 @@ def can_touch_together(x: Any) -> bool:
     return x.closed[0] * x.closed[2] == 0.0 and x.closed[1] * x.closed[3] == 0.0
 
 
-@kernel
+@require(
+    "closed: {word} cannot touch together; close one corner, two on one wall, or a diagonal",
+    words=NAMES_TOGETHER,
+)
 def closes_together(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
     numbers[0] = encode_closed_corners(x)
-    return can_touch_together(x) or not closes_its_own(x, u, p, numbers)
+    return can_touch_together(x) or not has_its_closed_corners(x, machine(p))
 
 
-@kernel
+@require(
+    "offset = {1:g} m, tilt = {2:g} rad: the {word} corner starts {3:g} m outside its wall; bring the "
+    "piston inside its clearance of {4:g} m",
+    words=NAMES,
+)
 def starts_between_walls(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
     """Reports the first open corner outside its wall, if the closed corners are possible."""
-    if not closes_its_own(x, u, p, numbers) or not can_touch_together(x):
-        return True
     m = machine(p)
+    if not has_its_closed_corners(x, m) or not can_touch_together(x):
+        return True
     numbers[1], numbers[2], numbers[4] = x.offset, x.tilt, m.clearance
     for i in range(CORNERS):
         beyond = -gap(i, x.offset, x.tilt, m)
@@ -82,32 +99,5 @@ def starts_between_walls(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
     return True
 
 
-REQUIREMENTS = (
-    Requirement(
-        crank_turns,
-        "crank_radius = {0:g} m: must be less than {1:g} m, the rod_length less clearance and place of the "
-        "pin, or the crank cannot turn",
-    ),
-    Requirement(
-        piston_stays_upright,
-        "half_length = {0:g} m: must be more than {1:g} m for this half_height and clearance, or the piston "
-        "can turn over in its bore; 0 makes it a roller",
-    ),
-)
-
-START_REQUIREMENTS = (
-    Requirement(
-        closes_its_own, "closed: a piston with half_length = 0 has no rear corners; close the front ones"
-    ),
-    Requirement(
-        closes_together,
-        "closed: {word} cannot touch together; close one corner, two on one wall, or a diagonal",
-        words=NAMES_TOGETHER,
-    ),
-    Requirement(
-        starts_between_walls,
-        "offset = {1:g} m, tilt = {2:g} rad: the {word} corner starts {3:g} m outside its wall; bring the "
-        "piston inside its clearance of {4:g} m",
-        words=NAMES,
-    ),
-)
+REQUIREMENTS = (crank_turns, piston_stays_upright)
+START_REQUIREMENTS = (closes_its_own, closes_together, starts_between_walls)

@@ -23,7 +23,7 @@ from ...core.bonds import counts_energies
 from ...core.component import Component, check_sizes
 from ...core.points import find_segment
 from ...core.quantities import Layout, Quantity, Vector
-from ...core.requirements import Requirement
+from ...core.requirements import require
 from ...plausible import AREA
 from ..crank import CrankAngle, CrankRadius, CrankSpeed, GasPressure, RodLength, crank_turns
 
@@ -201,20 +201,26 @@ def energy(t: float, x: CylinderGasState, u: CylinderGasInputs, p: Any, e: Vecto
     e[:] = 0.0
 
 
-@kernel
+@require("burn_start = {0:g} rad: must be at most {1:g} rad, in compression")
 def burns_in_compression(p: CylinderGasParameters, numbers: Vector) -> bool:
     numbers[0], numbers[1] = p.burn_start, 0.5 * TURN
     return p.burn_start <= 0.5 * TURN
 
 
-@kernel
+@require(
+    "exhaust_opening = {0:g} rad: must be at most {1:g} rad, so that the blowdown ends before the "
+    "overlap begins"
+)
 def blows_down_before_overlap(p: CylinderGasParameters, numbers: Vector) -> bool:
     latest = TURN - 0.5 * p.overlap_duration - p.blowdown_duration
     numbers[0], numbers[1] = p.exhaust_opening, latest
     return p.exhaust_opening <= latest
 
 
-@kernel
+@require(
+    "pressure_angle[{0:.0f}] = {1:g} deg: must be less than the next one, {2:g} deg (of the last point: "
+    "the first one a cycle later)"
+)
 def pressure_angles_ascend(p: GasTableParameters, numbers: Vector) -> bool:
     """Within a cycle."""
     n = p.pressure_angle.size
@@ -227,7 +233,7 @@ def pressure_angles_ascend(p: GasTableParameters, numbers: Vector) -> bool:
     return True
 
 
-@kernel
+@require("point_pressure[{0:.0f}] = {1:g} Pa: must be > 0, an absolute pressure")
 def pressures_are_absolute(p: GasTableParameters, numbers: Vector) -> bool:
     for i in range(p.point_pressure.size):
         if not p.point_pressure[i] > 0.0:
@@ -236,27 +242,8 @@ def pressures_are_absolute(p: GasTableParameters, numbers: Vector) -> bool:
     return True
 
 
-CRANK_TURNS = Requirement(crank_turns, "crank_radius = {0:g} m: must be less than rod_length = {1:g} m")
-TABLE_REQUIREMENTS = (
-    CRANK_TURNS,
-    Requirement(
-        pressure_angles_ascend,
-        "pressure_angle[{0:.0f}] = {1:g} deg: must be less than the next one, {2:g} deg (of the last point: "
-        "the first one a cycle later)",
-    ),
-    Requirement(
-        pressures_are_absolute, "point_pressure[{0:.0f}] = {1:g} Pa: must be > 0, an absolute pressure"
-    ),
-)
-REQUIREMENTS = (
-    CRANK_TURNS,
-    Requirement(burns_in_compression, "burn_start = {0:g} rad: must be at most {1:g} rad, in compression"),
-    Requirement(
-        blows_down_before_overlap,
-        "exhaust_opening = {0:g} rad: must be at most {1:g} rad, so that the blowdown ends before the "
-        "overlap begins",
-    ),
-)
+TABLE_REQUIREMENTS = (crank_turns, pressure_angles_ascend, pressures_are_absolute)
+REQUIREMENTS = (crank_turns, burns_in_compression, blows_down_before_overlap)
 
 
 @counts_energies

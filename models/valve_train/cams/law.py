@@ -7,7 +7,7 @@ from typing import Any
 from ... import kinds
 from ...compile.kernel import kernel
 from ...core.quantities import Quantity, Vector
-from ...core.requirements import Requirement
+from ...core.requirements import require
 from .lift import Lift
 from .profile import Breaks, CamProfile, turn_to_break
 from .ramps import RampParameters, add_ramp, add_ramp_breaks, angle_below_pi, ramp_turn
@@ -100,38 +100,28 @@ def turned_by(rising: bool, p: Any) -> float:
     return p.dwell_half_width + side_angle(rising, p) + ramp_turn(rising, p)
 
 
-@kernel
+@require(
+    "rise_angle + dwell_half_width with the ramps = {0:g} deg before the nose, {1:g} deg after it: must be "
+    "at most 180 deg each"
+)
 def event_fits(p: Any, numbers: Vector) -> bool:
     """Both sides within half a turn."""
     numbers[0], numbers[1] = math.degrees(turned_by(True, p)), math.degrees(turned_by(False, p))
     return max(turned_by(True, p), turned_by(False, p)) <= math.pi
 
 
-@kernel
+@require("power_p, power_q, power_r, power_t = {0:g}, {1:g}, {2:g}, {3:g}: must ascend, e.g. 8, 14, 20, 26")
 def powers_differ(p: Any, numbers: Vector) -> bool:
     """Otherwise the polynomial has no five coefficients."""
     numbers[0], numbers[1], numbers[2], numbers[3] = p.power_p, p.power_q, p.power_r, p.power_t
     return p.power_p < p.power_q < p.power_r < p.power_t
 
 
-@kernel
+@require("onset_share + flank_share + reversal_share + nose_share = {0:g}: must be at most 1, the whole rise")
 def shares_fit(p: Any, numbers: Vector) -> bool:
     """Up to rounding."""
     numbers[0] = p.onset_share + p.flank_share + p.reversal_share + p.nose_share
     return numbers[0] <= 1.0 + 1e-12
 
 
-EVENT_FITS = Requirement(
-    event_fits,
-    "rise_angle + dwell_half_width with the ramps = {0:g} deg before the nose, {1:g} deg after it: must be "
-    "at most 180 deg each",
-)
-POWERS_DIFFER = Requirement(
-    powers_differ,
-    "power_p, power_q, power_r, power_t = {0:g}, {1:g}, {2:g}, {3:g}: must ascend, e.g. 8, 14, 20, 26",
-)
-SHARES_FIT = Requirement(
-    shares_fit,
-    "onset_share + flank_share + reversal_share + nose_share = {0:g}: must be at most 1, the whole rise",
-)
-LAW = CamProfile(LawParameters, law_lift, find_law_breaks, (EVENT_FITS, POWERS_DIFFER, SHARES_FIT))
+LAW = CamProfile(LawParameters, law_lift, find_law_breaks, (event_fits, powers_differ, shares_fit))

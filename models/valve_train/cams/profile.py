@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
 from ...core.quantities import Vector
-from ...core.requirements import Requirement
+from ...core.requirements import Requirement, require
 from .lift import Lift
 
 # Nearer to a break of the profile than this (rad) a cam has reached it: s'' changes there by 4e-9 of its
@@ -79,18 +79,17 @@ def require_convexity(profile: CamProfile) -> Requirement:
     """As a flat follower needs it."""
     smallest_radius = find_smallest_radius(profile)
 
-    @kernel
+    @require(
+        "base_radius: the smallest radius of curvature is {0:.3f} mm; it must be > 0 for a flat follower "
+        "(undercut); take base_radius > {1:.3f} mm, or a profile with less |s''|"
+    )
     def is_convex(p: Any, numbers: Vector) -> bool:
         smallest = smallest_radius(p)
         numbers[0] = 1e3 * smallest
         numbers[1] = 1e-3 * math.ceil(1e6 * (p.base_radius - smallest))  # rho = R0 + s + s''
         return smallest > 0.0
 
-    return Requirement(
-        is_convex,
-        "base_radius: the smallest radius of curvature is {0:.3f} mm; it must be > 0 for a flat follower "
-        "(undercut); take base_radius > {1:.3f} mm, or a profile with less |s''|",
-    )
+    return is_convex
 
 
 @kernel

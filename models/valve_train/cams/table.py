@@ -12,7 +12,7 @@ from ... import kinds
 from ...compile.kernel import kernel
 from ...core.points import find_segment
 from ...core.quantities import Vector
-from ...core.requirements import Requirement
+from ...core.requirements import require
 from .lift import Lift
 from .profile import Breaks, CamProfile, turn_to_break
 from .ramps import RampParameters, add_ramp, add_ramp_breaks, ramp_turn
@@ -126,7 +126,10 @@ def find_table_breaks(angle: float, p: Any) -> Breaks:
     return breaks
 
 
-@kernel
+@require(
+    "table_angle[{0:.0f}] = {1:g} deg: must be less than the next one, {2:g} deg (of the last point: the "
+    "first one a turn later)"
+)
 def angles_ascend(p: Any, numbers: Vector) -> bool:
     """Within one turn."""
     n = p.table_angle.size
@@ -142,14 +145,10 @@ def angles_ascend(p: Any, numbers: Vector) -> bool:
     return True
 
 
-ANGLES_ASCEND = Requirement(
-    angles_ascend,
-    "table_angle[{0:.0f}] = {1:g} deg: must be less than the next one, {2:g} deg (of the last point: the "
-    "first one a turn later)",
+@require(
+    "event_end - event_begin = {0:g} deg with a ramp of {1:g} deg: half the event and the ramp must be at "
+    "most 180 deg, and the event at least twice ramp_blend_angle; shorten the ramps, or give other angles"
 )
-
-
-@kernel
 def ramps_fit(p: Any, numbers: Vector) -> bool:
     """Each in its half of the turn from the middle of the event."""
     if p.ramp_height == 0.0:
@@ -160,9 +159,4 @@ def ramps_fit(p: Any, numbers: Vector) -> bool:
     return event >= 2.0 * p.ramp_blend_angle and 0.5 * event + longest <= math.pi
 
 
-RAMPS_FIT = Requirement(
-    ramps_fit,
-    "event_end - event_begin = {0:g} deg with a ramp of {1:g} deg: half the event and the ramp must be at "
-    "most 180 deg, and the event at least twice ramp_blend_angle; shorten the ramps, or give other angles",
-)
-TABLE = CamProfile(TableParameters, table_lift, find_table_breaks, (ANGLES_ASCEND, RAMPS_FIT))
+TABLE = CamProfile(TableParameters, table_lift, find_table_breaks, (angles_ascend, ramps_fit))

@@ -13,7 +13,7 @@ from ... import kinds
 from ...compile.kernel import kernel
 from ...core.component import NO_EVENT, PowerBond
 from ...core.quantities import Quantity, Vector
-from ...core.requirements import Requirement
+from ...core.requirements import Requirement, require
 from ..cams.profile import CamProfile
 from .arc import CamContact
 
@@ -173,7 +173,10 @@ def require_contact(profile: CamProfile, touch_at: Any) -> Requirement:
     """
     lift = profile.lift
 
-    @kernel
+    @require(
+        "base_radius: at the cam angle {0:.1f} deg the cam undercuts, its contour crosses itself; increase "
+        "base_radius, or take a smaller radius of the follower or a profile with less |s''|"
+    )
     def touches(p: Any, numbers: Vector) -> bool:
         for i in range(2000):
             angle = 2.0 * math.pi * i / 2000.0
@@ -182,8 +185,4 @@ def require_contact(profile: CamProfile, touch_at: Any) -> Requirement:
                 return False
         return True
 
-    return Requirement(
-        touches,
-        "base_radius: at the cam angle {0:.1f} deg the cam undercuts, its contour crosses itself; increase "
-        "base_radius, or take a smaller radius of the follower or a profile with less |s''|",
-    )
+    return touches
