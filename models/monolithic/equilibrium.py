@@ -25,8 +25,8 @@ SETTLING_STEPS, MOST_CORRECTIONS, SETTLED, ASTRAY = 200, 12, 1e-3, 10.0
 DURATION, ROUGH, MOST_STEPS = 1.0, 1e-4, 50_000
 # The velocity of a lift is that of its change in this time (s), in which no cam turns noticeably.
 SHORT = 1e-7
-# A follower (m/s) that is at rest.
-SLOW_FOLLOWER = 1e-6
+# A follower (m/s) that is at rest: 20 um of run-out move it half as fast at 1000 r/min, ramps ten times so.
+SLOW_FOLLOWER = 2e-3
 # A positive state that changes by less of itself in a second is at rest.
 SLOW = 1e-6
 

@@ -92,6 +92,8 @@ def _spring_margin(valve: Part) -> Found:
     forces = [valve[name] for name in names if name.startswith("spring_force")]
     pressed = np.sum(forces, axis=0) if forces else np.zeros_like(valve["load"])
     opened = (valve["position"] > OPENED * np.max(valve["position"])) & (pressed > 0.0)
+    if valve.parameter("seat_stiffness") > 0.0:
+        opened &= valve["seat_dip"] < 0.0
     if not opened.any():
         return NONE
     share = np.full(opened.size, np.inf)

@@ -167,22 +167,22 @@ def measure_over(cycle: Cycle, angle: np.ndarray) -> dict[str, float]:
     return {f"{part}.{name}": found.value for part, name, _, found in measure(motion)}
 
 
-def valve_cycle(position: np.ndarray, pressed: float = 1.0) -> Cycle:
-    """A made cycle of a valve with a seat, by positions over a turn; its spring presses with a share."""
+def valve_cycle(lift: np.ndarray, pressed: float = 1.0, position: float = 0.0) -> Cycle:
+    """A made cycle of a valve with a seat, by lifts from a position; its spring presses with a share."""
     component = CATALOGUE["valve_spring"]()
     system = System({"valve": Instance(component, {"seat_stiffness": 1e7})}, ())
-    times = np.linspace(0.0, 1.0, position.size)
-    outputs = np.zeros((position.size, component.outputs.size))
+    times = np.linspace(0.0, 1.0, lift.size)
+    outputs = np.zeros((lift.size, component.outputs.size))
 
     def put(name: str, values: np.ndarray | float) -> None:
         outputs[:, component.outputs.index(name)] = values
 
-    put("position", position)
-    put("velocity", np.gradient(position, times))
-    put("valve_lift", position)
-    put("seat_dip", -position)
-    put("spring_force", pressed * (330.0 + 35e3 * position))
-    inputs = np.full((position.size, component.inputs.size), 165.0)
+    put("position", position + lift)
+    put("velocity", np.gradient(lift, times))
+    put("valve_lift", lift)
+    put("seat_dip", -lift)
+    put("spring_force", pressed * (330.0 + 35e3 * (position + lift)))
+    inputs = np.full((lift.size, component.inputs.size), 165.0)
     return Cycle(system, times, inputs, outputs, system.x0, 0.0, 1)
 
 
@@ -200,6 +200,8 @@ def test_numbers_of_a_made_cycle():
     assert found["valve.surge_force"] == pytest.approx(0.0, abs=1e-9)
     free = measure_over(valve_cycle(lift, pressed=0.0), 2.0 * math.pi * share)
     assert math.isnan(free["valve.spring_margin"])
+    shut = valve_cycle(np.full(share.size, -1e-6), position=2e-4)
+    assert math.isnan(measure_over(shut, 2.0 * math.pi * share)["valve.spring_margin"])
 
 
 def test_losses_on_the_flanks_and_over_the_nose_are_told_apart():

@@ -98,10 +98,12 @@ def test_what_cannot_be_solved_is_refused() -> None:
 
 @pytest.mark.parametrize("phase", [80.0, 120.0, 180.0, 200.0])
 def test_a_cam_that_moves_its_follower_is_told_with_its_velocity(phase: float) -> None:
-    """s' w; none on the base circle and at the nose."""
+    """s' w; none on the base circle and at the nose, nor where it moves no faster than run-out."""
     system = valve_train(1000.0, camshaft={"phase": math.radians(phase)})
     lift, slope, _ = cam(math.radians(phase))
     lines = list_moving_cams(system, 0.0, equilibrium(system, 0.0))
+    slow = valve_train(1.0, camshaft={"phase": math.radians(phase)})
+    assert list_moving_cams(slow, 0.0, equilibrium(slow, 0.0)) == []
     if phase in (80.0, 180.0):
         assert lines == []
     else:
