@@ -53,7 +53,6 @@ GEOMETRY = {
         math.radians(2.0), "rad", "finger: further fall of that line", plausible=LEVER_ANGLE
     ),
 }
-NONE = "none"
 # A contour has a base circle to this part of its radius, and lifts from this part of its lift on.
 ROUND = 1e-4
 # A nose is level to this part of the lift.
@@ -63,6 +62,12 @@ TABLE_EVENT = {
     for name, ramp in (("event_begin", "opening"), ("event_end", "closing"))
 }
 FIELDS = {name: tuple(get_type_hints(one.geometry)) for name, one in FOLLOWERS.items()}
+
+
+def list_lift_parameters() -> dict[str, Parameter]:
+    """The parameters of a lift by a table or a law."""
+    table = Parameter("", "1", "CSV file of cam angle and lift, instead of a law")
+    return {"lift_table": table, **TABLE_EVENT, **list_law_parameters()}
 
 
 def list_law_parameters() -> dict[str, Parameter]:
@@ -199,24 +204,19 @@ def _list_breaks(profile: CamProfile, record: Any) -> list[float]:
     return found
 
 
-def build_follower(name: str, values: Mapping[str, Any], prefix: str = "") -> tuple[Follower, Any]:
-    """The kind of that name, and its geometry from the parameters that begin with `prefix`."""
+def build_follower(name: str, values: Mapping[str, Any]) -> tuple[Follower, Any]:
+    """The kind of that name, and its geometry."""
     follower = FOLLOWERS[name]
-    given = {
-        field: values["base_radius"] if field == "base_radius" else values[prefix + field]
-        for field in FIELDS[name]
-    }
+    given = {field: values[field] for field in FIELDS[name]}
     pitch = given["base_radius"] + given.get("radius", 0.0)
     if abs(given.get("offset", 0.0)) >= pitch:
         raise MistakeError(
-            f"{prefix}offset = {1e3 * given['offset']:g} mm: must be less than base_radius + radius = "
+            f"offset = {1e3 * given['offset']:g} mm: must be less than base_radius + radius = "
             f"{1e3 * pitch:g} mm"
         )
     for arm in ("cam_arm", "valve_arm"):
         if given.get(arm) == 0.0:
-            raise MistakeError(
-                f"{prefix}{arm} = 0 mm: must not be zero; < 0 puts the pivot on the other side"
-            )
+            raise MistakeError(f"{arm} = 0 mm: must not be zero; < 0 puts the pivot on the other side")
     return follower, follower.geometry(**given)
 
 

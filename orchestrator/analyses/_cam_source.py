@@ -13,7 +13,7 @@ from ..scenario.cams import name_follower
 from ..scenario.component_table import ComponentTable
 from ..scenario.files import find, list_shipped, load, read_contents
 from ..scenario.values import to_value
-from ._cam_profile import FIELDS, TABLE_EVENT, list_law_parameters, read_base_radius
+from ._cam_profile import FIELDS, list_lift_parameters, read_base_radius
 
 # Of these a wire has one.
 LENGTHS = {"pitch", "free_length"}
@@ -57,11 +57,7 @@ def find_spring_settings(
     if scenario and not wires and "diameter" not in names:
         raise MistakeError(
             f"{source}: its springs have no wire",
-            (
-                "give one by [components.SPRING.wire], or by ",
-                Option("set", "diameter=4 mm"),
-                " and the like",
-            ),
+            ("give one by [components.SPRING.wire], or by ", Option("set", "diameter=4 mm"), " and the like"),
         )
     if component is not None and component not in wires:
         known = one_of(wires, component) if wires else f"{source} has no spring with a wire"
@@ -84,8 +80,7 @@ def find_lift_settings(source: str, component: str | None = None) -> dict[str, A
             f"{source}: is a contour, whose lift is that of a follower",
             ("take the lift table that ", Command("cam", (source,)), " writes"),
         )
-    wanted = {"lift_table", *list_law_parameters(), *TABLE_EVENT}
-    return {key: value for key, value in found.items() if key in wanted}
+    return {key: value for key, value in found.items() if key in list_lift_parameters()}
 
 
 def _write(value: Any) -> Any:
@@ -115,7 +110,7 @@ def _read_scenario(source: str, component: str | None) -> dict[str, Any]:
         raise MistakeError((Option("component", name), f": {one_of(cams, name)}"))
     values = _list_values(cams[name])
     follower = name_follower(values)
-    wanted = {*list_law_parameters(), *TABLE_EVENT, *FIELDS[follower]}
+    wanted = {*list_lift_parameters(), *FIELDS[follower]}
     found = {key: value for key, value in values.items() if key in wanted} | {"follower": follower}
     if "law" in values:
         return found

@@ -23,8 +23,8 @@ from models.slider_crank.motions.statistics import (
 
 from ..plots.motion import add_legend, create_figure, format_angle
 from ..plots.style import ACCENT, COUPLED, MUTED
-from ._machine import MACHINE, START, column, declare_duration, evaluate_by, simulate_motion
-from .protocol import Analysis, Draw, Parameter, Result
+from ._machine import MACHINE, START, column, declare_duration, simulate_motion
+from .protocol import Analysis, Draw, Parameter, Result, declare
 
 # Cycles after which impacts are counted again.
 BATCH = 100
@@ -170,7 +170,7 @@ def _declare(
         sums = {"upper_sum": found.upper.sum(), "lower_sum": found.lower.sum()}
         return table.assign({**count_impacts(impacts, values["cycles"]), **sums})
 
-    return Analysis(
+    return declare(
         name=name,
         description=description,
         parameters={
@@ -190,7 +190,6 @@ def _declare(
             "upper_sum": Result("1", "sum over the upper wall"),
             "lower_sum": Result("1", "sum over the lower wall (negative)"),
         },
-        evaluate=evaluate_by(build_table),
         table=build_table,
         draw=draw,
     )

@@ -1,6 +1,5 @@
 """What the analyses of a mechanism share: its parameters, axes, progress and tables."""
 
-import functools
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields
@@ -110,16 +109,3 @@ def show_progress(label: str) -> Iterator[Callable[[int, int], None]]:
 def column(dimensions: str | tuple[str, ...], values: Any, unit: str, meaning: str) -> xarray.Variable:
     """A variable of a table."""
     return xarray.Variable(dimensions, values, {"units": unit, "long_name": meaning})
-
-
-def evaluate_by(
-    table: Callable[[Mapping[str, Any]], xarray.Dataset],
-) -> Callable[[Mapping[str, Any]], dict[str, float | str]]:
-    """The `evaluate` of an analysis whose results are the variables without dimension of its table."""
-
-    @functools.wraps(table)
-    def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-        found = table(values).data_vars.items()
-        return {str(name): variable.item() for name, variable in found if not variable.ndim}
-
-    return evaluate

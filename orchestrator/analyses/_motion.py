@@ -13,8 +13,8 @@ from models.slider_crank.motions.portrait import trace_portrait
 
 from ..plots.motion import add_legend, create_figure, set_angle_axis, shift_to_first_turn
 from ..plots.style import ACCENT, COUPLED, MUTED
-from ._machine import MACHINE, START, column, declare_duration, evaluate_by, simulate_motion
-from .protocol import Analysis, Draw, Parameter, Result
+from ._machine import MACHINE, START, column, declare_duration, simulate_motion
+from .protocol import Analysis, Draw, Parameter, Result, declare
 
 PARAMETERS = {
     **MACHINE,
@@ -117,12 +117,11 @@ def plot_phase(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
 
 
 def _declare(name: str, description: str, draw: Draw) -> Analysis:
-    return Analysis(
+    return declare(
         name=name,
         description=description,
         parameters=PARAMETERS,
         results=RESULTS,
-        evaluate=evaluate_by(build_table),
         table=build_table,
         draw=draw,
     )

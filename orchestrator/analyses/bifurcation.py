@@ -19,12 +19,11 @@ from ._machine import (
     column,
     declare_axis,
     declare_duration,
-    evaluate_by,
     read_axis,
     report_mistakes,
     show_progress,
 )
-from .protocol import Analysis, Parameter, Result
+from .protocol import Parameter, Result, declare
 
 STARTS = ("followed", "from_rest")
 UNITS = {"impact_rate": "1", "impact_angle": "rad", "strobe_psi": "rad"}
@@ -91,7 +90,7 @@ def plot_bifurcation(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     return figure
 
 
-ANALYSIS = Analysis(
+ANALYSIS = declare(
     name="bifurcation",
     description="Bifurcation diagram over any parameter",
     parameters={
@@ -107,7 +106,6 @@ ANALYSIS = Analysis(
         **declare_duration(50, 200),
     },
     results={"points": Result("1", "points of the diagram")},
-    evaluate=evaluate_by(build_table),
     table=build_table,
     draw=plot_bifurcation,
 )

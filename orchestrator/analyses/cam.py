@@ -19,25 +19,21 @@ from models.valve_train.cams.lift import Lift
 from models.valve_train.cams.table import TURN
 from models.valve_train.followers.shape import FOLLOWERS, Follower, sample_angles, trace_shape
 
-from ..errors import MistakeError
-from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, RPM, create_subplots
+from ..plots.style import ACCENT, COUPLED, MUTED, RPM, create_subplots
 from ..scenario.cam_files import write_contour, write_lift, write_s96
 from ._cam_profile import (
     FIELDS,
     GEOMETRY,
-    NONE,
-    TABLE_EVENT,
     Profile,
     build_follower,
     build_profile,
     check_reach,
-    interpolate,
-    list_law_parameters,
+    list_lift_parameters,
 )
 from ._cam_timing import PARAMETERS, RESULTS, find_timing
 from ._contour import write_dxf, write_svg
 from ._machine import column
-from .protocol import Analysis, Parameter, Result
+from .protocol import Parameter, Result, declare
 
 POINTS = 720
 # Half a step of differences (rad) for the jerk.
@@ -76,8 +72,6 @@ def _tabulate(values: Mapping[str, Any]) -> xarray.Dataset:
         "contour_x": column("angle", shape.x, "m", "contour of the cam, x, with the cam angle at zero"),
         "contour_y": column("angle", shape.y, "m", "contour of the cam, y"),
     }
-    if values["other"] != NONE:
-        columns |= _follow(angles, profile, follower, geometry, values)
     table = xarray.Dataset(columns, coords={"angle": column("angle", angles, "rad", "cam angle")})
     return table.assign(_evaluate_table(table, profile, follower, geometry, values))
 
@@ -116,24 +110,6 @@ def _divide(part: Vector, whole: Vector) -> Vector:
     """The quotient; not a number where the cam is round."""
     round_there = np.abs(whole) < 1e-12
     return np.where(round_there, np.nan, part / np.where(round_there, 1.0, whole))
-
-
-def _follow(
-    angles: Vector, profile: Profile, follower: Follower, geometry: Any, values: Mapping[str, Any]
-) -> dict[str, Any]:
-    """The lift of the other follower on this cam."""
-    other, other_geometry = build_follower(values["other"], values, "other_")
-    shape = trace_shape(angles, profile.lift, follower, geometry)
-    try:
-        lift = interpolate(other.follow(shape, other_geometry))
-    except ValueError as error:
-        raise MistakeError(f"other = {values['other']}: {error}") from None
-    s, ds, dds = np.array([lift(a) for a in angles]).T
-    return {
-        "other_lift": column("angle", s, "m", "lift of the other follower on this cam"),
-        "other_slope": column("angle", ds, "m", "its derivative by the cam angle"),
-        "other_curvature": column("angle", dds, "m", "its second derivative"),
-    }
 
 
 def _evaluate_table(
@@ -202,11 +178,6 @@ def _describe_shape(radius: Vector, values: Mapping[str, Any]) -> str:
     return "convex"
 
 
-def _evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    table = _tabulate(values)
-    return {name: table[name].item() for name in ANALYSIS.results}
-
-
 def _describe(values: Mapping[str, Any]) -> str:
     """What the results are of; radii, reversals and velocities depend on it."""
     fields = FIELDS[values["follower"]]
@@ -215,9 +186,6 @@ def _describe(values: Mapping[str, Any]) -> str:
         f"{values['follower'].replace('_', ' ')} follower{radius}, base circle radius "
         f"{1e3 * values['base_radius']:g} mm, {values['speed'] * RPM:g} r/min"
     )
-
-
-_FOLLOWERS = tuple(FOLLOWERS)
 
 
 MM = 1e3
@@ -234,9 +202,6 @@ def draw_cam(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     _draw_contour(figure.add_subplot(grid[:, 0]), data, values)
     degrees, speed = np.degrees(data["angle"].values), values["speed"]
     _plot(axes[0, 1], degrees, MM * data["lift"].values, "Lift (mm)")
-    if "other_lift" in data:
-        axes[0, 1].plot(degrees, MM * data["other_lift"].values, color=REFERENCE, label=values["other"])
-        axes[0, 1].legend(loc="lower right", bbox_to_anchor=(1.0, 0.98))
     _plot(axes[1, 1], degrees, speed * data["slope"].values, "Velocity (m/s)")
     _plot(axes[2, 1], degrees, speed**2 * data["curvature"].values, "Acceleration (m/s²)")
     _plot(axes[3, 1], degrees, speed**3 * data["jerk"].values, "Jerk (m/s³)")
@@ -284,24 +249,18 @@ def _write_lift(table: xarray.Dataset, values: Mapping[str, Any], unit: str) -> 
     return write_lift(_lift(values), unit)
 
 
-ANALYSIS = Analysis(
+ANALYSIS = declare(
     name="cam",
     description="A cam by a law or lift table: shape, curvature, pressure angle, entrainment, derivatives",
     parameters={
-        "lift_table": Parameter("", "1", "CSV file of cam angle and lift, instead of a law"),
+        **list_lift_parameters(),
         "contour": Parameter("", "1", "CSV file of polar angle and radius of a contour, instead of a law"),
-        **TABLE_EVENT,
-        **list_law_parameters(),
         **PARAMETERS,
         "speed": Parameter(
             1000.0 * math.pi / 30.0, "rad/s", "speed of the cam", positive=True, plausible=SPEED
         ),
-        "follower": Parameter("flat", "1", "the follower that has the lift", choices=_FOLLOWERS),
+        "follower": Parameter("flat", "1", "the follower that has the lift", choices=tuple(FOLLOWERS)),
         **GEOMETRY,
-        "other": Parameter(
-            NONE, "1", "another follower, of which the lift is found", choices=(NONE, *_FOLLOWERS)
-        ),
-        **{f"other_{name}": parameter for name, parameter in GEOMETRY.items()},
     },
     results={
         "largest_lift": Result("m", "largest lift", display_unit="mm"),
@@ -329,7 +288,6 @@ ANALYSIS = Analysis(
             "m", "lift table: about the largest error of s'', per rad^2", display_unit="mm"
         ),
     },
-    evaluate=_evaluate,
     table=_tabulate,
     draw=draw_cam,
     texts={

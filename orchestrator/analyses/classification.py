@@ -12,8 +12,8 @@ from models.slider_crank.motions.machine import Motion
 
 from ..plots.motion import create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE
-from ._machine import MACHINE, START, build_machine, column, evaluate_by, report_mistakes
-from .protocol import Analysis, Parameter, Result
+from ._machine import MACHINE, START, build_machine, column, report_mistakes
+from .protocol import Parameter, Result, declare
 
 # Cycles shown in the figure, at most, and windows of finite-time exponents in it.
 MOST_SHOWN, WINDOWS = 10_000, 150
@@ -78,7 +78,7 @@ def plot_classification(data: xarray.Dataset, values: Mapping[str, Any]) -> Figu
     return figure
 
 
-ANALYSIS = Analysis(
+ANALYSIS = declare(
     name="classification",
     description="Periodic, chaotic or transiently chaotic, with the evidence",
     parameters={
@@ -95,7 +95,6 @@ ANALYSIS = Analysis(
         "impacts_per_cycle": Result("1", "impacts per crank cycle in the end"),
         "evidence": Result("1", "what the classification rests on", text=True),
     },
-    evaluate=evaluate_by(build_table),
     table=build_table,
     draw=plot_classification,
 )

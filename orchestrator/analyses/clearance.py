@@ -22,9 +22,9 @@ from models.slider_crank.piston_clearance import (
 
 from ..errors import MistakeError
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, create_subplots
-from ._cam_profile import TABLE_EVENT, build_profile, convert, list_law_parameters
-from ._machine import column, evaluate_by
-from .protocol import Analysis, Parameter, Result, describe_values
+from ._cam_profile import build_profile, convert, list_lift_parameters
+from ._machine import column
+from .protocol import Parameter, Result, declare, describe_values
 
 MM = 1e3
 # About the top dead centre of gas exchange, each half degree of the crank; and phases of the range.
@@ -107,17 +107,10 @@ def draw_clearance(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     motion.legend(loc="upper left")
     inside = data["least_of_phases"].values < values["pocket_depth"]
     clear.plot(degrees, MM * data["clearance"].values, color=COUPLED, label="at this phase")
-    clear.plot(
-        degrees, MM * data["least_of_phases"].values, color=REFERENCE, lw=1.0, label="least of all phases"
-    )
-    clear.plot(
-        degrees,
-        MM * np.where(inside, data["radial_clearance"].values, np.nan),
-        color=ACCENT,
-        lw=1.0,
-        ls="--",
-        label="radial, in the pocket",
-    )
+    least_of_all = MM * data["least_of_phases"].values
+    clear.plot(degrees, least_of_all, color=REFERENCE, lw=1.0, label="least of all phases")
+    radial = MM * np.where(inside, data["radial_clearance"].values, np.nan)
+    clear.plot(degrees, radial, color=ACCENT, lw=1.0, ls="--", label="radial, in the pocket")
     clear.axhline(0.0, color="0.4", lw=0.7)
     clear.plot(np.degrees(data["at_angle"].item()), MM * data["least_clearance"].item(), "v", color=COUPLED)
     clear.set_ylim(min(-0.5, 1.2 * MM * float(data["least_of_phases"].min())), top)
@@ -145,15 +138,10 @@ PLACE = {
     "valve_ratio": Parameter(1.0, "1", "lift of the valve over that of the cam", positive=True),
     "lash": Parameter(0.0, "m", "lash at the valve", minimum=0.0, plausible=LASH),
 }
-ANALYSIS = Analysis(
+ANALYSIS = declare(
     name="clearance",
     description="Clearance between a valve and the piston over the crank angle, by the lift of a cam",
-    parameters={
-        "lift_table": Parameter("", "1", "CSV file of cam angle and lift, instead of a law"),
-        **TABLE_EVENT,
-        **list_law_parameters(),
-        **PLACE,
-    },
+    parameters={**list_lift_parameters(), **PLACE},
     results={
         "least_clearance": Result("m", "least clearance along the valve's axis", display_unit="mm"),
         "at_angle": Result("rad", "crank angle there, from top dead centre", display_unit="deg"),
@@ -166,7 +154,6 @@ ANALYSIS = Analysis(
             "m", "least clearance to the pocket's wall while the head is in the pocket", display_unit="mm"
         ),
     },
-    evaluate=evaluate_by(_tabulate),
     table=_tabulate,
     draw=draw_clearance,
     describe=partial(describe_values, PLACE),

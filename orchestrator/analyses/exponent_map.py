@@ -18,13 +18,12 @@ from ._machine import (
     column,
     declare_axis,
     declare_duration,
-    evaluate_by,
     read_axis,
     read_coordinate,
     report_mistakes,
     show_progress,
 )
-from .protocol import Analysis, Result
+from .protocol import Result, declare
 
 
 def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -73,7 +72,7 @@ def plot_exponent_map(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure
     return figure
 
 
-ANALYSIS = Analysis(
+ANALYSIS = declare(
     name="exponent_map",
     description="Largest Lyapunov exponent over two parameters, every point from rest in the middle",
     parameters={
@@ -87,7 +86,6 @@ ANALYSIS = Analysis(
         "sliding_share": Result("1", "part of the points whose motion slides"),
         "highest": Result("1/rad", "highest of the largest exponents"),
     },
-    evaluate=evaluate_by(build_table),
     table=build_table,
     draw=plot_exponent_map,
 )

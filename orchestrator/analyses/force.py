@@ -17,8 +17,8 @@ from models.slider_crank.motions.regions import holding_intervals, region, sign_
 from ..errors import MistakeError
 from ..plots.motion import add_legend, create_figure, set_angle_axis
 from ..plots.style import ACCENT, COUPLED, MUTED
-from ._machine import MECHANISM, build_machine, column, evaluate_by
-from .protocol import Analysis, Parameter, Result
+from ._machine import MECHANISM, build_machine, column
+from .protocol import Parameter, Result, declare
 
 TURN = 2.0 * math.pi
 
@@ -78,7 +78,7 @@ def plot_force(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     return figure
 
 
-ANALYSIS = Analysis(
+ANALYSIS = declare(
     name="force",
     description="Constraint force: what holds a resting slider at each wall, over crank angle (F 2.6)",
     parameters={
@@ -94,7 +94,6 @@ ANALYSIS = Analysis(
         "upper_share": Result("1", "part of the cycle in which the upper wall can hold the slider"),
         "lower_share": Result("1", "part of the cycle in which the lower wall can hold the slider"),
     },
-    evaluate=evaluate_by(build_table),
     table=build_table,
     draw=plot_force,
 )

@@ -16,8 +16,8 @@ from models.slider_crank.flight.bouncing import LOWER, UPPER
 from ..plots.motion import create_figure, set_angle_axis
 from ..plots.style import COUPLED, REFERENCE
 from ._distribution import COUNTS, count_impacts, simulate_first_impacts
-from ._machine import MACHINE, START, column, declare_duration, evaluate_by
-from .protocol import Analysis, Parameter, Result
+from ._machine import MACHINE, START, column, declare_duration
+from .protocol import Parameter, Result, declare
 
 
 def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -109,7 +109,7 @@ def plot_poincare(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     return figure
 
 
-ANALYSIS = Analysis(
+ANALYSIS = declare(
     name="poincare",
     description="Poincaré map: impacts on one wall, velocity over crank angle, magnified twice (F 3.5)",
     parameters={
@@ -129,7 +129,6 @@ ANALYSIS = Analysis(
         "seen": Result("1", "crank cycles that they took"),
         **COUNTS,
     },
-    evaluate=evaluate_by(build_table),
     table=build_table,
     draw=plot_poincare,
 )

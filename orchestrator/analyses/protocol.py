@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 
 Draw = Callable[["xarray.Dataset", Mapping[str, Any]], "Figure"]
+Tabulate = Callable[[Mapping[str, Any]], "xarray.Dataset"]
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,7 @@ class Analysis:
     parameters: Mapping[str, Parameter]
     results: Mapping[str, Result]
     evaluate: Callable[[Mapping[str, Any]], Mapping[str, float | str]]
-    table: Callable[[Mapping[str, Any]], xarray.Dataset] | None = None
+    table: Tabulate | None = None
     draw: Draw | None = None
     texts: Mapping[str, Callable[[xarray.Dataset, Mapping[str, Any]], str]] = field(default_factory=dict)
     describe: Callable[[Mapping[str, Any]], str] | None = None
@@ -154,3 +156,14 @@ class Analysis:
         """`values` checked, and the defaults of the other parameters; MistakeError for a fault."""
         checked = {name: self.parameter(name).check_value(name, value) for name, value in values.items()}
         return {name: parameter.default for name, parameter in self.parameters.items()} | checked
+
+
+def declare(name: str, description: str, table: Tabulate, draw: Draw, **more: Any) -> Analysis:
+    """An analysis whose results are the variables without dimension of its table."""
+
+    @functools.wraps(table)
+    def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+        found = table(values).data_vars.items()
+        return {str(key): variable.item() for key, variable in found if not variable.ndim}
+
+    return Analysis(name, description, evaluate=evaluate, table=table, draw=draw, **more)

@@ -14,8 +14,8 @@ from models.slider_crank.motions.regions import region, thresholds
 
 from ..plots.motion import create_figure
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE
-from ._machine import MECHANISM, build_machine, column, evaluate_by
-from .protocol import Analysis, Parameter, Result
+from ._machine import MECHANISM, build_machine, column
+from .protocol import Parameter, Result, declare
 
 
 def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -101,7 +101,7 @@ def plot_regions(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     return figure
 
 
-ANALYSIS = Analysis(
+ANALYSIS = declare(
     name="regions",
     description="Regions I-III of sliding over friction and clearance (F 2.10)",
     parameters={
@@ -117,7 +117,6 @@ ANALYSIS = Analysis(
         "lower_threshold": Result("1", "lambda from which on the lower wall holds nowhere"),
         "limit": Result("1", "both for vanishing clearance: threshold of permanent sliding"),
     },
-    evaluate=evaluate_by(build_table),
     table=build_table,
     draw=plot_regions,
 )

@@ -19,9 +19,9 @@ from models.valve_train.wire_spring import STRESS_FACTORS, WireSpring
 from ..errors import MistakeError
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, RPM, create_subplots
 from ..scenario.wire import read_wire
-from ._cam_profile import TABLE_EVENT, build_profile, list_law_parameters
-from ._machine import column, evaluate_by
-from .protocol import Analysis, Parameter, Result, describe_values
+from ._cam_profile import build_profile, list_lift_parameters
+from ._machine import column
+from .protocol import Parameter, Result, declare, describe_values
 
 POINTS, ORDERS, SAMPLES = 200, 40, 4096
 # Highest frequency that is drawn over that of full lift; least surge that is drawn over the largest.
@@ -239,16 +239,10 @@ def _draw_orders(axes: Axes, data: xarray.Dataset, values: Mapping[str, Any]) ->
     axes.legend(loc="upper right")
 
 
-ANALYSIS = Analysis(
+ANALYSIS = declare(
     name="spring",
     description="A valve spring from its wire: rate, stress, fatigue, surge, and the orders of a cam's lift",
-    parameters={
-        **WIRE,
-        "lift_table": Parameter("", "1", "CSV file of cam angle and lift, instead of a law"),
-        **TABLE_EVENT,
-        **list_law_parameters(),
-        **CAM,
-    },
+    parameters={**WIRE, **list_lift_parameters(), **CAM},
     results={
         "spring_rate": Result("N/m", "rate, installed", display_unit="N/mm"),
         "surge_frequency": Result("Hz", "first natural frequency, installed"),
@@ -269,7 +263,6 @@ ANALYSIS = Analysis(
         "critical_speed": Result("rad/s", "speed of the cam where it does", display_unit="rpm"),
         "surge_force": Result("N", "force by surge there, over the spring's own"),
     },
-    evaluate=evaluate_by(_tabulate),
     table=_tabulate,
     draw=draw_spring,
     texts={"orders.csv": write_orders},

@@ -17,8 +17,8 @@ from models.slider_crank.motions.transients import (
 
 from ..plots.motion import add_legend, create_figure
 from ..plots.style import COUPLED, REFERENCE
-from ._machine import MACHINE, build_machine, column, evaluate_by, show_progress
-from .protocol import Analysis, Parameter, Result
+from ._machine import MACHINE, build_machine, column, show_progress
+from .protocol import Parameter, Result, declare
 
 
 def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -71,7 +71,7 @@ def plot_transient(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     return figure
 
 
-ANALYSIS = Analysis(
+ANALYSIS = declare(
     name="transient",
     description="Length of transient chaos: distribution over random starts, mean escape time",
     parameters={
@@ -88,7 +88,6 @@ ANALYSIS = Analysis(
         "median": Result("1", "median length in cycles"),
         "longest": Result("1", "longest length in cycles"),
     },
-    evaluate=evaluate_by(build_table),
     table=build_table,
     draw=plot_transient,
 )

@@ -27,8 +27,8 @@ from ._distribution import (
     simulate_impacts,
     tabulate_bins,
 )
-from ._machine import build_machine, column, evaluate_by
-from .protocol import Analysis, Result
+from ._machine import build_machine, column
+from .protocol import Result, declare
 
 # The number of bins is also taken smaller and larger, to show what depends on it.
 FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
@@ -96,12 +96,11 @@ def plot_wear(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     return figure
 
 
-ANALYSIS = Analysis(
+ANALYSIS = declare(
     name="wear",
     description="Wear: energy that impacts take along the walls, and how evenly",
     parameters=declare_impacts(3000, 100),
     results={**_results("upper"), **_results("lower"), **COUNTS},
-    evaluate=evaluate_by(build_table),
     table=build_table,
     draw=plot_wear,
 )

@@ -290,12 +290,12 @@ def test_workers_of_another_version_do_not_evaluate():
 
 OWN = """
 import xarray
-from orchestrator.analyses import Analysis, Parameter, Result
-from orchestrator.analyses._machine import evaluate_by
+from orchestrator.analyses import Parameter, Result
+from orchestrator.analyses.protocol import declare
 
-ANALYSIS = Analysis(
-    "own", "twice x", {"x": Parameter(1.0, "m", "x")}, {"y": Result("m", "y")},
-    evaluate_by(lambda values: xarray.Dataset({"y": FACTOR * values["x"]})),
+ANALYSIS = declare(
+    "own", "twice x", lambda values: xarray.Dataset({"y": FACTOR * values["x"]}), None,
+    parameters={"x": Parameter(1.0, "m", "x")}, results={"y": Result("m", "y")},
 )
 """
 
