@@ -26,7 +26,6 @@ from .declared import experiment, find_extra
 from .documentation import MARKER, render_page
 from .fmi.description import GUID_PLACE, PYTHON, Origin, model_description
 from .fmu_cache import cache_path, recall, tidy, use_cached
-from .patch_elf import add_needed_library
 from .sources import collect_sources, name_module
 
 HERE = Path(__file__).parent
@@ -39,18 +38,8 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 _SCRIPT = '''"""The slave of {name}; see the package for the code."""
 
-import sys
-
-try:
-    import ctypes
-
-    import numpy
-except ImportError:
-    from {package}.libpython import show_to_all
-
-    show_to_all()
-
 import ctypes
+import sys
 
 try:
     import numpy
@@ -78,7 +67,6 @@ def build(
     name: str,
     destination: Path | None = None,
     structure: Mapping[str, int] | None = None,
-    libpython: str | None = None,
     references: bool = True,
 ) -> Path:
     """Build the FMU `name` and return its path.
@@ -86,25 +74,24 @@ def build(
     `destination` is a file (*.fmu) or a folder. Without it the file goes to the user's cache folder, is built
     only if it is missing there, is deleted after some weeks without use, and has no `references`, results
     that take seconds to compute. `structure` gives structural sizes, such as {"coil_masses": 8}; the
-    component's own are the default. `libpython` names a Python library that the Linux binary loads, for hosts
-    that are not Python. Existing files are replaced atomically.
-    KeyError for an unknown name; ValueError for sizes that the component refuses, and for a bad `libpython`.
+    component's own are the default. Existing files are replaced atomically.
+    KeyError for an unknown name; ValueError for sizes that the component refuses.
     """
     if destination is not None:
-        files = collect_files(name, structure, libpython)
+        files = collect_files(name, structure)
         if references:
             files |= compute_references(name, structure)
         return write_fmu(pack_files(files), identify(name), Path(destination))
 
     def find() -> Path:
-        files = collect_files(name, structure, libpython)
+        files = collect_files(name, structure)
         target = cache_path(identify(name), compute_digest(files))
         if not use_cached(target):
             write_fmu(pack_files(files), identify(name), target)
             tidy(target.parent)
         return target
 
-    choice = f"{structure} {libpython} {metadata.version('pythonfmu')} {digest_own(name)}"
+    choice = f"{structure} {metadata.version('pythonfmu')} {digest_own(name)}"
     return recall(identify(name), choice, find)
 
 
@@ -146,9 +133,7 @@ def unpack_files(content: bytes) -> dict[str, bytes]:
         return {path: archive.read(path) for path in archive.namelist()}
 
 
-def collect_files(
-    name: str, structure: Mapping[str, int] | None = None, libpython: str | None = None
-) -> dict[str, bytes]:
+def collect_files(name: str, structure: Mapping[str, int] | None = None) -> dict[str, bytes]:
     """The FMU's files by path."""
     sizes, component = resolve_component(name, structure)
     factory, called = find_factory(name), identify(name)
@@ -162,7 +147,7 @@ def collect_files(
     files["resources/slavemodule.txt"] = stem.encode()
     licence = metadata.distribution("pythonfmu").read_text("licenses/LICENSE") or ""
     files["documentation/licenses/pythonfmu.txt"] = licence.encode()
-    files |= collect_binaries(called, libpython) | documents(name, component)
+    files |= collect_binaries(called) | documents(name, component)
     made_by = origin(f"PythonFMU {pythonfmu.__version__}")
     xml = model_description(component, called, experiment(name), made_by, PYTHON)
     guid = uuid.UUID(compute_digest(files | {"modelDescription.xml": xml.encode()})[:32])
@@ -220,17 +205,11 @@ def _license() -> str:
     return metadata.distribution("tribocosim").read_text("licenses/LICENSE") or ""
 
 
-def collect_binaries(name: str, libpython: str | None) -> dict[str, bytes]:
+def collect_binaries(name: str) -> dict[str, bytes]:
     """pythonfmu's C layer for each of its platforms."""
     folder = Path(pythonfmu.__file__).parent / "resources" / "binaries"
     found = sorted(path for path in folder.rglob("*") if path.suffix in (".so", ".dll", ".dylib"))
-    files = {}
-    for path in found:
-        content = path.read_bytes()
-        if libpython and path.suffix == ".so":
-            content = add_needed_library(content, libpython)
-        files[f"binaries/{path.parent.name}/{name}{path.suffix}"] = content
-    return files
+    return {f"binaries/{path.parent.name}/{name}{path.suffix}": path.read_bytes() for path in found}
 
 
 def documents(name: str, component: Component) -> dict[str, bytes]:

@@ -23,7 +23,7 @@ _TAKEN = {
     *keyword.kwlist,
     *dir(builtins),
     *("compose", "with_values", "Instance", "transform", "Transformation"),
-    *("sys", "ctypes", "numpy", "show_to_all", "slave_class", "FAILURES"),
+    *("sys", "ctypes", "numpy", "slave_class", "FAILURES"),
 }
 
 _FILE = '''"""{about}"""

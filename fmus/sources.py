@@ -24,7 +24,7 @@ COMPANION = "own_part_"
 # The folder of `models`, inside an FMU, with the module of a user's own component.
 OWN = "own"
 
-_SLAVE = ("host.py", "libpython.py", "variable_layout.py", "slave.py")
+_SLAVE = ("host.py", "variable_layout.py", "slave.py")
 
 
 def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]:

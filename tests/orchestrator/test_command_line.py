@@ -219,8 +219,6 @@ MISTAKES = {
     ("fmu", "build", "camshaft", "--platform", "x86_64-linux"): "for Linux and Windows alike",
     ("fmu", "build", "flywheel", "--fmi", "3"): "add --native",
     ("fmu", "build", "flywheel", "--native", "--fmi", "1"): "--fmi 1: must be 2 or 3",
-    ("fmu", "build", "flywheel", "--native", "--libpython", "libpython3.11.so"): "need no Python",
-    ("fmu", "build", "flywheel", "--libpython", "libm.so.6"): "must be a file's name",
     ("fmu", "build", "valve_spring", "--structure", "coils=3"): "did you mean coil_masses?",
 }
 

@@ -36,13 +36,6 @@ def fmu_build(  # noqa: PLR0913  # options of a command
         typer.Option(help="With --native: target platform; may be repeated.", show_default="all"),
     ] = None,
     fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native: NAME-native-fmi3.fmu).")] = 2,
-    libpython: Annotated[
-        str | None,
-        typer.Option(
-            help="Python library that the Linux binary loads itself, for hosts not written in Python, "
-            "e.g. libpython3.11.so.1.0."
-        ),
-    ] = None,
     scenario: Annotated[
         str | None, typer.Option(help="Scenario whose components are built, with its values as defaults.")
     ] = None,
@@ -68,12 +61,11 @@ def fmu_build(  # noqa: PLR0913  # options of a command
     from ..fmu import FmuOptions, build_file, check_options, check_place
 
     if scenario is not None:
-        _check_with_scenario(libpython)
         _build_of_scenario(scenario, set_ or [], names, whole, outside, out, structure, native, platform, fmi)
         return
     _check_without_scenario(set_, whole, outside)
     sizes = dict(map(_parse_size, structure)) if structure else None
-    options = FmuOptions(sizes, native, platform, fmi, libpython)
+    options = FmuOptions(sizes, native, platform, fmi)
     found = check_options(names, options)
     check_place(out, found)
     for name in found:
@@ -121,15 +113,6 @@ def _tell_replaced_starts(file: Path) -> None:
     for variable in describe(file).variables:
         if REPLACES in variable.description:
             say(f"{file}: {variable.name}: {variable.description[variable.description.index(REPLACES) :]}")
-
-
-def _check_with_scenario(libpython: str | None) -> None:
-    from orchestrator.errors import MistakeError, Option
-
-    if libpython:
-        raise MistakeError(
-            (Option("libpython"), ": not with a scenario"), ("add ", Option("native", True), " for any host")
-        )
 
 
 def _check_without_scenario(changes: list[str] | None, whole: bool, outside: list[str] | None) -> None:
