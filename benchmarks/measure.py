@@ -2,10 +2,11 @@
 
 import statistics
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 from models.core.quantities import Vector
 from models.core.system import System
+from orchestrator.engine.observer import Observer
 from orchestrator.engine.step import Step
 from orchestrator.scenario import Scenario
 from orchestrator.scenario.files import load
@@ -29,16 +30,13 @@ def load_system(name: str) -> tuple[Scenario, System]:
     return scenario, resolve_start(scenario, build_system(scenario))
 
 
-class Clock:
+class Clock(Observer):
     """An observer that takes the time of the stepping, `elapsed` (s): by default processor time, which other
     programs on the machine change less than wall time.
     """
 
     def __init__(self, timer: Callable[[], float] = time.process_time) -> None:
         self._timer = timer
-
-    def begin(self, names: Sequence[str]) -> None:
-        pass
 
     def observe(self, time_: float, outputs: Callable[[], Vector], step: Step) -> None:
         if step.length == 0.0:

@@ -4,7 +4,7 @@ import errno
 import os
 import sys
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 
@@ -16,7 +16,8 @@ from rich.text import Text
 from models.core.quantities import Vector
 from models.core.remedies import Words, in_command_line, make_printable
 
-from .compilation import COMPILING, announce_compilation
+from .compilation import announce_compilation
+from .engine.observer import Observer
 from .engine.step import Step
 
 SHOWN_EVERY_S = 0.1
@@ -32,7 +33,7 @@ def estimate_left(share: float, seconds: float) -> str:
     return f", about {left:.0f} s left" if left < 100.0 else f", about {left / 60.0:.0f} min left"
 
 
-class Bar:
+class Bar(Observer):
     """An observer of a coupled run that calls `show` with the share that is done; the clock is read every 64
     steps."""
 
@@ -40,9 +41,6 @@ class Bar:
         self.show, self._stop = show, stop_time
         self._count = 0
         self._shown = 0.0
-
-    def begin(self, names: Sequence[str]) -> None:
-        pass
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         self._count += 1
@@ -111,7 +109,7 @@ class Reporter:
         progress = Progress(*columns, console=self.console, transient=True, disable=not live)
         if not live:
             self.line(text)
-        with progress, announce_compilation(COMPILING, self._compiling):
+        with progress, announce_compilation(self._compiling):
             task = progress.add_task(text, total=1.0)
             told = clock.monotonic()
             begun: tuple[float, float] | None = None  # the share that a run begins with, and when

@@ -1,20 +1,24 @@
 """What watches a run."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from models.core.quantities import Vector
 
-from .coupling import Coupling
 from .step import Step
+
+if TYPE_CHECKING:
+    from .coupling import Coupling
 
 
 class Observer(Protocol):
-    """Watches a run; algorithms never write files."""
+    """Watches a run; algorithms never write files. One that inherits from it begins and ends with nothing."""
 
     def begin(self, names: Sequence[str]) -> None:
         """Before the first values: the names of all outputs, "participant.variable"."""
-        ...
+        return
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         """At the start (a step of no length) and after each macro step.
@@ -26,7 +30,7 @@ class Observer(Protocol):
 
     def end(self, complete: bool, message: str) -> None:
         """After the last values, also when the run failed or was interrupted."""
-        ...
+        return
 
 
 @runtime_checkable

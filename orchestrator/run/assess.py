@@ -16,11 +16,17 @@ from ..assessment.merits import Merit, describe_bearings, describe_trains, list_
 from ..errors import RunError, Set, Words, join
 from ..reporter import Reporter
 from ..store.result_file import ResultFile
-from .comparison import WitnessComparison, compare, compare_witness, largest_uncertainty, verdict
+from .comparison import (
+    WitnessComparison,
+    compare,
+    compare_witness,
+    describe_largest,
+    largest_uncertainty,
+    verdict,
+)
 from .plan import MONOLITHIC, Plan, ReferencePlan
-from .record import ENDS, NOT_COMPARED, OUTSIDE, WITHIN, Ending, Record, classify_ending
 from .reference import Solution, solve_reference
-from .summary import MACRO_STEPS, ROWS, Assessment
+from .summary import ENDS, MACRO_STEPS, NOT_COMPARED, OUTSIDE, ROWS, WITHIN, Summary
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -31,37 +37,38 @@ COMPARED_RECORDS = 100_000
 INSTANTS = 200
 
 
-def assess(plan: Plan, record: Record, result: ResultFile, reporter: Reporter) -> Assessment:
+def assess(plan: Plan, summary: Summary, result: ResultFile, reporter: Reporter) -> Summary:
     """Assess the run whose rows are in `result`; only a complete one is compared with the reference."""
-    assessment = _diagnose(plan, record, result, _summarise_contacts(plan.system, record, result))
-    if not record.ending.complete:
-        return assessment
-    assessed = _judge(plan, assessment, result, reporter)
-    if not record.not_finite or assessed.ending.exit_status != WITHIN:
-        return assessed
-    name, since = next(iter(record.not_finite.items()))
-    more = f" and {len(record.not_finite) - 1} more" if len(record.not_finite) > 1 else ""
-    said = join(f"not finite: {name} from t = {since:.6g} s{more}; ", assessed.verdict)
-    return replace(assessed, verdict=said, ending=replace(assessed.ending, exit_status=OUTSIDE))
+    summary = _diagnose(plan, _summarise_contacts(plan.system, summary, result), result)
+    if not summary.complete:
+        return summary
+    judged = _judge(plan, summary, result, reporter)
+    if not judged.not_finite or judged.exit_status != WITHIN:
+        return judged
+    name, since = next(iter(judged.not_finite.items()))
+    more = f" and {len(judged.not_finite) - 1} more" if len(judged.not_finite) > 1 else ""
+    said = join(f"not finite: {name} from t = {since:.6g} s{more}; ", judged.verdict)
+    return replace(judged, verdict=said, exit_status=OUTSIDE)
 
 
-def _judge(plan: Plan, assessment: Assessment, result: ResultFile, reporter: Reporter) -> Assessment:
+def _judge(plan: Plan, summary: Summary, result: ResultFile, reporter: Reporter) -> Summary:
     """Compare a complete run with its reference, if it has one."""
     if plan.reference is None:
-        return replace(
-            assessment,
-            verdict="not compared: the reference is switched off (reference.enabled)",
-            ending=Ending(True, False, "complete", WITHIN),
-        )
+        verdict = "not compared: the reference is switched off (reference.enabled)"
+        return _conclude(summary, WITHIN, verdict)
     try:
-        return _compare(plan, plan.reference, result, reporter, assessment)
+        return _compare(plan, plan.reference, result, reporter, summary)
     except ENDS as error:
-        return replace(assessment, ending=classify_ending(error, result.path.parent))
+        return summary.end_by(error, result.path.parent)
 
 
-def _summarise_contacts(system: System, record: Record, result: ResultFile) -> Assessment:
+def _conclude(summary: Summary, status: int, verdict: Words) -> Summary:
+    return replace(summary, resumable=False, message="complete", exit_status=status, verdict=verdict)
+
+
+def _summarise_contacts(system: System, summary: Summary, result: ResultFile) -> Summary:
     """The contacts as observed, or else as recorded, with their angles; figures of merit of all parts."""
-    contacts, source, figures = record.contacts, MACRO_STEPS, list[Merit]()
+    contacts, source, figures = summary.contacts, MACRO_STEPS, list[Merit]()
     if result.length("coupled") > 1:
         read = partial(result.read, "coupled", rows=slice(None))
         if not contacts and (found := summarise_rows(system, read)):
@@ -69,22 +76,22 @@ def _summarise_contacts(system: System, record: Record, result: ResultFile) -> A
         contacts = with_angles(system, contacts, read)
         figures = list_merits(system, contacts, lambda name: read([name])[name])
     told = [*describe_trains(system, figures), *describe_bearings(system, figures)]
-    return Assessment(record.ending, contacts, source, told, figures)
+    return replace(summary, contacts=contacts, contacts_from=source, merits=told, figures_of_merit=figures)
 
 
-def _diagnose(plan: Plan, record: Record, result: ResultFile, assessment: Assessment) -> Assessment:
+def _diagnose(plan: Plan, summary: Summary, result: ResultFile) -> Summary:
     """Add what limited the steps."""
     steps = read_written_steps(result)
-    diagnosis = diagnose_steps(steps, record.do_steps)
+    diagnosis = diagnose_steps(steps, summary.do_steps)
     if not diagnosis:
-        return assessment
+        return summary
     remedies = suggestions(Facts(diagnosis, steps, plan.scenario))
-    return replace(assessment, steps=diagnosis, rejected_steps=diagnosis.rejected, suggestions=remedies)
+    return replace(summary, steps=diagnosis, rejected_steps=diagnosis.rejected, suggestions=remedies)
 
 
 def _compare(
-    plan: Plan, wanted: ReferencePlan, result: ResultFile, reporter: Reporter, assessment: Assessment
-) -> Assessment:
+    plan: Plan, wanted: ReferencePlan, result: ResultFile, reporter: Reporter, summary: Summary
+) -> Summary:
     """Solve the reference, add it to the result, and compare."""
     system = plan.system
     every = -(-result.length("coupled") // COMPARED_RECORDS)
@@ -93,11 +100,7 @@ def _compare(
         ends = read_written_steps(result).inner_ends
         solution = solve_reference(plan, wanted, ends, coupled.pop("time"), coupled, reporter)
     except RunError as failure:
-        return replace(
-            assessment,
-            verdict=join("not compared: the reference failed: ", failure),
-            ending=Ending(True, False, "complete", NOT_COMPARED),
-        )
+        return _conclude(summary, NOT_COMPARED, join("not compared: the reference failed: ", failure))
     quantities = plan.quantities
     result.write("reference", solution.times, quantities, solution.outputs)
     if solution.method == MONOLITHIC:
@@ -117,14 +120,14 @@ def _compare(
     for name, error in errors.items():
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
     within, text = verdict(errors)
-    advice = "" if within else _advise_on_events(plan, assessment.contacts)
+    advice = "" if within else _advise_on_events(plan, summary.contacts)
     witness = _hear_witness(plan, coupled, solution, reporter) if wanted.witness else None
     agreed = within and (witness is None or witness.agrees)
+    said = join(text, advice, witness.judge() if witness else "", solution.doubts)
     return replace(
-        assessment,
-        ending=Ending(True, False, "complete", WITHIN if agreed else OUTSIDE),
+        _conclude(summary, WITHIN if agreed else OUTSIDE, said),
         errors=errors,
-        verdict=join(text, advice, witness.judge() if witness else "", solution.doubts),
+        largest_error=describe_largest(errors),
         reference_time_s=solution.wall_time_s,
         reference_uncertainty=largest_uncertainty(errors),
         reference_method=solution.method,

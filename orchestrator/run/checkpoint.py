@@ -22,6 +22,7 @@ from typing import Any, Protocol, runtime_checkable
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
+from ..engine.observer import Observer
 from ..errors import CannotSerializeError, CheckpointError, Command, MistakeError, Option, start_over
 from ..participants.protocol import Participant
 from ..store.atomic_write import replace
@@ -189,7 +190,7 @@ class Keeper(Protocol):
         ...
 
 
-class Checkpoints:
+class Checkpoints(Observer):
     """A Keeper that writes a checkpoint to `path` at the start, every `every` seconds of wall time, when the
     run is `asked` to stop, and at `stop_time`.
 
@@ -217,9 +218,6 @@ class Checkpoints:
     def attach(self, state: Callable[[], dict[str, Plain]]) -> None:
         self._state = state
 
-    def begin(self, names: Sequence[str]) -> None:
-        pass
-
     def observe(self, time: float, outputs: Callable[[], Vector], step: Any) -> None:
         if clock.monotonic() >= self._due or time >= self._stop or self._asked():
             self._write()
@@ -238,6 +236,3 @@ class Checkpoints:
         self._say(f"no checkpoints: {reason}")
         self._due = self._stop = math.inf
         self._asked = lambda: False
-
-    def end(self, complete: bool, message: str) -> None:
-        pass

@@ -1,22 +1,19 @@
-"""Execute a plan: the coupled run with its participants and observers, its progress and Ctrl-C."""
+"""Execute a plan: the coupled run with its participants and observers."""
 
 from __future__ import annotations
 
 import math
 import shutil
-import signal
-import threading
 import time as clock
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
-from types import FrameType, TracebackType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from models.core.quantities import Vector
 
 from ..assessment.contacts import ContactObserver
-from ..compilation import PREPARING, announce_compilation
 from ..engine.energy import Ledger, Trimmed
 from ..engine.observer import Observer
 from ..engine.step import Step
@@ -28,114 +25,19 @@ from ..store.journal import FLUSH_SECONDS
 from ..store.json_codec import Plain
 from ..store.output_folder import SCENARIO, SUMMARY, TEXTS, OutputFolder, format_path
 from .checkpoint import Checkpoints, Identity
+from .interruption import Interruption
 from .plan import Plan, open_participants
-from .record import (
-    ENDS,
-    STEP_VARIABLES,
-    Ending,
-    NotFinite,
-    Record,
-    ResultRecorder,
-    TextRecorder,
-    Warnings,
-    classify_ending,
-    list_texts,
-)
+from .record import STEP_VARIABLES, NotFinite, ResultRecorder, TextRecorder, list_texts
 from .simulation import Statistics, simulate
-from .summary import summarise
+from .summary import ENDS, Summary, Warnings, begin_summary
 
-
-class Noticed:
-    """Remembers that Ctrl-C came; it is raised as ever.
-
-    Libraries make other errors of it: numba, broken off while it compiles, one about its half-made code.
-    """
-
-    def __init__(self) -> None:
-        self.asked = False
-        self._previous: Any = None
-
-    def __enter__(self) -> Noticed:
-        if threading.current_thread() is threading.main_thread():
-            self._previous = signal.getsignal(signal.SIGINT)
-            if callable(self._previous):  # not where the command was started without Ctrl-C
-                signal.signal(signal.SIGINT, self._notice)
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if callable(self._previous):
-            signal.signal(signal.SIGINT, self._previous)
-
-    def _notice(self, number: int, frame: FrameType | None) -> None:
-        self.asked = True
-        self._previous(number, frame)
-
-
-@contextmanager
-def tell_interruption(describe: Callable[[], str]) -> Iterator[None]:
-    """Where Ctrl-C ends the block, KeyboardInterrupt says by `describe` what is kept and how to go on."""
-    with Noticed() as noticed:
-        try:
-            yield
-        except (Exception, KeyboardInterrupt) as error:
-            interrupted = isinstance(error, KeyboardInterrupt)
-            if not (interrupted or noticed.asked):
-                raise
-            text = str(error) if interrupted else ""
-            raise KeyboardInterrupt(text or f"interrupted; {describe()}") from None
-
-
-class Interruption:
-    """An observer that raises KeyboardInterrupt after the macro step in which Ctrl-C came.
-
-    Raised inside a Python FMU, it would come back as that FMU's error. A second Ctrl-C is raised at once.
-    Outside the main thread, which alone gets signals, it does nothing.
-    """
-
-    def __init__(self) -> None:
-        self.asked = False
-        self._previous: Any = None
-
-    def __enter__(self) -> Interruption:
-        if threading.current_thread() is threading.main_thread():
-            self._previous = signal.signal(signal.SIGINT, self._ask)
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._previous is not None:
-            signal.signal(signal.SIGINT, self._previous)
-        if self.asked and kind is None:  # it came in the last step
-            raise KeyboardInterrupt
-
-    def _ask(self, number: int, frame: FrameType | None) -> None:
-        if self.asked:
-            raise KeyboardInterrupt
-        self.asked = True
-
-    def begin(self, names: Sequence[str]) -> None:
-        pass
-
-    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if self.asked:
-            raise KeyboardInterrupt
-
-    def end(self, complete: bool, message: str) -> None:
-        pass
-
-
-# A run with more steps, more bytes on the disk or more time is said to be long: about a minute here.
-LONG_STEPS, LARGE, LONG_SECONDS = 1_000_000, 1e9, 60.0
+# A run with more steps or more bytes on the disk is said to be long: about a minute here.
+LONG_STEPS, LARGE = 1_000_000, 1e9
 # Rows stand in a journal, in the result file (as if nothing could be compressed) and, of the outputs, as text
 # of 20 characters in the CSV file, all at once at the end.
 STORED, AS_TEXT = 8 + 8, 20
 # Bytes of a macro step in memory when the steps are diagnosed: 7 numbers as read and as kept.
 IN_MEMORY = 100
-# The speed is that of the first seconds, when all is compiled.
-MEASURED_SECONDS = 2.0
 # A stop time (s) as long as this may be one in ms without its unit.
 DOUBTFUL = 10.0
 
@@ -178,45 +80,6 @@ def announce(scenario: Scenario, outputs: int, out: Path) -> str:
     return line
 
 
-class Forecast:
-    """An observer that says once how long the coupled run will take, if that is long."""
-
-    def __init__(self, stop_time: float, tell: Callable[[str], None]) -> None:
-        self._stop, self._tell = stop_time, tell
-        self._began: tuple[float, float] | None = None
-        self._told = False
-
-    def begin(self, names: Sequence[str]) -> None:
-        pass
-
-    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if self._told:
-            return
-        now = clock.monotonic()
-        if self._began is None:
-            self._began = time, now
-        start, began = self._began
-        if now - began < MEASURED_SECONDS or time <= start:
-            return
-        self._told = True
-        left = (now - began) * (self._stop - time) / (time - start)
-        if left > LONG_SECONDS:
-            self._tell(f"the coupled run will take about {duration(left)} at this speed; Ctrl-C ends it")
-
-    def restart(self) -> None:
-        """Measure anew from the next step: kernels were compiled, which the other steps do not repeat."""
-        self._began = None
-
-    def end(self, complete: bool, message: str) -> None:
-        pass
-
-
-def duration(seconds: float) -> str:
-    """In the longest unit of which it has two."""
-    units = (("years", 365.25 * 86400.0), ("days", 86400.0), ("h", 3600.0), ("min", 60.0), ("s", 0.0))
-    return next(f"{seconds / max(size, 1.0):.0f} {unit}" for unit, size in units if seconds >= 2.0 * size)
-
-
 def _bytes(size: float) -> str:
     units = (("TB", 1e12), ("GB", 1e9), ("MB", 1e6), ("kB", 0.0))
     return next(f"{size / max(one, 1e3):.3g} {unit}" for unit, one in units if size >= one)
@@ -227,19 +90,20 @@ Checkpoint = tuple[Identity, Plain]
 
 def execute(
     plan: Plan, folder: OutputFolder, reporter: Reporter, checkpoint: Checkpoint | None = None
-) -> Record:
-    """Run from the start or from a checkpoint, to the end or to what stops it.
+) -> Summary:
+    """Run from the start or from a checkpoint, to the end or to what stops it; its rows are in the journals.
 
     Raises RefusedError if a participant fails before the first values, and CheckpointError if the checkpoint
     is not of this plan; nothing of an earlier run is changed then.
     """
     identity = Identity.of(folder.path / SCENARIO, plan.sha256)
+    summary = begin_summary(plan)
     if checkpoint:
         identity.check(checkpoint[0], format_path(folder.path))
         if differ := identity.compare_machines(checkpoint[0], format_path(folder.path)):
             reporter.line(differ)
     else:  # this is left if a participant ends the process
-        summarise(plan, Ending(), Record()).write(folder.path / SUMMARY)
+        summary.write(folder.path / SUMMARY)
     observation = _Observation(plan, folder)
     try:
         statistics = _couple(plan, folder, reporter, observation, identity, checkpoint)
@@ -247,8 +111,16 @@ def execute(
         refused = observation.counter.steps < 0 and not isinstance(error, StalledError)
         if refused and isinstance(error, ParticipantError):
             raise RefusedError(error) from None
-        return observation.record(classify_ending(error, folder.path), None)
-    return observation.record(Ending(complete=True), statistics)
+        return observation.complete(summary.end_by(error, folder.path))
+    return replace(
+        observation.complete(summary),
+        complete=True,
+        do_steps=statistics.do_steps,
+        coupled_time_s=statistics.coupled_time_s,
+        python_sweeps=statistics.python_sweeps,
+        without_rates=statistics.without_rates,
+        unproven=statistics.unproven,
+    )
 
 
 class _Observation:
@@ -272,22 +144,19 @@ class _Observation:
         self.system = system
         self.observers = [*recorders, *text_recorders, self.contacts, self.counter]
 
-    def record(self, ending: Ending, statistics: Statistics | None) -> Record:
+    def complete(self, summary: Summary) -> Summary:
+        """The summary with what was observed."""
         if self.counter.steps < 0:
-            return Record(ending, warnings=self.warnings)
-        return Record(
-            ending,
+            return replace(summary, warnings=self.warnings)
+        return replace(
+            summary,
             macro_steps=self.counter.steps,
             iterations=self.counter.iterations,
-            do_steps=statistics.do_steps if statistics else None,
-            coupled_time_s=statistics.coupled_time_s if statistics else self.counter.time_s,
+            coupled_time_s=self.counter.time_s,
             contacts=self.contacts.summaries(),
             energy=self._ledger.account() if self._ledger else None,
             warnings=self.warnings,
             not_finite=self.not_finite.since,
-            python_sweeps=statistics.python_sweeps if statistics else {},
-            without_rates=statistics.without_rates if statistics else (),
-            unproven=statistics.unproven if statistics else (),
         )
 
 
@@ -314,18 +183,16 @@ def _couple(
                     observers.append(
                         Checkpoints(path, identity, every, stop, lambda: interruption.asked, say)
                     )
-                forecast = Forecast(stop, reporter.line)
-                with announce_compilation(PREPARING, begin=lambda: None, end=forecast.restart):
-                    return simulate(
-                        system,
-                        participants,
-                        plan.master,
-                        plan.make_steps(),
-                        stop,
-                        [*observers, bar, forecast, interruption],
-                        resumed=checkpoint[1] if checkpoint else None,
-                        lines=plan.side_lines,
-                    )
+                return simulate(
+                    system,
+                    participants,
+                    plan.master,
+                    plan.make_steps(),
+                    stop,
+                    [*observers, bar, interruption],
+                    resumed=checkpoint[1] if checkpoint else None,
+                    lines=plan.side_lines,
+                )
         finally:
             observation.warnings = _collect_warnings(units)
 
@@ -341,7 +208,7 @@ def _collect_warnings(units: Mapping[str, Participant]) -> dict[str, Warnings]:
     return found
 
 
-class _Counter:
+class _Counter(Observer):
     """Counts steps, iterations and time (s), also of a run that ends early. Calls `begun` at the start
     values; until then `steps` is -1."""
 

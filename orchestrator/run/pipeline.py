@@ -34,8 +34,7 @@ from .checkpoint import read
 from .execute import announce, execute
 from .plan import Plan, make_plan
 from .publish import finish_result, open_result, publish, publish_merits, settle_ending
-from .record import ENDS, FAILED, Ending, Record, classify_ending
-from .summary import Summary, summarise
+from .summary import ENDS, FAILED, Summary, begin_summary
 
 
 def run(
@@ -69,32 +68,28 @@ def run_plan(
         if line := announce(plan.scenario, plan.system.outputs.size, out):
             reporter.line(line)
         try:
-            record = execute(plan, folder, reporter)
+            summary = execute(plan, folder, reporter)
         except RefusedError as error:  # a mistake in the scenario or a given file
             kept = _tell_of_backup(folder)
             folder.discard()
             raise ScenarioError((error, kept)) from None
         if folder.backup.exists:
-            message = join(record.ending.message, _tell_of_backup(folder))
-            return summarise(plan, replace(record.ending, message=message, resumable=False), record)
-        return conclude(plan, record, folder, reporter, start)
+            message = join(summary.message, _tell_of_backup(folder))
+            return replace(summary, message=message, resumable=False)
+        return conclude(plan, summary, folder, reporter, start)
 
 
-def conclude(plan: Plan, record: Record, folder: OutputFolder, reporter: Reporter, start: float) -> Summary:
+def conclude(plan: Plan, summary: Summary, folder: OutputFolder, reporter: Reporter, start: float) -> Summary:
     """Assess what was recorded and publish it. The run began at `start` of `perf_counter`."""
-    assessment, ending = None, record.ending
     try:
         with open_result(plan, folder, reporter) as result:
-            assessment = assess(plan, record, result, reporter)
-            ending = assessment.ending
-            publish_merits(plan, assessment, result)
-            finish_result(plan, ending, result, reporter)
+            summary = assess(plan, summary, result, reporter)
+            publish_merits(plan, summary, result)
+            finish_result(plan, summary, result, reporter)
     except ENDS as error:
-        failure = classify_ending(error, folder.path)
-        ending = replace(failure, resumable=failure.resumable and ending.resumable)
+        summary = summary.end_by(error, folder.path)
     seconds = clock.perf_counter() - start
-    summary = summarise(plan, settle_ending(ending, folder), record, assessment, seconds)
-    return publish(summary, folder, reporter)
+    return publish(replace(settle_ending(summary, folder), wall_time_s=seconds), folder, reporter)
 
 
 def keep_prints(plan: Plan, folder: OutputFolder, reporter: Reporter) -> AbstractContextManager[None]:
@@ -146,15 +141,15 @@ def resume(
             # A killed process has left no wall time, but that of its steps.
             start -= max(before.get("wall_time_s", 0.0), checkpoint[1]["elapsed"])
         elif recorded:
-            return conclude(plan, _recover_record(plan, pending, keep), folder, reporter, start)
+            return conclude(plan, _recover(plan, pending, keep), folder, reporter, start)
         else:
             clear_run_state(pending)
         with keep_prints(plan, folder, reporter):
             try:
-                record = execute(plan, folder, reporter, checkpoint)
+                summary = execute(plan, folder, reporter, checkpoint)
             except RefusedError as error:
                 raise OutputFolderError((f"{format_path(out)}: ", error)) from None
-            return conclude(plan, record, folder, reporter, start)
+            return conclude(plan, summary, folder, reporter, start)
 
 
 def _report_ended(out: Path, reporter: Reporter) -> Summary:
@@ -189,8 +184,8 @@ def _count_rows(folder: Path, name: str) -> int:
     return Recorded(found[name]).rows if name in found else 0
 
 
-def _recover_record(plan: Plan, pending: Path, keep: bool) -> Record:
-    """The record of a run that is not continued from a checkpoint: because it left none, or with `keep`."""
+def _recover(plan: Plan, pending: Path, keep: bool) -> Summary:
+    """The summary of a run that is not continued from a checkpoint: because it left none, or with `keep`."""
     why = " and has left no checkpoint (checkpoint_every = 0, or an FMU that cannot be serialised)"
     message = f"incomplete: the run was stopped{'' if keep else why}; the result is what it had recorded"
     if names := plan.scenario.exposed:
@@ -208,4 +203,4 @@ def _recover_record(plan: Plan, pending: Path, keep: bool) -> Record:
     if until["coupled"] == plan.scenario.stop_time:  # recorded wherever it falls
         at_least -= every - 1
     steps = max(_count_rows(pending, "steps"), at_least)
-    return Record(Ending(resumable=False, message=message), macro_steps=steps)
+    return replace(begin_summary(plan), resumable=False, message=message, macro_steps=steps)

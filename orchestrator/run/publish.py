@@ -37,8 +37,7 @@ from ..store.output_folder import (
 from ..store.result_file import ResultFile
 from .comparison import Errors, VariableError, WitnessComparison
 from .plan import Plan
-from .record import FAILED, INTERRUPTED, Ending
-from .summary import Assessment, Summary
+from .summary import FAILED, INTERRUPTED, Summary
 
 PACKAGES = ("tribocosim", "numpy", "scipy", "numba", "scikit-sundae", "fmpy", "pythonfmu")
 
@@ -69,7 +68,7 @@ def _describe(plan: Plan) -> dict[str, str]:
     }
 
 
-def publish_merits(plan: Plan, assessment: Assessment, result: ResultFile) -> None:
+def publish_merits(plan: Plan, summary: Summary, result: ResultFile) -> None:
     """The table of the figures of merit of what was recorded."""
     if result.length("coupled") > 1:
 
@@ -77,17 +76,17 @@ def publish_merits(plan: Plan, assessment: Assessment, result: ResultFile) -> No
         def read(name: str) -> Vector:
             return result.read("coupled", [name], slice(None))[name]
 
-        write_merits(plan.system, assessment.figures_of_merit, read, result.path.with_name(MERITS))
+        write_merits(plan.system, summary.figures_of_merit, read, result.path.with_name(MERITS))
 
 
-def finish_result(plan: Plan, ending: Ending, result: ResultFile, reporter: Reporter) -> None:
+def finish_result(plan: Plan, summary: Summary, result: ResultFile, reporter: Reporter) -> None:
     """State how the run ended, and draw the figures."""
-    result.finish(ending.complete, in_command_line(ending.message))
-    if not plan.figures or ending.exit_status == INTERRUPTED or result.length("coupled") < 2:
+    result.finish(summary.complete, in_command_line(summary.message))
+    if not plan.figures or summary.exit_status == INTERRUPTED or result.length("coupled") < 2:
         return
     from .. import plots
 
-    title = plan.name if ending.complete else f"{plan.name} (incomplete)"
+    title = plan.name if summary.complete else f"{plan.name} (incomplete)"
     figures = plots.find_figures(result, title, plan.system, plan.tolerance, plan.scenario.figures_over)
     with reporter.stage("figures") if figures else nullcontext():
         plots.draw_all(figures, result.path.with_name(FIGURES))
@@ -95,11 +94,12 @@ def finish_result(plan: Plan, ending: Ending, result: ResultFile, reporter: Repo
         reporter.line("no figures: none is known for these components")
 
 
-def settle_ending(ending: Ending, folder: OutputFolder) -> Ending:
-    """The ending, with the remedy for a full disk; resumable only from a checkpoint."""
-    if in_command_line(ending.message).endswith(NO_ROOM):
-        ending = replace(ending, message=join(ending.message, "; ", _advise_on_full_disk(folder)))
-    return replace(ending, resumable=ending.resumable and folder.checkpoint.exists())
+def settle_ending(summary: Summary, folder: OutputFolder) -> Summary:
+    """With the remedy for a full disk; resumable only from a checkpoint."""
+    message = summary.message
+    if in_command_line(message).endswith(NO_ROOM):
+        message = join(message, "; ", _advise_on_full_disk(folder))
+    return replace(summary, message=message, resumable=summary.resumable and folder.checkpoint.exists())
 
 
 def _advise_on_full_disk(folder: OutputFolder) -> Words:
@@ -189,21 +189,32 @@ def _print_details(summary: Summary, out: Path, written_files: Sequence[Path], r
 REFERENCES = {"monolithic": "the monolithic reference", "refinement": "the limit of runs with smaller steps"}
 
 
-def _tabulate(errors: Errors, method: str) -> Table:
-    """The comparison as a table; variables with a tolerance first."""
-    refined = method == "refinement"
-    starred = any(error.below_uncertainty for error in errors.values())
+def _make_table(title: str, caption: str, first: str, numbers: Sequence[str]) -> Table:
+    """A table whose first column names what the numbers beside it are of."""
     table = Table(
-        title=f"Coupled run against {REFERENCES[method]} (SI units)",
-        caption="* below the reference's own uncertainty" if starred else None,
+        title=title,
+        caption=caption or None,
         title_justify="left",
         caption_justify="left",
         box=box.SIMPLE_HEAD,
         pad_edge=False,
     )
-    table.add_column("variable", overflow="fold")
-    for column in ("max", "RMS", "relative\nRMS", "reference\n±", *["order"] * refined, "allowed"):
+    table.add_column(first, overflow="fold")
+    for column in numbers:
         table.add_column(column, justify="right", no_wrap=True)
+    return table
+
+
+def _tabulate(errors: Errors, method: str) -> Table:
+    """The comparison as a table; variables with a tolerance first."""
+    refined = method == "refinement"
+    starred = any(error.below_uncertainty for error in errors.values())
+    table = _make_table(
+        f"Coupled run against {REFERENCES[method]} (SI units)",
+        "* below the reference's own uncertainty" if starred else "",
+        "variable",
+        ["max", "RMS", "relative\nRMS", "reference\n±", *["order"] * refined, "allowed"],
+    )
     table.add_column("")
     for name, error in sorted(errors.items(), key=lambda item: item[1].tolerance is None):
         table.add_row(
@@ -221,18 +232,13 @@ def _tabulate(errors: Errors, method: str) -> Table:
 
 def _tabulate_witness(witness: WitnessComparison) -> Table:
     """Coupled run, reference and witness side by side."""
-    table = Table(
-        title="Coupled run, monolithic reference and multibody model (SI units: least, largest)",
-        caption=f"{witness.method}\n{witness.constraints} constraints, {witness.freedoms} freedoms, "
+    table = _make_table(
+        "Coupled run, monolithic reference and multibody model (SI units: least, largest)",
+        f"{witness.method}\n{witness.constraints} constraints, {witness.freedoms} freedoms, "
         f"constraints kept to {witness.drift:.0e}; {witness.wall_time_s:.1f} s",
-        title_justify="left",
-        caption_justify="left",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
+        "quantity",
+        ["coupled", "reference", "multibody", "coupled,\nrelative RMS", "reference,\nrelative RMS"],
     )
-    table.add_column("quantity", overflow="fold")
-    for column in ("coupled", "reference", "multibody", "coupled,\nrelative RMS", "reference,\nrelative RMS"):
-        table.add_column(column, justify="right", no_wrap=True)
     for name, row in witness.quantities.items():
         spans = (f"{low:.6g}\n{high:.6g}" for low, high in (row.coupled, row.reference, row.multibody))
         table.add_row(Text(name), *spans, f"{row.coupled_difference:.1e}", f"{row.reference_difference:.1e}")

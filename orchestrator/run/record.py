@@ -1,83 +1,24 @@
-"""What a coupled run did and how it ended, and the observers that record it."""
+"""The observers that record a coupled run."""
 
 import csv
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from models.core.quantities import Quantity, Vector
-from models.core.remedies import ExplainedError, Words, join
 
-from ..assessment.contacts import ContactSummaries
 from ..engine.coupling import Coupling
-from ..engine.energy.account import Account
-from ..engine.observer import is_recorded
+from ..engine.observer import Observer, is_recorded
 from ..engine.step import REASONS, Step
-from ..errors import CheckpointError, RefusedError, RunError
 from ..participants.protocol import SideChannel
 from ..participants.third_party import ThirdPartyComponent
 from ..store.journal import FLUSH_SECONDS, SUFFIX, Journal, Mark
 from ..store.json_codec import Plain
-
-# Exit statuses of the command line.
-WITHIN, OUTSIDE, MISTAKE, FAILED, NOT_COMPARED, INTERRUPTED = 0, 1, 2, 3, 4, 130
-
-# The errors that end a run early and leave a result; all others are faults of the program.
-ENDS = (KeyboardInterrupt, OSError, RunError, ValueError, ArithmeticError)
-
-
-@dataclass(frozen=True)
-class Ending:
-    """How a run ended. By default it has not."""
-
-    complete: bool = False
-    resumable: bool = True  # `tribocosim resume` can continue it
-    message: Words = "the run was not finished"
-    exit_status: int = FAILED
-
-
-def classify_ending(error: BaseException, out: Path) -> Ending:
-    """The ending that one of `ENDS` means. Raises `error` again if it leaves no result."""
-    if isinstance(error, (CheckpointError, RefusedError)):
-        raise error
-    if isinstance(error, KeyboardInterrupt):
-        return Ending(message="incomplete: interrupted", exit_status=INTERRUPTED)
-    if isinstance(error, OSError):
-        return Ending(message=f"incomplete: {error.filename or out}: {error.strerror or error}")
-    shown = error if isinstance(error, ExplainedError) else str(error)
-    return Ending(resumable=False, message=join("incomplete: ", shown))  # it would fail again
-
-
-@dataclass(frozen=True)
-class Warnings:
-    """The number of warnings of an FMU, and the first message (may be empty)."""
-
-    count: int
-    first: str
-
-
-@dataclass(frozen=True)
-class Record:
-    """What the coupled run did, to its end or to where it was stopped. Its rows are in the journals."""
-
-    ending: Ending = Ending()
-    macro_steps: int = 0
-    iterations: int = 0
-    do_steps: int | None = None  # of single participants; None where the run did not end
-    coupled_time_s: float = 0.0
-    contacts: ContactSummaries = field(default_factory=dict)
-    energy: Account | None = None
-    warnings: Mapping[str, Warnings] = field(default_factory=dict)
-    not_finite: Mapping[str, float] = field(default_factory=dict)  # the first time (s) an output was so
-    python_sweeps: Mapping[str, str] = field(default_factory=dict)  # slow participants: reason
-    without_rates: Sequence[str] = ()  # participants whose rates were not used
-    unproven: Sequence[str] = ()  # why participants were not restored
-
 
 STEP_VARIABLES = {
     "macro_step": Quantity("s", "length of the macro step that ended here"),
@@ -154,7 +95,7 @@ class ResultRecorder:
             self._steps.close()
 
 
-class NotFinite:
+class NotFinite(Observer):
     """Outputs that were not finite. NaN in what is connected ends a run at once (`coupling`); what is only
     recorded does not, and is told at the end.
 
@@ -183,9 +124,6 @@ class NotFinite:
     def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
         self.begin(names)
         self._count, self.since = state["count"], dict(state["since"])
-
-    def end(self, complete: bool, message: str) -> None:
-        pass
 
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -27,6 +27,7 @@ import numpy as np
 from models.core.difference import Difference, difference, time_weights
 from models.core.quantities import Vector
 
+from ..engine.observer import Observer
 from ..engine.step import Step
 from ..participants.description import MODEL_EXCHANGE
 from ..participants.model_exchange import FmuEquations, open_equations
@@ -126,22 +127,16 @@ def _repeat(plan: Plan, ends: Vector, parts: int, times: Vector, reporter: Repor
     return np.array(samples.rows)
 
 
-class _Samples:
+class _Samples(Observer):
     """An observer that keeps all outputs at given times, each met within its slack."""
 
     def __init__(self, times: Vector, slack: Vector) -> None:
         self._due = times - slack
         self.rows: list[Vector] = []
 
-    def begin(self, names: Sequence[str]) -> None:
-        pass
-
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if len(self.rows) < len(self._due) and time >= self._due[len(self.rows)]:
             self.rows.append(outputs().copy())
-
-    def end(self, complete: bool, message: str) -> None:
-        pass
 
 
 if TYPE_CHECKING:

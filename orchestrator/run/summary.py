@@ -1,4 +1,4 @@
-"""What a run is worth: its contacts, steps and errors, and their summary in summary.json."""
+"""What a run came to, from its first line in summary.json to the last."""
 
 import json
 import math
@@ -16,39 +16,30 @@ from ..assessment.diagnosis import Diagnosis, brief
 from ..assessment.merits import Merit
 from ..engine.energy.account import Account
 from ..engine.energy.account import lines as energy_lines
-from ..errors import Words, in_command_line
+from ..errors import CheckpointError, ExplainedError, RefusedError, RunError, Words, in_command_line, join
 from ..store import atomic_write
-from .comparison import Errors, WitnessComparison, describe_largest
+from .comparison import Errors, WitnessComparison
 from .plan import MONOLITHIC, Plan
-from .record import FAILED, Ending, Record, Warnings
 
+# Exit statuses of the command line.
+WITHIN, OUTSIDE, FAILED, NOT_COMPARED, INTERRUPTED = 0, 1, 3, 4, 130
+# The errors that end a run early and leave a result; all others are faults of the program.
+ENDS = (KeyboardInterrupt, OSError, RunError, ValueError, ArithmeticError)
 # Where extremes of contacts are from.
 MACRO_STEPS, ROWS = "all macro steps", "recorded rows"
 
 
 @dataclass(frozen=True)
-class Assessment:
-    """The assessment of a run, complete or not."""
+class Warnings:
+    """The number of warnings of an FMU, and the first message (may be empty)."""
 
-    ending: Ending
-    contacts: ContactSummaries
-    contacts_from: str = MACRO_STEPS
-    merits: Sequence[str] = field(default_factory=list)
-    figures_of_merit: Sequence[Merit] = field(default_factory=list)
-    steps: Diagnosis | None = None
-    rejected_steps: int = 0
-    suggestions: Sequence[str] = field(default_factory=list)
-    errors: Errors = field(default_factory=dict)
-    verdict: Words = "not compared"
-    reference_time_s: float | None = None
-    reference_uncertainty: float | None = None
-    reference_method: str = MONOLITHIC
-    witness: WitnessComparison | None = None
+    count: int
+    first: str
 
 
 @dataclass(frozen=True)
 class Summary:
-    """What a run came to. An incomplete one has what is known."""
+    """What a run came to: first that it has not ended; then what it did, how it ended, and its assessment."""
 
     scenario: str
     description: str
@@ -60,34 +51,49 @@ class Summary:
     figures: bool = True  # were to be drawn; `tribocosim resume` does the same
     complete: bool = False
     resumable: bool = True  # `tribocosim resume` can continue it
-    message: Words = Ending.message
-    verdict: Words = Assessment.verdict
+    message: Words = "the run was not finished"
+    verdict: Words = "not compared"
     largest_error: str = ""
     exit_status: int = FAILED
     macro_steps: int = 0
     rejected_steps: int = 0
     iterations: int = 0
-    do_steps: int | None = None
+    do_steps: int | None = None  # of single participants; None where the run did not end
     wall_time_s: float = 0.0
     coupled_time_s: float = 0.0
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
-    reference_method: str = Assessment.reference_method
+    reference_method: str = MONOLITHIC
     witness: WitnessComparison | None = None
     errors: Errors = field(default_factory=dict)
     contacts: ContactSummaries = field(default_factory=dict)
     contacts_from: str = MACRO_STEPS
     merits: Sequence[str] = field(default_factory=list)
+    figures_of_merit: Sequence[Merit] = ()  # in a table of their own
     energy: Account | None = None
     steps: Diagnosis | None = None
     suggestions: Sequence[str] = field(default_factory=list)
     warnings: Mapping[str, Warnings] = field(default_factory=dict)
-    not_finite: Mapping[str, float] = field(default_factory=dict)
-    python_sweeps: Mapping[str, str] = field(default_factory=dict)
-    without_rates: Sequence[str] = ()
-    unproven: Sequence[str] = ()
+    not_finite: Mapping[str, float] = field(default_factory=dict)  # the first time (s) an output was so
+    python_sweeps: Mapping[str, str] = field(default_factory=dict)  # slow participants: reason
+    without_rates: Sequence[str] = ()  # participants whose rates were not used
+    unproven: Sequence[str] = ()  # why participants were not restored
     fmus: dict[str, str] = field(default_factory=dict)
     notices: Sequence[Words] = field(default_factory=list)
+
+    def end_by(self, error: BaseException, out: Path) -> "Summary":
+        """As ended by one of `ENDS`. Raises `error` again if it leaves no result."""
+        if isinstance(error, (CheckpointError, RefusedError)):
+            raise error
+        if isinstance(error, KeyboardInterrupt):
+            return replace(self, complete=False, message="incomplete: interrupted", exit_status=INTERRUPTED)
+        said = error if isinstance(error, ExplainedError) else str(error)
+        if lasting := not isinstance(error, OSError):  # it would fail again
+            message = join("incomplete: ", said)
+        else:
+            message = f"incomplete: {error.filename or out}: {error.strerror or error}"
+        resumable = self.resumable and not lasting
+        return replace(self, complete=False, resumable=resumable, message=message, exit_status=FAILED)
 
     def tell(self) -> list[Words]:
         """What trains, contacts, energies and steps came to, and warnings of FMUs, in words."""
@@ -115,7 +121,8 @@ class Summary:
     def content(self) -> dict[str, Any]:
         """As plain JSON values."""
         message, verdict = map(in_command_line, (self.message, self.verdict))
-        content = asdict(replace(self, message=message, verdict=verdict))
+        content = asdict(replace(self, message=message, verdict=verdict, figures_of_merit=()))
+        del content["figures_of_merit"]
         for contact in content["contacts"].values():
             contact["film"] = contact["film"] if contact["film"] >= ATOM else 0.0
         content["notices"] = list(map(in_command_line, [*self.notices, *self.tell()]))
@@ -132,14 +139,9 @@ class Summary:
         atomic_write.replace(path, (json.dumps(self.content(), indent=2, allow_nan=False) + "\n").encode())
 
 
-def summarise(
-    plan: Plan, ending: Ending, record: Record, assessment: Assessment | None = None, seconds: float = 0.0
-) -> Summary:
-    """The summary of a run of so many seconds that ended so."""
+def begin_summary(plan: Plan) -> Summary:
+    """Of a run that has not ended."""
     scenario = plan.scenario
-    found = vars(record) | (vars(assessment) if assessment else {})
-    del found["ending"]
-    found.pop("figures_of_merit", None)  # a table of its own
     return Summary(
         scenario=scenario.name,
         description=scenario.description,
@@ -151,10 +153,6 @@ def summarise(
         figures=plan.figures,
         fmus=plan.sha256,
         notices=plan.notices,
-        wall_time_s=seconds,
-        largest_error=describe_largest(assessment.errors) if assessment else "",
-        **vars(ending),
-        **found,
     )
 
 

@@ -13,7 +13,7 @@ import pytest
 import typer
 
 from fmus.build import NAMES
-from orchestrator.run.execute import tell_interruption
+from orchestrator.run.interruption import tell_interruption
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.system import build_system

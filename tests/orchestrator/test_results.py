@@ -16,8 +16,8 @@ from models.core.quantities import Quantity
 from orchestrator.engine.step import Step
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
-from orchestrator.run.record import OUTSIDE, ResultRecorder
-from orchestrator.run.summary import Summary
+from orchestrator.run.record import ResultRecorder
+from orchestrator.run.summary import OUTSIDE, Summary
 from orchestrator.scenario.files import load
 from orchestrator.stepping import FixedSteps
 from orchestrator.store.coordinates import Coordinate

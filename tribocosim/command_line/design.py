@@ -27,7 +27,7 @@ def design_cam(
     Writes a scenario with the cam's lift table. The same command continues an interrupted search. Exit status
     0: all limits are kept, 1: no such cam was found, 2: a mistake in the brief, 130: interrupted.
     """
-    from orchestrator.run.execute import tell_interruption
+    from orchestrator.run.interruption import tell_interruption
     from orchestrator.study.design.brief import read_brief
     from orchestrator.study.design.files import describe_kept
     from orchestrator.study.design.run import design

@@ -35,7 +35,7 @@ def _carry_out(
     noticed = None
     try:
         from orchestrator.reporter import unwritten  # with numba, which `--help` does not need
-        from orchestrator.run.execute import Noticed
+        from orchestrator.run.interruption import Noticed
 
         unwritten.clear()
         with Noticed() as noticed:

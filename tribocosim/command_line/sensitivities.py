@@ -38,7 +38,7 @@ def run_sensitivities(
     mistake in the scenario or the command, 130: interrupted.
     """
     check_study_packages()
-    from orchestrator.run.execute import tell_interruption
+    from orchestrator.run.interruption import tell_interruption
     from orchestrator.scenario import build_scenario
     from orchestrator.scenario.files import read_changed
     from orchestrator.study.run import Where

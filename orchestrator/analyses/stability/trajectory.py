@@ -9,6 +9,7 @@ from models.core.quantities import Vector
 from models.core.system import ModelError, System
 from models.monolithic.trajectory import Trajectory, compute_trajectory
 
+from ...engine.observer import Observer
 from ...engine.step import Step
 from ...masters import MASTERS, Master
 from ...participants.in_process import InProcessParticipant as in_process
@@ -59,16 +60,13 @@ def run_course(
     return Trajectory(times, {}, inputs, recorder.outputs, differentiate(recorder.outputs) / interval)
 
 
-class _OutputsRecorder:
+class _OutputsRecorder(Observer):
     """An observer that records outputs at each of `times`."""
 
     def __init__(self, system: System, times: Vector, progress: Callable[[float], None]) -> None:
         self._progress, self._times = progress, times
         self.outputs = np.zeros((len(times), system.outputs.size))
         self._row = 0
-
-    def begin(self, names: object) -> None:
-        pass
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         near = 1e-6 * (self._times[1] - self._times[0])
@@ -77,9 +75,6 @@ class _OutputsRecorder:
         self.outputs[self._row] = outputs()
         self._row += 1
         self._progress(self._row / len(self.outputs))
-
-    def end(self, complete: bool, message: str) -> None:
-        pass
 
 
 class _CourseRecorder(_OutputsRecorder):

@@ -11,6 +11,7 @@ from models.core.quantities import Vector
 from models.core.system import System
 
 from ...engine.coupling import Coupling
+from ...engine.observer import Observer
 from ...engine.step import Step
 from ...participants.compiled_calls import CALLS, FINE, CompiledCalls
 from ...participants.protocol import Participant
@@ -20,7 +21,7 @@ from .accumulation import INPUTS, OUTPUTS, observe
 from .contact_summary import Accumulator, ContactSummaries, contacts
 
 
-class ContactObserver:
+class ContactObserver(Observer):
     """Accumulates the summaries of all contacts, whatever is recorded.
 
     Compiled code reads contacts that are FMUs of this process; others give all their outputs.
@@ -57,9 +58,6 @@ class ContactObserver:
                 self._others.append((unit, np.zeros(outputs.size), index, row[: len(OUTPUTS)]))
         self._records = np.concatenate([np.zeros(0, dtype=CALLS), *records])
 
-    def begin(self, names: Sequence[str]) -> None:
-        pass
-
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if not self._names:
             return
@@ -80,9 +78,6 @@ class ContactObserver:
 
     def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
         self._accumulator.resume(state)
-
-    def end(self, complete: bool, message: str) -> None:
-        pass
 
 
 def with_angles(

@@ -22,6 +22,7 @@ from models.monolithic.problem import SystemProblem
 from models.monolithic.reference import observe, stiffness
 
 from ...assessment.trains import find_angles
+from ...engine.observer import Observer
 from ...engine.step import Step
 from ...errors import MistakeError, RunError, Set
 from ...reporter import Reporter
@@ -247,21 +248,15 @@ class TransientModel(_Tables):
         return self.select(np.array(found).T, plan.system.outputs.names, np.zeros(0))
 
 
-class _Rows:
+class _Rows(Observer):
     """An observer that keeps times and outputs."""
 
     def __init__(self) -> None:
         self.times, self.outputs = list[float](), list[Vector]()
 
-    def begin(self, names: Sequence[str]) -> None:
-        pass
-
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         self.times.append(time)
         self.outputs.append(outputs().copy())
-
-    def end(self, complete: bool, message: str) -> None:
-        pass
 
 
 def make_model(

@@ -27,7 +27,7 @@ from ...errors import MistakeError, Option
 from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
 from ...plots.style import save_figure
 from ...reporter import Reporter
-from ...run.execute import tell_interruption
+from ...run.interruption import tell_interruption
 from ...scenario import build_scenario
 from ...scenario.display import Shown, format_number, show_attributes
 from ...scenario.files import to_full_toml

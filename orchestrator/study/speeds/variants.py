@@ -19,7 +19,7 @@ from ...errors import MistakeError, Option
 from ...plots.style import save_figure
 from ...plots.variants import draw_variants
 from ...reporter import Reporter
-from ...run.execute import Noticed
+from ...run.interruption import Noticed
 from ...scenario.display import format_number
 from .compare import find_worst
 from .sweep import Swept, select_columns
