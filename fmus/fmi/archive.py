@@ -60,13 +60,22 @@ def count_unpacked(archive: zipfile.ZipFile) -> int:
     return sum(entry.file_size for entry in archive.infolist())
 
 
-def archive_faults(archive: zipfile.ZipFile, room: int = MAXIMUM_UNPACKED_BYTES) -> list[str]:
-    """Entries that would be unpacked elsewhere, damage, and what is missing; a line each. `room` is how many
-    bytes it may unpack to, with what it is a part of."""
+def archive_faults(archive: zipfile.ZipFile) -> list[str]:
+    """What `unpacking_faults` finds, and a description that is missing or of another version; a line each."""
+    if faults := unpacking_faults(archive):
+        return faults
+    if DESCRIPTION not in archive.namelist():
+        return [f"{DESCRIPTION} is missing, so this is not an FMU"]
+    fault = _version_fault(archive.read(DESCRIPTION))
+    return [fault] if fault else []
+
+
+def unpacking_faults(archive: zipfile.ZipFile, room: int = MAXIMUM_UNPACKED_BYTES) -> list[str]:
+    """Entries that would be unpacked elsewhere, and damage; a line each. `room` is how many bytes it may
+    unpack to, with what it is a part of."""
     if len(archive.infolist()) > MAXIMUM_ENTRIES:
         return [f"{len(archive.infolist())} files: must be at most {MAXIMUM_ENTRIES}"]
     faults = [fault for entry in archive.infolist() if (fault := _entry_fault(entry))]
-    names = [name for name in archive.namelist() if not name.endswith("/")]  # folders do no harm
     faults += [f"{name}: is in the archive twice, with different content" for name in _ambiguous(archive)]
     unpacked = count_unpacked(archive)
     if unpacked > room:
@@ -81,10 +90,7 @@ def archive_faults(archive: zipfile.ZipFile, room: int = MAXIMUM_UNPACKED_BYTES)
         return [f"damaged archive: {one_line(error)}"]
     if damaged:
         return [f"damaged archive: {damaged} does not match its checksum"]
-    if DESCRIPTION not in names:
-        return [f"{DESCRIPTION} is missing, so this is not an FMU"]
-    fault = _version_fault(archive.read(DESCRIPTION))
-    return [fault] if fault else []
+    return []
 
 
 def _ambiguous(archive: zipfile.ZipFile) -> list[str]:
@@ -135,15 +141,15 @@ def _entry_fault(entry: zipfile.ZipInfo) -> str | None:
     name = entry.orig_filename
     path = PurePosixPath(name)
     if path.is_absolute() or ".." in path.parts or PureWindowsPath(name).drive or "\0" in name:
-        return f"{name!r}: the path leaves the archive; the FMU is not safe to unpack"
+        return f"{name!r}: the path leaves the archive; not safe to unpack"
     if "\\" in name:
         return f"{name!r}: the path has a backslash; FMUs separate folders by /"
     mode = entry.external_attr >> 16
     if stat.S_IFMT(mode) not in (0, stat.S_IFREG, stat.S_IFDIR):
         kind = _KINDS.get(stat.S_IFMT(mode), "neither a file nor a folder")
-        return f"{name!r}: is {kind}; the FMU is not safe to unpack"
+        return f"{name!r}: is {kind}; not safe to unpack"
     if mode & (stat.S_ISUID | stat.S_ISGID) and not stat.S_ISDIR(mode):
-        return f"{name!r}: would run with the rights of its owner; the FMU is not safe to unpack"
+        return f"{name!r}: would run with the rights of its owner; not safe to unpack"
     return None
 
 

@@ -56,9 +56,19 @@ def test_packages_inside_have_one_limit_together(nested, tmp_path, cache, monkey
     assert occupied(cache) == 0
 
 
-def test_nothing_stays_of_a_package_that_is_refused(tmp_path, cache):
-    (tmp_path / "a.ssp").write_bytes(pack({"large": bytes(400_000)}))
-    with pytest.raises(ValueError, match=r"SystemStructure\.ssd is missing"):
+@pytest.mark.parametrize(
+    ("files", "said"),
+    [
+        ({"large": bytes(400_000)}, r"SystemStructure\.ssd is missing"),
+        (
+            {"SystemStructure.ssd": b"", "../modelDescription.xml": b""},
+            "leaves the archive; not safe to unpack",
+        ),
+    ],
+)
+def test_nothing_stays_of_a_package_that_is_refused(files, said, tmp_path, cache):
+    (tmp_path / "a.ssp").write_bytes(pack(files))
+    with pytest.raises(ValueError, match=said):
         load(tmp_path / "a.ssp")
     assert occupied(cache) < 100
 

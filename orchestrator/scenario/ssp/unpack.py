@@ -6,13 +6,12 @@ import zipfile
 from pathlib import Path
 
 from fmus.fmi.archive import (
-    DESCRIPTION,
     MAXIMUM_UNPACKED_BYTES,
     FmuFileError,
-    archive_faults,
     compute_digest,
     count_unpacked,
     open_archive,
+    unpacking_faults,
 )
 from models.compile.cache_folder import PrivateFolder, open_folder, user_cache_directory
 from models.compile.temporary import TemporaryFolder
@@ -75,8 +74,7 @@ def _unpack(path: Path, folder: Path, room: int, depth: int) -> int:
         )
     try:
         with open_archive(path) as archive:
-            faults = [text for text in archive_faults(archive, room) if DESCRIPTION not in text]
-            if faults:
+            if faults := unpacking_faults(archive, room):
                 raise ScenarioError(f"{path if depth == 0 else path.name}: {faults[0]}")
             # In a package that was cut off, the last list of files that is found is that of an FMU inside.
             if min((entry.header_offset for entry in archive.infolist()), default=0):
