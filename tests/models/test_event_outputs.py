@@ -173,7 +173,6 @@ def test_slider_crank_counts_impacts_and_releases_with_their_times(exactly):
     assert y["impact_count"] >= 20
 
 
-@pytest.mark.long
 def test_a_pistons_release_is_an_event_and_no_impact():
     """Pressed to the lower wall by gravity, then pulled off: one release, at the time of the pull."""
     lower = [DRIVEN.state.index(f"closed[{i}]") for i in (3, 4)]

@@ -41,7 +41,6 @@ ENGINE_SPEED = 2000.0 * math.pi / 30.0
 UNEVEN = {"pin_offset": 1e-3, "mass_offset": -0.5e-3}
 
 
-@pytest.mark.long
 def test_roller_is_the_nonlinear_slider_crank():
     """The same impacts and events as the other component in its nonlinear form."""
     damping, gap, start, horizon = 0.05, 0.015, 0.2, 10.0
@@ -341,15 +340,16 @@ def event_driven(end: float, restitution: float, friction: float) -> tuple[np.nd
     return np.array([y["crank_angle"], -y["rod_angle"], y["piston_tilt"]]), y
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("restitution", "friction", "end", "impacts"),
     [
-        (0.4, 0.01, 0.0024, 0),  # free
+        pytest.param(0.4, 0.01, 0.0024, 0, marks=pytest.mark.long),  # free
         (0.4, 0.01, 0.006, 4),  # two flat impacts
-        (0.4, 0.01, 0.012, 28),  # bounced to rest, sliding on the upper wall
-        (0.1, 0.0, 0.012, 10),  # as in Siconos' time-stepping example
-        (0.4, 0.01, 0.03, 34),  # released, then on the other wall
+        pytest.param(
+            0.4, 0.01, 0.012, 28, marks=pytest.mark.long
+        ),  # bounced to rest, sliding on the upper wall
+        pytest.param(0.1, 0.0, 0.012, 10, marks=pytest.mark.long),  # as in Siconos' time-stepping example
+        pytest.param(0.4, 0.01, 0.03, 34, marks=pytest.mark.long),  # released, then on the other wall
     ],
 )
 def test_time_stepping_converges_to_the_event_driven_motion(restitution, friction, end, impacts, record):
@@ -367,7 +367,6 @@ def test_time_stepping_converges_to_the_event_driven_motion(restitution, frictio
     assert abs(2.0 * errors[2] - errors[1]) < 0.1 * errors[2]
 
 
-@pytest.mark.long
 def test_piston_without_an_initial_tilt_stays_flat():
     """Both corners of a wall meet it together and share the impulse but for the friction's moment."""
     _, y = event_driven(0.02, 0.4, 0.01)

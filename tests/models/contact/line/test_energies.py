@@ -143,7 +143,6 @@ def test_a_steady_film_loses_what_it_is_given() -> None:
     assert powers(unit)[0] - stored == pytest.approx(unit["load"] * jump, rel=1e-6)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("load_is_given", LOAD_IS_GIVEN)
 def test_the_account_closes_with_the_order_of_the_steps(load_is_given: bool, record) -> None:
     """What is left over differs from step to half the step by a quarter each time (measured 0.24, 0.25)."""
@@ -155,7 +154,6 @@ def test_the_account_closes_with_the_order_of_the_steps(load_is_given: bool, rec
 
 
 @pytest.mark.parametrize("load_is_given", LOAD_IS_GIVEN)
-@pytest.mark.long
 def test_the_account_closes_better_with_more_nodes(load_is_given: bool) -> None:
     """The deflection's matrix is symmetric only in the limit (measured 3.5e-4 and 2.4e-3 here)."""
     coarse, fine = (courses(nodes, 5e-6, load_is_given) for nodes in (51, 101))
@@ -173,7 +171,6 @@ def pressed() -> Stepped:
     return unit
 
 
-@pytest.mark.long
 def test_a_steady_film_dissipates_exactly_what_it_is_given(pressed: Stepped, record) -> None:
     """And gains nothing; as exactly as Newton's method balances its volumes."""
     before = {name: pressed[name] for name in (GAINED, DISSIPATED, SOURCED)}
@@ -188,14 +185,12 @@ def test_a_steady_film_dissipates_exactly_what_it_is_given(pressed: Stepped, rec
     assert rubbed < dissipated < 1.2 * rubbed
 
 
-@pytest.mark.long
 def test_what_is_stored_is_about_that_of_a_dry_contact(pressed: Stepped) -> None:
     """Hertz's under the same load: a film spreads the pressure, which stores less, and oil is compressed."""
     dry = elastic_energy(pressed["load"], RUNNING["radius_of_curvature"], 12e-3, STEEL)
     assert pressed[STORED] == pytest.approx(dry, rel=0.02)
 
 
-@pytest.mark.long
 def test_an_opening_contact_returns_what_was_stored(pressed: Stepped) -> None:
     """Parted so fast that little oil flows: the bond takes what bodies and oil stored but for a few percent,
     and no energy comes of it."""
