@@ -107,7 +107,6 @@ def test_the_speed_of_separation(record):
     record("Train", "speed of separation (r/min)", found, 3392.258, "independent evaluation", tolerance=2.0)
 
 
-@pytest.mark.long
 def test_a_cycle_is_the_motion_that_one_waits_for():
     speed = 2000.0
     cycle = cycle_at(speed)

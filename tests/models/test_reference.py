@@ -139,7 +139,6 @@ def test_a_stiff_problem_is_known_as_stiff():
     assert is_stiff(1e15)
 
 
-@pytest.mark.long
 def test_stiff_methods_solve_the_same_problem():
     from models.monolithic.cvode import Cvode
     from models.monolithic.march import march

@@ -278,7 +278,6 @@ def test_nobody_sees_the_estimates():
     np.testing.assert_array_equal(beside.rows, plain.rows)
 
 
-@pytest.mark.long
 def test_a_third_party_fmu_has_its_bond_booked(tmp_path):
     """It holds its force, so that what it took is the sum of force times way; the estimate knows velocities
     at the ends of steps and is off by the trapezoidal rule's remainder, F v'' H^3 / 12 for each."""

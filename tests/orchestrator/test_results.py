@@ -339,7 +339,6 @@ def test_the_end_of_a_run_is_recorded_wherever_it_falls(tmp_path):
     assert summary.energy.until == 0.1
 
 
-@pytest.mark.long
 def test_rare_records_do_not_hide_an_error_from_the_comparison(tmp_path):
     """With inputs held the load chatters, by more than its own size. Compared at t = 0, 14 ms, 28 ms it was
     0.7 % off. The error found is the one of all macro steps, up to three standard errors of an RMS estimated

@@ -87,7 +87,6 @@ def lowest(page: Any, title: str) -> float:
     return max(numbers)
 
 
-@pytest.mark.long
 def test_the_valve_stands_where_its_lift_says(browser, result):
     """At three instants; the page rounds to a thousandth of a millimetre, and values to five digits."""
     assert result.folder is not None

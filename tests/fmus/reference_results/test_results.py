@@ -97,13 +97,11 @@ def moved(name: str, state: str, error: float, output: str) -> np.ndarray:
     return np.abs(runs[1] - runs[0])
 
 
-@pytest.mark.long
 def test_the_slider_cranks_horizon():
     """As its README says: until the end a small error of the start grows less than a thousandfold."""
     assert 10.0 < np.max(moved("slider_crank", "psi", 1e-8, "psi")) / 1e-8 < 1000.0
 
 
-@pytest.mark.long
 def test_the_piston_cranks_forget_a_small_error():
     """As the README of `piston_crank` says: sequences of impacts end in sliding, and leave nothing of it."""
     off = moved("piston_crank", "offset", 1e-9, "piston_offset")

@@ -61,8 +61,7 @@ def apart(first: Trajectory, second: Trajectory, name: str) -> float:
     return difference(*(column(system, c.outputs, name) for c in (first, second))).relative_rms
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(("method", "order"), [(Sdirk4, 4), (Bdf3, 3)])
+@pytest.mark.parametrize(("method", "order"), [(Sdirk4, 4), pytest.param(Bdf3, 3, marks=pytest.mark.long)])
 def test_without_fields_the_methods_have_their_orders(method: type, order: int) -> None:
     """On the quarter car, of which the exact solution is known."""
     system, times = quarter_car({}, {}), np.linspace(0.0, 0.2, 3)
