@@ -6,8 +6,7 @@ constraints. On a rigid shaft a fixed joint holds the cam with 6 more.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -28,54 +27,38 @@ FOLLOWER_INERTIA = (204e-6, 37.5e-6, 204e-6)
 BEARING, DRIVE, CONTACT, GUIDE, SEAT = "bearing", "drive", "contact", "guide", "seat"
 
 
-@dataclass(frozen=True)
-class TrainStart:
-    """Where the train's parts are at t = 0, as the components' states tell it (m, rad); default: at rest."""
-
-    angle: float = 0.0
-    position: float = 0.0
-    coil_positions: Sequence[float] = ()
-    film: float = 1e-6
-    twist: float = 0.0
-    bending: float = 0.0
-    slope: float = 0.0
-    bending_across: float = 0.0
-    slope_across: float = 0.0
-
-
 def direct_train(
-    camshaft: Any,
-    valve: Any,
+    parts: Mapping[str, Any],
+    states: Mapping[str, Any],
     speed: float,
-    *,
     coil_masses: int = 2,
-    lubricant: Any = None,
     profile: CamProfile = LAW,
-    start: TrainStart | None = None,
 ) -> Mechanism:
-    """K's train from the parameters of `camshaft` and `valve_spring`, at a cam speed (rad/s).
+    """K's train at a cam speed (rad/s), from the parameters and states of its components.
 
-    The follower stays on the cam, or, with the parameters of an `ehl_contact` as `lubricant`, rides on its
-    oil film. A valve with the stiffness of a seat may sit on it. Gas force is left out.
+    `parts` has those of `camshaft` and `valve_spring`. The follower stays on the cam, or, with the `contact`
+    of an `ehl_contact`, rides on its oil film. A valve with the stiffness of a seat may sit on it. Gas force
+    is left out.
     """
-    begin = start or TrainStart(coil_positions=(0.0,) * coil_masses)
+    camshaft, valve = parts["camshaft"], parts["valve_spring"]
+    angle = float(camshaft.drive_ratio * states["flywheel"].angle)
     length = float(camshaft.shaft_length)
     coils = hang_coils(
         valve, "follower", [f"spring mass {i + 5}" for i in range(coil_masses)],
-        (0.0, float(camshaft.base_radius), length), Y, begin.coil_positions,
+        (0.0, float(camshaft.base_radius), length), Y, states["valve_spring"].coil_position,
     )  # fmt: skip
     joints = [
         cylindrical(BEARING, GROUND, "shaft"),
-        prescribed_rotation(DRIVE, GROUND, "shaft", speed, begin.angle),
+        prescribed_rotation(DRIVE, GROUND, "shaft", speed, angle),
         translational(GUIDE, GROUND, "follower", at_i=(0.0, 0.0, length)),
         *coils.guides,
     ]
     forces: list[Force] = [*coils.springs]
     contact = flat_cam(CONTACT, "cam", "follower", camshaft, foot=_find_foot(camshaft))
-    if lubricant is None:
-        joints.insert(2, contact)
+    if "contact" in parts:
+        forces.append(LubricatedCam(contact, parts["contact"], float(states["contact"].film_thickness)))
     else:
-        forces.append(LubricatedCam(contact, lubricant, begin.film))
+        joints.insert(2, contact)
     if camshaft.flexible:
         forces.append(_make_shaft(camshaft))
     else:
@@ -84,28 +67,32 @@ def direct_train(
         at_rest = (0.0, float(camshaft.base_radius + valve.lash), length)
         seat = plane_contact(SEAT, GROUND, "follower", at_i=at_rest)
         forces.append(ContactSpring(seat, valve.seat_stiffness, valve.seat_damping))
-    bodies = [*_list_bodies(camshaft, valve, speed, begin), *coils.bodies]
+    bodies = [*_list_bodies(camshaft, valve, speed, angle, states), *coils.bodies]
     return Mechanism(bodies, joints, forces, profile=profile)
 
 
-def _list_bodies(camshaft: Any, valve: Any, speed: float, begin: TrainStart) -> list[Body]:
+def _list_bodies(
+    camshaft: Any, valve: Any, speed: float, angle: float, states: Mapping[str, Any]
+) -> list[Body]:
+    shaft, position = states["camshaft"], float(states["valve_spring"].position)
     base, length = float(camshaft.base_radius), float(camshaft.shaft_length)
     transverse, polar = float(camshaft.transverse_inertia), float(camshaft.polar_inertia)
-    across, along = math.sin(begin.slope_across), math.cos(begin.slope_across)
+    slope, slope_across = float(shaft.slope), float(shaft.slope_across)
+    across, along = math.sin(slope_across), math.cos(slope_across)
     # A cam at rest on a bent shaft turns about its own axis.
-    axis = across, along * math.sin(begin.slope), along * math.cos(begin.slope)
+    axis = across, along * math.sin(slope), along * math.cos(slope)
     return [
         Body(
-            "shaft", SHAFT_MASS, SHAFT_INERTIA, angles=(0.0, 0.0, begin.angle),
+            "shaft", SHAFT_MASS, SHAFT_INERTIA, angles=(0.0, 0.0, angle),
             angular_velocity=(0.0, 0.0, speed),
         ),
         Body(
             "cam", float(camshaft.mass), (transverse, transverse, polar),
-            (begin.bending_across, begin.bending, length),
-            (-begin.slope, begin.slope_across, begin.angle + begin.twist),
+            (float(shaft.bending_across), float(shaft.bending), length),
+            (-slope, slope_across, angle + float(shaft.twist)),
             angular_velocity=(speed * axis[0], speed * axis[1], speed * axis[2]),
         ),
-        Body("follower", float(valve.valve_mass), FOLLOWER_INERTIA, (0.0, base + begin.position, length)),
+        Body("follower", float(valve.valve_mass), FOLLOWER_INERTIA, (0.0, base + position, length)),
     ]  # fmt: skip
 
 

@@ -6,17 +6,44 @@ from typing import Any
 from ..compile.kernel import kernel
 from ..core.quantities import Vector
 from .constraints import Curve, constrain, find_cam_angle, follow_cam, lift_end
-from .loads import load_field, load_spring, press
+from .loads import load_field, load_spring, press, push
 from .lubrication import lubricate
-from .pattern import Pattern
-from .rigid import load_inertia, place_bodies
 from .tables import FLAT_CAM, Evaluation, Tables
-from .vectors import pick, turn_angles
+from .vectors import Arrow, add, cross, fill_rotation, pick, scale, to_body, to_ground, turn_angles
 
 # Share of a coordinate's or velocity's size by which the Jacobian's differences move it.
 DIFFERENCE = 1e-7
 # Size of a film (m).
 FILM = 1e-6
+
+
+@kernel
+def place_bodies(q: Vector, v: Vector, e: Evaluation) -> None:
+    for b in range(q.shape[0] // 6):
+        for i in range(3):
+            e.position[b + 1, i] = q[6 * b + i]
+            e.velocity[b + 1, i] = v[6 * b + i]
+            e.omega[b + 1, i] = v[6 * b + 3 + i]
+        fill_rotation(q[6 * b + 3 : 6 * b + 6], e.rotation[b + 1])
+
+
+@kernel
+def load_inertia(b: int, tables: Any, e: Evaluation) -> None:
+    """M of the body b and its loads: weight, applied moment, and -omega x I omega."""
+    mass, own, rotation = tables.mass[b], tables.inertia[b], e.rotation[b + 1]
+    for i in range(3):
+        e.blocks[b, i, i] = mass
+        for j in range(3):
+            e.blocks[b, 3 + i, 3 + j] = (
+                rotation[i, 0] * own[0] * rotation[j, 0]
+                + rotation[i, 1] * own[1] * rotation[j, 1]
+                + rotation[i, 2] * own[2] * rotation[j, 2]
+            )
+    omega = pick(e.omega[b + 1])
+    w = to_body(rotation, omega)
+    momentum = to_ground(rotation, Arrow(own[0] * w.x, own[1] * w.y, own[2] * w.z))
+    moment = add(cross(momentum, omega), pick(tables.moment[b]))
+    push(e, b + 1, scale(mass, pick(tables.gravity)), moment)
 
 
 @cache
@@ -76,86 +103,82 @@ def turn_coordinates(q: Vector, v: Vector, rate: Vector) -> None:
         rate[first + 3], rate[first + 4], rate[first + 5] = turned.x, turned.y, turned.z
 
 
-@cache
-def make_residual(lift: Any) -> Any:
-    """The kernel of the stabilised form of index 2 (Gear, Gupta and Leimkuhler 1985).
+@kernel
+def assemble(y: Vector, dy: Vector, tables: Tables, e: Evaluation, moved: Vector, r: Vector) -> None:
+    """The residual of the stabilised form of index 2 (Gear, Gupta and Leimkuhler 1985), from an evaluation.
 
     With y = (q, v, h, lambda, mu), h the films:
     q' - T (v - J^T mu), M v' - f + J^T lambda, h' - h'(q, v, h), J v + C_t, C.
     """
+    size, m, films = 6 * tables.mass.shape[0], tables.rows.shape[0], e.film_rate.shape[0]
+    q, v, first = y[:size], y[size : 2 * size], 2 * size + films
+    for k in range(films):
+        r[2 * size + k] = dy[2 * size + k] - e.film_rate[k]
+    for i in range(size):
+        moved[i] = v[i]
+        r[size + i] = -e.force[i]
+        for j in range(6):
+            r[size + i] += e.blocks[i // 6, i % 6, j] * dy[size + 6 * (i // 6) + j]
+    for k in range(m):
+        load, correction, rate = y[first + k], y[first + m + k], e.held.rate[k]
+        for side in range(2):
+            body = e.held.bodies[k, side]
+            if body == 0:
+                continue
+            for i in range(6):
+                share, at = e.held.entries[k, side, i], 6 * (body - 1) + i
+                moved[at] -= share * correction
+                r[size + at] += share * load
+                rate += share * v[at]
+        r[first + k] = rate
+        r[first + m + k] = e.held.value[k]
+    turn_coordinates(q, moved, r)
+    for i in range(size):
+        r[i] = dy[i] - r[i]
+
+
+@cache
+def make_residual(lift: Any) -> Any:
+    """The kernel residual(t, y, dy, tables, evaluation, scratch, r); see `assemble`."""
     evaluate = make_evaluate(lift)
 
     @kernel
     def residual(
         t: float, y: Vector, dy: Vector, tables: Tables, e: Evaluation, moved: Vector, r: Vector
     ) -> None:
-        size, m, films = 6 * tables.mass.shape[0], tables.rows.shape[0], e.film_rate.shape[0]
-        q, v = y[:size], y[size : 2 * size]
-        first = 2 * size + films
-        evaluate(t, q, v, y[2 * size : first], tables, e)
-        for k in range(films):
-            r[2 * size + k] = dy[2 * size + k] - e.film_rate[k]
-        for i in range(size):
-            moved[i] = v[i]
-            r[size + i] = -e.force[i]
-            for j in range(6):
-                r[size + i] += e.blocks[i // 6, i % 6, j] * dy[size + 6 * (i // 6) + j]
-        for k in range(m):
-            load, correction, rate = y[first + k], y[first + m + k], e.held.rate[k]
-            for side in range(2):
-                body = e.held.bodies[k, side]
-                if body == 0:
-                    continue
-                for i in range(6):
-                    share, at = e.held.entries[k, side, i], 6 * (body - 1) + i
-                    moved[at] -= share * correction
-                    r[size + at] += share * load
-                    rate += share * v[at]
-            r[first + k] = rate
-            r[first + m + k] = e.held.value[k]
-        turn_coordinates(q, moved, r)
-        for i in range(size):
-            r[i] = dy[i] - r[i]
+        size = 6 * tables.mass.shape[0]
+        end = 2 * size + e.film_rate.shape[0]
+        evaluate(t, y[:size], y[size : 2 * size], y[2 * size : end], tables, e)
+        assemble(y, dy, tables, e, moved, r)
 
     return residual
 
 
 @cache
 def make_matrix(lift: Any) -> Any:
-    """The kernel that fills the entries of dF/dy + c dF/dy' of the residual F, by differences.
-
-    Columns of one colour have no row in common and share one evaluation of F.
-    """
+    """The kernel that fills dF/dy + c dF/dy' of the residual F, by differences of `least` or more."""
     residual = make_residual(lift)
 
     @kernel
     def matrix(
-        t: float,
-        c: float,
-        y: Vector,
-        dy: Vector,
-        tables: Tables,
-        e: Evaluation,
-        pattern: Pattern,
-        scratch: Vector,
-        out: Vector,
-    ) -> None:
-        moved, base, other, place = scratch[0], scratch[1], scratch[2], scratch[3]
-        place_rate, change = scratch[4], scratch[5]
+        t: float, c: float, y: Vector, dy: Vector, tables: Tables, e: Evaluation, least: Vector,
+        scratch: Vector, out: Vector,
+    ) -> None:  # fmt: skip
+        moved, base, other, place, place_rate = scratch[0], scratch[1], scratch[2], scratch[3], scratch[4]
         residual(t, y, dy, tables, e, moved, base)
         place[:], place_rate[:] = y, dy
-        for colour in range(pattern.first.shape[0] - 1):
-            columns = pattern.columns[pattern.first[colour] : pattern.first[colour + 1]]
-            for j in columns:
-                step = max(DIFFERENCE * abs(y[j]), pattern.steps[j])
-                place[j] = y[j] + step
-                change[j] = place[j] - y[j]
-                place_rate[j] = dy[j] + c * change[j]
-            residual(t, place, place_rate, tables, e, moved, other)
-            for j in columns:
-                for k in range(pattern.starts[j], pattern.starts[j + 1]):
-                    i = pattern.rows[k]
-                    out[k] = (other[i] - base[i]) / change[j]
-                place[j], place_rate[j] = y[j], dy[j]
+        multipliers = 12 * tables.mass.shape[0] + e.film_rate.shape[0]
+        # From the last on: the multipliers change nothing that is evaluated.
+        for j in range(y.shape[0] - 1, -1, -1):
+            place[j] = y[j] + max(DIFFERENCE * abs(y[j]), least[j])
+            change = place[j] - y[j]
+            place_rate[j] = dy[j] + c * change
+            if j >= multipliers:
+                assemble(place, place_rate, tables, e, moved, other)
+            else:
+                residual(t, place, place_rate, tables, e, moved, other)
+            for i in range(y.shape[0]):
+                out[i, j] = (other[i] - base[i]) / change
+            place[j], place_rate[j] = y[j], dy[j]
 
     return matrix

@@ -8,9 +8,8 @@ import numpy as np
 
 from ..core.errors import ModelError
 from ..core.quantities import Vector
-from .bodies import ORIGIN, Point
+from .bodies import ORIGIN, Point, check_values
 from .joints import Joint
-from .ranges import check_values
 
 # Axes of an element of a shaft along z: x of K (33) and Q (2) along the shaft.
 ALONG_SHAFT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])

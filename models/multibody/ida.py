@@ -9,7 +9,6 @@ from ..core.quantities import Vector
 from .equations import FILM, make_matrix, make_residual
 from .mechanism import Mechanism, Start
 from .motion import Motion, check_request, complete, explain_failure
-from .pattern import find_pattern
 from .tables import make_evaluation
 
 # Sizes below which an error is not weighed by what it belongs to: m or rad, m/s or rad/s.
@@ -17,6 +16,8 @@ COORDINATE, VELOCITY = 1e-2, 1.0
 # The multipliers of the method choose neither its steps nor its iterations (N): in short steps they hold the
 # rounding of the velocities over the step, and `complete` finds them from the motion.
 MULTIPLIER = 1e12
+# Least differences of the matrix: of coordinates (m, rad) and velocities, films (m) and multipliers (N, N m).
+LEAST = (1e-9, 1e-13, 1.0)
 STEP_LIMIT = 1_000_000
 
 
@@ -33,13 +34,11 @@ def solve_ida(
     films = start.film.size
     first = 2 * size + films
     tables, e = mechanism.tables, make_evaluation(mechanism.tables)
-    pattern = find_pattern(tables)
-    columns = np.repeat(np.arange(first + 2 * m), np.diff(pattern.starts))
     residual, matrix = make_residual(mechanism.profile.lift), make_matrix(mechanism.profile.lift)
     width = first + 2 * m
     # SUNDIALS hands out read-only views, for which numba would compile every kernel once more.
-    own, own_rate, moved, scratch = np.empty(width), np.empty(width), np.empty(width), np.empty((6, width))
-    entries = np.empty(pattern.rows.size)
+    own, own_rate, moved, scratch = np.empty(width), np.empty(width), np.empty(width), np.empty((5, width))
+    least, entries = np.repeat(LEAST, [2 * size, films, 2 * m]), np.empty((width, width), order="F")
 
     def fill_residual(t: float, y: Vector, dy: Vector, out: Vector) -> None:
         own[:], own_rate[:] = y, dy
@@ -47,8 +46,8 @@ def solve_ida(
 
     def fill_matrix(t: float, y: Vector, dy: Vector, r: Vector, c: float, out: Any) -> None:
         own[:], own_rate[:] = y, dy
-        matrix(t, c, own, own_rate, tables, e, pattern, scratch, entries)
-        out[pattern.rows, columns] = entries
+        matrix(t, c, own, own_rate, tables, e, least, scratch, entries)
+        out[:] = entries
 
     y0, dy0 = np.zeros(width), np.zeros(width)
     y0[:first], y0[first : first + m] = np.concatenate([start.q, start.v, start.film]), start.multipliers

@@ -13,8 +13,7 @@ import numpy as np
 
 from ..core.errors import ModelError
 from ..core.quantities import Vector
-from .bodies import ORIGIN, Point, Y, Z, find_direction, make_axes
-from .ranges import check_values
+from .bodies import ORIGIN, Point, Y, Z, check_values, find_direction, make_axes
 from .tables import AHEAD, DRIVEN, FLAT_CAM, LEVER, PAD, PERPENDICULAR
 
 AXES = ("first axis", "second axis", "third axis")

@@ -17,14 +17,10 @@ from .equations import make_evaluate, turn_coordinates
 from .fill import Force, fill_tables
 from .forces import ContactSpring, LubricatedCam
 from .joints import Joint
-from .tables import DRIVEN, Evaluation, Rows, Tables, find_drive_angle, make_evaluation
+from .tables import DRIVEN, Evaluation, Tables, find_drive_angle, make_evaluation
 
 # A row of the Jacobian of which less than this share is new depends on the rows before it.
 INDEPENDENT = 1e-9
-# Share of a row that a row before it has at least where both hold the same.
-SHARED = 1e-6
-# Difference of two motions that contradict each other over the largest that is asked for: above rounding.
-CONTRADICTION = 1e-6
 
 
 def find_dependent(jacobian: Vector) -> list[int]:
@@ -44,39 +40,9 @@ def find_dependent(jacobian: Vector) -> list[int]:
     return found
 
 
-def find_contradiction(
-    held: Rows, dependent: Sequence[int], names: Sequence[str], drives: Vector
-) -> str | None:
-    """Rows that ask for two speeds, or drives that ask for two accelerations, told by their names; else None.
-
-    `drives` (m,) is true for the rows of drives. Where a mechanism may go on in two ways, accelerations of
-    other rows differ without contradiction.
-    """
-    jacobian = held.jacobian
-    for k in dependent:
-        before = [i for i in range(k) if i not in dependent]
-        share = np.linalg.lstsq(jacobian[before].T, jacobian[k], rcond=None)[0]
-        size = SHARED * np.linalg.norm(jacobian[k])
-        others = [
-            i for i, c in zip(before, share, strict=True) if abs(c) * np.linalg.norm(jacobian[i]) > size
-        ]
-        motions = [(held.rate, "speeds")]
-        if np.count_nonzero(drives[[k, *others]]) > 1:
-            motions.append((-held.gamma, "accelerations"))
-        for asked, motion in motions:
-            allowed = float(share @ asked[before])
-            if abs(asked[k] - allowed) > CONTRADICTION * np.max(np.abs(asked)):
-                opposed = "; ".join(names[i] for i in others)
-                asks = f"they ask for the {motion} {asked[k]:g} and {allowed:g}"
-                return f"{names[k]} contradicts {opposed}: {asks}"
-    return None
-
-
 # Newton's steps to put a mechanism together, and the violation (m, 1) to which they go.
 ASSEMBLY_STEPS = 50
 ASSEMBLED = 1e-12
-# Share of the largest violation that is left of constraints which contradict each other.
-REMAINING = 0.1
 # Longest step of a coordinate (m, rad) in one of Newton's steps.
 LONGEST_MOVE = 0.3
 
@@ -123,19 +89,15 @@ class Mechanism:
         """ "joint: constraint" for every multiplier."""
         return tuple(f"{joint.name}: {c.name}" for joint in self.joints for c in joint.constraints)
 
-    def find_rows(self, joint: str) -> slice:
-        """The multipliers of a joint."""
+    def find_joint(self, name: str) -> tuple[Joint, slice]:
+        """The joint of that name, and its multipliers."""
         first = 0
-        for candidate in self.joints:
-            if candidate.name == joint:
-                return slice(first, first + len(candidate.constraints))
-            first += len(candidate.constraints)
-        raise ModelError(f"no joint {joint!r}; there are {', '.join(j.name for j in self.joints)}")
-
-    def find_joint(self, name: str) -> Joint:
-        """The joint of that name."""
-        self.find_rows(name)
-        return next(joint for joint in self.joints if joint.name == name)
+        for joint in self.joints:
+            end = first + len(joint.constraints)
+            if joint.name == name:
+                return joint, slice(first, end)
+            first = end
+        raise ModelError(f"no joint {name!r}; there are {', '.join(j.name for j in self.joints)}")
 
     def find_body(self, name: str) -> int:
         """The number of a body; 0 is the ground."""
@@ -191,54 +153,29 @@ class Mechanism:
         for _ in range(ASSEMBLY_STEPS):
             e = self.evaluate(t, q, v)
             if np.max(np.abs(e.held.value), initial=0.0) <= ASSEMBLED:
-                self._refuse_redundant(t, q, e)
+                if names := [self.constraint_names[k] for k in find_dependent(e.held.jacobian)]:
+                    raise ModelError(
+                        f"redundant constraints: {'; '.join(names)}. The joints before already hold this, or "
+                        "contradict it: take joints that hold less, e.g. cylindrical for revolute, and leave "
+                        "out a second drive"
+                    )
                 self._refuse_opposite(t, e)
                 return q
             step = np.asarray(-np.linalg.lstsq(e.held.jacobian, e.held.value, rcond=1e-12)[0], float)
             step *= min(1.0, LONGEST_MOVE / np.max(np.abs(step), initial=LONGEST_MOVE))
             turn_coordinates(q, step, change)
             q += change
-        raise self._explain_assembly(t, e)
-
-    def _explain_assembly(self, t: float, e: Evaluation) -> ModelError:
-        left = np.abs(e.held.value)
-        drives = [
-            (name, find_drive_angle(row, t))
-            for name, row, violation in zip(self.constraint_names, self.tables.rows, left, strict=True)
-            if row["kind"] == DRIVEN and violation > REMAINING * np.max(left)
-        ]
-        if len(drives) > 1:
-            asked = "; ".join(f"{name} asks for {angle:g} rad" for name, angle in drives)
-            return ModelError(
-                f"the mechanism cannot be assembled at t = {t:g} s: {asked}, which contradict each "
-                "other; leave one out, or give them angles that agree"
-            )
-        worst = int(np.argmax(left))
-        return ModelError(
+        worst = int(np.argmax(np.abs(e.held.value)))
+        raise ModelError(
             f"the mechanism cannot be assembled at {self.describe_instant(t)}: "
             f"{self.constraint_names[worst]} is left with {e.held.value[worst]:.3g}; look at the lengths of "
-            "its bodies, or start nearer to where they fit"
+            "its bodies and at drives that contradict each other, or start nearer to where they fit"
         )
 
     def describe_instant(self, t: float) -> str:
         """The time, and the angles of the drives there."""
         angles = [f"{find_drive_angle(row, t):.6g} rad" for row in self.tables.rows if row["kind"] == DRIVEN]
         return f"t = {t:.6g} s" + (f", drive angle {', '.join(angles)}" if angles else "")
-
-    def _refuse_redundant(self, t: float, q: Vector, e: Evaluation) -> None:
-        dependent = find_dependent(e.held.jacobian)
-        if not dependent:
-            return
-        v = np.asarray(-np.linalg.lstsq(e.held.jacobian, e.held.rate, rcond=None)[0], float)
-        held = self.evaluate(t, q, v).held
-        drives = self.tables.rows["kind"] == DRIVEN
-        if contradiction := find_contradiction(held, dependent, self.constraint_names, drives):
-            raise ModelError(f"{contradiction} at t = {t:g} s; leave one out, or give both the same motion")
-        redundant = "; ".join(self.constraint_names[k] for k in dependent)
-        raise ModelError(
-            f"redundant constraints: {redundant}. The joints before already hold this: take joints that hold "
-            "less, e.g. cylindrical for revolute"
-        )
 
     def _refuse_opposite(self, t: float, e: Evaluation) -> None:
         """Joints hold also where axes point in opposite directions, half a turn from where they belong."""

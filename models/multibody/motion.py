@@ -66,7 +66,7 @@ class Motion:
 
     def multiplier(self, joint: str) -> Vector:
         """The multipliers of a joint (times, constraints)."""
-        return self.multipliers[:, self.mechanism.find_rows(joint)]
+        return self.multipliers[:, self.mechanism.find_joint(joint)[1]]
 
     def load(self, contact: str) -> Vector:
         """Load of a contact (times,): by its law, or the multiplier of one that is held."""
@@ -81,7 +81,7 @@ class Motion:
 
     def reaction(self, joint: str) -> Reaction:
         """What the joint does to its body j, at the point P_j."""
-        rows, j = self.mechanism.find_rows(joint), self.mechanism.find_joint(joint)
+        j, rows = self.mechanism.find_joint(joint)
         body = self.mechanism.find_body(j.j)
         column = slice(6 * (body - 1), 6 * body)
         forces, moments = np.zeros((self.times.size, 3)), np.zeros((self.times.size, 3))

@@ -6,15 +6,14 @@ Q (1).
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from ..core.errors import ModelError
 from ..valve_train.cams.law import LAW
 from ..valve_train.cams.profile import CamProfile
-from .bodies import GROUND, Body, Point
+from .bodies import GROUND, Body, Point, check_values
 from .coils import Coils, hang_coils
 from .fill import Force
 from .forces import ContactSpring, LubricatedCam, SpringDamper, rod_rate
@@ -29,7 +28,6 @@ from .joints import (
     translational,
 )
 from .mechanism import Mechanism
-from .ranges import check_values
 
 BEARING, DRIVE, PIVOT = "bearing", "drive", "rocker's pivot"
 CAM, SEAT, ROD_END, TIP = "cam and tappet", "tappet and pushrod", "pushrod and rocker", "rocker and valve"
@@ -43,44 +41,41 @@ ROCKER_MASS = 0.2
 CAM_MASS, CAM_INERTIA = 0.2, (1e-4, 1e-4, 1.2e-4)
 
 
-@dataclass(frozen=True)
-class PushrodStart:
-    """Where the parts are at t = 0, as the components' states tell it (m, rad); default: at rest, unloaded.
-
-    `films` has the thickness of the lubricated contacts.
-    """
-
-    angle: float = 0.0
-    position: float = 0.0
-    displacements: Sequence[float] | None = None
-    rotation: float = 0.0
-    opening: float = 0.0
-    coil_positions: Sequence[float] | None = None
-    films: Mapping[str, float] = field(default_factory=dict)
+# What the components of the lubricated contacts are called.
+OILS = {CAM: "cam_contact", TIP: "valve_contact"}
 
 
 @dataclass(frozen=True)
 class PushrodTrain:
-    """The train from the parameters of `tappet` (with its cam), `rod`, `rocker` and `valve_spring`.
+    """The train from parameters and states of `tappet`, `pushrod`, `rocker` and `valve_spring`.
 
-    The pushrod has so many segments; with 0 it is rigid. `oils` are parameters of `ehl_contact` for the
-    contacts CAM and TIP; without them the surfaces stay together.
+    The pushrod has so many segments; with 0 it is rigid. Contacts that have the parameters of an
+    `ehl_contact`, see OILS, have an oil film; without, the surfaces stay together.
     """
 
-    tappet: Any
-    rod: Any
-    rocker: Any
-    valve: Any
+    parts: Mapping[str, Any]
+    states: Mapping[str, Any]
     segments: int = 4
     coil_masses: int = 2
-    oils: Mapping[str, Any] = field(default_factory=dict)
-    start: PushrodStart = PushrodStart()
 
     def __post_init__(self) -> None:
         check_values("pushrod", density=self.rod.density, damping_time=self.rod.damping_time)
-        for name in ("segments", "coil_masses"):
-            if getattr(self, name) < 0:
-                raise ModelError(f"pushrod train: {name} = {getattr(self, name)}: must be 0 or more")
+
+    @property
+    def tappet(self) -> Any:
+        return self.parts["tappet"]
+
+    @property
+    def rod(self) -> Any:
+        return self.parts["pushrod"]
+
+    @property
+    def rocker(self) -> Any:
+        return self.parts["rocker"]
+
+    @property
+    def valve(self) -> Any:
+        return self.parts["valve_spring"]
 
     @cached_property
     def heights(self) -> tuple[float, float, float]:
@@ -110,13 +105,12 @@ class PushrodTrain:
     def coils(self) -> Coils:
         names = [f"spring mass {i + 1}" for i in range(self.coil_masses)]
         place = (self.columns[1], self.heights[2], 0.0)
-        moved = self.start.coil_positions or [0.0] * self.coil_masses
-        return hang_coils(self.valve, "valve", names, place, DOWN, moved)
+        return hang_coils(self.valve, "valve", names, place, DOWN, self.states["valve_spring"].coil_position)
 
     def list_bodies(self) -> list[Body]:
         """Tappet, pushrod, rocker, valve and masses of the spring."""
-        begin = self.start
         tappet, pivot, valve = self.heights
+        lifted, opening = float(self.states["tappet"].position), float(self.states["valve_spring"].position)
         length = float(self.rod.length) / len(self.rods)
         mass = float(self.rod.density * self.rod.area) * length
         inertia = (
@@ -124,11 +118,11 @@ class PushrodTrain:
             mass * float(self.rod.area) / (2.0 * math.pi),
             mass * length**2 / 12.0,
         )
-        moved = begin.displacements or [begin.position] * len(self.rods)
+        moved = [float(x) for x in self.states["pushrod"].displacement]
         turning = float(self.rocker.inertia)
         return [
             Body(
-                "tappet", float(self.tappet.mass), SLIDING_INERTIA, (0.0, tappet + begin.position, 0.0)
+                "tappet", float(self.tappet.mass), SLIDING_INERTIA, (0.0, tappet + lifted, 0.0)
             ),
             *(
                 Body(name, mass, inertia, (0.0, tappet + (i + 0.5) * length + moved[i], 0.0))
@@ -136,19 +130,18 @@ class PushrodTrain:
             ),
             Body(
                 "rocker", ROCKER_MASS, (turning, turning, turning),
-                (self.columns[0], pivot, 0.0), (0.0, 0.0, -begin.rotation),
+                (self.columns[0], pivot, 0.0), (0.0, 0.0, -float(self.states["rocker"].rotation)),
             ),
             Body(
                 "valve", float(self.valve.valve_mass), SLIDING_INERTIA,
-                (self.columns[1], valve - begin.opening, 0.0),
+                (self.columns[1], valve - opening, 0.0),
             ),
             *self.coils.bodies,
         ]  # fmt: skip
 
     def list_joints(self, cam: str) -> list[Joint]:
         """Guides, pivot, and the contacts that are held, on that body with the cam."""
-        held = [self._touch(CAM, cam)] if CAM not in self.oils else []
-        held += [self._touch(TIP, cam)] if TIP not in self.oils else []
+        held = [self._touch(name, cam) for name, part in OILS.items() if part not in self.parts]
         held += [] if self.segments else [self._touch(SEAT, cam), self._touch(ROD_END, cam)]
         return [
             *held,
@@ -160,10 +153,10 @@ class PushrodTrain:
 
     def list_forces(self, cam: str) -> list[Force]:
         """Oil films, the pushrod's springs, seat and spring of the valve."""
-        start = self.start.films
         found: list[Force] = [
-            LubricatedCam(self._touch(name, cam), oil, start.get(name, 1e-6))
-            for name, oil in self.oils.items()
+            LubricatedCam(self._touch(name, cam), self.parts[part], float(self.states[part].film_thickness))
+            for name, part in OILS.items()
+            if part in self.parts
         ]
         if self.segments:
             inner = rod_rate(self.rod.youngs_modulus, self.rod.area, self._length)
@@ -211,11 +204,12 @@ class PushrodTrain:
 
 def pushrod_train(train: PushrodTrain, speed: float, profile: CamProfile = LAW) -> Mechanism:
     """The train on a cam of its own at a constant speed (rad/s)."""
-    turned, turning = (0.0, 0.0, train.start.angle), (0.0, 0.0, speed)
+    angle = float(train.states["flywheel"].angle)
+    turned, turning = (0.0, 0.0, angle), (0.0, 0.0, speed)
     cam = Body("cam", CAM_MASS, CAM_INERTIA, angles=turned, angular_velocity=turning)
     joints = [
         revolute(BEARING, GROUND, cam.name),
-        prescribed_rotation(DRIVE, GROUND, cam.name, speed, train.start.angle),
+        prescribed_rotation(DRIVE, GROUND, cam.name, speed, angle),
         *train.list_joints(cam.name),
     ]
     return Mechanism([cam, *train.list_bodies()], joints, train.list_forces(cam.name), profile=profile)

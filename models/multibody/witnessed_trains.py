@@ -109,33 +109,13 @@ class DirectTrain(WitnessedTrain):
     }
 
     def build(self) -> Any:
-        from .direct_train import TrainStart, direct_train
+        from .direct_train import direct_train
 
-        shaft, spring, camshaft = (
-            self.states["camshaft"],
-            self.states["valve_spring"],
-            self.parameters["camshaft"],
-        )
-        start = TrainStart(
-            angle=float(camshaft.drive_ratio * self.states["flywheel"].angle),
-            position=float(spring.position),
-            coil_positions=tuple(map(float, spring.coil_position)),
-            film=float(self.states["contact"].film_thickness),
-            twist=float(shaft.twist),
-            bending=float(shaft.bending),
-            slope=float(shaft.slope),
-            bending_across=float(shaft.bending_across),
-            slope_across=float(shaft.slope_across),
-        )
+        given = self.parameters
         return direct_train(
-            camshaft,
-            self.parameters["valve_spring"],
-            float(camshaft.drive_ratio * self.drive.initial_speed),
-            coil_masses=self.size("valve_spring", "coil_masses"),
-            lubricant=self.parameters["contact"],
-            profile=self.find_profile("camshaft"),
-            start=start,
-        )
+            given, self.states, float(given["camshaft"].drive_ratio * self.drive.initial_speed),
+            self.size("valve_spring", "coil_masses"), self.find_profile("camshaft"),
+        )  # fmt: skip
 
     def observe(self, motion: Any) -> list[Observation]:
         from .direct_train import CONTACT, DRIVE, GUIDE
@@ -177,29 +157,11 @@ class PushrodTrainOfParts(WitnessedTrain):
     }
 
     def build(self) -> Any:
-        from .pushrod_train import CAM, TIP, PushrodStart, PushrodTrain, pushrod_train
+        from .pushrod_train import PushrodTrain, pushrod_train
 
-        states, given = self.states, self.parameters
-        start = PushrodStart(
-            angle=float(states["flywheel"].angle),
-            position=float(states["tappet"].position),
-            displacements=[float(x) for x in states["pushrod"].displacement],
-            rotation=float(states["rocker"].rotation),
-            opening=float(states["valve_spring"].position),
-            coil_positions=[float(x) for x in states["valve_spring"].coil_position],
-            films={
-                CAM: float(states["cam_contact"].film_thickness),
-                TIP: float(states["valve_contact"].film_thickness),
-            },
-        )
-        train = PushrodTrain(
-            given["tappet"], given["pushrod"], given["rocker"], given["valve_spring"],
-            segments=self.size("pushrod", "segments"),
-            coil_masses=self.size("valve_spring", "coil_masses"),
-            oils={CAM: given["cam_contact"], TIP: given["valve_contact"]},
-            start=start,
-        )  # fmt: skip
-        return pushrod_train(train, float(given["flywheel"].initial_speed), self.find_profile("tappet"))
+        sizes = self.size("pushrod", "segments"), self.size("valve_spring", "coil_masses")
+        train = PushrodTrain(self.parameters, self.states, *sizes)
+        return pushrod_train(train, float(self.drive.initial_speed), self.find_profile("tappet"))
 
     def observe(self, motion: Any) -> list[Observation]:
         from .pushrod_train import CAM, DRIVE, TIP

@@ -14,7 +14,7 @@ from models.core.system import ModelError
 from models.multibody.bodies import Body
 from models.multibody.forces import SpringDamper
 from models.multibody.ida import solve_ida
-from models.multibody.joints import Joint, cylindrical, fixed, prescribed_rotation, revolute, spherical
+from models.multibody.joints import Joint, cylindrical, prescribed_rotation, revolute, spherical
 from models.multibody.mechanism import Mechanism
 
 from .projected import solve_projected
@@ -150,14 +150,8 @@ def test_energy_of_bodies_on_springs_is_kept(method):
 def test_freedoms_are_counted_and_redundant_constraints_named():
     """The slider may turn; main bearing, crank pin and cylinder need not all hold the rod along z."""
     assert slider_crank().freedoms == 1
-    with pytest.raises(
-        ModelError, match=r"redundant constraints: cylinder: along first axis.*joints that hold less"
-    ):
+    with pytest.raises(ModelError, match=r"redundant constraints: cylinder: along first axis.*hold less"):
         slider_crank(pin_joint=revolute).start()
-    body = Body("body", 1.0, (1.0, 1.0, 1.0))
-    twice = Mechanism([body], [fixed("weld", "ground", "body"), spherical("pin", "ground", "body")])
-    with pytest.raises(ModelError, match="pin: along x; pin: along y; pin: along z"):
-        twice.start()
 
 
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
@@ -171,16 +165,6 @@ def test_a_rod_shorter_than_its_crank_is_named_with_the_angle(method):
         ModelError, match=r"at t = 0\.0092[67]\d* s, drive angle 0\.92[67]\d* rad: .* cannot be held"
     ):
         method(slider_crank(rod=0.04), np.linspace(0.0, 0.012, 13))
-
-
-def test_a_missing_body_or_joint_is_named_with_those_there_are():
-    lonely = Mechanism([Body("body", 1.0, (1.0, 1.0, 1.0))], [spherical("pin", "ground", "piston")])
-    with pytest.raises(ModelError, match="no body 'piston'; there are ground, body"):
-        lonely.start()
-    with pytest.raises(ModelError, match="no joint 'gudgeon'; there are main bearing, crank pin"):
-        slider_crank().find_rows("gudgeon")
-    with pytest.raises(ModelError, match=r"body rod: mass = -1 kg .* must be positive"):
-        Body("rod", -1.0, (1.0, 1.0, 1.0))
 
 
 def test_the_mechanism_of_twenty_lines_in_the_documents_runs(capsys):

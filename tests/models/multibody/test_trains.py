@@ -1,36 +1,35 @@
 """Trains as bodies and joints: K's with 21 constraints, Q's of rigid and of elastic parts."""
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from models.core.quantities import Layout
+from models.catalogue import CATALOGUE
 from models.multibody.direct_train import direct_train
 from models.multibody.ida import solve_ida
 from models.multibody.linear import find_frequencies
-from models.multibody.mechanism import Mechanism
 from models.multibody.pushrod_train import CAM, DRIVE, PIVOT, ROD_END, SEAT, TIP, PushrodTrain, pushrod_train
 from models.valve_train.cams.law import law_lift
-from models.valve_train.camshaft import CamshaftParameters
-from models.valve_train.rocker import RockerParameters
-from models.valve_train.rod import RodParameters
-from models.valve_train.tappet import TappetParameters
-from models.valve_train.valve_spring import ValveSpringParameters
 
 from .projected import solve_projected
 
+TURNED = SimpleNamespace(angle=0.0)
 
-def train(speed_rpm: float, flexible: bool = True, **parameters: float) -> Mechanism:
-    camshaft, valve = Layout(CamshaftParameters).defaults(), Layout(ValveSpringParameters).defaults()
-    camshaft.flexible = float(flexible)
-    for name, value in parameters.items():
-        setattr(camshaft if name in camshaft.dtype.names else valve, name, value)
-    return direct_train(camshaft, valve, speed_rpm * math.pi / 30.0)
+
+def list_records(**sizes: dict[str, int]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Parameters and states at rest of components with these sizes."""
+    made = {name: CATALOGUE[name](**size) for name, size in sizes.items()}
+    states = {name: component.state.defaults() for name, component in made.items()}
+    return {n: c.parameters.defaults() for n, c in made.items()}, {**states, "flywheel": TURNED}
 
 
 def test_parts_joints_and_freedoms_are_those_of_ks_tables_1_and_2():
-    mechanism = train(1000.0)
+    parts, states = list_records(camshaft={}, valve_spring={"coil_masses": 2})
+    parts["camshaft"].flexible = 1.0
+    mechanism = direct_train(parts, states, turning(1000.0))
     assert [len(joint.constraints) for joint in mechanism.joints] == [4, 1, 1, 5, 5, 5]
     # The shaft slides in its bearing, the cam has six but the contact, follower and coils share three.
     assert (len(mechanism.bodies), mechanism.freedoms) == (5, 9)
@@ -40,14 +39,16 @@ RATIO, MASS, ROD_MASS, INERTIA, ARM = 1.25, 0.1, 7850.0 * 50e-6 * 0.2, 6e-5, 32e
 EVALUATION = "independent evaluation"
 
 
-def pushrod_parts(**options: object) -> PushrodTrain:
+def pushrod_parts(segments: int, coil_masses: int = 2) -> PushrodTrain:
     """The train P1: bonded pushrod, constant lever ratio, set `kushwaha2000` with a valve of 0.1 kg."""
-    tappet, rod, rocker, valve = (
-        Layout(kind).defaults()
-        for kind in (TappetParameters, RodParameters, RockerParameters, ValveSpringParameters)
+    parts, states = list_records(
+        tappet={}, rod={"segments": max(1, segments)}, rocker={}, valve_spring={"coil_masses": 2}
     )
-    rod.bonded, rocker.small_motion, valve.valve_mass, valve.preload = 1.0, 1.0, 0.1, 330.0
-    return PushrodTrain(tappet, rod, rocker, valve, **options)
+    states["valve_spring"] = SimpleNamespace(position=0.0, coil_position=[0.0] * coil_masses)
+    parts["pushrod"], states["pushrod"] = parts["rod"], states["rod"]
+    parts["pushrod"].bonded, parts["rocker"].small_motion = 1.0, 1.0
+    parts["valve_spring"].valve_mass, parts["valve_spring"].preload = 0.1, 330.0
+    return PushrodTrain(parts, states, segments, coil_masses)
 
 
 def turning(speed_rpm: float) -> float:
