@@ -1,4 +1,4 @@
-"""The command `tribocosim`, with a file for each command.
+"""The command `tribocosim`. Its commands are in the files here.
 
 Slow imports are inside functions, so that --help answers at once.
 """
@@ -10,8 +10,7 @@ import typer
 from .analyse import run_analysis
 from .apart import remember_arguments
 from .calibrate import run_calibrate
-from .cam import draw_cam
-from .clearance import print_clearance
+from .cams import draw_cam, print_clearance, print_spring
 from .compare import compare_sweeps
 from .components import print_components
 from .design import design_cam
@@ -24,7 +23,6 @@ from .run import resume_run, run_scenario
 from .scenarios import list_scenarios
 from .sensitivities import run_sensitivities
 from .speeds import run_speeds
-from .spring import print_spring
 from .ssp import ssp_export, ssp_import
 from .study import run_study
 from .tolerances import run_tolerances

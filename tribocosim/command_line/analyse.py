@@ -8,6 +8,7 @@ import typer
 from .apart import carry_out_apart
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
+from .options import Overwrite, folder_option, parameter_option
 
 
 @report_errors
@@ -21,11 +22,7 @@ def run_analysis(
     ] = None,
     set_: Annotated[
         list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="PARAMETER=VALUE",
-            help="Set a parameter, e.g. damping=0.1; for a scenario PATH=VALUE.",
-        ),
+        parameter_option("Set a parameter, e.g. damping=0.1; for a scenario PATH=VALUE."),
     ] = None,
     show_parameters: Annotated[bool, typer.Option("--parameters", help="Only list the parameters.")] = False,
     at: Annotated[
@@ -40,11 +37,8 @@ def run_analysis(
             "without directional derivatives.",
         ),
     ] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option(help="Output folder.", show_default="results/NAME, or results/SCENARIO-stability"),
-    ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+    out: Annotated[Path | None, folder_option("results/NAME, or results/SCENARIO-stability")] = None,
+    overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
     """Run an analysis, or predict stability and error of a scenario's coupling; write tables and figure."""

@@ -9,7 +9,7 @@ from ..packages import check_fit_packages
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
-from .options import Settings, Workers
+from .options import Settings, Workers, folder_option
 
 
 @report_errors
@@ -38,9 +38,7 @@ def run_calibrate(  # noqa: PLR0913  # options of the command
         list[str] | None,
         typer.Option(metavar="PARAMETER,...", help="Intervals by profiles of the likelihood; or: all."),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-calibration")
-    ] = None,
+    out: Annotated[Path | None, folder_option("results/SCENARIO-calibration")] = None,
     set_: Settings = None,
     workers: Workers = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results.")] = False,

@@ -7,7 +7,7 @@ import typer
 
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
-from .options import Restart, Settings
+from .options import Restart, Settings, folder_option
 
 
 @report_errors
@@ -15,9 +15,7 @@ def design_cam(
     brief: Annotated[
         str, typer.Argument(help="A scenario, whose own cam gives the limits, or the .toml file of a brief.")
     ],
-    out: Annotated[
-        Path | None, typer.Option(help="Output folder.", show_default="results/BRIEF-design")
-    ] = None,
+    out: Annotated[Path | None, folder_option("results/BRIEF-design")] = None,
     set_: Settings = None,
     overwrite: Restart = False,
     as_json: Json = False,

@@ -11,7 +11,7 @@ from .apart import carry_out_apart
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
-from .options import Settings
+from .options import Overwrite, Settings, folder_option
 
 
 @report_errors
@@ -21,10 +21,8 @@ def run_masters(
     master: Annotated[
         list[str] | None, typer.Option(metavar="MODULE:OBJECT", help="Also run a master of your own.")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-masters")
-    ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+    out: Annotated[Path | None, folder_option("results/SCENARIO-masters")] = None,
+    overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
     """Run a scenario with every master that its FMUs can take: the error of each against its work."""

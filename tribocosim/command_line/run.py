@@ -12,6 +12,7 @@ from .apart import carry_out_apart
 from .completion import ScenarioName
 from .error_report import INTERRUPTED, report_errors
 from .json_output import Json, build_reporter, print_json
+from .options import folder_option
 
 if TYPE_CHECKING:
     from models.core.remedies import Words
@@ -27,7 +28,7 @@ Verbose = Annotated[
 @report_errors
 def run_scenario(  # noqa: PLR0913  # options of a command
     scenario: ScenarioName,
-    out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO")] = None,
+    out: Annotated[Path | None, folder_option("results/SCENARIO")] = None,
     set_: Annotated[
         list[str] | None,
         typer.Option(

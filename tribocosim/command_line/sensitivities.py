@@ -9,7 +9,7 @@ from ..packages import check_study_packages
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
-from .options import Restart, Settings, Workers
+from .options import Restart, Settings, Workers, folder_option
 
 
 @report_errors
@@ -24,9 +24,7 @@ def run_sensitivities(
             show_default="speed and all continuous parameters but zeros and elements of arrays",
         ),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-sensitivities")
-    ] = None,
+    out: Annotated[Path | None, folder_option("results/SCENARIO-sensitivities")] = None,
     set_: Settings = None,
     workers: Workers = None,
     overwrite: Restart = False,

@@ -10,7 +10,7 @@ from ..packages import check_study_packages
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
-from .options import Restart, Workers
+from .options import Restart, Workers, folder_option
 
 
 @report_errors
@@ -21,9 +21,7 @@ def run_speeds(  # noqa: PLR0913  # options of a command
     ] = "500 rpm",
     high: Annotated[str, typer.Option("--to", metavar="SPEED", help="Highest speed.")] = "4000 rpm",
     count: Annotated[int, typer.Option(min=2, help="Number of speeds.")] = 36,
-    out: Annotated[
-        Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-speeds")
-    ] = None,
+    out: Annotated[Path | None, folder_option("results/SCENARIO-speeds")] = None,
     set_: Annotated[
         list[str] | None,
         typer.Option(

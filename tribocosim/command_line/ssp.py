@@ -8,6 +8,7 @@ import typer
 from ..messages import show
 from .completion import ScenarioName
 from .error_report import report_errors
+from .options import folder_option
 
 
 @report_errors
@@ -47,7 +48,7 @@ def ssp_export(
 @report_errors
 def ssp_import(
     file: Annotated[Path, typer.Argument(help="The .ssp file.")],
-    out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="the file's name")] = None,
+    out: Annotated[Path | None, folder_option("the file's name")] = None,
 ) -> None:
     """Convert an SSP package into an editable scenario file with its FMUs. `run` also accepts packages."""
     from orchestrator.errors import MistakeError, another

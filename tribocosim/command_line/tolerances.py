@@ -9,16 +9,14 @@ from ..packages import check_study_packages
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
-from .options import Restart, Settings, Workers
+from .options import Restart, Settings, Workers, folder_option
 
 
 @report_errors
 def run_tolerances(
     scenario: ScenarioName,
     tolerances: Annotated[Path, typer.Argument(metavar="TOLERANCES.toml", help="Distributions and limits.")],
-    out: Annotated[
-        Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-tolerances")
-    ] = None,
+    out: Annotated[Path | None, folder_option("results/SCENARIO-tolerances")] = None,
     set_: Settings = None,
     workers: Workers = None,
     overwrite: Restart = False,

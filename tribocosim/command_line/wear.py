@@ -9,7 +9,7 @@ from ..packages import check_study_packages
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
-from .options import Settings
+from .options import Overwrite, Settings, folder_option
 
 
 @report_errors
@@ -43,10 +43,8 @@ def run_wear(  # noqa: PLR0913  # options of a command
         ),
     ] = False,
     set_: Settings = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO-wear")
-    ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+    out: Annotated[Path | None, folder_option("results/SCENARIO-wear")] = None,
+    overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> int:
     """Find after how many cycles a valve train's cam has worn to a depth, by Archard's law.
