@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from fmus.build import build
 from fmus.documentation import variables_table
 from fmus.fmi.validate import info, validate
 from fmus.variable_layout import Memory
 from models.core.integrator import OK
 from tests.fmus.instance import Instance
-from tests.fmus.pack_component import pack_component
 from tests.models.fluid_layer import fluid_layer
 
 SHEETS = 40
@@ -18,7 +18,7 @@ STEP = 1e-6
 
 @pytest.fixture(scope="module")
 def layer_file(tmp_path_factory):
-    return pack_component(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
+    return build("tests.models.fluid_layer:fluid_layer", tmp_path_factory.mktemp("layer"), {"sheets": SHEETS})
 
 
 @pytest.fixture

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fmus.build import build
 from models.catalogue import CATALOGUE
 from models.core.bonds import counting
 from models.core.component import Component
@@ -35,7 +36,6 @@ from orchestrator.run.plan import ParticipantPlan
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.system import Builder, build_system
 from orchestrator.stepping import ControlledSteps, StepControl
-from tests.fmus.pack_component import pack_component
 from tests.models.fluid_layer import fluid_layer
 
 from .alone import Alone
@@ -109,7 +109,7 @@ REMEDY = r"reduce macro_step, use \[step_control\], or raise components\.layer\.
 
 @pytest.fixture(scope="module")
 def some_layer_file(tmp_path_factory):
-    return pack_component(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SOME)
+    return build("tests.models.fluid_layer:fluid_layer", tmp_path_factory.mktemp("layer"), {"sheets": SOME})
 
 
 @pytest.fixture(params=["in-process", "fmu"])
