@@ -139,4 +139,9 @@ def highest_pressure(squeeze: Squeeze, eps: Squeeze) -> float:
         else:
             high = angle
     cos, sin = math.cos(low), math.sin(low)
+    # A step of Newton's method: by it the place, and with it the pressure's slope, has derivatives.
+    rest = zeta * (1.0 + 2.0 * cos * cos) - sin * (1.0 + 2.0 * xi * cos)
+    slope = 2.0 * xi * sin * sin - cos * (1.0 + 2.0 * xi * cos + 4.0 * zeta * sin)
+    if abs(rest) < 1e-6 * abs(slope):
+        cos, sin = math.cos(low - rest / slope), math.sin(low - rest / slope)
     return size * cos / (1.0 - xi * cos - zeta * sin) ** 3
