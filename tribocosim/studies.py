@@ -26,13 +26,12 @@ def analyse(
     settings: Mapping[str, Any] | None = None,
     *,
     at: Sequence[str] = (),
-    responses: bool = False,
     progress: Progress | None = None,
 ) -> xarray.Dataset:
     """An analysis by name with its `settings`, or how each master will do with a scenario.
 
-    Of a scenario: `settings` change it, `at` are further instants to linearise at, with `responses` all
-    participants are linearised by their responses. The same tables as the command `analyse` writes.
+    Of a scenario: `settings` change it, `at` are further instants to linearise at. The
+    same tables as the command `analyse` writes.
     """
     from orchestrator.analyses._evaluate import compute_table
     from orchestrator.analyses.stability.analyse import is_scenario, parse_instants, survey_scenario
@@ -44,7 +43,7 @@ def analyse(
     scenario = subject if isinstance(subject, Scenario) else load(subject)
     checked = scenario.with_(settings or {}).check()
     instants = parse_instants(at, checked.stop_time)
-    return build_dataset(survey_scenario(checked, instants, SilentReporter(progress), build_fmu, responses))
+    return build_dataset(survey_scenario(checked, instants, SilentReporter(progress)))
 
 
 def cam(

@@ -16,11 +16,11 @@ from ..errors import DiscardedStepError, RecoverableError
 from ..participants.capabilities import HIGHEST
 from ..participants.compiled_calls import STEP, CompiledCalls, NotCompiledError
 from ..participants.protocol import BoundVariables, Participant
-from ..participants.wrapping import StatelessWrapper
+from ..participants.wrapping import ParticipantWrapper
 from .signals import move_origin
 
 
-class Substepped(StatelessWrapper):
+class Substepped(ParticipantWrapper):
     """Implements `Participant` by `participant`, with `substeps` equal steps to every macro step.
 
     A step that fails is tried in two halves, these again, down to 2**-`halvings` of a substep: from where

@@ -1,4 +1,4 @@
-"""Participants that wrap another: base classes, and one whose inputs are linear functions (units, gains)."""
+"""Participants that wrap another: their base class, and one whose inputs are transformed (units, gains)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,7 +11,8 @@ from .protocol import Abilities, BoundVariables, Participant
 
 
 class ParticipantWrapper:
-    """Passes calls on to `participant`; a subclass adds the rest of the `Participant` protocol.
+    """Passes calls on to `participant` and has no state of its own. A subclass adds connect, compiled_calls,
+    write, advance and read.
 
     Calls that stay the same are the participant's own functions, without a method around them.
     """
@@ -22,6 +23,10 @@ class ParticipantWrapper:
         self.initialise = participant.initialise
         self.finish_initialisation = participant.finish_initialisation
         self.set_inputs = participant.set_inputs
+        self.read_all = participant.read_all
+        self.save = participant.save
+        self.restore = participant.restore
+        self.release = participant.release
         self.close = participant.close
 
     @property
@@ -30,17 +35,6 @@ class ParticipantWrapper:
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return self._participant.signal_degrees(input_names)
-
-
-class StatelessWrapper(ParticipantWrapper):
-    """Has no state of its own. A subclass adds connect, write, advance and read."""
-
-    def __init__(self, participant: Participant) -> None:
-        super().__init__(participant)
-        self.read_all = participant.read_all
-        self.save = participant.save
-        self.restore = participant.restore
-        self.release = participant.release
 
     def to_bytes(self, saved: Any) -> bytes:
         return self._participant.to_bytes(saved)
@@ -57,7 +51,7 @@ class Linear:
     offset: float = 0.0
 
 
-class Transformed(StatelessWrapper):
+class Transformed(ParticipantWrapper):
     """Implements `Participant` by `participant`, with `transformations` of inputs, by name."""
 
     def __init__(self, participant: Participant, transformations: Mapping[str, Linear]) -> None:

@@ -12,8 +12,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, ModelError, System
 
 from ..assessment.gas_phase import list_doubtful_gas
-from ..engine.energy import add_counting, add_estimates
-from ..engine.energy.estimate import EstimatedComponent, Estimating, counting_structure, without_estimates
+from ..engine.energy import add_counting, counting_structure
 from ..engine.instants import SideLines
 from ..engine.substeps import Substepped
 from ..errors import Set
@@ -74,23 +73,19 @@ class ParticipantPlan:
 
     def open_bare(self, name: str, instance: Instance) -> Participant:
         """The participant alone, which takes whole macro steps and inputs in its own units."""
-        bare = without_estimates(instance)
         if self.file is None:
-            return in_process(name, bare)
-        return open_fmu(name, self.file.path, bare, self.strings, self.limits)
+            return in_process(name, instance)
+        return open_fmu(name, self.file.path, instance, self.strings, self.limits)
 
     def make_opener(self, name: str, instance: Instance) -> Callable[[], Participant]:
         """Opens the bare participant, which proves what it says."""
         make = partial(self.open_bare, name, instance)
         if self.proof is None:
             return make
-        component = without_estimates(instance).component
-        return partial(Proven, make, component.inputs, component.outputs, self.proof)
+        return partial(Proven, make, instance.component.inputs, instance.component.outputs, self.proof)
 
-    def complete(self, participant: Participant, instance: Instance) -> Participant:
+    def complete(self, participant: Participant) -> Participant:
         """The bare participant with what lies between it and the coupling."""
-        if isinstance(instance.component, EstimatedComponent):
-            participant = Estimating(participant, instance.component)
         if self.substeps > 1 or self.retries:
             participant = Substepped(participant, self.substeps, self.retries)
         return transformed(participant, self.linear) if self.linear else participant
@@ -115,7 +110,7 @@ def open_participants(
             plan = plans[name]
             bare = wrap(name, plan.make_opener(name, instance))
             stack.callback(bare.close)
-            participants[name] = plan.complete(bare, instance)
+            participants[name] = plan.complete(bare)
         yield participants
 
 
@@ -275,7 +270,7 @@ def _sum(path: Path) -> FmuFile:
 
 
 def _count_energies(scenario: Scenario, system: System) -> System:
-    """The system with energies of all instances: counted, or estimated where an instance cannot count.
+    """The system with all instances counting their energies that can.
 
     Components of unknown equations cannot, nor can given FMUs that lack the variables for it.
     """
@@ -288,4 +283,4 @@ def _count_energies(scenario: Scenario, system: System) -> System:
         ):
             continue
         counted.append(name)
-    return add_estimates(add_counting(system, counted))
+    return add_counting(system, counted)

@@ -11,8 +11,6 @@ from hypothesis.extra import numpy as arrays
 
 from orchestrator.analyses.stability.linear import Linear
 from orchestrator.analyses.stability.linear_participants import LinearParticipant
-from orchestrator.engine.energy import add_counting, add_estimates
-from orchestrator.engine.energy.estimate import Estimating, without_estimates
 from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import CannotSerializeError, CheckpointError, MistakeError, start_over
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
@@ -96,15 +94,9 @@ def _second() -> Participant:
     return in_process("second", two_masses().instances["second"])
 
 
-def _estimating() -> Participant:
-    second = add_estimates(add_counting(two_masses(), ["first"])).instances["second"]
-    return Estimating(in_process("second", without_estimates(second)), second.component)
-
-
 UNITS = {
     "in-process": _second,
     "substepped": lambda: Substepped(_second(), 3),
-    "estimating": _estimating,
 }
 
 

@@ -120,7 +120,7 @@ def test_the_coupling_of_a_field_is_not_analysed():
     assert refused.value.actions == (Set("components.contact.component", "ehl_contact"),)
     formula = load("valve-train-ehl", ["components.contact.component=ehl_contact"])
     with open_linearisations(formula, build_system(formula), ours) as made:
-        assert set(made) == set(formula.components)
+        assert made == {}
 
 
 @pytest.mark.parametrize(

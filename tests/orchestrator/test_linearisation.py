@@ -9,12 +9,7 @@ from fmus.native.machine_code import this_platform
 from models.core.system import Instance
 from orchestrator.analyses.stability.behaviour import Behaviour, find_stability_limit
 from orchestrator.analyses.stability.linear import Linear
-from orchestrator.analyses.stability.linearisation import (
-    Directional,
-    Equations,
-    linearise_at,
-    linearise_points,
-)
+from orchestrator.analyses.stability.linearisation import Directional, linearise_at, linearise_points
 from orchestrator.analyses.stability.responses import Responses, realise, to_continuous
 from orchestrator.analyses.stability.trajectory import (
     NotLinearError,
@@ -48,11 +43,8 @@ def linearise_twice(system, name, where, row, spacing, participant=None):
     unit = participant or in_process(name, system.instances[name])
     try:
         measured = Responses(name, unit, system, spacing)
-        return (
-            measured.about(where, row, list_outputs(system, name)),
-            Equations(system, name).about(where, row, list_outputs(system, name)),
-            measured,
-        )
+        found = measured.about(where, row, list_outputs(system, name))
+        return found, linearise_at(system, where, row, []).linears[name], measured
     finally:
         unit.close()
 
@@ -144,11 +136,8 @@ def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_resp
     system = masses_with_fmu()
     where = solve_trajectory(system, 0.2, SPACING)
     unit = open_third_party(system, tmp_path_factory)
-    linearisations = {
-        "first": Equations(system, "first"),
-        "second": (measured := Responses("second", unit, system, SPACING)),
-    }
-    behaviour = Behaviour(linearise_at(system, where, 20, [], linearisations), master)
+    measured = Responses("second", unit, system, SPACING)
+    behaviour = Behaviour(linearise_at(system, where, 20, [], {"second": measured}), master)
     unit.close()
     assert measured.held_inputs == ["force"]
     limit = find_stability_limit(behaviour, 1e-4, 0.5, [])
@@ -176,12 +165,9 @@ def test_a_participant_that_is_no_linear_system_is_named():
     system = two_masses()
     where = solve_trajectory(system, 0.2, SPACING)
     unit = Noisy(in_process("second", system.instances["second"]))
-    linearisations = {
-        "first": Equations(system, "first"),
-        "second": Responses("second", unit, system, SPACING),
-    }
+    measured = {"second": Responses("second", unit, system, SPACING)}
     with pytest.raises(NotLinearError, match="second"):
-        linearise_points(system, where, [0, 20], [], linearisations)
+        linearise_points(system, where, [0, 20], [], measured)
 
 
 @pytest.mark.parametrize("states", [1, 3, 6])
@@ -247,7 +233,7 @@ def derive_twice(system, name, where, row, path):
         found = Directional(name, unit, system).about(where, row, list_outputs(system, name))
     finally:
         unit.close()
-    return found, Equations(system, name).about(where, row, list_outputs(system, name))
+    return found, linearise_at(system, where, row, []).linears[name]
 
 
 def assert_same_matrices(found, expected, system, name, tolerance):

@@ -18,12 +18,10 @@ from models.core.component import Component
 from models.core.system import Instance, ModelError, System
 from models.monolithic import solve
 from models.oscillators.two_masses import sprung_mass
-from orchestrator.analyses.stability.linearisation import Equations, open_linearisations
-from orchestrator.analyses.stability.responses import Responses
+from orchestrator.analyses.stability.linearisation import open_linearisations
 from orchestrator.analyses.stability.survey import survey
 from orchestrator.analyses.stability.trajectory import compute_rates, solve_course
-from orchestrator.engine.energy import Ledger, add_counting, add_estimates
-from orchestrator.engine.energy.estimate import Estimating, without_estimates
+from orchestrator.engine.energy import Ledger, add_counting
 from orchestrator.engine.step import DISCARD
 from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import DiscardedStepError
@@ -81,22 +79,9 @@ def test_energies_that_a_component_counts_in_its_own_steps_close_to_rounding():
     assert abs(layer.unaccounted) < 40 * 1e-11 * layer.dissipated
 
 
-@pytest.mark.long
-def test_a_component_of_unknown_equations_does_not_count_and_is_estimated():
-    """Of what its plate and it exchange, to the order of the exchange."""
-    plain = dragged(changes={"opaque": True})
+def test_a_component_of_unknown_equations_does_not_count():
     with pytest.raises(ValueError, match="fluid_layer"):
-        counting(plain.instances["layer"].component)
-    system = add_estimates(add_counting(plain, ["plate"]))
-    ledger = Ledger(system)
-    inner = in_process("layer", without_estimates(system.instances["layer"]))
-    layer = Estimating(inner, system.instances["layer"].component)
-    run_coupled(system, ITERATED, 2e-5, STOP, ledger, layer=layer)
-    counting_both = add_counting(dragged(), ["plate", "layer"])
-    own = Ledger(counting_both)
-    run_coupled(counting_both, ITERATED, 2e-5, STOP, own)
-    bond = "taken layer.force * plate.velocity"
-    assert ledger[bond] == pytest.approx(own[bond], rel=1e-3)
+        counting(dragged(changes={"opaque": True}).instances["layer"].component)
 
 
 SOME = 20
@@ -239,19 +224,13 @@ def test_a_survey_goes_by_the_responses_of_what_has_no_equations():
     for layer in ("fluid_layer", "stepped_layer"):
         one = scenario(layer)
         system, ours = build_system(one), dict.fromkeys(one.components, ParticipantPlan())
-        with open_linearisations(one, system, ours) as sources:
-            kinds = {name: type(source) for name, source in sources.items()}
-            found.append(survey(one, system, ours, linearisations=sources).own)
-        assert kinds == {"plate": Equations, "layer": Equations if layer == "fluid_layer" else Responses}
+        with open_linearisations(one, system, ours) as participants:
+            assert list(participants) == ["layer"] * (layer == "stepped_layer")
+            found.append(survey(one, system, ours, participants).own)
     # Responses are a linear system's to 1e-2 at worst (DOUBTFUL).
     assert found[1].limit == pytest.approx(found[0].limit, rel=1e-2)
     error = [own.errors[4e-4]["plate.position"] for own in found]
     assert error[1] == pytest.approx(error[0], rel=1e-2)
-
-
-def test_equations_of_a_component_that_has_none_are_refused():
-    with pytest.raises(ModelError, match=r"layer: fluid_layer has no ordinary .* by its responses"):
-        Equations(dragged(changes={"opaque": True}), "layer")
 
 
 def test_a_reference_that_cannot_be_solved_is_refused_before_anything_is_written(tmp_path):

@@ -29,14 +29,6 @@ def run_analysis(
         list[str] | None,
         typer.Option(metavar="TIME", help="Also linearise the scenario at this instant, e.g. '30 ms'."),
     ] = None,
-    responses: Annotated[
-        bool,
-        typer.Option(
-            "--responses",
-            help="Linearise all participants of the scenario from their responses, as is done for FMUs "
-            "without directional derivatives.",
-        ),
-    ] = False,
     out: Annotated[Path | None, folder_option("results/NAME, or results/SCENARIO-stability")] = None,
     overwrite: Overwrite = False,
     as_json: Json = False,
@@ -49,8 +41,6 @@ def run_analysis(
     from orchestrator.errors import MistakeError, Option
     from orchestrator.scenario.files import load as load_scenario
 
-    from ..cached_fmus import build_fmu
-
     reporter = build_reporter(as_json)
     result: Any
     if name is None:
@@ -61,11 +51,10 @@ def run_analysis(
         raise MistakeError((Option("parameters"), f": {name} is a scenario"), remedy)
     elif is_scenario(name):
         carry_out_apart(load_scenario(name, set_ or []), None)
-        found = analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter, build_fmu, responses)
+        found = analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter)
         result = build_dataset(found).to_dict()
-    elif at or responses:
-        option = Option("at" if at else "responses")
-        raise MistakeError((option, f": belongs to a scenario, which {name} is not"), "leave it out")
+    elif at:
+        raise MistakeError((Option("at"), f": belongs to a scenario, which {name} is not"), "leave it out")
     elif show_parameters:
         result = load(name).parameters
         reporter.console.print(build_parameters_table(name))

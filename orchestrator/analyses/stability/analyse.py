@@ -8,7 +8,7 @@ from ...reporter import Reporter
 from ...run.plan import plan_participants
 from ...scenario import Scenario
 from ...scenario.files import list_shipped, load
-from ...scenario.system import Builder, assemble, resolve_start
+from ...scenario.system import assemble, resolve_start
 from ...scenario.units import UnitError, to_unit
 from .._evaluate import create_folder, find_results
 from .linearisation import open_linearisations
@@ -29,14 +29,11 @@ def analyse_scenario(
     out: Path | None = None,
     overwrite: bool = False,
     reporter: Reporter | None = None,
-    build: Builder | None = None,
-    responses: bool = False,
 ) -> Survey:
     """Survey, print and write into `out` (default: results/NAME-stability).
 
     `settings` change the scenario ("path=value"). `at` are further instants to linearise at, in seconds or
-    with a unit. With `responses`, all participants are linearised by their responses, our FMUs built by
-    `build`. Raises ScenarioError, ModelError, MistakeError or OutputFolderError.
+    with a unit. Raises ScenarioError, ModelError, MistakeError or OutputFolderError.
     """
     from .report import build_table, describe, write_survey
 
@@ -49,7 +46,7 @@ def analyse_scenario(
         printed = folder / f"{FILE}.log"
         printed.unlink(missing_ok=True)
         with reporter.keep_prints(printed):
-            found = survey_scenario(scenario, instants, reporter, build, responses)
+            found = survey_scenario(scenario, instants, reporter)
         for file in held:
             file.unlink()
         files = write_survey(found, folder)
@@ -64,20 +61,15 @@ def survey_scenario(
     scenario: Scenario,
     instants: Sequence[float],
     reporter: Reporter,
-    build: Builder | None = None,
-    responses: bool = False,
     scope: Scope = EVERY,
 ) -> Survey:
-    """The survey about a scenario's start and these instants (s); options as of `analyse_scenario`.
-
-    `scope` is as in `survey`.
-    """
+    """The survey about a scenario's start and these instants (s); `scope` is as in `survey`."""
     with reporter.stage("stability and errors of every method") as bar:
         assembly = assemble(scenario)
         system = resolve_start(scenario, assembly.system)
-        participants = plan_participants(scenario, assembly.linear, build if responses else None)
-        with open_linearisations(scenario, system, participants, responses) as sources:
-            return survey(scenario, system, participants, instants, bar.show, sources, scope)
+        plans = plan_participants(scenario, assembly.linear, None)
+        with open_linearisations(scenario, system, plans) as participants:
+            return survey(scenario, system, plans, participants, instants, bar.show, scope)
 
 
 def parse_instants(at: Sequence[str], stop: float) -> list[float]:

@@ -26,7 +26,6 @@ from ...scenario import Scenario, ScenarioError
 from ...scenario.fmu_limits import FmuLimits
 from ...scenario.master_table import AUTO, MasterTable, StepControlTable
 from ...scenario.scenario import COMPARED_INTERVALS
-from ...scenario.system import Builder
 from ...stepping.controlled import AIM
 from ...stepping.forward import find_extrapolated
 from .analyse import survey_scenario
@@ -60,14 +59,14 @@ class Choice:
     relative: float | None = None
 
 
-def choose(scenario: Scenario, reporter: Reporter, build: Builder | None = None) -> Scenario:
+def choose(scenario: Scenario, reporter: Reporter) -> Scenario:
     """The scenario with what `auto` chooses for it.
 
     ScenarioError, which says why, if nothing can be chosen.
     """
     remedy = "; name a master, e.g. ", Set("master.name", "gauss_seidel")
     try:
-        found = survey_choices(scenario, reporter, build)
+        found = survey_choices(scenario, reporter)
     except (MistakeError, ModelError, RunError) as error:
         raise ScenarioError((f"master.name = {AUTO!r}: ", error, remedy)) from None
     best = min(list_choices(found), key=lambda one: one.cost, default=None)
@@ -77,10 +76,10 @@ def choose(scenario: Scenario, reporter: Reporter, build: Builder | None = None)
     return _apply(found, best)
 
 
-def survey_choices(scenario: Scenario, reporter: Reporter, build: Builder | None = None) -> Survey:
+def survey_choices(scenario: Scenario, reporter: Reporter) -> Survey:
     """The survey of what can be chosen."""
     scope = Scope((GaussSeidel, Iterated), scenario.stop_time / LEAST, refuse_impacts)
-    return survey_scenario(scenario, [], reporter, build, scope=scope)
+    return survey_scenario(scenario, [], reporter, scope)
 
 
 def refuse_impacts(system: System, motion: Trajectory) -> None:

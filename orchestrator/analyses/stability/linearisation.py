@@ -7,7 +7,6 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Protocol
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from models.core.quantities import Layout, Vector
 from models.core.system import Instance, ModelError, Port, System
 from models.monolithic.trajectory import Trajectory
 
-from ...errors import Option, ParticipantError, Set, Words
+from ...errors import ParticipantError, Set
 from ...participants.protocol import Participant
 from ...participants.reopened import Reopened
 from ...participants.wrapping import Transformed as transformed
@@ -31,7 +30,7 @@ from .trajectory import (
     list_continuous_outputs,
 )
 
-RESPONSES: Words = ("linearise it by its responses with ", Option("responses", True))
+NO_PARTICIPANTS: Mapping[str, ParticipantLinearisation] = {}
 # Half the span of a central difference, as a share of the nominal size (or of the value, if larger):
 # rounding, 1e-16 over it, and truncation, its square, are below 1e-9.
 SHARE = 1e-6
@@ -97,38 +96,8 @@ def _compute_slopes(
     return np.nan_to_num(slopes), kinks
 
 
-class Linearisation(Protocol):
-    """Linearises one participant."""
-
-    def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
-        """Linearise about an instant of the trajectory, with zero rows for outputs other than `outputs`.
-
-        Call it with ascending rows.
-        """
-        ...
-
-
-class Equations:
-    """Implements `Linearisation` for a component, by differences of its equations.
-
-    Raises ModelError if they do not have the form dx/dt = f (`Component.ode`).
-    """
-
-    def __init__(self, system: System, name: str) -> None:
-        self._instance = system.instances[name]
-        if not self._instance.component.ode:
-            raise ModelError(
-                f"{name}: {self._instance.component.name} has no ordinary differential equations", RESPONSES
-            )
-        self._name, self._inputs = name, system.inputs.of(name)
-
-    def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
-        x, u = trajectory.states[self._name][row], trajectory.inputs[row][self._inputs]
-        return linearise(self._instance, float(trajectory.times[row]), x, u, outputs)
-
-
 class Directional(ParticipantLinearisation):
-    """Implements `Linearisation` for an FMU that gives directional derivatives, by these.
+    """Of an FMU that gives directional derivatives, by these.
 
     At a kink they are those of the active branch. The model description says which derivatives of its inputs
     the FMU follows, or its answers to the calls that set them.
@@ -150,7 +119,11 @@ class Directional(ParticipantLinearisation):
         try:
             found = self._fmu.jacobian(unknown, known)
         except ParticipantError as error:
-            raise ModelError(error, RESPONSES) from None
+            raise ModelError(
+                error,
+                "give a copy of the FMU whose modelDescription.xml does not say that it provides directional "
+                "derivatives, or ask who made it",
+            ) from None
         n, followed = len(states), np.ones((ROWS, len(self.input_names)))
         taken = self._fmu.get_followed()
         followed[: len(taken)] = taken
@@ -219,16 +192,20 @@ def linearise_at(
     trajectory: Trajectory,
     row: int,
     watched: Sequence[Port],
-    linearisations: Mapping[str, Linearisation] | None = None,
+    participants: Mapping[str, ParticipantLinearisation] = NO_PARTICIPANTS,
 ) -> Point:
-    """Linearise the system about an instant of its trajectory, without `linearisations` by the equations."""
+    """Linearise the system about an instant of its trajectory: by `participants`, the others by equations."""
+    time = float(trajectory.times[row])
     wanted = {c.source for c in system.connections} | set(watched)
-    linearisations = linearisations or {name: Equations(system, name) for name in system.instances}
     linears = {}
-    for name in system.instances:
+    for name, instance in system.instances.items():
         outputs = {port.variable for port in wanted if port.instance == name}
-        linears[name] = linearisations[name].about(trajectory, row, outputs)
-    return Point(float(trajectory.times[row]), system, linears)
+        if name in participants:
+            linears[name] = participants[name].about(trajectory, row, outputs)
+        else:
+            x, u = trajectory.states[name][row], trajectory.inputs[row][system.inputs.of(name)]
+            linears[name] = linearise(instance, time, x, u, outputs)
+    return Point(time, system, linears)
 
 
 def linearise_points(
@@ -236,7 +213,7 @@ def linearise_points(
     trajectory: Trajectory,
     rows: Sequence[int],
     watched: Sequence[Port],
-    linearisations: Mapping[str, Linearisation] | None = None,
+    participants: Mapping[str, ParticipantLinearisation] = NO_PARTICIPANTS,
 ) -> tuple[list[Point], list[str]]:
     """Linearise about several instants, in ascending order; also return why instants were left out.
 
@@ -245,7 +222,7 @@ def linearise_points(
     points, left = [], []
     for row in rows:
         try:
-            points.append(linearise_at(system, trajectory, row, watched, linearisations))
+            points.append(linearise_at(system, trajectory, row, watched, participants))
         except NotLinearError as error:
             left.append(error)
     if not points:
@@ -260,16 +237,15 @@ def needs_run(scenario: Scenario) -> bool:
 
 @contextmanager
 def open_linearisations(
-    scenario: Scenario, system: System, participants: Mapping[str, ParticipantPlan], every: bool = False
-) -> Iterator[dict[str, Linearisation]]:
-    """Choose the linearisation of every instance; participants live as long as the block.
+    scenario: Scenario, system: System, participants: Mapping[str, ParticipantPlan]
+) -> Iterator[dict[str, ParticipantLinearisation]]:
+    """Open what is not linearised by its equations: by directional derivatives, or else by its responses.
 
-    Components are linearised by their equations, FMU files by directional derivatives, those with neither by
-    their responses; with `every`, all by their responses. Raises ScenarioError for a participant that has a
-    field, and for one that cannot save its state if the repetition of its run would cost too much.
+    Participants live as long as the block. Raises ScenarioError for one that has a field, and for one that
+    cannot save its state if the repetition of its run would cost too much.
     """
     with ExitStack() as stack:
-        linearisations: dict[str, Linearisation] = {}
+        opened: dict[str, ParticipantLinearisation] = {}
         for name, table in scenario.components.items():
             component = system.instances[name].component
             ode = component.ode
@@ -281,17 +257,15 @@ def open_linearisations(
                     "(field_tolerance) hide the responses to small changes",
                     ("take a film formula in its place, ", formula),
                 )
-            by_equations = ode and not needs_run(scenario)
-            if by_equations and not (every or table.participant.endswith(".fmu")):
-                linearisations[name] = Equations(system, name)
+            if ode and not needs_run(scenario) and not table.participant.endswith(".fmu"):
                 continue
             plan, instance = participants[name], system.instances[name]
             unit = plan.open_bare(name, instance)
             exchanged = [*list_connected_inputs(name, system), *list_continuous_outputs(name, system)]
-            derivatives = None if every or plan.linear else unit.abilities.derivatives
+            derivatives = None if plan.linear else unit.abilities.derivatives
             if derivatives and derivatives.find_states(exchanged) is not None:
                 stack.callback(unit.close)
-                linearisations[name] = Directional(name, unit, system)
+                opened[name] = Directional(name, unit, system)
                 continue
             returns = SAVED
             if not unit.abilities.restorable:
@@ -302,8 +276,8 @@ def open_linearisations(
             if plan.linear:
                 unit = transformed(unit, plan.linear)
             stack.callback(unit.close)
-            linearisations[name] = Responses(name, unit, system, scenario.macro_step, returns)
-        yield linearisations
+            opened[name] = Responses(name, unit, system, scenario.macro_step, returns)
+        yield opened
 
 
 def check_repetition(scenario: Scenario, name: str, inputs: int) -> None:
@@ -322,12 +296,3 @@ def check_repetition(scenario: Scenario, name: str, inputs: int) -> None:
             f"come to the instants of the analysis; at most {MOST_REPEATED:.0e} are made: shorten stop_time, "
             "or give an FMU that can"
         )
-
-
-def select_participants(linearisations: Mapping[str, Linearisation]) -> dict[str, ParticipantLinearisation]:
-    """Those of participants, without components."""
-    return {
-        name: source
-        for name, source in linearisations.items()
-        if isinstance(source, ParticipantLinearisation)
-    }

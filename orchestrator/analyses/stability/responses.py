@@ -41,7 +41,7 @@ DOUBTFUL, USELESS = 1e-2, 0.5
 
 
 class Responses(ParticipantLinearisation):
-    """Implements `Linearisation` for a participant that can save and restore its state, or `returns` to it
+    """Of a participant that can save and restore its state, or `returns` to it
     otherwise.
 
     At an instant of the trajectory its inputs are held, and each gets a pulse of one sample, up and down.

@@ -20,7 +20,7 @@ from ...scenario import Scenario, ScenarioError
 from ...scenario.fmu_limits import FmuLimits
 from .advised_step import find_step_at_error, round_down
 from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
-from .linearisation import POINTS, Linearisation, Point, linearise_points, needs_run, select_participants
+from .linearisation import POINTS, Point, linearise_points, needs_run
 from .macro_step import SampledTrajectory, predict_errors, sample_trajectory
 from .partition import Partition
 from .trajectory import STRIDE, ParticipantLinearisation, run_course, solve_course
@@ -122,16 +122,16 @@ EVERY = Scope()
 def survey(
     scenario: Scenario,
     system: System,
-    participants: Mapping[str, ParticipantPlan],
+    plans: Mapping[str, ParticipantPlan],
+    participants: Mapping[str, ParticipantLinearisation],
     at: Sequence[float] = (),
     progress: Callable[[float], None] = lambda share: None,
-    linearisations: Mapping[str, Linearisation] | None = None,
     scope: Scope = EVERY,
 ) -> Survey:
     """Survey the methods on the scenario's system, which has its start values; ModelError if it fails.
 
-    `at` are further instants (s) at which to linearise. Without `linearisations`, components are linearised
-    by their equations. The scenario's own master is assessed beside those in `scope`.
+    What is not in `participants` is linearised by its equations. `at` are further instants (s) at which to
+    linearise. The scenario's own master is assessed beside those in `scope`.
     """
     watched = [parse_port(n, system.instances, "output") for n in scenario.tolerance]
     if not watched:
@@ -150,7 +150,7 @@ def survey(
     trajectory = _find_course(
         scenario,
         system,
-        participants,
+        plans,
         np.arange(count + 1) * np.float64(interval),
         lambda s: progress(0.2 * s),
     )
@@ -159,7 +159,7 @@ def survey(
     rows = np.unique([*rows, *(round(min(max(t / interval, 0.0), count)) for t in at)])
     if not limits.variable_step:  # which gets to whole strides only
         rows = np.unique(rows // STRIDE * STRIDE)
-    points, left = linearise_points(system, trajectory, rows.tolist(), watched, linearisations)
+    points, left = linearise_points(system, trajectory, rows.tolist(), watched, participants)
     surveyor = Surveyor(scenario, system, trajectory, watched, points, scope.longest)
     methods = []
     masters = _list_masters(scenario, system, surveyor, limits.restorable, scope.kinds)
@@ -172,21 +172,21 @@ def survey(
     return Survey(
         scenario, system, surveyor.partition, surveyor.points, methods, own,
         min(usable, key=lambda m: m.cost, default=None), float(trajectory.times[-1]), surveyor.typical.time,
-        select_participants(linearisations or {}), left, surveyor,
+        participants, left, surveyor,
     )  # fmt: skip
 
 
 def _find_course(
     scenario: Scenario,
     system: System,
-    participants: Mapping[str, ParticipantPlan],
+    plans: Mapping[str, ParticipantPlan],
     times: Vector,
     progress: Callable[[float], None],
 ) -> Trajectory:
     """The motion: solved, or where that is not possible run as the scenario is, in shorter steps."""
     if not needs_run(scenario):
         return solve_course(system, times, COURSE_TOLERANCE, progress)
-    with open_participants(system, participants) as units:
+    with open_participants(system, plans) as units:
         return run_course(system, units, scenario.master.build(), times, progress)
 
 

@@ -168,10 +168,7 @@ def list_continuous_outputs(name: str, system: System) -> list[str]:
 
 
 class ParticipantLinearisation(ABC):
-    """Base of `Linearisation`s of a participant: advances it with the inputs of a trajectory.
-
-    Subclasses implement `about`. The caller closes the participant.
-    """
+    """Linearises a participant, which it advances with the inputs of a trajectory; the caller closes it."""
 
     _beyond = 0.0  # time (s) that it is stepped beyond an instant of the trajectory
 
@@ -190,6 +187,13 @@ class ParticipantLinearisation(ABC):
         participant.connect(bound)
         self._at: int | None = None
         self.held_inputs: list[str] = []
+
+    @abstractmethod
+    def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
+        """Linearise about an instant of the trajectory, with zero rows for outputs other than `outputs`.
+
+        Call it with ascending rows.
+        """
 
     def _advance_to(self, trajectory: Trajectory, row: int) -> None:
         """Advance along the trajectory to a row."""

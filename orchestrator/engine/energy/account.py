@@ -10,8 +10,7 @@ class BondAccount:
 
     `given` left the side that gives the effort, `taken` arrived at the side that gives the flow, `created`
     is the difference; `largest_created` its largest size on the way, `relative` that over what was
-    `exchanged` in either direction (0 where nothing was). Energies of the instances in `estimated`, which do
-    not count theirs, are estimates from exchanged values.
+    `exchanged` in either direction (0 where nothing was).
     """
 
     given: float = 0.0
@@ -20,7 +19,6 @@ class BondAccount:
     largest_created: float = 0.0
     exchanged: float = 0.0
     relative: float = 0.0
-    estimated: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -69,11 +67,5 @@ def lines(account: Account) -> Iterator[str]:
         )
     else:
         yield "energy: no bond is counted on both of its sides"
-    guessed = sorted({name for bond in account.bonds.values() for name in bond.estimated})
-    if guessed:
-        yield (
-            f"energy: {', '.join(guessed)} counts no energies: what its bonds carry is estimated from "
-            "exchanged values, and its own account is not in the sums"
-        )
     if account.not_counted:
         yield f"energy: not counted on both sides: {', '.join(account.not_counted)}"

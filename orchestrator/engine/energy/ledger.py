@@ -24,19 +24,16 @@ from ..observer import is_recorded
 from ..step import Step
 from .account import Account, BondAccount, ComponentAccount
 from .bonds import Bond, find_bonds
-from .estimate import EstimatedComponent
 
 
 @dataclass(frozen=True)
 class Sides:
     """A bond between two instances, with the outputs that count what came in on the side that gives the
-    effort and on the side that gives the flow; None where a side does not count it. Of the instances in
-    `add_estimates` it is an estimate."""
+    effort and on the side that gives the flow; None where a side does not count it."""
 
     bond: Bond
     effort: str | None
     flow: str | None
-    estimated: tuple[str, ...] = ()
 
     @property
     def both(self) -> bool:
@@ -50,21 +47,13 @@ def find_sides(system: System) -> list[Sides]:
     def counts(instance: str, bond: Bond) -> str | None:
         own = bond.declared.get(instance)
         component = system.instances[instance].component
-        counted = isinstance(component, CountingComponent | EstimatedComponent)
-        found = energy_through(own) if own and counted else ""
+        found = energy_through(own) if own and isinstance(component, CountingComponent) else ""
         return f"{instance}.{found}" if found in component.outputs else None
 
-    def sides(bond: Bond) -> Sides:
-        ends = (bond.effort.instance, bond.flow.instance)
-        found = {name: counts(name, bond) for name in ends}
-        guessed = [
-            name
-            for name in ends
-            if found[name] and isinstance(system.instances[name].component, EstimatedComponent)
-        ]
-        return Sides(bond, found[ends[0]], found[ends[1]], tuple(guessed))
-
-    return [sides(bond) for bond in find_bonds(system)]
+    return [
+        Sides(bond, counts(bond.effort.instance, bond), counts(bond.flow.instance, bond))
+        for bond in find_bonds(system)
+    ]
 
 
 def list_received_energies(system: System, instance: str) -> list[str]:
@@ -73,7 +62,6 @@ def list_received_energies(system: System, instance: str) -> list[str]:
 
 
 GROUP = "energy"
-ESTIMATED = " (estimated from exchanged values)"
 
 
 class Ledger:
@@ -99,14 +87,10 @@ class Ledger:
             assert sides.flow
             bond = sides.bond
             giver, taker = bond.effort.instance, bond.flow.instance
-            given, taken = ESTIMATED * (giver in sides.estimated), ESTIMATED * (taker in sides.estimated)
-            self._row(f"given {bond}", {sides.effort: -1.0}, f"energy from {giver}{given}")
-            self._row(f"taken {bond}", {sides.flow: 1.0}, f"energy into {taker}{taken}")
-            self._row(
-                f"created {bond}",
-                {sides.effort: 1.0, sides.flow: 1.0},
-                f"energy created by the coupling{given or taken}",
-            )
+            self._row(f"given {bond}", {sides.effort: -1.0}, f"energy from {giver}")
+            self._row(f"taken {bond}", {sides.flow: 1.0}, f"energy into {taker}")
+            both = {sides.effort: 1.0, sides.flow: 1.0}
+            self._row(f"created {bond}", both, "energy created by the coupling")
         for name in self.instances:
             self._component_rows(system, name)
         self._total_rows()
@@ -218,7 +202,6 @@ class Ledger:
                 largest,
                 exchanged,
                 largest / exchanged if exchanged else 0.0,
-                list(sides.estimated),
             )
         columns = [column.name for column in fields(ComponentAccount)]
         components = {
