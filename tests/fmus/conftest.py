@@ -12,39 +12,33 @@ from typing import Any
 
 import pytest
 
-from fmus.build import build
-from tests.shared import made_once
+from .kinds import FILES, WITH_REFERENCES, Made, made_files
 
 INSTANCE = Path(__file__).with_name("instance.py")
 
 
-class Made(dict[str, Path]):
-    """Files or folders by name, each made when it is first asked for."""
-
-    def __init__(self, make: Callable[[str], Path]) -> None:
-        super().__init__()
-        self.make = make
-
-    def __missing__(self, name: str) -> Path:
-        self[name] = self.make(name)
-        return self[name]
-
-
-def made_files(kind: str, make: Callable[[str, Path], object]) -> Made:
-    """Files that `make(name, folder)` leaves in a folder, each made once for all processes."""
-    return Made(lambda name: next(made_once(f"{kind}-{name}", lambda f: make(name, f)).iterdir()))
+@pytest.fixture(scope="session")
+def fmu_files() -> Made:
+    """Every FMU in Python as a file."""
+    return FILES["python"]
 
 
 @pytest.fixture(scope="session")
-def fmu_files() -> Made:
-    """Every FMU as a file."""
-    return Made(build)
+def native_files() -> Made:
+    """Every native FMU of FMI 2.0 for this machine."""
+    return FILES["native"]
+
+
+@pytest.fixture(scope="session")
+def fmi3_files() -> Made:
+    """Those of FMI 3.0."""
+    return FILES["native3"]
 
 
 @pytest.fixture(scope="session")
 def referenced() -> Made:
-    """Every FMU with its reference results."""
-    return made_files("referenced", build)
+    """Every FMU in Python with its reference results."""
+    return WITH_REFERENCES["python"]
 
 
 @pytest.fixture(scope="session")

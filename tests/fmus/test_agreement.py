@@ -8,6 +8,7 @@ from fmpy import read_model_description
 from fmus.build import NAMES, build
 
 from .conftest import Isolated
+from .kinds import FILES, HOSTS, every_fmu
 from .names import mark_long
 from .reference import Reference, held, schedule, split, wave
 
@@ -16,7 +17,7 @@ STEPS, STEP = 300, 1e-5
 REPLAY = """
 import json, sys
 plan = json.load(open({plan!r}))
-slave = {kind}({fmu!r}).initialize(plan[0]["t"])
+slave = {host}({fmu!r}).initialize(plan[0]["t"])
 results = [slave.outputs()]
 for step in plan:
     slave.set(step["inputs"])
@@ -31,13 +32,13 @@ report([results, ours])
 
 
 def replay(
-    isolated: Isolated, fmu: Path, plan: list, folder: Path, kind: str = "Instance"
+    isolated: Isolated, fmu: Path, plan: list, folder: Path, host: str = "Instance"
 ) -> list[list[float]]:
     import json
 
     file = folder / "plan.json"
     file.write_text(json.dumps(plan))
-    results, ours = isolated(REPLAY.format(plan=str(file), fmu=str(fmu), kind=kind))
+    results, ours = isolated(REPLAY.format(plan=str(file), fmu=str(fmu), host=host))
     assert ours == []
     return results
 
@@ -55,13 +56,20 @@ def expected_of(reference: Reference, plan: list) -> list[list[float]]:
     return expected
 
 
-@pytest.mark.parametrize("name", mark_long(NAMES, ("valve_spring", "flywheel")))
-def test_fmu_equals_component(name, fmu_files, isolated, tmp_path, record):
-    """Also between steps, where outputs follow inputs at once, and with steps of changing size."""
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    every_fmu(python=("valve_spring", "flywheel"), native=("valve_spring",), native3=("valve_spring",)),
+)
+def test_an_fmu_equals_its_component(kind, name, isolated, tmp_path, record):
+    """Outputs, their rates and energies, also between steps, where outputs follow inputs at once, and with
+    steps of changing size."""
     reference = Reference(name)
     plan = schedule(reference.component, STEPS, STEP)
-    found, expected = replay(isolated, fmu_files[name], plan, tmp_path), expected_of(reference, plan)
-    record("FMUs", "outputs of FMUs in Python", found, expected, "component in process", tolerance=0)
+    found = replay(isolated, FILES[kind][name], plan, tmp_path, HOSTS[kind].__name__)
+    expected = expected_of(reference, plan)
+    record(
+        "FMUs", "outputs, rates and energies of FMUs", found, expected, "component in process", tolerance=0
+    )
 
 
 def test_structure_is_fixed_at_build(isolated, tmp_path):

@@ -21,17 +21,18 @@ from fmus.fmi.validate import terminal_faults
 from fmus.variable_layout import Memory
 from models.catalogue import CATALOGUE
 
+from .kinds import FILES, every_fmu
 from .names import mark_long
 
 
-@pytest.mark.parametrize("name", mark_long(NAMES, ["flywheel"]))
-def test_fmutool_finds_no_fault(name: str, fmu_files: dict[str, Path]) -> None:
+@pytest.mark.parametrize(("kind", "name"), every_fmu(kinds=("python", "native3"), python=["flywheel"]))
+def test_fmutool_finds_no_fault(kind: str, name: str) -> None:
     pytest.importorskip("fmu_manipulation_toolbox", reason="fmu-manipulation-toolbox is not installed")
     tool = Path(sys.executable).with_name("fmutool")
-    command = [str(tool), "-input", str(fmu_files[name]), "-check"]
+    command = [str(tool), "-input", str(FILES[kind][name]), "-check"]
     finished = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
     text = finished.stdout + finished.stderr
-    assert "seems to be compliant with FMI-2.0" in text
+    assert f"seems to be compliant with FMI-{'3.0' if kind == 'native3' else '2.0'}" in text
     assert "No semantic error" in text
     assert "WARNING" not in text
     assert "ERROR" not in text

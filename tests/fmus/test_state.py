@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from fmus.build import NAMES
 
 from .instance import Instance
-from .names import mark_long
+from .kinds import FILES, HOSTS, every_fmu
+from .names import ALWAYS
 from .reference import Reference, held, wave
 
 STEP = 1e-5
@@ -30,11 +31,17 @@ def drive(slave: Instance, name: str, t: float, steps: int, curved: bool = True,
 COMPONENTS = {name: Reference(name).component for name in NAMES}
 
 
-@pytest.fixture(scope="module", params=mark_long(NAMES))
-def pair(request, unpacked):
-    """Two instances of every FMU."""
-    name = request.param
-    both = Instance(unpacked[name], "one"), Instance(unpacked[name], "two")
+FAST = ("valve_spring",)
+PAIRS = [
+    pytest.param(one.values, marks=one.marks) for one in every_fmu(python=ALWAYS, native=FAST, native3=FAST)
+]
+
+
+@pytest.fixture(scope="module", params=PAIRS)
+def pair(request):
+    """Two instances of every FMU, in Python first."""
+    kind, name = request.param
+    both = [HOSTS[kind](FILES[kind][name], number) for number in ("one", "two")]
     yield name, *both
     for slave in both:
         slave.free()
@@ -97,9 +104,10 @@ def test_rollback_at_any_moment(fresh, before, between, curved, size, through_by
         slave.restore(state)
     assert slave.outputs() == expected
     assert drive(slave, name, t, between, curved, size) == first
-    slave.fmu.freeFMUstate(state)
+    slave.release(state)
 
 
+@pytest.mark.parametrize("pair", PAIRS[: len(NAMES)], indirect=True)
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
@@ -108,7 +116,7 @@ def test_rollback_at_any_moment(fresh, before, between, curved, size, through_by
         (lambda data: data.replace(data[19:35], b"0123456789abcdef"), "belongs to another FMU or version"),
     ],
 )
-def test_foreign_state_is_refused_and_changes_nothing(fresh, damage, message):
+def test_a_foreign_state_is_refused_by_an_fmu_in_python_and_changes_nothing(fresh, damage, message):
     name, slave, other = fresh
     drive(slave, name, 0.0, 5)
     drive(other, name, 0.0, 5)

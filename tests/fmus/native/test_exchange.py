@@ -7,8 +7,6 @@ import fmpy
 import numpy as np
 import pytest
 
-from fmus.reference_results.compare import compare
-
 from ..instance import Instance
 from ..names import mark_long
 from ..reference import Reference, joined, wave
@@ -111,17 +109,6 @@ def test_states_may_be_set_one_by_one(fmi3_files, tmp_path):
         fmu.freeInstance()
     assert rates[0] == rates[1]
     assert any(rates[0])
-
-
-@pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.long)])
-@pytest.mark.parametrize("name", EVERY)
-def test_steps_reproduce_the_reference_results(
-    name, fmi, referenced_native_files, referenced_fmi3_files, record
-):
-    found = compare((referenced_native_files if fmi == 2 else referenced_fmi3_files)[name])
-    assert found.agrees, str(found)
-    quantity, worst = f"deviation of native FMUs, FMI {fmi}", found.worst.relative
-    record("FMUs", quantity, worst, 0.0, "reference results in the FMU", tolerance=found.tolerance)
 
 
 STEP, STEPS, ORDERS = 1e-5, 20, (1, 2, 3)

@@ -1,10 +1,7 @@
 """Native FMUs of FMI 3.0: the component to the last bit, with arrays, and what those of FMI 2.0 can do."""
 
 import re
-import subprocess
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import fmpy
@@ -15,38 +12,10 @@ from fmpy.fmi1 import FMICallException
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 from fmus.fmi.validate import validate
-from fmus.reference_results.compare import compare
 from tests.third_party.runs import ran, scenario
 
 from ..instance import Instance, Instance3
-from ..names import mark_long
-from ..reference import Reference, schedule, wave
-from ..test_agreement import STEP, STEPS, expected_of, replay
 from .names import EVERY
-
-
-@pytest.mark.parametrize("name", EVERY)
-@pytest.mark.parametrize(("files", "kind"), [("native_files", "Instance"), ("fmi3_files", "Instance3")])
-def test_native_fmu_equals_component(name, files, kind, request, isolated, tmp_path, record):
-    """Outputs, their rates and energies, of both versions; also between steps, and with steps of changing
-    size."""
-    reference = Reference(name)
-    plan = schedule(reference.component, STEPS, STEP)
-    found = replay(isolated, request.getfixturevalue(files)[name], plan, tmp_path, kind)
-    quantity = "outputs, rates and energies of native FMUs"
-    record("FMUs", quantity, found, expected_of(reference, plan), "component in process", tolerance=0)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", mark_long(["flywheel", "slider_crank"], ["flywheel"]))
-def test_fmutool_finds_no_fault(name, fmi3_files):
-    pytest.importorskip("fmu_manipulation_toolbox", reason="fmu-manipulation-toolbox is not installed")
-    tool = Path(sys.executable).with_name("fmutool")
-    command = [str(tool), "-input", str(fmi3_files[name]), "-check"]
-    finished = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
-    said = finished.stdout + finished.stderr
-    assert "seems to be compliant with FMI-3.0" in said
-    assert "No semantic error" in said
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -119,32 +88,6 @@ def test_event_indicators_have_derivatives(fmi3_files):
     known = [slave.variables["psi_start"].valueReference]
     assert slave.fmu.getDirectionalDerivative(unknown, known, [2.0])[:3] == [-2.0, 2.0, 0.0]
     slave.free()
-
-
-@pytest.mark.parametrize("name", mark_long(["valve_spring", "slider_crank", "ehl_contact"], ["valve_spring"]))
-def test_a_saved_state_brings_the_same_motion(name, fmi3_files):
-    """In the same instance, and from bytes in another."""
-    component = Reference(name).component
-    slave, other = Instance3(fmi3_files[name]).initialize(), Instance3(fmi3_files[name]).initialize()
-
-    def go_on(one):
-        for i in range(10, 20):
-            one.set(wave(component, i * STEP))
-            one.step(i * STEP, STEP)
-        return one.outputs()
-
-    for i in range(10):
-        slave.set(wave(component, i * STEP))
-        slave.step(i * STEP, STEP)
-    state, data = slave.save(), slave.saved_bytes()
-    first = go_on(slave)
-    slave.restore(state)
-    assert go_on(slave) == first
-    other.restore_bytes(data)
-    assert go_on(other) == first
-    slave.fmu.freeFMUState(state)
-    for one in (slave, other):
-        one.free()
 
 
 WARNING = 1
@@ -301,12 +244,6 @@ def test_faults_name_the_element(spring):
     said = refused(spring, lambda: spring.set({"coil_position_start": [0.0, float("nan")]}))
     assert said == "coil_position_start[2] = nan: must be finite"
     assert spring.get(["coil_position_start"]) == [0.0, 0.0]
-
-
-def test_reference_results_name_elements(referenced_fmi3_files):
-    found = compare(referenced_fmi3_files["valve_spring"])
-    assert "coil_position[2]" in {one.variable for one in found.deviations}
-    assert found.agrees, str(found)
 
 
 def test_scenarios_name_elements_in_both_versions(native_files, fmi3_files, tmp_path):

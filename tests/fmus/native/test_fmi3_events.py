@@ -224,16 +224,61 @@ def test_scheduled_execution(fmi3_files: Files) -> None:
     ]
 
 
-def test_wrong_types(spring: Instance3) -> None:
+ABSENT = ("Float32", "Int8", "UInt8", "Int16", "UInt16", "UInt32", "UInt64", "String", "Binary")
+# The phase, the message, and the function of fmpy's that gets it, with its arguments; a name stands for the
+# reference of that variable.
+REFUSED: list[tuple[Any, ...]] = [
+    ("new", "fmi3DoStep: not allowed after instantiation", "doStep", 0.0, 1e-5),
+    ("new", "fmi3Terminate", "terminate"),
+    ("new", "fmi3ExitInitializationMode", "exitInitializationMode"),
+    ("initialising", "during initialisation", "enterInitializationMode"),
+    ("stepping", "position is not of type Int32 but Float64", "getInt32", "position"),
+    ("stepping", "position is not of type Boolean", "getBoolean", "position"),
+    ("stepping", "no clocks", "getClock", "position"),
+    *(("stepping", f"this FMU has no variables of type {k}", f"get{k}", "position") for k in ABSENT),
+    ("stepping", "no value reference 123456", "getFloat64", [123456]),
+    ("stepping", "2 values for 1 variables", "getFloat64", [0], 2),
+    ("stepping", "0 values for 1 variables", "setFloat64", [0], []),
+    ("stepping", "load = nan: must be finite", "setFloat64", "load", [math.nan]),
+    ("stepping", "position is calculated", "setFloat64", "position", [1.0]),
+    ("stepping", "is fixed", "setFloat64", "position_start", [1.0]),
+    ("stepping", "time is calculated", "setFloat64", "time", [1.0]),
+    ("stepping", "event mode is not used", "enterEventMode"),
+    ("stepping", "during stepping", "updateDiscreteStates"),
+    ("stepping", "no structural parameters", "enterConfigurationMode"),
+    ("ended", "fmi3DoStep: not allowed after termination", "doStep", 0.0, 1e-5),
+    ("ended", "after termination", "setFloat64", "load", [1.0]),
+]
+
+
+@pytest.mark.parametrize("row", REFUSED, ids=lambda row: row[1])
+def test_what_is_refused_has_its_reason_and_changes_nothing(spring: Instance3, row: tuple[Any, ...]) -> None:
+    phase, said, function, *given = row
+    if phase == "initialising":
+        spring.fmu.enterInitializationMode()
+    elif phase != "new":
+        spring.initialize(load=400.0)
+    before = spring.saved_bytes() if phase == "stepping" else b""
+    if phase == "ended":
+        spring.fmu.terminate()
+    arguments = [[spring.variables[one].valueReference] if isinstance(one, str) else one for one in given]
+    assert said in refused(spring, lambda: getattr(spring.fmu, function)(*arguments))
+    assert not before or spring.saved_bytes() == before
+    spring.fmu.reset()
     spring.initialize()
-    (position,) = (spring.variables[name].valueReference for name in ("position",))
+
+
+def test_pointers_to_nothing_and_calls_of_the_other_interface(spring: Instance3) -> None:
+    spring.initialize()
     fmu = spring.fmu
-    assert "position is not of type Int32 but Float64" in refused(spring, lambda: fmu.getInt32([position]))
-    assert "position is not of type Boolean" in refused(spring, lambda: fmu.getBoolean([position]))
-    for kind in ("Float32", "Int8", "UInt8", "Int16", "UInt16", "UInt32", "UInt64", "String", "Binary"):
-        said = refused(spring, lambda kind=kind: getattr(fmu, f"get{kind}")([position]))
-        assert said == f"fmi3Get{kind}: this FMU has no variables of type {kind}"
-    assert "no clocks" in refused(spring, lambda: fmu.getClock([position]))
+    assert "no place" in refused(spring, lambda: fmu.fmi3GetFloat64(fmu.component, None, 1, None, 1))
+    states = fmu.fmi3GetContinuousStates
+    assert "in co-simulation" in refused(spring, lambda: states(fmu.component, None, 0))
+
+
+def test_parameters_out_of_range(spring: Instance3) -> None:
+    said = refused(spring, lambda: spring.initialize(spring_rate=-3.5e4))
+    assert "spring_rate = -35000 N/m (static rate k0 of the spring): must be > 0" in said
 
 
 def test_counts_and_choices_are_no_other_integers(fmi3_files: Files) -> None:
@@ -245,31 +290,6 @@ def test_counts_and_choices_are_no_other_integers(fmi3_files: Files) -> None:
         reference = [slave.variables[variable].valueReference]
         assert said in refused(slave, lambda: getattr(slave.fmu, f"get{kind}")(reference))  # noqa: B023
         slave.free()
-
-
-def test_unknown_references_and_numbers_of_values(spring: Instance3) -> None:
-    spring.initialize()
-    fmu = spring.fmu
-    assert "no value reference 123456" in refused(spring, lambda: fmu.getFloat64([123456]))
-    assert "2 values for 1 variables" in refused(spring, lambda: fmu.getFloat64([0], 2))
-    assert "0 values for 1 variables" in refused(spring, lambda: fmu.setFloat64([0], []))
-    assert "no place" in refused(spring, lambda: fmu.fmi3GetFloat64(fmu.component, None, 1, None, 1))
-
-
-def test_values_that_cannot_be(spring: Instance3) -> None:
-    spring.initialize(load=400.0)
-    assert refused(spring, lambda: spring.set({"load": math.nan})) == "load = nan: must be finite"
-    assert spring.get(["load"]) == [400.0]
-    assert "position is calculated" in refused(spring, lambda: spring.set({"position": 1.0}))
-    assert "is fixed" in refused(spring, lambda: spring.set({"position_start": 1.0}))
-    assert "time is calculated" in refused(spring, lambda: spring.set({"time": 1.0}))
-
-
-def test_parameters_out_of_range(spring: Instance3) -> None:
-    said = refused(spring, lambda: spring.initialize(spring_rate=-3.5e4))
-    assert "spring_rate = -35000 N/m (static rate k0 of the spring): must be > 0" in said
-    spring.fmu.reset()
-    spring.initialize()
 
 
 @pytest.mark.parametrize(
@@ -289,24 +309,6 @@ def test_no_step_goes_beyond_the_stop_time(spring: Instance3) -> None:
     spring.fmu.exitInitializationMode()
     assert "beyond the stop time" in refused(spring, lambda: spring.step(0.0, 1.1e-3))
     spring.step(0.0, 1e-3)
-
-
-def test_calls_in_the_wrong_state(spring: Instance3) -> None:
-    fmu = spring.fmu
-    assert "fmi3DoStep: not allowed after instantiation" in refused(spring, lambda: spring.step(0.0, 1e-5))
-    assert "fmi3Terminate" in refused(spring, fmu.terminate)
-    assert "fmi3ExitInitializationMode" in refused(spring, fmu.exitInitializationMode)
-    fmu.enterInitializationMode()
-    assert "during initialisation" in refused(spring, fmu.enterInitializationMode)
-    fmu.exitInitializationMode()
-    assert "event mode is not used" in refused(spring, fmu.enterEventMode)
-    assert "during stepping" in refused(spring, fmu.updateDiscreteStates)
-    assert "no structural parameters" in refused(spring, fmu.enterConfigurationMode)
-    get_states = fmu.fmi3GetContinuousStates
-    assert "in co-simulation" in refused(spring, lambda: get_states(fmu.component, None, 0))
-    fmu.terminate()
-    assert "after termination" in refused(spring, lambda: spring.step(0.0, 1e-5))
-    assert "after termination" in refused(spring, lambda: spring.set({"load": 1.0}))
 
 
 def test_damaged_states(spring: Instance3, fmi3_files: Files) -> None:
