@@ -17,7 +17,7 @@ LINEAR, SMOOTH = 0.0, 1.0
 
 
 @dataclass
-class FlywheelParameters:
+class Parameters:
     motion: float = Quantity(
         "1", "free under its torques, or turning as prescribed", choices=("free", "prescribed")
     ).default(PRESCRIBED)
@@ -37,13 +37,13 @@ class FlywheelParameters:
 
 
 @dataclass
-class FlywheelState:
+class State:
     angle: float = kinds.ANGLE("angle of the shaft").default()
     speed: float = kinds.SPEED("speed of the free shaft", plausible=SPEED).default(1000.0 * math.pi / 30.0)
 
 
 @dataclass
-class FlywheelInputs:
+class Inputs:
     drive_torque: float = kinds.TORQUE("torque on the free shaft").default()
     load_torque: Vector = kinds.TORQUE("torque taken by a driven mechanism", size="loads").per_element()
     load_impulse: Vector = Quantity(
@@ -52,7 +52,7 @@ class FlywheelInputs:
 
 
 @dataclass
-class FlywheelOutputs:
+class Outputs:
     angle: float = kinds.ANGLE("angle of the shaft").default()
     speed: float = kinds.SPEED("speed of the shaft").default()
     acceleration: float = Quantity("rad/s2", "angular acceleration of the shaft", nominal=100.0).default()
@@ -66,7 +66,7 @@ class FlywheelOutputs:
 
 
 @kernel
-def ramp_speed(t: float, p: FlywheelParameters) -> float:
+def ramp_speed(t: float, p: Parameters) -> float:
     r = min(1.0, max(0.0, (t - p.ramp_start) / p.ramp_duration))
     if p.ramp_shape == SMOOTH:
         r = r * r * (3.0 - 2.0 * r)
@@ -74,7 +74,7 @@ def ramp_speed(t: float, p: FlywheelParameters) -> float:
 
 
 @kernel
-def ramp_acceleration(t: float, p: FlywheelParameters) -> float:
+def ramp_acceleration(t: float, p: Parameters) -> float:
     r = (t - p.ramp_start) / p.ramp_duration
     if r < 0.0 or r >= 1.0:
         return 0.0
@@ -83,7 +83,7 @@ def ramp_acceleration(t: float, p: FlywheelParameters) -> float:
 
 
 @kernel
-def load(u: FlywheelInputs) -> float:
+def load(u: Inputs) -> float:
     total = 0.0
     for i in range(len(u.load_torque)):
         total += u.load_torque[i]
@@ -91,14 +91,14 @@ def load(u: FlywheelInputs) -> float:
 
 
 @kernel
-def acceleration(t: float, u: FlywheelInputs, p: FlywheelParameters) -> float:
+def acceleration(t: float, u: Inputs, p: Parameters) -> float:
     if p.motion == PRESCRIBED:
         return ramp_acceleration(t, p)
     return (u.drive_torque - load(u)) / p.inertia
 
 
 @kernel
-def shaft_speed(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters) -> float:
+def shaft_speed(t: float, x: State, u: Inputs, p: Parameters) -> float:
     if p.motion == PRESCRIBED:
         return ramp_speed(t, p)
     impulse = 0.0
@@ -108,22 +108,20 @@ def shaft_speed(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParame
 
 
 @kernel
-def derivative(
-    t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, dx: FlywheelState
-) -> None:
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     dx.angle = shaft_speed(t, x, u, p)
     dx.speed = acceleration(t, u, p)
 
 
 @kernel
-def supplied_torque(t: float, u: FlywheelInputs, p: FlywheelParameters) -> float:
+def supplied_torque(t: float, u: Inputs, p: Parameters) -> float:
     if p.motion == PRESCRIBED:
         return p.inertia * ramp_acceleration(t, p) + load(u)
     return u.drive_torque
 
 
 @kernel
-def next_event(t: float, p: FlywheelParameters) -> float:
+def next_event(t: float, p: Parameters) -> float:
     """Nearer to an end of the ramp than the integrator's tolerance the speed is that at the end."""
     if p.motion != PRESCRIBED or p.initial_speed == p.final_speed:
         return NO_EVENT
@@ -135,7 +133,7 @@ def next_event(t: float, p: FlywheelParameters) -> float:
 
 
 @kernel
-def output(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, y: FlywheelOutputs) -> None:
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     y.angle = x.angle
     y.speed = shaft_speed(t, x, u, p)
     y.acceleration = acceleration(t, u, p)
@@ -146,7 +144,7 @@ def output(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters,
 
 
 @kernel
-def energy(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, e: Vector) -> None:
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     speed = shaft_speed(t, x, u, p)
     e[0] = 0.5 * p.inertia * speed**2
     e[1] = 0.0
@@ -164,17 +162,17 @@ def flywheel(loads: int = 1, throws: int = 1) -> Component:
     """
     check_sizes(loads=loads, throws=throws)
     sizes = {"loads": loads, "throws": throws}
-    inputs = Layout(FlywheelInputs, sizes)
+    inputs = Layout(Inputs, sizes)
     torques = tuple(name for name in inputs.names if name.startswith("load_torque"))
     impulses = tuple(name for name in inputs.names if name.startswith("load_impulse"))
     return Component(
         name="flywheel",
         description="Rotor under drive and load torques, or at a prescribed speed",
         roles=(roles.Drive(),),
-        parameters=Layout(FlywheelParameters, sizes),
-        state=Layout(FlywheelState),
+        parameters=Layout(Parameters, sizes),
+        state=Layout(State),
         inputs=inputs,
-        outputs=Layout(FlywheelOutputs, sizes),
+        outputs=Layout(Outputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -9,7 +9,7 @@ from ..core.requirements import require
 from .crank import crank_turns
 from .flight.bouncing import LOWER, UPPER
 from .forms import NONLINEAR
-from .records import SliderCrankInputs, SliderCrankParameters, SliderCrankState
+from .records import Inputs, Parameters, State
 from .walls import wall_psi
 
 # psi of the linear forms, in rad: sin psi is psi to 0.2 % there.
@@ -23,7 +23,7 @@ OUTSIDE, BESIDE = 1e-6, 0.05
     "clearance = {0:g} m: must be at most {1:g} m, so that psi stays below {2:g} rad; form = nonlinear "
     "allows more"
 )
-def is_almost_linear(p: SliderCrankParameters, numbers: Vector) -> bool:
+def is_almost_linear(p: Parameters, numbers: Vector) -> bool:
     """Linear forms need a small psi; checked if the crank can turn."""
     if p.form == NONLINEAR or p.crank_radius >= p.rod_length:
         return True
@@ -37,7 +37,7 @@ def is_almost_linear(p: SliderCrankParameters, numbers: Vector) -> bool:
     "clearance = {0:g} m: must be less than rod_length - crank_radius = {1:g} m, or the rod stands "
     "across the cylinder"
 )
-def rod_stays_along(p: SliderCrankParameters, numbers: Vector) -> bool:
+def rod_stays_along(p: Parameters, numbers: Vector) -> bool:
     """The nonlinear form needs a rod that cannot stand across; checked if the crank can turn."""
     room = p.rod_length - p.crank_radius
     numbers[0], numbers[1] = p.clearance, room
@@ -53,7 +53,7 @@ class Room(NamedTuple):
 
 
 @kernel
-def measure_room(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> Room:
+def measure_room(x: State, u: Inputs, p: Parameters) -> Room:
     upper, lower = wall_psi(UPPER, x, u, p), wall_psi(LOWER, x, u, p)
     return Room(upper, lower, upper - lower)
 
@@ -62,9 +62,7 @@ def measure_room(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParame
     "psi = {0:g} rad: there is no room between the walls, whose films of {1:g} m (upper) and {2:g} m "
     "(lower) fill the clearance of {3:g} m; widen the clearance or start with thinner films"
 )
-def films_leave_room(
-    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, numbers: Vector
-) -> bool:
+def films_leave_room(x: State, u: Inputs, p: Parameters, numbers: Vector) -> bool:
     numbers[0], numbers[1], numbers[2], numbers[3] = x.psi, x.upper_wall_film, x.lower_wall_film, p.clearance
     return measure_room(x, u, p).travel >= 0.0
 
@@ -74,9 +72,7 @@ def films_leave_room(
     "crank_angle = {3:g} rad, not {4:g} rad; set that psi, or mode = 0",
     words=("lower", "upper"),
 )
-def slides_on_a_wall(
-    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, numbers: Vector
-) -> bool:
+def slides_on_a_wall(x: State, u: Inputs, p: Parameters, numbers: Vector) -> bool:
     """A slider with mode +-1 is on that wall; checked if there is room."""
     walls = measure_room(x, u, p)
     on_upper = x.mode > 0.0
@@ -90,9 +86,7 @@ def slides_on_a_wall(
     "psi = {0:g} rad (deviation of the rod): must be from {1:.9g} to {2:.9g} rad, the walls' at "
     "crank_angle = {3:g} rad; start between them or widen the clearance"
 )
-def starts_between_walls(
-    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, numbers: Vector
-) -> bool:
+def starts_between_walls(x: State, u: Inputs, p: Parameters, numbers: Vector) -> bool:
     """A free slider is between the walls; checked if there is room."""
     walls = measure_room(x, u, p)
     slack = OUTSIDE * walls.travel

@@ -26,7 +26,7 @@ from .crank import CrankRadius, RodLength, crank_turns
 
 
 @dataclass
-class PistonClearanceParameters:
+class Parameters:
     """Defaults: the crank of `cylinder_gas` and a valve at 20 degrees."""
 
     crank_radius: CrankRadius = 0.043
@@ -54,18 +54,18 @@ class PistonClearanceParameters:
 
 
 @dataclass
-class PistonClearanceState:
+class State:
     pass
 
 
 @dataclass
-class PistonClearanceInputs:
+class Inputs:
     angle: float = kinds.ANGLE("angle of the crank or cam").default()
     valve_lift: float = kinds.DISPLACEMENT("lift of the valve").default()
 
 
 @dataclass
-class PistonClearanceOutputs:
+class Outputs:
     clearance: float = kinds.DISPLACEMENT("clearance along the valve's axis; negative: they meet").default()
     radial_clearance: float = kinds.DISPLACEMENT(
         "clearance to the pocket's wall, of a head in its pocket"
@@ -76,7 +76,7 @@ class PistonClearanceOutputs:
 
 
 @kernel
-def piston_travel(crank: float, p: PistonClearanceParameters) -> float:
+def piston_travel(crank: float, p: Parameters) -> float:
     """x, zero at the crank angle 0."""
     reach, e = p.rod_length + p.crank_radius, p.pin_offset
     a = crank - math.asin(e / reach)
@@ -85,49 +85,35 @@ def piston_travel(crank: float, p: PistonClearanceParameters) -> float:
 
 
 @kernel
-def axial_clearance(travel: float, lift: float, p: PistonClearanceParameters) -> float:
+def axial_clearance(travel: float, lift: float, p: Parameters) -> float:
     along = (p.deck_height + travel) * math.cos(p.valve_angle)
     return p.valve_recess + p.pocket_depth + along - lift
 
 
 @kernel
-def radial_clearance(travel: float, p: PistonClearanceParameters) -> float:
+def radial_clearance(travel: float, p: Parameters) -> float:
     return p.radial_play - abs(travel * math.sin(p.valve_angle))
 
 
 @kernel
-def derivative(
-    t: float,
-    x: PistonClearanceState,
-    u: PistonClearanceInputs,
-    p: PistonClearanceParameters,
-    dx: PistonClearanceState,
-) -> None:
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     pass
 
 
 @kernel
-def output(
-    t: float,
-    x: PistonClearanceState,
-    u: PistonClearanceInputs,
-    p: PistonClearanceParameters,
-    y: PistonClearanceOutputs,
-) -> None:
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     y.piston_travel = piston_travel(p.angle_ratio * (u.angle - p.top_angle), p)
     y.clearance = axial_clearance(y.piston_travel, u.valve_lift, p)
     y.radial_clearance = radial_clearance(y.piston_travel, p)
 
 
 @kernel
-def energy(
-    t: float, x: PistonClearanceState, u: PistonClearanceInputs, p: PistonClearanceParameters, e: Vector
-) -> None:
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[:] = 0.0
 
 
 @require("pin_offset = {0:g} m: must be less than rod_length - crank_radius = {1:g} m")
-def rod_passes(p: PistonClearanceParameters, numbers: Vector) -> bool:
+def rod_passes(p: Parameters, numbers: Vector) -> bool:
     numbers[0], numbers[1] = p.pin_offset, p.rod_length - p.crank_radius
     return p.crank_radius >= p.rod_length or abs(p.pin_offset) < p.rod_length - p.crank_radius
 
@@ -142,10 +128,10 @@ def piston_clearance() -> Component:
         name="piston_clearance",
         description="Clearance between a valve and the piston",
         roles=(roles.PistonClearance(),),
-        parameters=Layout(PistonClearanceParameters),
-        state=Layout(PistonClearanceState),
-        inputs=Layout(PistonClearanceInputs),
-        outputs=Layout(PistonClearanceOutputs),
+        parameters=Layout(Parameters),
+        state=Layout(State),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -29,7 +29,7 @@ FILM_LAG = 50e-6
 
 
 @dataclass
-class SliderCrankParameters:
+class Parameters:
     """Defaults: the engine of F section 4.1. The roller's radius is chosen here, F gives none."""
 
     form: float = Quantity(
@@ -71,7 +71,7 @@ WallMode = Annotated[
 
 
 @dataclass
-class SliderCrankState:
+class State:
     psi: float = Quantity(
         "rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2
     ).default()
@@ -103,7 +103,7 @@ WALL_FILMS = ("upper_wall_film", "upper_wall_film_rate", "lower_wall_film", "low
 
 
 @dataclass
-class SliderCrankInputs:
+class Inputs:
     """The films narrow the clearance; the walls follow them with `film_lag`."""
 
     crank_angle: float = kinds.ANGLE("crank angle theta, zero at top dead centre").default()
@@ -114,7 +114,7 @@ class SliderCrankInputs:
 
 
 @dataclass
-class SliderCrankOutputs:
+class Outputs:
     psi: float = Quantity(
         "rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2
     ).default()
@@ -156,7 +156,7 @@ class SliderCrankOutputs:
 
 
 @kernel
-def mechanism(p: SliderCrankParameters) -> Mechanism:
+def mechanism(p: Parameters) -> Mechanism:
     """The dimensionless numbers, with damping c2 / (M l^2) in 1/s."""
     scale = p.piston_mass * p.rod_length**2
     beta = p.rod_inertia / scale

@@ -19,10 +19,10 @@ from .forms import crank_impulse, crank_torque, flight_acceleration, kinetic_ene
 from .nonlinear import rod_angle, rod_rate
 from .records import (
     WALL_FILMS,
-    SliderCrankInputs,
-    SliderCrankOutputs,
-    SliderCrankParameters,
-    SliderCrankState,
+    Inputs,
+    Outputs,
+    Parameters,
+    State,
     mechanism,
 )
 from .steady import EXTRA_WORK, make_advance
@@ -44,7 +44,7 @@ INSIDE = 4.4e-16
 
 
 @kernel
-def motion(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> Motion:
+def motion(x: State, u: Inputs, p: Parameters) -> Motion:
     """By F (2.13) in flight, the wall's while sliding."""
     if x.mode != FREE:
         return wall_motion(x.mode, x, u, p)
@@ -54,9 +54,7 @@ def motion(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) 
 
 
 @kernel
-def derivative(
-    t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, dx: SliderCrankState
-) -> None:
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     now = motion(x, u, p)
     dx.psi = now.rate
     dx.psi_rate = now.change
@@ -85,7 +83,7 @@ def derivative(
 
 
 @kernel
-def guards(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, g: Vector) -> None:
+def guards(t: float, x: State, u: Inputs, p: Parameters, g: Vector) -> None:
     """In flight the distances (rad) to both walls; sliding, the wall's force (N)."""
     g[UPPER_WALL] = 1.0
     g[LOWER_WALL] = 1.0
@@ -98,7 +96,7 @@ def guards(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankPa
 
 
 @kernel
-def stored_energy(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
+def stored_energy(x: State, u: Inputs, p: Parameters) -> float:
     """Kinetic energy (J)."""
     now = motion(x, u, p)
     scale = p.piston_mass * p.rod_length**2
@@ -106,7 +104,7 @@ def stored_energy(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParam
 
 
 @kernel
-def transition(k: int, t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> None:
+def transition(k: int, t: float, x: State, u: Inputs, p: Parameters) -> None:
     """Impact F (2.17), the beginning of sliding after the last impact, or the release of the slider."""
     before = stored_energy(x, u, p)
     if k == RELEASE:
@@ -118,7 +116,7 @@ def transition(k: int, t: float, x: SliderCrankState, u: SliderCrankInputs, p: S
 
 
 @kernel
-def release(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> None:
+def release(x: State, u: Inputs, p: Parameters) -> None:
     """Flight begins on the wall, with the wall's rate (F appendix B)."""
     on = wall_motion(x.mode, x, u, p)
     x.psi = on.psi - x.mode * INSIDE * resolution(on.psi, p)
@@ -127,16 +125,14 @@ def release(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters)
 
 
 @kernel
-def count_event(t: float, x: SliderCrankState) -> None:
+def count_event(t: float, x: State) -> None:
     """Count an event and note its time."""
     x.event_count += 1.0
     x.last_event_time = t
 
 
 @kernel
-def strike(
-    side: float, t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters
-) -> None:
+def strike(side: float, t: float, x: State, u: Inputs, p: Parameters) -> None:
     """Impact of the slider on a wall.
 
     At the end of chatter the impact is plastic, the limit of the remaining ones, and sliding begins.
@@ -176,9 +172,7 @@ def strike(
 
 
 @kernel
-def output(
-    t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, y: SliderCrankOutputs
-) -> None:
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     m = mechanism(p)
     theta, speed = u.crank_angle, u.crank_speed
     now = motion(x, u, p)
@@ -214,7 +208,7 @@ def output(
 
 
 @kernel
-def energy(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, e: Vector) -> None:
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     """Stored: kinetic energy of the form. Dissipated: joint friction, and at impacts `impact_loss`. Source:
     the film that moves the wall under a sliding piston."""
     now = motion(x, u, p)
@@ -237,10 +231,10 @@ def slider_crank() -> Component:
         name="slider_crank",
         description="Slider-crank with clearance at the slider: flight, impacts and sliding",
         roles=(roles.Crank(),),
-        parameters=Layout(SliderCrankParameters),
-        state=Layout(SliderCrankState),
-        inputs=Layout(SliderCrankInputs),
-        outputs=Layout(SliderCrankOutputs),
+        parameters=Layout(Parameters),
+        state=Layout(State),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

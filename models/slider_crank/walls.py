@@ -13,7 +13,7 @@ from typing import NamedTuple
 from ..compile.kernel import kernel
 from .flight.bouncing import CHATTER_LEFT, UPPER
 from .forms import holding_force, moving_wall_acceleration, moving_wall_rate, wall_angle
-from .records import SliderCrankInputs, SliderCrankParameters, SliderCrankState, mechanism
+from .records import Inputs, Parameters, State, mechanism
 
 # Bounces lower than this fraction of the wall's psi are rounding, and end there at the latest (at
 # a restitution of 0.9 some 1e-7 rad before the end of the chatter).
@@ -29,13 +29,13 @@ class Motion(NamedTuple):
 
 
 @kernel
-def film_change(film: float, rate: float, thickness: float, p: SliderCrankParameters) -> float:
+def film_change(film: float, rate: float, thickness: float, p: Parameters) -> float:
     """h_f''."""
     return ((thickness - film) / p.film_lag - 2.0 * rate) / p.film_lag
 
 
 @kernel
-def wall_psi(side: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
+def wall_psi(side: float, x: State, u: Inputs, p: Parameters) -> float:
     """psi at which the slider touches that wall."""
     film = x.upper_wall_film if side == UPPER else x.lower_wall_film
     gap = side * (p.clearance - film) / p.rod_length
@@ -43,7 +43,7 @@ def wall_psi(side: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCr
 
 
 @kernel
-def wall_motion(side: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> Motion:
+def wall_motion(side: float, x: State, u: Inputs, p: Parameters) -> Motion:
     """The motion of a slider that stays on that wall."""
     if side == UPPER:
         velocity = x.upper_wall_film_rate
@@ -64,7 +64,7 @@ def wall_motion(side: float, x: SliderCrankState, u: SliderCrankInputs, p: Slide
 
 
 @kernel
-def wall_force(side: float, on: Motion, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
+def wall_force(side: float, on: Motion, u: Inputs, p: Parameters) -> float:
     """Force (N) with which the wall on that side holds a slider that rides `on` it.
 
     Negative: it would have to pull.
@@ -76,15 +76,13 @@ def wall_force(side: float, on: Motion, u: SliderCrankInputs, p: SliderCrankPara
 
 
 @kernel
-def resolution(psi: float, p: SliderCrankParameters) -> float:
+def resolution(psi: float, p: Parameters) -> float:
     """Size by which to judge the rounding of a wall's psi, which films may bring close to zero."""
     return max(abs(psi), p.clearance / p.rod_length)
 
 
 @kernel
-def ends_chatter(
-    parting: float, pressing: float, height: float, u: SliderCrankInputs, p: SliderCrankParameters
-) -> bool:
+def ends_chatter(parting: float, pressing: float, height: float, u: Inputs, p: Parameters) -> bool:
     """True if a slider that leaves its wall with the rate `parting` is to slide on it instead.
 
     `pressing` is the acceleration towards the wall; bounces have the size of rounding when they rise less

@@ -19,7 +19,7 @@ from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, W
 
 
 @dataclass
-class CoilSpringParameters:
+class Parameters:
     """Defaults: the spring of the set `kushwaha2000`, whose coils do not close within 20 mm."""
 
     spring_rate: float = kinds.SPRING_RATE("static rate k0 while no coil is closed").default(35e3)
@@ -41,7 +41,7 @@ class CoilSpringParameters:
 
 
 @dataclass
-class CoilSpringState:
+class State:
     coil_position: Vector = kinds.DISPLACEMENT(
         "displacement of a coil mass", size="coil_masses"
     ).per_element()
@@ -49,13 +49,13 @@ class CoilSpringState:
 
 
 @dataclass
-class CoilSpringInputs:
+class Inputs:
     position: float = kinds.DISPLACEMENT("position of the moving end").default()
     velocity: float = kinds.VELOCITY("velocity of the moving end").default()
 
 
 @dataclass
-class CoilSpringOutputs:
+class Outputs:
     force: float = kinds.FORCE("force on the moving end, preload included").default()
     least_gap: float = kinds.DISPLACEMENT("least gap between coils, negative in a clash").default()
     clash_force: float = kinds.FRICTION("largest force of a stop").default()
@@ -65,7 +65,7 @@ class CoilSpringOutputs:
 
 
 @kernel
-def compress(i: int, x: CoilSpringState, u: CoilSpringInputs) -> tuple[float, float]:
+def compress(i: int, x: State, u: Inputs) -> tuple[float, float]:
     """Compression (m) of segment i, and its rate."""
     masses = x.coil_position.size
     above = x.coil_position[i - 1] if i > 0 else u.position
@@ -76,13 +76,13 @@ def compress(i: int, x: CoilSpringState, u: CoilSpringInputs) -> tuple[float, fl
 
 
 @kernel
-def coil_damping(p: CoilSpringParameters) -> float:
+def coil_damping(p: Parameters) -> float:
     """Of a segment: c = 2 zeta/(2 pi f0) k."""
     return p.damping_ratio / (math.pi * p.surge_frequency) * p.spring_rate * p.gap.size
 
 
 @kernel
-def stop_force(i: int, compression: float, rate: float, p: CoilSpringParameters) -> float:
+def stop_force(i: int, compression: float, rate: float, p: Parameters) -> float:
     """Only pushes."""
     closed = compression - p.gap[i]
     if closed <= 0.0:
@@ -91,14 +91,14 @@ def stop_force(i: int, compression: float, rate: float, p: CoilSpringParameters)
 
 
 @kernel
-def segment_force(i: int, x: CoilSpringState, u: CoilSpringInputs, p: CoilSpringParameters) -> float:
+def segment_force(i: int, x: State, u: Inputs, p: Parameters) -> float:
     compression, rate = compress(i, x, u)
     own = p.spring_rate * p.gap.size * compression + coil_damping(p) * rate
     return own + stop_force(i, compression, rate, p)
 
 
 @kernel
-def coil_mass(p: CoilSpringParameters) -> float:
+def coil_mass(p: Parameters) -> float:
     """(N+1) k0 sin^2(pi/(2 (N+1)))/(pi f0)^2."""
     segments = p.gap.size
     sine = math.sin(0.5 * math.pi / segments)
@@ -106,9 +106,7 @@ def coil_mass(p: CoilSpringParameters) -> float:
 
 
 @kernel
-def derivative(
-    t: float, x: CoilSpringState, u: CoilSpringInputs, p: CoilSpringParameters, dx: CoilSpringState
-) -> None:
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     mass, above = coil_mass(p), segment_force(0, x, u, p)
     for i in range(x.coil_position.size):
         below = segment_force(i + 1, x, u, p)
@@ -118,9 +116,7 @@ def derivative(
 
 
 @kernel
-def output(
-    t: float, x: CoilSpringState, u: CoilSpringInputs, p: CoilSpringParameters, y: CoilSpringOutputs
-) -> None:
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     y.force = p.preload + segment_force(0, x, u, p)
     compression, rate = compress(0, x, u)
     y.least_gap, y.clash_force = p.gap[0] - compression, stop_force(0, compression, rate, p)
@@ -132,7 +128,7 @@ def output(
 
 
 @kernel
-def energy(t: float, x: CoilSpringState, u: CoilSpringInputs, p: CoilSpringParameters, e: Vector) -> None:
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     """Lost: in the coils, and what a stop does not give back of k e^2/2."""
     mass, rate_of_coils = coil_mass(p), p.spring_rate * p.gap.size
     stored, lost = p.preload * u.position, 0.0
@@ -158,10 +154,10 @@ def coil_spring(segments: int = 9) -> Component:
         name="coil_spring",
         description="Coil spring with surge, closing coils and clash",
         roles=(roles.CoilSpring(),),
-        parameters=Layout(CoilSpringParameters, sizes),
-        state=Layout(CoilSpringState, sizes),
-        inputs=Layout(CoilSpringInputs),
-        outputs=Layout(CoilSpringOutputs, sizes),
+        parameters=Layout(Parameters, sizes),
+        state=Layout(State, sizes),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

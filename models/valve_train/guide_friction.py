@@ -23,7 +23,7 @@ from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, l
 
 
 @dataclass
-class GuideFrictionParameters:
+class Parameters:
     """Defaults: the stem of a valve in its guide, mixed lubrication."""
 
     length: float = kinds.WIDTH("length L of the guide").default(40e-3)
@@ -41,19 +41,19 @@ class GuideFrictionParameters:
 
 
 @dataclass
-class GuideFrictionState:
+class State:
     creep: Creep = 0.0
 
 
 @dataclass
-class GuideFrictionInputs:
+class Inputs:
     velocity: float = kinds.VELOCITY("velocity v in the guide").default()
     side_force: float = kinds.SIDE_FORCE("force S on the guide").default()
     side_moment: float = Quantity("N.m", "moment M about the place of that force", nominal=1.0).default()
 
 
 @dataclass
-class GuideFrictionOutputs:
+class Outputs:
     friction_force: float = kinds.FRICTION("friction against the velocity").default()
     viscous_friction: float = Quantity("N", "its share F_v of the oil", nominal=1.0).default()
     near_load: float = kinds.SIDE_FORCE("load N_1 on the guide's near end").default()
@@ -65,47 +65,41 @@ class GuideFrictionOutputs:
 
 
 @kernel
-def far_load(u: GuideFrictionInputs, p: GuideFrictionParameters) -> float:
+def far_load(u: Inputs, p: Parameters) -> float:
     """N_2 = (M - S a)/L."""
     return (u.side_moment - u.side_force * p.overhang) / p.length
 
 
 @kernel
-def sliding_limit(u: GuideFrictionInputs, p: GuideFrictionParameters) -> float:
+def sliding_limit(u: Inputs, p: Parameters) -> float:
     """mu (|N_1| + |N_2|)."""
     far = far_load(u, p)
     return p.friction_coefficient * (abs(u.side_force - far) + abs(far))
 
 
 @kernel
-def shear_oil(p: GuideFrictionParameters) -> float:
+def shear_oil(p: Parameters) -> float:
     """pi mu d L/c."""
     return math.pi * p.viscosity * p.diameter * p.length / p.radial_clearance
 
 
 @kernel
-def find_creep(x: GuideFrictionState, u: GuideFrictionInputs, p: GuideFrictionParameters) -> Slip:
+def find_creep(x: State, u: Inputs, p: Parameters) -> Slip:
     return find_slip(x.creep, u.velocity, sliding_limit(u, p), p.sticking_stiffness, p.relaxation_time)
 
 
 @kernel
-def lost_to_friction(slip: Slip, u: GuideFrictionInputs, p: GuideFrictionParameters) -> float:
+def lost_to_friction(slip: Slip, u: Inputs, p: Parameters) -> float:
     return lost_power(slip, p.sticking_stiffness, p.relaxation_time) + shear_oil(p) * u.velocity**2
 
 
 @kernel
-def derivative(
-    t: float, x: GuideFrictionState, u: GuideFrictionInputs, p: GuideFrictionParameters,
-    dx: GuideFrictionState,
-) -> None:  # fmt: skip
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     dx.creep = find_creep(x, u, p).rate
 
 
 @kernel
-def output(
-    t: float, x: GuideFrictionState, u: GuideFrictionInputs, p: GuideFrictionParameters,
-    y: GuideFrictionOutputs,
-) -> None:  # fmt: skip
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     slip = find_creep(x, u, p)
     y.viscous_friction = shear_oil(p) * u.velocity
     y.friction_force = slip.transmitted + y.viscous_friction
@@ -116,9 +110,7 @@ def output(
 
 
 @kernel
-def energy(
-    t: float, x: GuideFrictionState, u: GuideFrictionInputs, p: GuideFrictionParameters, e: Vector
-) -> None:
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[0] = 0.5 * p.sticking_stiffness * x.creep**2
     e[1] = lost_to_friction(find_creep(x, u, p), u, p)
     e[2] = 0.0
@@ -127,17 +119,17 @@ def energy(
 @counts_energies
 def guide_friction() -> Component:
     """Dry friction of at most mu (|N_1| + |N_2|), and pi mu d L v/c."""
-    moving = GuideFrictionInputs.__dataclass_fields__.keys()
+    moving = Inputs.__dataclass_fields__.keys()
     sides = ("side_force", "side_moment")
     return Component(
         tolerance=FINE_TOLERANCE,
         name="guide_friction",
         description="Friction of a valve's or tappet's guide",
         roles=(roles.Guide(), roles.Oiled()),
-        parameters=Layout(GuideFrictionParameters),
-        state=Layout(GuideFrictionState),
-        inputs=Layout(GuideFrictionInputs),
-        outputs=Layout(GuideFrictionOutputs),
+        parameters=Layout(Parameters),
+        state=Layout(State),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

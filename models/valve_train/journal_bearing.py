@@ -72,20 +72,20 @@ class PlainBearingParameters:
 
 
 @dataclass
-class JournalBearingParameters(PlainBearingParameters):
+class Parameters(PlainBearingParameters):
     support_stiffness: float = kinds.SEAT_STIFFNESS(
         "radial stiffness of bush and housing", nominal=1e8, positive=True
     ).default(2e8)
 
 
 @dataclass
-class JournalBearingState:
+class Place:
     eccentricity_x: Eccentricity = 0.0
     eccentricity_y: Eccentricity = 0.0
 
 
 @dataclass
-class JournalBearingInputs:
+class Inputs:
     shaft_speed: float = kinds.SPEED("speed of the journal, anticlockwise").default()
     axis_x: Displacement = 0.0
     axis_y: Displacement = 0.0
@@ -94,7 +94,7 @@ class JournalBearingInputs:
 
 
 @dataclass
-class JournalBearingOutputs:
+class Outputs:
     force_x: float = kinds.FORCE("force on the journal").default()
     force_y: float = kinds.FORCE("force on the journal").default()
     friction_torque: float = kinds.FRICTION_TORQUE(
@@ -159,7 +159,7 @@ def shear_film(film: Film, p: PlainBearingParameters) -> float:
 
 
 @kernel
-def rub(film: Film, u: JournalBearingInputs, p: JournalBearingParameters) -> float:
+def rub(film: Film, u: Inputs, p: Parameters) -> float:
     """Torque of the asperities, against the speed; 0 at rest."""
     if u.shaft_speed == 0.0:
         return 0.0
@@ -185,9 +185,7 @@ def press_film(force: Squeeze, film: Film, p: PlainBearingParameters) -> float:
 
 
 @kernel
-def move_film(
-    film: Film, x: JournalBearingState, u: JournalBearingInputs, p: JournalBearingParameters
-) -> Motion:
+def move_film(film: Film, x: Place, u: Inputs, p: Parameters) -> Motion:
     """The film takes what the support gives and the asperities do not.
 
     T = 2 pi mu R^3 L omega/(c sqrt(1 - eps^2)) + (force x e)/2, and the torque of the asperities.
@@ -205,33 +203,21 @@ def move_film(
 
 
 @kernel
-def lost_power(film: Film, motion: Motion, u: JournalBearingInputs, p: JournalBearingParameters) -> float:
+def lost_power(film: Film, motion: Motion, u: Inputs, p: Parameters) -> float:
     """In squeeze, in shear and between asperities."""
     squeezed = motion.force.x * motion.squeeze.x + motion.force.y * motion.squeeze.y
     return squeezed + shear_film(film, p) * u.shaft_speed**2 + rub(film, u, p) * u.shaft_speed
 
 
 @kernel
-def derivative(
-    t: float,
-    x: JournalBearingState,
-    u: JournalBearingInputs,
-    p: JournalBearingParameters,
-    dx: JournalBearingState,
-) -> None:
+def derivative(t: float, x: Place, u: Inputs, p: Parameters, dx: Place) -> None:
     squeeze = move_film(find_film(x, p), x, u, p).squeeze
     dx.eccentricity_x = squeeze.x - 0.5 * u.shaft_speed * x.eccentricity_y
     dx.eccentricity_y = squeeze.y + 0.5 * u.shaft_speed * x.eccentricity_x
 
 
 @kernel
-def output(
-    t: float,
-    x: JournalBearingState,
-    u: JournalBearingInputs,
-    p: JournalBearingParameters,
-    y: JournalBearingOutputs,
-) -> None:
+def output(t: float, x: Place, u: Inputs, p: Parameters, y: Outputs) -> None:
     film = find_film(x, p)
     motion = move_film(film, x, u, p)
     y.force_x = p.support_stiffness * (x.eccentricity_x - u.axis_x)
@@ -248,9 +234,7 @@ def output(
 
 
 @kernel
-def energy(
-    t: float, x: JournalBearingState, u: JournalBearingInputs, p: JournalBearingParameters, e: Vector
-) -> None:
+def energy(t: float, x: Place, u: Inputs, p: Parameters, e: Vector) -> None:
     film = find_film(x, p)
     bent = (u.axis_x - x.eccentricity_x) ** 2 + (u.axis_y - x.eccentricity_y) ** 2
     e[0] = 0.5 * p.support_stiffness * bent + film.asperities.energy
@@ -292,10 +276,10 @@ def journal_bearing() -> Component:
         name="journal_bearing",
         description="Journal bearing: oil film, asperities and an elastic support",
         roles=(roles.Bearing(),),
-        parameters=Layout(JournalBearingParameters),
-        state=Layout(JournalBearingState),
-        inputs=Layout(JournalBearingInputs),
-        outputs=Layout(JournalBearingOutputs),
+        parameters=Layout(Parameters),
+        state=Layout(Place),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

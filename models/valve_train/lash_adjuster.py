@@ -24,7 +24,7 @@ STEPS, CLOSE = 60, 1e-15
 
 
 @dataclass
-class LashAdjusterParameters:
+class Parameters:
     """Defaults: an adjuster of 9 mm with a chamber of 600 mm3, without air."""
 
     plunger_diameter: float = kinds.DIAMETER("diameter of the plunger").default(9e-3)
@@ -67,14 +67,14 @@ class LashAdjusterParameters:
 
 
 @dataclass
-class LashAdjusterState:
+class State:
     leaked_volume: float = Quantity(
         "m3", "oil that has left the chamber, less what came in", nominal=1e-9
     ).default()
 
 
 @dataclass
-class LashAdjusterOutputs:
+class Outputs:
     force: float = kinds.FORCE("force that parts both bodies").default()
     pressure: float = kinds.PRESSURE("pressure of the chamber over the supply's").default()
     extension: float = kinds.DEFLECTION("length over that of the start").default()
@@ -87,12 +87,12 @@ class LashAdjusterOutputs:
 
 
 @kernel
-def plunger_area(p: LashAdjusterParameters) -> float:
+def plunger_area(p: Parameters) -> float:
     return 0.25 * math.pi * p.plunger_diameter**2
 
 
 @kernel
-def compressed_volume(absolute: float, p: LashAdjusterParameters) -> float:
+def compressed_volume(absolute: float, p: Parameters) -> float:
     """w = V0 [(1-a) (p - p_s)/beta + a (1 - (p_s/p)^(1/n))]."""
     oil = (1.0 - p.air_content) * (absolute - p.supply_pressure) / p.bulk_modulus
     air = p.air_content * (1.0 - (p.supply_pressure / absolute) ** (1.0 / p.air_exponent))
@@ -100,7 +100,7 @@ def compressed_volume(absolute: float, p: LashAdjusterParameters) -> float:
 
 
 @kernel
-def absolute_pressure(w: float, p: LashAdjusterParameters) -> float:
+def absolute_pressure(w: float, p: Parameters) -> float:
     """The pressure that compresses the oil by w; not below zero, where oil without air is torn.
 
     compressed_volume is concave, so that Newton's steps ascend to the root from any point below it. Where
@@ -123,40 +123,36 @@ def absolute_pressure(w: float, p: LashAdjusterParameters) -> float:
 
 
 @kernel
-def leak_conductance(p: LashAdjusterParameters) -> float:
+def leak_conductance(p: Parameters) -> float:
     """G = pi d h^3/(12 mu L)."""
     return math.pi * p.plunger_diameter * p.leak_clearance**3 / (12.0 * p.viscosity * p.leak_length)
 
 
 @kernel
-def chamber_pressure(x: LashAdjusterState, u: EndMotions, p: LashAdjusterParameters) -> float:
+def chamber_pressure(x: State, u: EndMotions, p: Parameters) -> float:
     """Over the supply's."""
     w = plunger_area(p) * (u.lower_position - u.upper_position) - x.leaked_volume
     return absolute_pressure(w, p) - p.supply_pressure
 
 
 @kernel
-def overtravel(u: EndMotions, p: LashAdjusterParameters) -> float:
+def overtravel(u: EndMotions, p: Parameters) -> float:
     return max(0.0, u.upper_position - u.lower_position - p.travel)
 
 
 @kernel
-def valve_flow(pressure: float, p: LashAdjusterParameters) -> float:
+def valve_flow(pressure: float, p: Parameters) -> float:
     return p.valve_conductance * max(0.0, -pressure - p.valve_opening_pressure)
 
 
 @kernel
-def derivative(
-    t: float, x: LashAdjusterState, u: EndMotions, p: LashAdjusterParameters, dx: LashAdjusterState
-) -> None:
+def derivative(t: float, x: State, u: EndMotions, p: Parameters, dx: State) -> None:
     pressure = chamber_pressure(x, u, p)
     dx.leaked_volume = leak_conductance(p) * pressure - valve_flow(pressure, p)
 
 
 @kernel
-def output(
-    t: float, x: LashAdjusterState, u: EndMotions, p: LashAdjusterParameters, y: LashAdjusterOutputs
-) -> None:
+def output(t: float, x: State, u: EndMotions, p: Parameters, y: Outputs) -> None:
     pressure = chamber_pressure(x, u, p)
     y.pressure = pressure
     y.force = plunger_area(p) * pressure + p.spring_force - p.retainer_stiffness * overtravel(u, p)
@@ -168,7 +164,7 @@ def output(
 
 
 @kernel
-def energy(t: float, x: LashAdjusterState, u: EndMotions, p: LashAdjusterParameters, e: Vector) -> None:
+def energy(t: float, x: State, u: EndMotions, p: Parameters, e: Vector) -> None:
     """Stored: the integral of p dw and the plunger's spring. Lost: in leak and check valve."""
     pressure = chamber_pressure(x, u, p)
     absolute, supply, a, n = pressure + p.supply_pressure, p.supply_pressure, p.air_content, p.air_exponent
@@ -196,10 +192,10 @@ def lash_adjuster() -> Component:
         name="lash_adjuster",
         description="Hydraulic lash adjuster: oil chamber with leak, check valve and air",
         roles=(roles.Adjuster(),),
-        parameters=Layout(LashAdjusterParameters),
-        state=Layout(LashAdjusterState),
+        parameters=Layout(Parameters),
+        state=Layout(State),
         inputs=Layout(EndMotions),
-        outputs=Layout(LashAdjusterOutputs),
+        outputs=Layout(Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -17,7 +17,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Quantity
-from .pivot_friction import PivotFrictionInputs, PivotLaws, RelaxationTime, TwistStiffness, make_pivot
+from .pivot_friction import Inputs, PivotLaws, RelaxationTime, TwistStiffness, make_pivot
 
 # nu n (mm2/s r/min) below which M_0 is constant: 2000^(2/3) = 159.
 _SLOW = 160.0**1.5
@@ -25,7 +25,7 @@ _RPM = 30.0 / math.pi
 
 
 @dataclass
-class NeedleBearingParameters:
+class Parameters:
     """Defaults: caged needles in a roller of 18 mm, hot engine oil. f_0 and f_1 are in catalogues."""
 
     mean_diameter: float = kinds.DIAMETER("mean diameter d_m of the needles' circle").default(10e-3)
@@ -38,7 +38,7 @@ class NeedleBearingParameters:
 
 
 @kernel
-def viscous_torque(rate: float, p: NeedleBearingParameters) -> float:
+def viscous_torque(rate: float, p: Parameters) -> float:
     """M_0 beyond its least value (N m), with the sign of the speed."""
     product = 1e6 * p.viscosity / p.density * abs(rate) * _RPM
     if product <= _SLOW:
@@ -48,14 +48,14 @@ def viscous_torque(rate: float, p: NeedleBearingParameters) -> float:
 
 
 @kernel
-def sliding_torque(u: PivotFrictionInputs, p: NeedleBearingParameters) -> float:
+def sliding_torque(u: Inputs, p: Parameters) -> float:
     """f_1 F d_m and the least M_0 (N m)."""
     least = 160e-10 * p.viscous_factor * (1e3 * p.mean_diameter) ** 3
     return p.load_factor * abs(u.load) * p.mean_diameter + least
 
 
 @kernel
-def viscous_loss(rate: float, p: NeedleBearingParameters) -> float:
+def viscous_loss(rate: float, p: Parameters) -> float:
     return viscous_torque(rate, p) * rate
 
 
@@ -65,7 +65,7 @@ def needle_bearing() -> Component:
     return make_pivot(
         "needle_bearing",
         "Friction of a needle bearing of a roller or lever",
-        NeedleBearingParameters,
+        Parameters,
         PivotLaws(sliding_torque, viscous_torque, viscous_loss),
         roles.Oiled(),
     )

@@ -17,7 +17,7 @@ from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, l
 
 
 @dataclass
-class PadFrictionParameters:
+class Parameters:
     """Defaults: mixed lubrication; under 500 N the surfaces give by 5 um before they slide."""
 
     friction_coefficient: float = kinds.FRICTION_COEFFICIENT("Coulomb's coefficient of friction mu").default(
@@ -29,18 +29,18 @@ class PadFrictionParameters:
 
 
 @dataclass
-class PadFrictionState:
+class State:
     creep: Creep = 0.0
 
 
 @dataclass
-class PadFrictionInputs:
+class Inputs:
     sliding_velocity: float = kinds.VELOCITY("velocity v_s of one surface on the other").default()
     load: float = kinds.FORCE("load W of the contact").default()
 
 
 @dataclass
-class PadFrictionOutputs:
+class Outputs:
     friction_force: float = kinds.FRICTION("friction against the sliding").default()
     sticking_margin: float = kinds.FRICTION(
         "limit less what sticking would take; negative: it slides"
@@ -50,29 +50,25 @@ class PadFrictionOutputs:
 
 
 @kernel
-def find_creep(x: PadFrictionState, u: PadFrictionInputs, p: PadFrictionParameters) -> Slip:
+def find_creep(x: State, u: Inputs, p: Parameters) -> Slip:
     limit = p.friction_coefficient * max(0.0, u.load)
     return find_slip(x.creep, u.sliding_velocity, limit, p.sticking_stiffness, p.relaxation_time)
 
 
 @kernel
-def lost_to_friction(slip: Slip, u: PadFrictionInputs, p: PadFrictionParameters) -> float:
+def lost_to_friction(slip: Slip, u: Inputs, p: Parameters) -> float:
     """By the surfaces, and by viscosity."""
     dry = lost_power(slip, p.sticking_stiffness, p.relaxation_time)
     return dry + p.viscous_coefficient * u.sliding_velocity**2
 
 
 @kernel
-def derivative(
-    t: float, x: PadFrictionState, u: PadFrictionInputs, p: PadFrictionParameters, dx: PadFrictionState
-) -> None:
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     dx.creep = find_creep(x, u, p).rate
 
 
 @kernel
-def output(
-    t: float, x: PadFrictionState, u: PadFrictionInputs, p: PadFrictionParameters, y: PadFrictionOutputs
-) -> None:
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     slip = find_creep(x, u, p)
     y.friction_force = slip.transmitted + p.viscous_coefficient * u.sliding_velocity
     y.sticking_margin = p.friction_coefficient * max(0.0, u.load) - abs(slip.sticking)
@@ -81,7 +77,7 @@ def output(
 
 
 @kernel
-def energy(t: float, x: PadFrictionState, u: PadFrictionInputs, p: PadFrictionParameters, e: Vector) -> None:
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[0] = 0.5 * p.sticking_stiffness * x.creep**2
     e[1] = lost_to_friction(find_creep(x, u, p), u, p)
     e[2] = 0.0
@@ -96,10 +92,10 @@ def pad_friction() -> Component:
         name="pad_friction",
         description="Friction of a pad that slides to and fro: sticking, sliding and viscous",
         roles=(roles.Surface(),),
-        parameters=Layout(PadFrictionParameters),
-        state=Layout(PadFrictionState),
-        inputs=Layout(PadFrictionInputs),
-        outputs=Layout(PadFrictionOutputs),
+        parameters=Layout(Parameters),
+        state=Layout(State),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -14,7 +14,7 @@ which sticks (see `slider`). T_F shears the oil in the gaps h_F at both end face
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 from .. import kinds
 from ..compile.kernel import kernel
@@ -28,7 +28,7 @@ from ..core.requirements import require
 from .journal_bearing import (
     REQUIREMENTS,
     Film,
-    JournalBearingState,
+    Place,
     PlainBearingParameters,
     film_impedance,
     find_film,
@@ -40,18 +40,14 @@ from .journal_bearing import (
 from .pivot_friction import RelaxationTime, TwistStiffness
 from .slider import Slip, find_slip, lost_power
 
-Length = Annotated[float, kinds.WIDTH("width of the bearing")]
-Diameter = Annotated[float, kinds.DIAMETER("diameter of the pin")]
-Clearance = Annotated[float, kinds.CLEARANCE("radius of the bush less that of the pin")]
-
 
 @dataclass
-class PinBearingParameters(PlainBearingParameters):
+class Parameters(PlainBearingParameters):
     """Defaults: the bronze pin of a roller finger, with hot engine oil."""
 
-    diameter: Diameter = 8e-3
-    width: Length = 8e-3
-    radial_clearance: Clearance = 15e-6
+    diameter: float = kinds.DIAMETER("diameter of the pin").default(8e-3)
+    width: float = kinds.WIDTH("width of the bearing").default(8e-3)
+    radial_clearance: float = kinds.CLEARANCE("radius of the bush less that of the pin").default(15e-6)
     sticking_stiffness: TwistStiffness = 50.0
     relaxation_time: RelaxationTime = 3e-5
     face_radius: float = kinds.DIAMETER("outer radius R_F of the end faces").default(7e-3)
@@ -61,18 +57,18 @@ class PinBearingParameters(PlainBearingParameters):
 
 
 @dataclass
-class PinBearingState(JournalBearingState):
+class State(Place):
     twist: float = Quantity("rad", "elastic twist of the asperities", nominal=1e-4).default()
 
 
 @dataclass
-class PinBearingInputs:
+class Inputs:
     rotation_rate: float = kinds.SPEED("speed omega of roller or lever on the pin").default()
     applied_load: float = kinds.FORCE("load W of the bearing").default()
 
 
 @dataclass
-class PinBearingOutputs:
+class Outputs:
     friction_torque: float = kinds.FRICTION_TORQUE("torque T against the rotation").default()
     load: float = kinds.FORCE("load W of the bearing").default()
     eccentricity_ratio: float = Quantity("1", "eccentricity over the radial clearance").default()
@@ -97,7 +93,7 @@ class Motion(NamedTuple):
 
 
 @kernel
-def shear_oil(film: Film, p: PinBearingParameters) -> float:
+def shear_oil(film: Film, p: Parameters) -> float:
     """Torque over speed of the film all round, and of the end faces."""
     faces = 0.0
     if p.face_gap > 0.0:
@@ -106,7 +102,7 @@ def shear_oil(film: Film, p: PinBearingParameters) -> float:
 
 
 @kernel
-def move_film(film: Film, x: PinBearingState, u: PinBearingInputs, p: PinBearingParameters) -> Motion:
+def move_film(film: Film, x: State, u: Inputs, p: Parameters) -> Motion:
     load = film.asperities.load
     pressed = load / film.eccentricity if load > 0.0 else 0.0
     force = Squeeze(u.applied_load - pressed * x.eccentricity_x, -pressed * x.eccentricity_y)
@@ -119,9 +115,7 @@ def move_film(film: Film, x: PinBearingState, u: PinBearingInputs, p: PinBearing
 
 
 @kernel
-def derivative(
-    t: float, x: PinBearingState, u: PinBearingInputs, p: PinBearingParameters, dx: PinBearingState
-) -> None:
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     motion = move_film(find_film(x, p), x, u, p)
     dx.eccentricity_x = motion.squeeze.x - 0.5 * u.rotation_rate * x.eccentricity_y
     dx.eccentricity_y = motion.squeeze.y + 0.5 * u.rotation_rate * x.eccentricity_x
@@ -129,9 +123,7 @@ def derivative(
 
 
 @kernel
-def output(
-    t: float, x: PinBearingState, u: PinBearingInputs, p: PinBearingParameters, y: PinBearingOutputs
-) -> None:
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     film = find_film(x, p)
     motion = move_film(film, x, u, p)
     y.friction_torque = motion.torque
@@ -148,7 +140,7 @@ def output(
 
 
 @kernel
-def energy(t: float, x: PinBearingState, u: PinBearingInputs, p: PinBearingParameters, e: Vector) -> None:
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     """Source: the load on the sinking pin."""
     film = find_film(x, p)
     motion = move_film(film, x, u, p)
@@ -160,7 +152,7 @@ def energy(t: float, x: PinBearingState, u: PinBearingInputs, p: PinBearingParam
 
 
 @require("face_radius = {0:g} mm: must be > {1:g} mm, half of the pin's diameter")
-def faces_are_outside(p: PinBearingParameters, numbers: Vector) -> bool:
+def faces_are_outside(p: Parameters, numbers: Vector) -> bool:
     numbers[0], numbers[1] = 1e3 * p.face_radius, 0.5e3 * p.diameter
     return p.face_gap == 0.0 or p.face_radius > 0.5 * p.diameter
 
@@ -174,10 +166,10 @@ def pin_bearing() -> Component:
         name="pin_bearing",
         description="Plain bearing of a roller or lever under a given load",
         roles=(roles.Bearing(),),
-        parameters=Layout(PinBearingParameters),
-        state=Layout(PinBearingState),
-        inputs=Layout(PinBearingInputs),
-        outputs=Layout(PinBearingOutputs),
+        parameters=Layout(Parameters),
+        state=Layout(State),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

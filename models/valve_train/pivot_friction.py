@@ -26,7 +26,7 @@ RelaxationTime = Annotated[
 
 
 @dataclass
-class PivotFrictionParameters:
+class Parameters:
     """Defaults: a pin of 16 mm in mixed lubrication, which twists by 1.3 um under 1000 N before it slides."""
 
     friction_coefficient: float = kinds.FRICTION_COEFFICIENT("Coulomb's coefficient of friction mu").default(
@@ -44,18 +44,18 @@ class PivotFrictionParameters:
 
 
 @dataclass
-class PivotFrictionState:
+class State:
     twist: float = Quantity("rad", "elastic twist z of the sticking surfaces", nominal=1e-4).default()
 
 
 @dataclass
-class PivotFrictionInputs:
+class Inputs:
     rotation_rate: float = Quantity("rad/s", "speed omega of the lever", nominal=10.0).default()
     load: float = kinds.FORCE("force F on the pivot").default()
 
 
 @dataclass
-class PivotFrictionOutputs:
+class Outputs:
     friction_torque: float = kinds.FRICTION_TORQUE("torque T against the lever's rotation").default()
     sliding_torque: float = kinds.FRICTION_TORQUE("limit T_c of the dry friction under this load").default()
     sticking_margin: float = kinds.FRICTION_TORQUE(
@@ -68,19 +68,19 @@ class PivotFrictionOutputs:
 
 
 @kernel
-def sliding_torque(u: PivotFrictionInputs, p: PivotFrictionParameters) -> float:
+def sliding_torque(u: Inputs, p: Parameters) -> float:
     """T_c = mu r |F| + T_0."""
     return p.friction_coefficient * p.radius * abs(u.load) + p.preload_torque
 
 
 @kernel
-def viscous_torque(rate: float, p: PivotFrictionParameters) -> float:
+def viscous_torque(rate: float, p: Parameters) -> float:
     """c omega."""
     return p.viscous_coefficient * rate
 
 
 @kernel
-def viscous_loss(rate: float, p: PivotFrictionParameters) -> float:
+def viscous_loss(rate: float, p: Parameters) -> float:
     """c omega^2."""
     return p.viscous_coefficient * rate**2
 
@@ -99,25 +99,21 @@ def make_pivot(name: str, description: str, parameters: type, laws: PivotLaws, *
     sliding_torque, viscous_torque, viscous_loss = laws
 
     @kernel
-    def find_twist(x: PivotFrictionState, u: PivotFrictionInputs, p: Any) -> Slip:
+    def find_twist(x: State, u: Inputs, p: Any) -> Slip:
         limit = sliding_torque(u, p)
         return find_slip(x.twist, u.rotation_rate, limit, p.sticking_stiffness, p.relaxation_time)
 
     @kernel
-    def lost_to_friction(slip: Slip, u: PivotFrictionInputs, p: Any) -> float:
+    def lost_to_friction(slip: Slip, u: Inputs, p: Any) -> float:
         dry = lost_power(slip, p.sticking_stiffness, p.relaxation_time)
         return dry + viscous_loss(u.rotation_rate, p)
 
     @kernel
-    def derivative(
-        t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: Any, dx: PivotFrictionState
-    ) -> None:
+    def derivative(t: float, x: State, u: Inputs, p: Any, dx: State) -> None:
         dx.twist = find_twist(x, u, p).rate
 
     @kernel
-    def output(
-        t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: Any, y: PivotFrictionOutputs
-    ) -> None:
+    def output(t: float, x: State, u: Inputs, p: Any, y: Outputs) -> None:
         twist = find_twist(x, u, p)
         y.friction_torque = twist.transmitted + viscous_torque(u.rotation_rate, p)
         y.sliding_torque = sliding_torque(u, p)
@@ -126,7 +122,7 @@ def make_pivot(name: str, description: str, parameters: type, laws: PivotLaws, *
         y.power_loss = lost_to_friction(twist, u, p)
 
     @kernel
-    def energy(t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: Any, e: Vector) -> None:
+    def energy(t: float, x: State, u: Inputs, p: Any, e: Vector) -> None:
         e[0] = 0.5 * p.sticking_stiffness * x.twist**2
         e[1] = lost_to_friction(find_twist(x, u, p), u, p)
         e[2] = 0.0
@@ -138,9 +134,9 @@ def make_pivot(name: str, description: str, parameters: type, laws: PivotLaws, *
         description=description,
         roles=(roles.Pivot(), *more),
         parameters=Layout(parameters),
-        state=Layout(PivotFrictionState),
-        inputs=Layout(PivotFrictionInputs),
-        outputs=Layout(PivotFrictionOutputs),
+        state=Layout(State),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
         derivative=derivative,
         output=output,
         energy=energy,
@@ -162,6 +158,6 @@ def pivot_friction() -> Component:
     return make_pivot(
         "pivot_friction",
         "Friction of a lever's pivot: sticking, sliding and viscous",
-        PivotFrictionParameters,
+        Parameters,
         PivotLaws(sliding_torque, viscous_torque, viscous_loss),
     )

@@ -22,7 +22,7 @@ from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, l
 
 
 @dataclass
-class RollerParameters:
+class Parameters:
     """Defaults: a steel ring of 9 mm and 12 mm length on its pin."""
 
     radius: float = kinds.ARC("radius r of the roller").default(9e-3)
@@ -40,13 +40,13 @@ class RollerParameters:
 
 
 @dataclass
-class RollerState:
+class State:
     absolute_spin: float = kinds.SPEED("spin in space, omega - beta'").default()
     creep: Creep = 0.0
 
 
 @dataclass
-class RollerInputs:
+class Inputs:
     rolling_velocity: float = kinds.VELOCITY("surface speed v at which nothing would slide").default()
     load: float = kinds.FORCE("load W of the contact").default()
     pin_torque: float = kinds.PIN_TORQUE("further friction T_p of the pin, against the spin").default()
@@ -59,7 +59,7 @@ class RollerInputs:
 
 
 @dataclass
-class RollerOutputs:
+class Outputs:
     surface_speed: float = kinds.VELOCITY("r omega along the carrier").default()
     spin: float = kinds.SPEED("spin omega about the carrier").default()
     traction: float = kinds.FRICTION("traction T of the cam").default()
@@ -74,34 +74,34 @@ class RollerOutputs:
 
 
 @kernel
-def find_creep(x: RollerState, u: RollerInputs, p: RollerParameters) -> Slip:
+def find_creep(x: State, u: Inputs, p: Parameters) -> Slip:
     slip = u.rolling_velocity - p.radius * (x.absolute_spin + u.rotation_rate)
     limit = p.traction_coefficient * max(0.0, u.load)
     return find_slip(x.creep, slip, limit, p.sticking_stiffness, p.relaxation_time)
 
 
 @kernel
-def braking_torque(x: RollerState, u: RollerInputs, p: RollerParameters) -> float:
+def braking_torque(x: State, u: Inputs, p: Parameters) -> float:
     """T_p + c omega + r F_R."""
     pin = u.pin_torque + p.pin_damping * (x.absolute_spin + u.rotation_rate)
     return pin + p.radius * u.rolling_friction
 
 
 @kernel
-def lost_to_friction(x: RollerState, u: RollerInputs, p: RollerParameters) -> float:
+def lost_to_friction(x: State, u: Inputs, p: Parameters) -> float:
     creep = lost_power(find_creep(x, u, p), p.sticking_stiffness, p.relaxation_time)
     return creep + p.pin_damping * (x.absolute_spin + u.rotation_rate) ** 2
 
 
 @kernel
-def derivative(t: float, x: RollerState, u: RollerInputs, p: RollerParameters, dx: RollerState) -> None:
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     creep = find_creep(x, u, p)
     dx.absolute_spin = (p.radius * creep.transmitted - braking_torque(x, u, p)) / p.inertia
     dx.creep = creep.rate
 
 
 @kernel
-def output(t: float, x: RollerState, u: RollerInputs, p: RollerParameters, y: RollerOutputs) -> None:
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     creep = find_creep(x, u, p)
     y.spin = x.absolute_spin + u.rotation_rate
     y.surface_speed = p.radius * y.spin
@@ -113,7 +113,7 @@ def output(t: float, x: RollerState, u: RollerInputs, p: RollerParameters, y: Ro
 
 
 @kernel
-def energy(t: float, x: RollerState, u: RollerInputs, p: RollerParameters, e: Vector) -> None:
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[0] = 0.5 * p.inertia * x.absolute_spin**2 + 0.5 * p.sticking_stiffness * x.creep**2
     e[1] = lost_to_friction(x, u, p)
     e[2] = 0.0
@@ -128,10 +128,10 @@ def roller() -> Component:
         name="roller",
         description="Spin of a roller that may slip on its cam",
         roles=(roles.Roller(),),
-        parameters=Layout(RollerParameters),
-        state=Layout(RollerState),
-        inputs=Layout(RollerInputs),
-        outputs=Layout(RollerOutputs),
+        parameters=Layout(Parameters),
+        state=Layout(State),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

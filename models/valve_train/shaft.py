@@ -19,7 +19,7 @@ from .shared import DriveInputs
 
 
 @dataclass
-class ShaftParameters:
+class Parameters:
     """Defaults: one mode of torsion and one of bending, of the size of those of the set `kushwaha2000`."""
 
     drive_ratio: float = Quantity(
@@ -68,7 +68,7 @@ class ShaftParameters:
 
 
 @dataclass
-class ShaftState:
+class State:
     """Coordinates of the modes."""
 
     torsion: Vector = Quantity(
@@ -86,14 +86,14 @@ class ShaftState:
 
 
 @dataclass
-class ShaftInputs(DriveInputs):
+class Inputs(DriveInputs):
     cam_torque: Vector = kinds.TORQUE("torque taken by a follower", size="cams").per_element()
     cam_force_x: Vector = kinds.FORCE("force on a cam across its follower's path", size="cams").per_element()
     cam_force_y: Vector = kinds.FORCE("force on a cam towards its follower", size="cams").per_element()
 
 
 @dataclass
-class ShaftOutputs:
+class Outputs:
     cam_angle: Vector = kinds.ANGLE("angle of the shaft at a cam", size="cams").per_element()
     cam_speed: Vector = kinds.SPEED("speed of the shaft at a cam", size="cams").per_element()
     twist: Vector = kinds.ANGLE("twist of the shaft at a cam", nominal=1e-3, size="cams").per_element()
@@ -116,7 +116,7 @@ class Plane(NamedTuple):
 
 
 @kernel
-def torsion_acceleration(j: int, x: ShaftState, u: ShaftInputs, p: ShaftParameters) -> float:
+def torsion_acceleration(j: int, x: State, u: Inputs, p: Parameters) -> float:
     w, cams = 2.0 * math.pi * p.torsion_frequency[j], p.direction.size
     torque = -p.torsion_share[j] * p.drive_ratio * u.drive_acceleration
     for i in range(cams):
@@ -126,7 +126,7 @@ def torsion_acceleration(j: int, x: ShaftState, u: ShaftInputs, p: ShaftParamete
 
 
 @kernel
-def damp_bending(j: int, x: ShaftState, u: ShaftInputs, p: ShaftParameters) -> Plane:
+def damp_bending(j: int, x: State, u: Inputs, p: Parameters) -> Plane:
     """2 zeta w m (q' - i Omega q)."""
     c = 4.0 * math.pi * p.bending_damping[j] * p.bending_frequency[j] * p.bending_mass[j]
     turning = p.drive_ratio * u.drive_speed
@@ -137,7 +137,7 @@ def damp_bending(j: int, x: ShaftState, u: ShaftInputs, p: ShaftParameters) -> P
 
 
 @kernel
-def load_bending(j: int, u: ShaftInputs, p: ShaftParameters) -> Plane:
+def load_bending(j: int, u: Inputs, p: Parameters) -> Plane:
     """phi^T F: forces are given in the directions of the followers."""
     force_x, force_y, cams = 0.0, 0.0, p.direction.size
     for i in range(cams):
@@ -148,7 +148,7 @@ def load_bending(j: int, u: ShaftInputs, p: ShaftParameters) -> Plane:
 
 
 @kernel
-def bending_acceleration(j: int, x: ShaftState, u: ShaftInputs, p: ShaftParameters) -> Plane:
+def bending_acceleration(j: int, x: State, u: Inputs, p: Parameters) -> Plane:
     modes = p.bending_frequency.size
     stiffness = p.bending_mass[j] * (2.0 * math.pi * p.bending_frequency[j]) ** 2
     load, damped = load_bending(j, u, p), damp_bending(j, x, u, p)
@@ -162,7 +162,7 @@ def bending_acceleration(j: int, x: ShaftState, u: ShaftInputs, p: ShaftParamete
 
 
 @kernel
-def derivative(t: float, x: ShaftState, u: ShaftInputs, p: ShaftParameters, dx: ShaftState) -> None:
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     for j in range(p.torsion_frequency.size):
         dx.torsion[j] = x.torsion_rate[j]
         dx.torsion_rate[j] = torsion_acceleration(j, x, u, p)
@@ -173,7 +173,7 @@ def derivative(t: float, x: ShaftState, u: ShaftInputs, p: ShaftParameters, dx: 
 
 
 @kernel
-def show_twist(i: int, x: ShaftState, u: ShaftInputs, p: ShaftParameters, y: ShaftOutputs) -> None:
+def show_twist(i: int, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     twist, rate, cams = 0.0, 0.0, p.direction.size
     for j in range(p.torsion_frequency.size):
         twist += p.torsion_shape[j * cams + i] * x.torsion[j]
@@ -184,7 +184,7 @@ def show_twist(i: int, x: ShaftState, u: ShaftInputs, p: ShaftParameters, y: Sha
 
 
 @kernel
-def show_axis(i: int, x: ShaftState, p: ShaftParameters, y: ShaftOutputs) -> None:
+def show_axis(i: int, x: State, p: Parameters, y: Outputs) -> None:
     moved_x, moved_y, rate_x, rate_y, cams = 0.0, 0.0, 0.0, 0.0, p.direction.size
     for j in range(p.bending_frequency.size):
         shape = p.bending_shape[j * cams + i]
@@ -198,7 +198,7 @@ def show_axis(i: int, x: ShaftState, p: ShaftParameters, y: ShaftOutputs) -> Non
 
 
 @kernel
-def drive_torque(x: ShaftState, u: ShaftInputs, p: ShaftParameters) -> float:
+def drive_torque(x: State, u: Inputs, p: Parameters) -> float:
     """What the followers and the shaft's inertia take, and the damping that turns round the bent shaft."""
     torque = p.inertia * p.drive_ratio * u.drive_acceleration
     for i in range(p.direction.size):
@@ -212,7 +212,7 @@ def drive_torque(x: ShaftState, u: ShaftInputs, p: ShaftParameters) -> float:
 
 
 @kernel
-def output(t: float, x: ShaftState, u: ShaftInputs, p: ShaftParameters, y: ShaftOutputs) -> None:
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     for i in range(p.direction.size):
         show_twist(i, x, u, p, y)
         show_axis(i, x, p, y)
@@ -220,7 +220,7 @@ def output(t: float, x: ShaftState, u: ShaftInputs, p: ShaftParameters, y: Shaft
 
 
 @kernel
-def energy(t: float, x: ShaftState, u: ShaftInputs, p: ShaftParameters, e: Vector) -> None:
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     speed = p.drive_ratio * u.drive_speed
     stored, lost = 0.5 * p.inertia * speed * speed, 0.0
     for j in range(p.torsion_frequency.size):
@@ -258,10 +258,10 @@ def shaft(cams: int = 1, torsion_modes: int = 1, bending_modes: int = 1) -> Comp
         name="shaft",
         description="Shaft with cams: torsion and bending by modes",
         roles=(roles.DrawnShaft(),),
-        parameters=Layout(ShaftParameters, sizes),
-        state=Layout(ShaftState, sizes),
-        inputs=Layout(ShaftInputs, sizes),
-        outputs=Layout(ShaftOutputs, sizes),
+        parameters=Layout(Parameters, sizes),
+        state=Layout(State, sizes),
+        inputs=Layout(Inputs, sizes),
+        outputs=Layout(Outputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -34,7 +34,7 @@ _PLACES, _WEIGHTS = 0.5 * _PLACES, 0.5 * _WEIGHTS
 
 
 @dataclass
-class TappetSpinParameters:
+class Parameters:
     """Defaults: a bucket of 30 mm in its bore, with hot engine oil."""
 
     axial_offset: float = kinds.OFFSET(
@@ -51,19 +51,19 @@ class TappetSpinParameters:
 
 
 @dataclass
-class TappetSpinState:
+class State:
     spin: float = kinds.SPEED("spin Omega").default()
 
 
 @dataclass
-class TappetSpinInputs:
+class Inputs:
     sliding_velocity: float = kinds.VELOCITY("sliding u_s of the cam over the tappet without spin").default()
     contact_offset: float = kinds.DISTANCE("offset x of the contact along the tappet").default()
     friction_force: float = kinds.FRICTION("friction F of the contact").default()
 
 
 @dataclass
-class TappetSpinOutputs(TappetSpinState):
+class Outputs(State):
     contact_sliding: float = kinds.VELOCITY(
         "mean sliding <|v|> of the contact, with the sign of u_s"
     ).default()
@@ -82,7 +82,7 @@ class Traction(NamedTuple):
 
 
 @kernel
-def find_traction(x: TappetSpinState, u: TappetSpinInputs, p: TappetSpinParameters) -> Traction:
+def find_traction(x: State, u: Inputs, p: Parameters) -> Traction:
     sliding = along = arm = 0.0
     across = x.spin * u.contact_offset
     for i in range(len(_PLACES)):
@@ -97,23 +97,19 @@ def find_traction(x: TappetSpinState, u: TappetSpinInputs, p: TappetSpinParamete
 
 
 @kernel
-def brake(p: TappetSpinParameters) -> float:
+def brake(p: Parameters) -> float:
     """2 pi mu R^3 L_b/c."""
     return 2.0 * math.pi * p.viscosity * (0.5 * p.diameter) ** 3 * p.bore_length / p.radial_clearance
 
 
 @kernel
-def derivative(
-    t: float, x: TappetSpinState, u: TappetSpinInputs, p: TappetSpinParameters, dx: TappetSpinState
-) -> None:
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     torque = abs(u.friction_force) * find_traction(x, u, p).arm
     dx.spin = (torque - brake(p) * x.spin) / p.inertia
 
 
 @kernel
-def output(
-    t: float, x: TappetSpinState, u: TappetSpinInputs, p: TappetSpinParameters, y: TappetSpinOutputs
-) -> None:
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     traction = find_traction(x, u, p)
     y.spin = x.spin
     y.contact_sliding = math.copysign(traction.sliding, u.sliding_velocity)
@@ -124,7 +120,7 @@ def output(
 
 
 @kernel
-def energy(t: float, x: TappetSpinState, u: TappetSpinInputs, p: TappetSpinParameters, e: Vector) -> None:
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     """Source: less what the contact loses, F <|v|>."""
     e[0] = 0.5 * p.inertia * x.spin**2
     e[1] = brake(p) * x.spin**2
@@ -140,10 +136,10 @@ def tappet_spin() -> Component:
         name="tappet_spin",
         description="Spin of a flat tappet about its axis",
         roles=(roles.Spin(), roles.Oiled()),
-        parameters=Layout(TappetSpinParameters),
-        state=Layout(TappetSpinState),
-        inputs=Layout(TappetSpinInputs),
-        outputs=Layout(TappetSpinOutputs),
+        parameters=Layout(Parameters),
+        state=Layout(State),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

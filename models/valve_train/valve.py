@@ -14,7 +14,7 @@ from .valve_spring import seat_force
 
 
 @dataclass
-class ValveParameters:
+class Parameters:
     mass: float = Quantity(
         "kg", "mass of valve, retainer and what moves with them",
         nominal=0.1, positive=True, plausible=VALVE_MASS,
@@ -28,13 +28,13 @@ class ValveParameters:
 
 
 @dataclass
-class ValveState:
+class State:
     position: float = kinds.DISPLACEMENT("position towards the open valve").default()
     velocity: float = kinds.VELOCITY("velocity of the valve").default()
 
 
 @dataclass
-class ValveInputs:
+class Inputs:
     load: float = kinds.FORCE("load of the train, opening the valve").default()
     spring_force: Vector = kinds.FORCE("force of a spring, closing the valve", size="springs").per_element()
     gas_force: float = kinds.FORCE("force of the gas on the valve's head, closing it").default()
@@ -42,7 +42,7 @@ class ValveInputs:
 
 
 @dataclass
-class ValveOutputs(ValveState):
+class Outputs(State):
     acceleration: float = Quantity("m/s2", "acceleration of the valve", nominal=1e3).default()
     valve_lift: float = kinds.DISPLACEMENT("lift: position less lash").default()
     seat_force: float = kinds.FORCE("force of the seat on the valve").default()
@@ -50,7 +50,7 @@ class ValveOutputs(ValveState):
 
 
 @kernel
-def accelerate(x: ValveState, u: ValveInputs, p: ValveParameters) -> float:
+def accelerate(x: State, u: Inputs, p: Parameters) -> float:
     force = u.load - u.gas_force + seat_force(p, x.position, x.velocity) - p.guide_damping * x.velocity
     for i in range(u.spring_force.size):
         force -= u.spring_force[i]
@@ -58,13 +58,13 @@ def accelerate(x: ValveState, u: ValveInputs, p: ValveParameters) -> float:
 
 
 @kernel
-def derivative(t: float, x: ValveState, u: ValveInputs, p: ValveParameters, dx: ValveState) -> None:
+def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     dx.position = x.velocity
     dx.velocity = accelerate(x, u, p)
 
 
 @kernel
-def output(t: float, x: ValveState, u: ValveInputs, p: ValveParameters, y: ValveOutputs) -> None:
+def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     y.position = x.position
     y.velocity = x.velocity
     y.acceleration = accelerate(x, u, p)
@@ -74,7 +74,7 @@ def output(t: float, x: ValveState, u: ValveInputs, p: ValveParameters, y: Valve
 
 
 @kernel
-def energy(t: float, x: ValveState, u: ValveInputs, p: ValveParameters, e: Vector) -> None:
+def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     """Lost: what the seat does not give back of k dip^2/2, and in the guide."""
     dip = max(0.0, p.lash - x.position)
     e[0] = 0.5 * p.mass * x.velocity**2 + 0.5 * p.seat_stiffness * dip**2
@@ -90,17 +90,17 @@ def valve(springs: int = 1) -> Component:
     """m y'' = load - sum of the springs' forces - gas force + seat force - F_g - c y'."""
     check_sizes(springs=springs)
     sizes = {"springs": springs}
-    inputs = Layout(ValveInputs, sizes)
+    inputs = Layout(Inputs, sizes)
     forces = [f"spring_force[{i + 1}]" for i in range(springs)]
     return Component(
         tolerance=FINE_TOLERANCE,
         name="valve",
         description="Valve on its seat, under load, springs and gas",
         roles=(roles.Valve(),),
-        parameters=Layout(ValveParameters),
-        state=Layout(ValveState),
+        parameters=Layout(Parameters),
+        state=Layout(State),
         inputs=inputs,
-        outputs=Layout(ValveOutputs),
+        outputs=Layout(Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -14,7 +14,7 @@ from models.core.quantities import Layout
 from models.plausible import ANGLE, LASH
 from models.slider_crank.piston_clearance import (
     REQUIREMENTS,
-    PistonClearanceParameters,
+    Parameters,
     axial_clearance,
     piston_travel,
     radial_clearance,
@@ -35,7 +35,7 @@ WATCHED = ("angle_ratio", "top_angle")
 
 
 def _tabulate(values: Mapping[str, Any]) -> xarray.Dataset:
-    layout = Layout(PistonClearanceParameters)
+    layout = Layout(Parameters)
     given = {field.name: values[field.name] for field in layout.fields if field.name not in WATCHED}
     crank = layout.view(layout.vector(given))
     if faults := [fault for one in REQUIREMENTS if (fault := one.fault(crank))]:
@@ -123,7 +123,7 @@ def draw_clearance(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
 
 
 PLACE = {
-    **{name: one for name, one in convert(PistonClearanceParameters).items() if name not in WATCHED},
+    **{name: one for name, one in convert(Parameters).items() if name not in WATCHED},
     "lobe_centre": Parameter(
         math.radians(108.0),
         "rad",
