@@ -18,34 +18,34 @@ LINEAR, SMOOTH = 0.0, 1.0
 
 @dataclass
 class Parameters:
-    motion: float = Quantity(
-        "1", "free under its torques, or turning as prescribed", choices=("free", "prescribed")
-    ).default(PRESCRIBED)
-    inertia: float = Quantity("kg.m2", "moment of inertia", nominal=0.1, positive=True).default(0.1)
-    initial_speed: float = kinds.SPEED("prescribed speed before the ramp", plausible=SPEED).default(
-        1000.0 * math.pi / 30.0
+    motion: float = kinds.NUMBER(
+        "free under its torques, or turning as prescribed", PRESCRIBED, choices=("free", "prescribed")
+    )
+    inertia: float = kinds.INERTIA("moment of inertia", 0.1, nominal=0.1)
+    initial_speed: float = kinds.SPEED(
+        "prescribed speed before the ramp", 1000.0 * math.pi / 30.0, plausible=SPEED
     )
     final_speed: float = kinds.SPEED(
-        "prescribed speed after the ramp", same_as="initial_speed", plausible=SPEED
-    ).default(1000.0 * math.pi / 30.0)
-    ramp_start: float = Quantity("s", "time at which the ramp begins", plausible=RAMP).default()
-    ramp_duration: float = Quantity("s", "length of the ramp", positive=True, plausible=RAMP).default(1.0)
-    ramp_shape: float = Quantity(
-        "1", "linear in time, or smooth (3 r^2 - 2 r^3)", choices=("linear", "smooth")
-    ).default(LINEAR)
-    throw: Vector = kinds.PHASE("angle by which a crank throw lags the shaft", size="throws").per_element()
+        "prescribed speed after the ramp", 1000.0 * math.pi / 30.0, same_as="initial_speed", plausible=SPEED
+    )
+    ramp_start: float = kinds.TIME("time at which the ramp begins", plausible=RAMP)
+    ramp_duration: float = kinds.TIME("length of the ramp", 1.0, positive=True, plausible=RAMP)
+    ramp_shape: float = kinds.NUMBER(
+        "linear in time, or smooth (3 r^2 - 2 r^3)", LINEAR, choices=("linear", "smooth")
+    )
+    throw: Vector = kinds.PHASE.each("angle by which a crank throw lags the shaft", "throws")
 
 
 @dataclass
 class State:
-    angle: float = kinds.ANGLE("angle of the shaft").default()
-    speed: float = kinds.SPEED("speed of the free shaft", plausible=SPEED).default(1000.0 * math.pi / 30.0)
+    angle: float = kinds.ANGLE("angle of the shaft")
+    speed: float = kinds.SPEED("speed of the free shaft", 1000.0 * math.pi / 30.0, plausible=SPEED)
 
 
 @dataclass
 class Inputs:
-    drive_torque: float = kinds.TORQUE("torque on the free shaft").default()
-    load_torque: Vector = kinds.TORQUE("torque taken by a driven mechanism", size="loads").per_element()
+    drive_torque: float = kinds.TORQUE("torque on the free shaft")
+    load_torque: Vector = kinds.TORQUE.each("torque taken by a driven mechanism", "loads")
     load_impulse: Vector = Quantity(
         "N.m.s", "sum of the angular impulses taken in impacts by a mechanism", nominal=0.1, size="loads"
     ).per_element()
@@ -53,16 +53,14 @@ class Inputs:
 
 @dataclass
 class Outputs:
-    angle: float = kinds.ANGLE("angle of the shaft").default()
-    speed: float = kinds.SPEED("speed of the shaft").default()
-    acceleration: float = Quantity("rad/s2", "angular acceleration of the shaft", nominal=100.0).default()
-    supplied_torque: float = kinds.TORQUE(
-        "torque that the drive gives (what the prescribed motion needs)"
-    ).default()
-    throw_angle: Vector = kinds.ANGLE("angle of a crank throw", size="throws").per_element()
-    next_event: float = Quantity(
-        "s", "time at which the ramp next begins or ends; 1e30 if it does not"
-    ).default(NO_EVENT)
+    angle: float = kinds.ANGLE("angle of the shaft")
+    speed: float = kinds.SPEED("speed of the shaft")
+    acceleration: float = kinds.ANGULAR_ACCELERATION("angular acceleration of the shaft")
+    supplied_torque: float = kinds.TORQUE("torque that the drive gives (what the prescribed motion needs)")
+    throw_angle: Vector = kinds.ANGLE.each("angle of a crank throw", "throws")
+    next_event: float = kinds.TIME(
+        "time at which the ramp next begins or ends; 1e30 if it does not", NO_EVENT
+    )
 
 
 @kernel

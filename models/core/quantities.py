@@ -76,9 +76,17 @@ class Quantity:
     same_as: str = ""
     plausible: Plausible | None = None
 
-    def __call__(self, description: str, **changes: Any) -> Quantity:
+    def of(self, description: str, **changes: Any) -> Quantity:
         """A quantity of this kind, with a description and, where it differs, other fields."""
         return replace(self, description=description, **changes)
+
+    def __call__(self, description: str, value: float = 0.0, **changes: Any) -> float:
+        """A record's field of such a quantity, as `default` makes it."""
+        return self.of(description, **changes).default(value)
+
+    def each(self, description: str, size: str, start: float = 0.0, **changes: Any) -> Vector:
+        """A vector-valued field of such a quantity, as `per_element` makes it."""
+        return self.of(description, size=size, **changes).per_element(start)
 
     @property
     def jumps(self) -> bool:

@@ -16,16 +16,16 @@ from .. import kinds
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 
-Position = Annotated[float, Quantity("m", "height of the mass", nominal=0.1)]
-Velocity = Annotated[float, kinds.VELOCITY("upward velocity of the mass")]
+Position = Annotated[float, kinds.PLACE.of("height of the mass")]
+Velocity = Annotated[float, kinds.VELOCITY.of("upward velocity of the mass")]
 
 
 @dataclass
 class FallingMassParameters:
-    mass: float = Quantity("kg", "mass", positive=True).default(1.0)
-    gravity: float = Quantity("m/s2", "gravity", nominal=10.0, minimum=0.0).default(9.81)
+    mass: float = kinds.MASS("mass", 1.0, positive=True)
+    gravity: float = kinds.ACCELERATION("gravity", 9.81, nominal=10.0, minimum=0.0)
 
 
 @dataclass
@@ -36,7 +36,7 @@ class FallingMassState:
 
 @dataclass
 class FallingMassInputs:
-    force: float = kinds.SIDE_FORCE("upward force on the mass").default()
+    force: float = kinds.SIDE_FORCE("upward force on the mass")
 
 
 @dataclass
@@ -47,14 +47,14 @@ class FallingMassOutputs:
 
 @dataclass
 class SpringStopParameters:
-    stiffness: float = Quantity("N/m", "stiffness k", nominal=1e4, positive=True).default(1e4)
-    damping: float = kinds.DAMPING("damping d", nominal=10.0).default()
-    stop_position: float = Quantity("m", "height y_s of the free stop", nominal=0.1).default()
+    stiffness: float = kinds.STIFFNESS("stiffness k", 1e4, nominal=1e4, positive=True)
+    damping: float = kinds.DAMPING("damping d", nominal=10.0)
+    stop_position: float = kinds.PLACE("height y_s of the free stop")
 
 
 @dataclass
 class SpringStopState:
-    impulse: float = kinds.IMPULSE("integral of the force").default()
+    impulse: float = kinds.IMPULSE("integral of the force")
 
 
 @dataclass
@@ -65,12 +65,10 @@ class SpringStopInputs:
 
 @dataclass
 class SpringStopOutputs:
-    force: float = kinds.SIDE_FORCE("upward force on the mass").default()
-    compression: float = kinds.DISTANCE("compression c of the stop; negative: the gap").default()
-    contact_margin: float = kinds.DISTANCE(
-        "lesser of c and c - d y'/k: the stop pushes where it is positive"
-    ).default()
-    impulse: float = kinds.IMPULSE("integral of the force").default()
+    force: float = kinds.SIDE_FORCE("upward force on the mass")
+    compression: float = kinds.DISTANCE("compression c of the stop; negative: the gap")
+    contact_margin: float = kinds.DISTANCE("lesser of c and c - d y'/k: the stop pushes where it is positive")
+    impulse: float = kinds.IMPULSE("integral of the force")
 
 
 @kernel

@@ -17,20 +17,18 @@ from .. import kinds
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 
-Stiffness = Annotated[float, Quantity("N/m", "stiffness k_c of the suspension", nominal=1e4, minimum=0.0)]
-Damping = Annotated[float, kinds.DAMPING("damping d_c of the suspension", nominal=1e3)]
-Force = Annotated[float, kinds.WALL_FORCE("force of the suspension, upwards on the wheel")]
+Stiffness = Annotated[float, kinds.STIFFNESS.of("stiffness k_c of the suspension", nominal=1e4, minimum=0.0)]
+Damping = Annotated[float, kinds.DAMPING.of("damping d_c of the suspension", nominal=1e3)]
+Force = Annotated[float, kinds.WALL_FORCE.of("force of the suspension, upwards on the wheel")]
 
 
 @dataclass
 class QuarterCarChassisParameters:
     """Defaults: the published benchmark."""
 
-    chassis_mass: float = Quantity("kg", "mass m_c of the chassis", nominal=100.0, positive=True).default(
-        400.0
-    )
+    chassis_mass: float = kinds.MASS("mass m_c of the chassis", 400.0, nominal=100.0, positive=True)
     suspension_stiffness: Stiffness = 15e3
     suspension_damping: Damping = 1e3
 
@@ -39,32 +37,30 @@ class QuarterCarChassisParameters:
 class QuarterCarWheelParameters:
     """Defaults: the published benchmark."""
 
-    wheel_mass: float = Quantity("kg", "mass m_w of the wheel", nominal=10.0, positive=True).default(40.0)
+    wheel_mass: float = kinds.MASS("mass m_w of the wheel", 40.0, nominal=10.0, positive=True)
     suspension_stiffness: Stiffness = 15e3
     suspension_damping: Damping = 1e3
-    tyre_stiffness: float = Quantity("N/m", "stiffness k_w of the tyre", nominal=1e5, minimum=0.0).default(
-        150e3
-    )
-    tyre_damping: float = kinds.DAMPING("damping d_w of the tyre", nominal=1e3).default()
-    road_step: float = Quantity("m", "height z to which the road has stepped", nominal=0.1).default(0.1)
+    tyre_stiffness: float = kinds.STIFFNESS("stiffness k_w of the tyre", 150e3, nominal=1e5, minimum=0.0)
+    tyre_damping: float = kinds.DAMPING("damping d_w of the tyre", nominal=1e3)
+    road_step: float = kinds.PLACE("height z to which the road has stepped", 0.1)
 
 
 @dataclass
 class QuarterCarState:
-    position: float = Quantity("m", "height over its rest before the step", nominal=0.1).default()
-    velocity: float = kinds.VELOCITY("upward velocity").default()
+    position: float = kinds.PLACE("height over its rest before the step")
+    velocity: float = kinds.VELOCITY("upward velocity")
 
 
 @dataclass
 class QuarterCarChassisInputs:
-    wheel_position: float = Quantity("m", "height of the wheel", nominal=0.1).default()
-    wheel_velocity: float = kinds.VELOCITY("upward velocity of the wheel").default()
+    wheel_position: float = kinds.PLACE("height of the wheel")
+    wheel_velocity: float = kinds.VELOCITY("upward velocity of the wheel")
 
 
 @dataclass
 class QuarterCarWheelInputs:
-    chassis_position: float = Quantity("m", "height of the chassis", nominal=0.1).default()
-    chassis_velocity: float = kinds.VELOCITY("upward velocity of the chassis").default()
+    chassis_position: float = kinds.PLACE("height of the chassis")
+    chassis_velocity: float = kinds.VELOCITY("upward velocity of the chassis")
 
 
 @dataclass
@@ -75,7 +71,7 @@ class QuarterCarChassisOutputs(QuarterCarState):
 @dataclass
 class QuarterCarWheelOutputs(QuarterCarState):
     suspension_force: Force = 0.0
-    tyre_force: float = kinds.WALL_FORCE("force of the tyre, upwards on the wheel").default()
+    tyre_force: float = kinds.WALL_FORCE("force of the tyre, upwards on the wheel")
 
 
 @kernel

@@ -14,13 +14,13 @@ from .. import kinds
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 
-Mass = Annotated[float, Quantity("kg", "mass", positive=True)]
-Stiffness = Annotated[float, Quantity("N/m", "spring to the ground", nominal=10.0, minimum=0.0)]
-Damping = Annotated[float, kinds.DAMPING("damper to the ground")]
-Position = Annotated[float, Quantity("m", "position")]
-Velocity = Annotated[float, kinds.VELOCITY("velocity")]
+Mass = Annotated[float, kinds.MASS.of("mass", positive=True)]
+Stiffness = Annotated[float, kinds.STIFFNESS.of("spring to the ground", nominal=10.0, minimum=0.0)]
+Damping = Annotated[float, kinds.DAMPING.of("damper to the ground")]
+Position = Annotated[float, kinds.PLACE.of("position", nominal=1.0)]
+Velocity = Annotated[float, kinds.VELOCITY.of("velocity")]
 
 
 @dataclass
@@ -35,10 +35,8 @@ class CoupledMassParameters:
     mass: Mass = 1.0
     stiffness: Stiffness = 10.0
     damping: Damping = 0.5
-    coupling_stiffness: float = Quantity(
-        "N/m", "spring to the other mass", nominal=10.0, minimum=0.0
-    ).default(40.0)
-    coupling_damping: float = kinds.DAMPING("damper to the other mass").default(1.0)
+    coupling_stiffness: float = kinds.STIFFNESS("spring to the other mass", 40.0, nominal=10.0, minimum=0.0)
+    coupling_damping: float = kinds.DAMPING("damper to the other mass", 1.0)
 
 
 @dataclass
@@ -49,18 +47,18 @@ class MassState:
 
 @dataclass
 class SprungMassInputs:
-    force: float = kinds.FRICTION("force on the mass").default()
+    force: float = kinds.FRICTION("force on the mass")
 
 
 @dataclass
 class CoupledMassInputs:
-    other_position: float = Quantity("m", "position of the other mass").default()
-    other_velocity: float = kinds.VELOCITY("velocity of the other mass").default()
+    other_position: float = kinds.PLACE("position of the other mass", nominal=1.0)
+    other_velocity: float = kinds.VELOCITY("velocity of the other mass")
 
 
 @dataclass
 class CoupledMassOutputs:
-    force: float = kinds.FRICTION("force on the other mass").default()
+    force: float = kinds.FRICTION("force on the other mass")
     position: Position = 0.0
     velocity: Velocity = 0.0
 

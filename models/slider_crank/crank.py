@@ -6,11 +6,11 @@ from .. import kinds
 from ..core.quantities import Quantity, Vector
 from ..core.requirements import require
 
-CrankRadius = Annotated[float, kinds.LENGTH("crank radius")]
-RodLength = Annotated[float, kinds.LENGTH("length of the connecting rod")]
-CrankAngle = Annotated[float, kinds.ANGLE("crank angle, zero at top dead centre")]
-CrankSpeed = Annotated[float, kinds.SPEED("crank speed")]
-CrankAcceleration = Annotated[float, Quantity("rad/s2", "angular acceleration of the crank", nominal=100.0)]
+CrankRadius = Annotated[float, kinds.LENGTH.of("crank radius")]
+RodLength = Annotated[float, kinds.LENGTH.of("length of the connecting rod")]
+CrankAngle = Annotated[float, kinds.ANGLE.of("crank angle, zero at top dead centre")]
+CrankSpeed = Annotated[float, kinds.SPEED.of("crank speed")]
+CrankAcceleration = Annotated[float, kinds.ANGULAR_ACCELERATION.of("angular acceleration of the crank")]
 CrankImpulse = Annotated[
     float, Quantity("N.m.s", "sum of the angular impulses taken from the crank by impacts", nominal=0.1)
 ]

@@ -19,7 +19,7 @@ from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from ..core.requirements import require
 from ..plausible import CAM_LIFT
 from .crank import CrankRadius, RodLength, crank_turns
@@ -31,26 +31,33 @@ class Parameters:
 
     crank_radius: CrankRadius = 0.043
     rod_length: RodLength = 0.143
-    pin_offset: float = kinds.OFFSET("offset e of the piston's pin from the crank's axis").default()
+    pin_offset: float = kinds.OFFSET("offset e of the piston's pin from the crank's axis")
     deck_height: float = kinds.DISPLACEMENT(
-        "from the crown to the head's face at top dead centre, with the gasket", plausible=CAM_LIFT
-    ).default(1e-3)
+        "from the crown to the head's face at top dead centre, with the gasket", 1e-3, plausible=CAM_LIFT
+    )
     valve_angle: float = kinds.LEVER_ANGLE(
-        "angle i of the valve's axis to the cylinder's", nominal=0.3, minimum=-1.5, maximum=1.5
-    ).default(math.radians(20.0))
+        "angle i of the valve's axis to the cylinder's",
+        math.radians(20.0),
+        nominal=0.3,
+        minimum=-1.5,
+        maximum=1.5,
+    )
     valve_recess: float = kinds.DISPLACEMENT(
-        "from the head's face to the closed valve, along its axis; negative: it stands out"
-    ).default(1e-3)
+        "from the head's face to the closed valve, along its axis; negative: it stands out", 1e-3
+    )
     pocket_depth: float = kinds.DISPLACEMENT(
-        "depth of the valve's pocket in the crown, along the valve's axis", minimum=0.0, plausible=CAM_LIFT
-    ).default(3e-3)
+        "depth of the valve's pocket in the crown, along the valve's axis",
+        3e-3,
+        minimum=0.0,
+        plausible=CAM_LIFT,
+    )
     radial_play: float = kinds.DISPLACEMENT(
-        "from the valve's head to the pocket's wall at top dead centre", minimum=0.0, plausible=CAM_LIFT
-    ).default(2e-3)
-    angle_ratio: float = Quantity(
-        "1", "angle of the crank over the input `angle`: 2 where it is the cam's", positive=True
-    ).default(1.0)
-    top_angle: float = kinds.PHASE("the input `angle` at the top dead centre of gas exchange").default()
+        "from the valve's head to the pocket's wall at top dead centre", 2e-3, minimum=0.0, plausible=CAM_LIFT
+    )
+    angle_ratio: float = kinds.NUMBER(
+        "angle of the crank over the input `angle`: 2 where it is the cam's", 1.0, positive=True
+    )
+    top_angle: float = kinds.PHASE("the input `angle` at the top dead centre of gas exchange")
 
 
 @dataclass
@@ -60,19 +67,15 @@ class State:
 
 @dataclass
 class Inputs:
-    angle: float = kinds.ANGLE("angle of the crank or cam").default()
-    valve_lift: float = kinds.DISPLACEMENT("lift of the valve").default()
+    angle: float = kinds.ANGLE("angle of the crank or cam")
+    valve_lift: float = kinds.DISPLACEMENT("lift of the valve")
 
 
 @dataclass
 class Outputs:
-    clearance: float = kinds.DISPLACEMENT("clearance along the valve's axis; negative: they meet").default()
-    radial_clearance: float = kinds.DISPLACEMENT(
-        "clearance to the pocket's wall, of a head in its pocket"
-    ).default()
-    piston_travel: float = Quantity(
-        "m", "travel x of the piston from top dead centre", nominal=0.1, display_unit="mm"
-    ).default()
+    clearance: float = kinds.DISPLACEMENT("clearance along the valve's axis; negative: they meet")
+    radial_clearance: float = kinds.DISPLACEMENT("clearance to the pocket's wall, of a head in its pocket")
+    piston_travel: float = kinds.PLACE("travel x of the piston from top dead centre", display_unit="mm")
 
 
 @kernel

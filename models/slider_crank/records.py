@@ -6,7 +6,6 @@ from typing import Annotated
 
 from .. import kinds
 from ..compile.kernel import kernel
-from ..core.quantities import Quantity
 from ..plausible import PLAY
 from .crank import CrankAcceleration, CrankImpulse, CrankSpeed
 from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Mechanism
@@ -32,70 +31,70 @@ FILM_LAG = 50e-6
 class Parameters:
     """Defaults: the engine of F section 4.1. The roller's radius is chosen here, F gives none."""
 
-    form: float = Quantity(
-        "1",
+    form: float = kinds.NUMBER(
         "equation of motion: F's own, with +beta, or without the small-angle step",
+        CORRECTED,
         choices=("as_published", "corrected", "nonlinear"),
-    ).default(CORRECTED)
-    crank_radius: float = kinds.LENGTH("crank radius r").default(THESIS_XI * _ROD_LENGTH)
-    rod_length: float = kinds.LENGTH("length l of the connecting rod").default(_ROD_LENGTH)
+    )
+    crank_radius: float = kinds.LENGTH("crank radius r", THESIS_XI * _ROD_LENGTH)
+    rod_length: float = kinds.LENGTH("length l of the connecting rod", _ROD_LENGTH)
     rod_mass: float = kinds.PART_MASS(
-        "mass m of the connecting rod, centre in its middle", minimum=0.0
-    ).default(THESIS_ALPHA * _PISTON_MASS)
-    rod_inertia: float = Quantity(
-        "kg.m2", "inertia J_r of the connecting rod about its centre", nominal=1e-3, minimum=0.0
-    ).default(THESIS_BETA * _PISTON_MASS * _ROD_LENGTH**2)
-    piston_mass: float = kinds.PART_MASS("mass M of the piston (roller)", positive=True).default(_PISTON_MASS)
+        "mass m of the connecting rod, centre in its middle", THESIS_ALPHA * _PISTON_MASS, minimum=0.0
+    )
+    rod_inertia: float = kinds.ROD_INERTIA(
+        "inertia J_r of the connecting rod about its centre", THESIS_BETA * _PISTON_MASS * _ROD_LENGTH**2
+    )
+    piston_mass: float = kinds.PART_MASS("mass M of the piston (roller)", _PISTON_MASS, positive=True)
     joint_friction: float = kinds.TURNING_DAMPING(
-        "friction moment c2 of the crank pin per relative speed", nominal=0.1
-    ).default(_FRICTION)
+        "friction moment c2 of the crank pin per relative speed", _FRICTION, nominal=0.1
+    )
     clearance: float = kinds.DISPLACEMENT(
-        "travel d - r* from the centre to either wall", minimum=0.0, plausible=PLAY
-    ).default(_CLEARANCE)
-    restitution: float = Quantity("1", "coefficient of restitution e", minimum=0.0, maximum=1.0).default(0.9)
+        "travel d - r* from the centre to either wall", _CLEARANCE, minimum=0.0, plausible=PLAY
+    )
+    restitution: float = kinds.NUMBER("coefficient of restitution e", 0.9, minimum=0.0, maximum=1.0)
     # F used 0.005; chatter ends by itself without it (see `slider_crank`).
-    sliding_threshold: float = Quantity(
-        "1", "rebound rate of psi per crank speed, relative to the wall, below which a pressed slider slides",
-        nominal=1e-3, minimum=0.0,
-    ).default()  # fmt: skip
-    film_lag: float = Quantity(
-        "s", "time constant of walls that follow their films: T^2 h'' + 2 T h' + h = film thickness",
-        nominal=1e-5, positive=True, display_unit="us",
-    ).default(FILM_LAG)  # fmt: skip
-    roller_radius: float = kinds.LENGTH("radius r* of the roller on the liner").default(0.040)
+    sliding_threshold: float = kinds.NUMBER(
+        "rebound rate of psi per crank speed, relative to the wall, below which a pressed slider slides",
+        nominal=1e-3,
+        minimum=0.0,
+    )
+    film_lag: float = kinds.TIME(
+        "time constant of walls that follow their films: T^2 h'' + 2 T h' + h = film thickness",
+        FILM_LAG,
+        nominal=1e-5,
+        positive=True,
+        display_unit="us",
+    )
+    roller_radius: float = kinds.LENGTH("radius r* of the roller on the liner", 0.040)
 
 
 WallMode = Annotated[
-    float, kinds.COUNT("+1 sliding on the upper wall, -1 on the lower, 0 free", minimum=-1.0, maximum=1.0)
+    float, kinds.COUNT.of("+1 sliding on the upper wall, -1 on the lower, 0 free", minimum=-1.0, maximum=1.0)
 ]
 
 
 @dataclass
 class State:
-    psi: float = Quantity(
-        "rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2
-    ).default()
-    psi_rate: float = Quantity("rad/s", "rate of psi").default()
+    psi: float = kinds.TILT("deviation of the connecting rod from its nominal angle", nominal=1e-2)
+    psi_rate: float = kinds.ROTATION_RATE("rate of psi", nominal=1.0)
     mode: WallMode = 0.0
-    upper_impact_count: float = kinds.COUNT("impacts on the upper wall").default()
-    lower_impact_count: float = kinds.COUNT("impacts on the lower wall").default()
-    upper_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the upper wall").default()
-    lower_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the lower wall").default()
-    upper_force_integral: float = kinds.IMPULSE("time integral of the upper wall's sliding force").default()
-    lower_force_integral: float = kinds.IMPULSE("time integral of the lower wall's sliding force").default()
+    upper_impact_count: float = kinds.COUNT("impacts on the upper wall")
+    lower_impact_count: float = kinds.COUNT("impacts on the lower wall")
+    upper_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the upper wall")
+    lower_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the lower wall")
+    upper_force_integral: float = kinds.IMPULSE("time integral of the upper wall's sliding force")
+    lower_force_integral: float = kinds.IMPULSE("time integral of the lower wall's sliding force")
     crank_impact_impulse: CrankImpulse = 0.0
-    last_impact_time: float = Quantity("s", "time of the last impact").default()
-    last_impact_velocity: float = kinds.VELOCITY(
-        "velocity towards the wall just before the last impact"
-    ).default()
-    impact_loss: float = Quantity("J", "energy lost in impacts").default()
-    impact_work: float = Quantity("J", "energy given in impacts by crank and moving film").default()
-    upper_wall_film: float = kinds.FILM("film by which the upper wall stands in").default()
-    upper_wall_film_rate: float = kinds.VELOCITY("rate of the upper wall's film", nominal=1e-3).default()
-    lower_wall_film: float = kinds.FILM("film by which the lower wall stands in").default()
-    lower_wall_film_rate: float = kinds.VELOCITY("rate of the lower wall's film", nominal=1e-3).default()
-    event_count: float = kinds.COUNT("impacts and releases").default()
-    last_event_time: float = Quantity("s", "time of the last impact or release").default()
+    last_impact_time: float = kinds.TIME("time of the last impact")
+    last_impact_velocity: float = kinds.VELOCITY("velocity towards the wall just before the last impact")
+    impact_loss: float = kinds.ENERGY("energy lost in impacts")
+    impact_work: float = kinds.ENERGY("energy given in impacts by crank and moving film")
+    upper_wall_film: float = kinds.FILM("film by which the upper wall stands in")
+    upper_wall_film_rate: float = kinds.VELOCITY("rate of the upper wall's film", nominal=1e-3)
+    lower_wall_film: float = kinds.FILM("film by which the lower wall stands in")
+    lower_wall_film_rate: float = kinds.VELOCITY("rate of the lower wall's film", nominal=1e-3)
+    event_count: float = kinds.COUNT("impacts and releases")
+    last_event_time: float = kinds.TIME("time of the last impact or release")
 
 
 # The states by which the walls follow their films.
@@ -106,53 +105,45 @@ WALL_FILMS = ("upper_wall_film", "upper_wall_film_rate", "lower_wall_film", "low
 class Inputs:
     """The films narrow the clearance; the walls follow them with `film_lag`."""
 
-    crank_angle: float = kinds.ANGLE("crank angle theta, zero at top dead centre").default()
+    crank_angle: float = kinds.ANGLE("crank angle theta, zero at top dead centre")
     crank_speed: CrankSpeed = 0.0
     crank_acceleration: CrankAcceleration = 0.0
-    upper_film_thickness: float = kinds.FILM("lubricant film on the upper wall").default()
-    lower_film_thickness: float = kinds.FILM("lubricant film on the lower wall").default()
+    upper_film_thickness: float = kinds.FILM("lubricant film on the upper wall")
+    lower_film_thickness: float = kinds.FILM("lubricant film on the lower wall")
 
 
 @dataclass
 class Outputs:
-    psi: float = Quantity(
-        "rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2
-    ).default()
-    psi_rate: float = Quantity("rad/s", "rate of psi").default()
-    piston_position: float = Quantity(
-        "m", "piston position from the crank's centre along the cylinder", nominal=0.1
-    ).default()
-    piston_velocity: float = kinds.VELOCITY("piston velocity along the cylinder").default()
-    piston_offset: float = kinds.DISPLACEMENT("piston position across the cylinder, upwards").default()
-    upper_wall_force: float = kinds.SIDE_FORCE("force of the upper wall on the sliding piston").default()
-    lower_wall_force: float = kinds.SIDE_FORCE("force of the lower wall on the sliding piston").default()
-    crank_torque: float = kinds.TORQUE("torque taken from the crank, between impacts").default()
+    psi: float = kinds.TILT("deviation of the connecting rod from its nominal angle", nominal=1e-2)
+    psi_rate: float = kinds.ROTATION_RATE("rate of psi", nominal=1.0)
+    piston_position: float = kinds.PLACE("piston position from the crank's centre along the cylinder")
+    piston_velocity: float = kinds.VELOCITY("piston velocity along the cylinder")
+    piston_offset: float = kinds.DISPLACEMENT("piston position across the cylinder, upwards")
+    upper_wall_force: float = kinds.SIDE_FORCE("force of the upper wall on the sliding piston")
+    lower_wall_force: float = kinds.SIDE_FORCE("force of the lower wall on the sliding piston")
+    crank_torque: float = kinds.TORQUE("torque taken from the crank, between impacts")
     wall_entraining_velocity: float = kinds.VELOCITY(
         "mean surface velocity of roller and liner relative to their contact"
-    ).default()
-    wall_sliding_velocity: float = kinds.VELOCITY("velocity of the roller over the liner").default()
-    wall_radius: float = Quantity(
-        "m", "reduced radius of roller and liner", nominal=0.1, display_unit="mm"
-    ).default()
+    )
+    wall_sliding_velocity: float = kinds.VELOCITY("velocity of the roller over the liner")
+    wall_radius: float = kinds.PLACE("reduced radius of roller and liner", display_unit="mm")
     sliding: WallMode = 0.0
-    impact_count: float = kinds.COUNT("impacts on both walls").default()
-    upper_impact_count: float = kinds.COUNT("impacts on the upper wall").default()
-    lower_impact_count: float = kinds.COUNT("impacts on the lower wall").default()
-    upper_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the upper wall").default()
-    lower_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the lower wall").default()
+    impact_count: float = kinds.COUNT("impacts on both walls")
+    upper_impact_count: float = kinds.COUNT("impacts on the upper wall")
+    lower_impact_count: float = kinds.COUNT("impacts on the lower wall")
+    upper_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the upper wall")
+    lower_impact_impulse: float = kinds.IMPULSE("sum of the impulses given by the lower wall")
     upper_wall_impulse: float = kinds.IMPULSE(
         "upper wall's impulses and integral of its force: differences give means"
-    ).default()
+    )
     lower_wall_impulse: float = kinds.IMPULSE(
         "lower wall's impulses and integral of its force: differences give means"
-    ).default()
+    )
     crank_impact_impulse: CrankImpulse = 0.0
-    last_impact_time: float = Quantity("s", "time of the last impact").default()
-    last_impact_velocity: float = kinds.VELOCITY(
-        "velocity towards the wall just before the last impact"
-    ).default()
-    event_count: float = kinds.COUNT("impacts and releases").default()
-    last_event_time: float = Quantity("s", "time of the last impact or release").default()
+    last_impact_time: float = kinds.TIME("time of the last impact")
+    last_impact_velocity: float = kinds.VELOCITY("velocity towards the wall just before the last impact")
+    event_count: float = kinds.COUNT("impacts and releases")
+    last_event_time: float = kinds.TIME("time of the last impact or release")
 
 
 @kernel

@@ -14,7 +14,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
 from .cams.profile import (
@@ -47,23 +47,19 @@ from .shared import DriveInputs
 class ShaftParameters:
     """Defaults: the set `kushwaha2000`."""
 
-    drive_ratio: float = Quantity(
-        "1", "cam angle over drive angle (0.5 behind a four-stroke crankshaft)"
-    ).default(1.0)
-    phase: float = kinds.PHASE("cam angle at drive angle zero; the nose is at pi").default()
-    flexible: float = kinds.SWITCH("the shaft bends and twists; false: rigid").default()
-    mass: float = kinds.PART_MASS("mass at the cam", nominal=0.4, positive=True).default(0.425)
-    polar_inertia: float = kinds.INERTIA("moment of inertia about the shaft").default(3.00e-4)
-    transverse_inertia: float = kinds.INERTIA("moment of inertia about a diameter").default(1.42e-4)
-    shaft_length: float = kinds.LENGTH("length l of the field element").default(0.1)
-    shaft_diameter: float = kinds.DIAMETER("diameter of the shaft").default(0.02)
-    youngs_modulus: float = kinds.YOUNGS_MODULUS("Young's modulus of the shaft").default(207e9)
-    poissons_ratio: float = Quantity("1", "Poisson's ratio of the shaft", minimum=0.0, maximum=0.5).default(
-        0.3
-    )
+    drive_ratio: float = kinds.NUMBER("cam angle over drive angle (0.5 behind a four-stroke crankshaft)", 1.0)
+    phase: float = kinds.PHASE("cam angle at drive angle zero; the nose is at pi")
+    flexible: float = kinds.SWITCH("the shaft bends and twists; false: rigid")
+    mass: float = kinds.PART_MASS("mass at the cam", 0.425, nominal=0.4, positive=True)
+    polar_inertia: float = kinds.INERTIA("moment of inertia about the shaft", 3.00e-4)
+    transverse_inertia: float = kinds.INERTIA("moment of inertia about a diameter", 1.42e-4)
+    shaft_length: float = kinds.LENGTH("length l of the field element", 0.1)
+    shaft_diameter: float = kinds.DIAMETER("diameter of the shaft", 0.02)
+    youngs_modulus: float = kinds.YOUNGS_MODULUS("Young's modulus of the shaft", 207e9)
+    poissons_ratio: float = kinds.NUMBER("Poisson's ratio of the shaft", 0.3, minimum=0.0, maximum=0.5)
     shaft_damping_ratio: float = kinds.DAMPING_RATIO(
-        "damping ratio of every mode of the shaft", maximum=1.0
-    ).default(0.02)
+        "damping ratio of every mode of the shaft", 0.02, maximum=1.0
+    )
 
 
 @dataclass
@@ -80,49 +76,43 @@ class TableCamshaftParameters(ShaftParameters, TableParameters):
 class CamshaftState:
     """All stay at zero when the shaft is rigid."""
 
-    twist: float = kinds.ANGLE("cam angle less driven angle", nominal=1e-4).default()
-    twist_rate: float = Quantity("rad/s", "rate of twist").default()
-    bending: float = Quantity(
-        "m", "cam axis displacement towards the follower", nominal=1e-4, display_unit="mm"
-    ).default()
-    bending_rate: float = kinds.VELOCITY("cam axis velocity towards the follower", nominal=0.1).default()
-    slope: float = Quantity("rad", "slope of the shaft at the cam", nominal=1e-3).default()
-    slope_rate: float = Quantity("rad/s", "rate of the slope at the cam").default()
+    twist: float = kinds.ANGLE("cam angle less driven angle", nominal=1e-4)
+    twist_rate: float = kinds.ROTATION_RATE("rate of twist", nominal=1.0)
+    bending: float = kinds.PLACE(
+        "cam axis displacement towards the follower", nominal=1e-4, display_unit="mm"
+    )
+    bending_rate: float = kinds.VELOCITY("cam axis velocity towards the follower", nominal=0.1)
+    slope: float = kinds.TILT("slope of the shaft at the cam")
+    slope_rate: float = kinds.ROTATION_RATE("rate of the slope at the cam", nominal=1.0)
     bending_across: float = kinds.DEFLECTION(
         "cam axis displacement across the follower's path, against the cam's surface"
-    ).default()
-    bending_across_rate: float = kinds.VELOCITY(
-        "its rate, the axis's drift along the follower", nominal=1e-2
-    ).default()
-    slope_across: float = Quantity(
-        "rad", "slope of the shaft at the cam across the follower's path", nominal=1e-4
-    ).default()
-    slope_across_rate: float = Quantity("rad/s", "its rate", nominal=0.1).default()
+    )
+    bending_across_rate: float = kinds.VELOCITY("its rate, the axis's drift along the follower", nominal=1e-2)
+    slope_across: float = kinds.TILT("slope of the shaft at the cam across the follower's path", nominal=1e-4)
+    slope_across_rate: float = kinds.ROTATION_RATE("its rate", nominal=0.1)
 
 
 @dataclass
 class CamshaftInputs(DriveInputs):
-    contact_load: float = kinds.FORCE("load W of the follower on the cam").default()
-    friction_force: float = kinds.FRICTION("friction on the cam against its sliding").default()
+    contact_load: float = kinds.FORCE("load W of the follower on the cam")
+    friction_force: float = kinds.FRICTION("friction on the cam against its sliding")
 
 
 @dataclass
 class CamshaftOutputs:
-    surface_position: float = kinds.DISPLACEMENT("cam surface towards the follower, s + bending").default()
-    surface_velocity: float = kinds.VELOCITY("velocity of the cam surface towards the follower").default()
-    radius_of_curvature: float = kinds.DISTANCE("radius of the cam at the contact").default()
-    entraining_velocity: float = kinds.VELOCITY("mean surface velocity relative to the contact").default()
-    sliding_velocity: float = kinds.VELOCITY("velocity of cam over follower surface").default()
-    drive_torque: float = kinds.TORQUE("torque taken from the drive").default()
-    cam_angle: float = kinds.ANGLE("angle of the cam; the nose is at pi").default()
-    cam_speed: float = kinds.SPEED("speed of the cam").default()
-    cam_lift: float = kinds.DISPLACEMENT("lift s of the profile").default()
-    contact_offset: float = kinds.DISTANCE(
-        "offset of the contact along the follower, s' + bending across"
-    ).default()
-    next_event: float = Quantity(
-        "s", "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests"
-    ).default(NO_EVENT)
+    surface_position: float = kinds.DISPLACEMENT("cam surface towards the follower, s + bending")
+    surface_velocity: float = kinds.VELOCITY("velocity of the cam surface towards the follower")
+    radius_of_curvature: float = kinds.DISTANCE("radius of the cam at the contact")
+    entraining_velocity: float = kinds.VELOCITY("mean surface velocity relative to the contact")
+    sliding_velocity: float = kinds.VELOCITY("velocity of cam over follower surface")
+    drive_torque: float = kinds.TORQUE("torque taken from the drive")
+    cam_angle: float = kinds.ANGLE("angle of the cam; the nose is at pi")
+    cam_speed: float = kinds.SPEED("speed of the cam")
+    cam_lift: float = kinds.DISPLACEMENT("lift s of the profile")
+    contact_offset: float = kinds.DISTANCE("offset of the contact along the follower, s' + bending across")
+    next_event: float = kinds.TIME(
+        "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests", NO_EVENT
+    )
 
 
 @kernel

@@ -14,7 +14,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
 
 
@@ -22,19 +22,18 @@ from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, W
 class Parameters:
     """Defaults: the spring of the set `kushwaha2000`, whose coils do not close within 20 mm."""
 
-    spring_rate: float = kinds.SPRING_RATE("static rate k0 while no coil is closed").default(35e3)
+    spring_rate: float = kinds.SPRING_RATE("static rate k0 while no coil is closed", 35e3)
     surge_frequency: SurgeFrequency = 504.5
     damping_ratio: SurgeDamping = 0.02
-    preload: float = Quantity("N", "force f_p at position zero", nominal=300.0, minimum=0.0).default(330.0)
-    gap: Vector = kinds.DISPLACEMENT(
+    preload: float = kinds.FORCE("force f_p at position zero", 330.0, nominal=300.0, minimum=0.0)
+    gap: Vector = kinds.DISPLACEMENT.each(
         "compression of a segment at which its coils close, from the moving end",
+        "segments",
+        2e-3,
         positive=True,
-        size="segments",
-    ).per_element(2e-3)
-    stop_stiffness: float = kinds.SEAT_STIFFNESS(
-        "stiffness of closed coils", nominal=1e6, minimum=0.0
-    ).default(5e6)
-    stop_damping: float = kinds.DAMPING("damping of closed coils", nominal=10.0).default(20.0)
+    )
+    stop_stiffness: float = kinds.SEAT_STIFFNESS("stiffness of closed coils", 5e6, nominal=1e6, minimum=0.0)
+    stop_damping: float = kinds.DAMPING("damping of closed coils", 20.0, nominal=10.0)
     wire_stress: WireStress = 0.0
     wire_amplitude: WireAmplitude = 0.0
     wire_strength: WireStrength = 0.0
@@ -42,26 +41,22 @@ class Parameters:
 
 @dataclass
 class State:
-    coil_position: Vector = kinds.DISPLACEMENT(
-        "displacement of a coil mass", size="coil_masses"
-    ).per_element()
-    coil_velocity: Vector = kinds.VELOCITY("velocity of a coil mass", size="coil_masses").per_element()
+    coil_position: Vector = kinds.DISPLACEMENT.each("displacement of a coil mass", "coil_masses")
+    coil_velocity: Vector = kinds.VELOCITY.each("velocity of a coil mass", "coil_masses")
 
 
 @dataclass
 class Inputs:
-    position: float = kinds.DISPLACEMENT("position of the moving end").default()
-    velocity: float = kinds.VELOCITY("velocity of the moving end").default()
+    position: float = kinds.DISPLACEMENT("position of the moving end")
+    velocity: float = kinds.VELOCITY("velocity of the moving end")
 
 
 @dataclass
 class Outputs:
-    force: float = kinds.FORCE("force on the moving end, preload included").default()
-    least_gap: float = kinds.DISPLACEMENT("least gap between coils, negative in a clash").default()
-    clash_force: float = kinds.FRICTION("largest force of a stop").default()
-    coil_position: Vector = kinds.DISPLACEMENT(
-        "displacement of a coil mass", size="coil_masses"
-    ).per_element()
+    force: float = kinds.FORCE("force on the moving end, preload included")
+    least_gap: float = kinds.DISPLACEMENT("least gap between coils, negative in a clash")
+    clash_force: float = kinds.FRICTION("largest force of a stop")
+    coil_position: Vector = kinds.DISPLACEMENT.each("displacement of a coil mass", "coil_masses")
 
 
 @kernel

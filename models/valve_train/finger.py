@@ -14,7 +14,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from ..core.requirements import Requirement, require
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
@@ -52,32 +52,27 @@ class LeverParameters(TipParameters):
     """Defaults: a finger of 28 and 40 mm with a pad. The lift of the profile is the valve's."""
 
     phase: Phase = 0.0
-    rolls: float = kinds.SWITCH("a roller on the cam; false: a pad, which slides").default()
+    rolls: float = kinds.SWITCH("a roller on the cam; false: a pad, which slides")
     follower_radius: FollowerRadius = 20e-3
     cam_arm: float = kinds.ARM(
         "distance from the pivot to the centre of roller or pad; the cam's surface moves towards it, "
-        "away from it where this is negative"
-    ).default(28e-3)
-    pivot_angle: float = kinds.LEVER_ANGLE("angle by which that line falls, valve closed").default(
-        math.radians(8.0)
+        "away from it where this is negative",
+        28e-3,
     )
+    pivot_angle: float = kinds.LEVER_ANGLE("angle by which that line falls, valve closed", math.radians(8.0))
     valve_arm: float = kinds.ARM(
-        "distance from the pivot to the centre of the pad on the valve; the sign of cam_arm"
-    ).default(40e-3)
-    valve_angle: float = kinds.LEVER_ANGLE("angle by which that line falls further").default(
-        math.radians(2.0)
+        "distance from the pivot to the centre of the pad on the valve; the sign of cam_arm", 40e-3
     )
-    mass: float = kinds.PART_MASS("mass of the finger", nominal=0.1, positive=True).default(0.05)
-    inertia: float = Quantity(
-        "kg.m2", "moment of inertia about the pivot", nominal=1e-5, positive=True
-    ).default(3e-5)
+    valve_angle: float = kinds.LEVER_ANGLE("angle by which that line falls further", math.radians(2.0))
+    mass: float = kinds.PART_MASS("mass of the finger", 0.05, nominal=0.1, positive=True)
+    inertia: float = kinds.INERTIA("moment of inertia about the pivot", 3e-5, nominal=1e-5)
     mass_arm: float = kinds.DISTANCE(
-        "distance from the pivot to the centre of mass, on the line to roller or pad"
-    ).default(18e-3)
+        "distance from the pivot to the centre of mass, on the line to roller or pad", 18e-3
+    )
     pivot_stiffness: float = kinds.SEAT_STIFFNESS(
         "stiffness of the pivot's support; 0: a lash adjuster bears it", nominal=1e8, minimum=0.0
-    ).default()
-    pivot_damping: float = kinds.DAMPING("damping of the pivot's support", nominal=1e2).default()
+    )
+    pivot_damping: float = kinds.DAMPING("damping of the pivot's support", nominal=1e2)
 
 
 @dataclass
@@ -92,25 +87,21 @@ class TableFingerParameters(LeverParameters, TableParameters):
 
 @dataclass
 class FingerState(LeverMotion):
-    pivot_position: float = kinds.DEFLECTION("position of the pivot away from the cam").default()
-    pivot_velocity: float = kinds.VELOCITY("velocity of the pivot", nominal=1e-2).default()
+    pivot_position: float = kinds.DEFLECTION("position of the pivot away from the cam")
+    pivot_velocity: float = kinds.VELOCITY("velocity of the pivot", nominal=1e-2)
 
 
 @dataclass
 class FingerInputs(CamInputs, TipInputs):
-    pivot_force: float = kinds.FORCE("force of a lash adjuster on the pivot, towards the cam").default()
-    pivot_torque: float = kinds.FRICTION_TORQUE(
-        "torque of the pivot's friction against the rotation"
-    ).default()
-    roller_torque: float = kinds.FRICTION_TORQUE(
-        "torque of a roller that may slip, against the rotation"
-    ).default()
+    pivot_force: float = kinds.FORCE("force of a lash adjuster on the pivot, towards the cam")
+    pivot_torque: float = kinds.FRICTION_TORQUE("torque of the pivot's friction against the rotation")
+    roller_torque: float = kinds.FRICTION_TORQUE("torque of a roller that may slip, against the rotation")
 
 
 @dataclass
 class FingerOutputs(FingerState, CamOutputs, TipOutputs):
-    ratio: float = Quantity("1", "load on the cam over that on the valve, slowly turned").default(1.0)
-    support_force: float = kinds.FORCE("force of the pivot on its support").default()
+    ratio: float = kinds.NUMBER("load on the cam over that on the valve, slowly turned", 1.0)
+    support_force: float = kinds.FORCE("force of the pivot on its support")
 
 
 class Arm(NamedTuple):

@@ -18,7 +18,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, lost_power
 
 
@@ -26,16 +26,14 @@ from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, l
 class Parameters:
     """Defaults: the stem of a valve in its guide, mixed lubrication."""
 
-    length: float = kinds.WIDTH("length L of the guide").default(40e-3)
-    diameter: float = kinds.DIAMETER("diameter d of stem or tappet").default(6e-3)
-    radial_clearance: float = kinds.CLEARANCE("radial clearance c in the guide").default(20e-6)
+    length: float = kinds.WIDTH("length L of the guide", 40e-3)
+    diameter: float = kinds.DIAMETER("diameter d of stem or tappet", 6e-3)
+    radial_clearance: float = kinds.CLEARANCE("radial clearance c in the guide", 20e-6)
     overhang: float = kinds.DISTANCE(
-        "distance a of the guide from the side force; negative: the force acts inside"
-    ).default(20e-3)
-    viscosity: float = kinds.VISCOSITY("viscosity of the oil").default(0.01)
-    friction_coefficient: float = kinds.FRICTION_COEFFICIENT("Coulomb's coefficient of friction mu").default(
-        0.1
+        "distance a of the guide from the side force; negative: the force acts inside", 20e-3
     )
+    viscosity: float = kinds.VISCOSITY("viscosity of the oil", 0.01)
+    friction_coefficient: float = kinds.FRICTION_COEFFICIENT("Coulomb's coefficient of friction mu", 0.1)
     sticking_stiffness: StickingStiffness = 1e6
     relaxation_time: RelaxationTime = 3e-5
 
@@ -47,21 +45,19 @@ class State:
 
 @dataclass
 class Inputs:
-    velocity: float = kinds.VELOCITY("velocity v in the guide").default()
-    side_force: float = kinds.SIDE_FORCE("force S on the guide").default()
-    side_moment: float = Quantity("N.m", "moment M about the place of that force", nominal=1.0).default()
+    velocity: float = kinds.VELOCITY("velocity v in the guide")
+    side_force: float = kinds.SIDE_FORCE("force S on the guide")
+    side_moment: float = kinds.TORQUE("moment M about the place of that force", nominal=1.0)
 
 
 @dataclass
 class Outputs:
-    friction_force: float = kinds.FRICTION("friction against the velocity").default()
-    viscous_friction: float = Quantity("N", "its share F_v of the oil", nominal=1.0).default()
-    near_load: float = kinds.SIDE_FORCE("load N_1 on the guide's near end").default()
-    far_load: float = kinds.SIDE_FORCE("load N_2 on its far end").default()
-    sticking_margin: float = kinds.FRICTION(
-        "limit less what sticking would take; negative: it slides"
-    ).default()
-    power_loss: float = Quantity("W", "power lost to friction").default()
+    friction_force: float = kinds.FRICTION("friction against the velocity")
+    viscous_friction: float = kinds.FORCE("its share F_v of the oil", nominal=1.0)
+    near_load: float = kinds.SIDE_FORCE("load N_1 on the guide's near end")
+    far_load: float = kinds.SIDE_FORCE("load N_2 on its far end")
+    sticking_margin: float = kinds.FRICTION("limit less what sticking would take; negative: it slides")
+    power_loss: float = kinds.POWER("power lost to friction")
 
 
 @kernel

@@ -26,7 +26,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from ..core.requirements import require
 
 # The film is no thinner than this part of the clearance, below any roughness. Over its square, 1e-15 is the
@@ -39,43 +39,43 @@ OVERLAP = 10.0
 SHORT, FINITE = 0.0, 1.0
 
 
-Eccentricity = Annotated[float, kinds.DEFLECTION("eccentricity of the journal in the bush")]
-Displacement = Annotated[float, kinds.DEFLECTION("displacement of the journal's axis")]
+Eccentricity = Annotated[float, kinds.DEFLECTION.of("eccentricity of the journal in the bush")]
+Displacement = Annotated[float, kinds.DEFLECTION.of("displacement of the journal's axis")]
 
 
 @dataclass
 class PlainBearingParameters:
     """Defaults: a bearing of a camshaft, 25 mm, with hot engine oil."""
 
-    diameter: float = kinds.DIAMETER("diameter of the journal").default(25e-3)
-    width: float = kinds.WIDTH("width of the bearing").default(12e-3)
-    radial_clearance: float = kinds.CLEARANCE("radius of the bush less that of the journal").default(25e-6)
-    viscosity: float = kinds.VISCOSITY("viscosity of the oil").default(0.01)
-    film_model: float = Quantity(
-        "1", "Ocvirk's film, too thick in wide bearings, or Reynolds' equation", choices=("short", "finite")
-    ).default(FINITE)
-    roughness: float = Quantity(
-        "m", "composite rms roughness", nominal=1e-7, positive=True, display_unit="um"
-    ).default(0.4e-6)
-    roughness_parameter: float = Quantity(
-        "1", "density x radius x rms of asperities", nominal=0.05, positive=True
-    ).default(0.05)
-    asperity_slope: float = Quantity(
-        "1", "rms over radius of asperities", nominal=1e-3, positive=True
-    ).default(1e-3)
+    diameter: float = kinds.DIAMETER("diameter of the journal", 25e-3)
+    width: float = kinds.WIDTH("width of the bearing", 12e-3)
+    radial_clearance: float = kinds.CLEARANCE("radius of the bush less that of the journal", 25e-6)
+    viscosity: float = kinds.VISCOSITY("viscosity of the oil", 0.01)
+    film_model: float = kinds.NUMBER(
+        "Ocvirk's film, too thick in wide bearings, or Reynolds' equation",
+        FINITE,
+        choices=("short", "finite"),
+    )
+    roughness: float = kinds.PLACE(
+        "composite rms roughness", 0.4e-6, nominal=1e-7, positive=True, display_unit="um"
+    )
+    roughness_parameter: float = kinds.NUMBER(
+        "density x radius x rms of asperities", 0.05, nominal=0.05, positive=True
+    )
+    asperity_slope: float = kinds.NUMBER("rms over radius of asperities", 1e-3, nominal=1e-3, positive=True)
     contact_modulus: float = kinds.YOUNGS_MODULUS(
-        "modulus E of the contact, 1/E = (1 - nu1^2)/E1 + (1 - nu2^2)/E2"
-    ).default(58e9)
+        "modulus E of the contact, 1/E = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", 58e9
+    )
     boundary_friction_coefficient: float = kinds.FRICTION_COEFFICIENT(
-        "friction coefficient of asperities"
-    ).default(0.1)
+        "friction coefficient of asperities", 0.1
+    )
 
 
 @dataclass
 class Parameters(PlainBearingParameters):
     support_stiffness: float = kinds.SEAT_STIFFNESS(
-        "radial stiffness of bush and housing", nominal=1e8, positive=True
-    ).default(2e8)
+        "radial stiffness of bush and housing", 2e8, nominal=1e8, positive=True
+    )
 
 
 @dataclass
@@ -86,31 +86,29 @@ class Place:
 
 @dataclass
 class Inputs:
-    shaft_speed: float = kinds.SPEED("speed of the journal, anticlockwise").default()
+    shaft_speed: float = kinds.SPEED("speed of the journal, anticlockwise")
     axis_x: Displacement = 0.0
     axis_y: Displacement = 0.0
-    axis_velocity_x: float = kinds.VELOCITY("rate of axis_x", nominal=1e-2).default()
-    axis_velocity_y: float = kinds.VELOCITY("rate of axis_y", nominal=1e-2).default()
+    axis_velocity_x: float = kinds.VELOCITY("rate of axis_x", nominal=1e-2)
+    axis_velocity_y: float = kinds.VELOCITY("rate of axis_y", nominal=1e-2)
 
 
 @dataclass
 class Outputs:
-    force_x: float = kinds.FORCE("force on the journal").default()
-    force_y: float = kinds.FORCE("force on the journal").default()
-    friction_torque: float = kinds.FRICTION_TORQUE(
-        "torque that film and asperities take from the shaft"
-    ).default()
-    load: float = kinds.FORCE("force on the bush").default()
+    force_x: float = kinds.FORCE("force on the journal")
+    force_y: float = kinds.FORCE("force on the journal")
+    friction_torque: float = kinds.FRICTION_TORQUE("torque that film and asperities take from the shaft")
+    load: float = kinds.FORCE("force on the bush")
     eccentricity_x: Eccentricity = 0.0
     eccentricity_y: Eccentricity = 0.0
-    eccentricity_ratio: float = Quantity("1", "eccentricity over the radial clearance").default()
+    eccentricity_ratio: float = kinds.NUMBER("eccentricity over the radial clearance")
     minimum_film_thickness: float = kinds.FILM(
         "least thickness of the film; finite: to 0.1 % of Reynolds' equation up to an eccentricity of 0.95"
-    ).default()
-    film_ratio: float = Quantity("1", "least film over roughness").default()
-    maximum_pressure: float = kinds.PRESSURE("highest pressure of the film").default()
-    asperity_load: float = kinds.FORCE("load on the asperities").default()
-    power_loss: float = Quantity("W", "power lost to friction and squeeze", nominal=10.0).default()
+    )
+    film_ratio: float = kinds.NUMBER("least film over roughness")
+    maximum_pressure: float = kinds.PRESSURE("highest pressure of the film")
+    asperity_load: float = kinds.FORCE("load on the asperities")
+    power_loss: float = kinds.POWER("power lost to friction and squeeze", nominal=10.0)
 
 
 class Film(NamedTuple):

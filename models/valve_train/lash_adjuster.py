@@ -27,43 +27,35 @@ STEPS, CLOSE = 60, 1e-15
 class Parameters:
     """Defaults: an adjuster of 9 mm with a chamber of 600 mm3, without air."""
 
-    plunger_diameter: float = kinds.DIAMETER("diameter of the plunger").default(9e-3)
+    plunger_diameter: float = kinds.DIAMETER("diameter of the plunger", 9e-3)
     chamber_volume: float = Quantity(
         "m3", "volume of the chamber", nominal=1e-6, positive=True, display_unit="mm3", plausible=VOLUME
     ).default(600e-9)
     bulk_modulus: float = Quantity(
         "Pa", "bulk modulus of the oil", nominal=1e9, positive=True, display_unit="MPa"
     ).default(1.5e9)
-    air_content: float = Quantity(
-        "1", "volume of air in the oil at supply pressure", minimum=0.0, maximum=0.5
-    ).default()
-    air_exponent: float = Quantity("1", "polytropic exponent of the air", minimum=1.0, maximum=2.0).default(
-        1.4
-    )
+    air_content: float = kinds.NUMBER("volume of air in the oil at supply pressure", minimum=0.0, maximum=0.5)
+    air_exponent: float = kinds.NUMBER("polytropic exponent of the air", 1.4, minimum=1.0, maximum=2.0)
     supply_pressure: float = Quantity(
         "Pa", "absolute pressure of the oil supply",
         nominal=1e5, positive=True, display_unit="MPa", plausible=GAS_PRESSURE,
     ).default(5e5)  # fmt: skip
-    leak_clearance: float = kinds.FILM(
-        "radial clearance of the plunger", minimum=0.0, plausible=PLAY
-    ).default(6e-6)
+    leak_clearance: float = kinds.FILM("radial clearance of the plunger", 6e-6, minimum=0.0, plausible=PLAY)
     leak_length: float = kinds.DISPLACEMENT(
-        "length of the clearance", positive=True, plausible=PART_LENGTH
-    ).default(5e-3)
-    viscosity: float = kinds.VISCOSITY("viscosity of the oil").default(0.01)
+        "length of the clearance", 5e-3, positive=True, plausible=PART_LENGTH
+    )
+    viscosity: float = kinds.VISCOSITY("viscosity of the oil", 0.01)
     valve_opening_pressure: float = Quantity(
         "Pa", "pressure below the supply's at which the check valve opens", minimum=0.0
     ).default(3e3)
     valve_conductance: float = Quantity(
         "m3/s.Pa", "flow through the check valve over pressure", nominal=1e-10, minimum=0.0
     ).default(1e-10)
-    spring_force: float = kinds.FRICTION("force of the plunger's spring", minimum=0.0).default(20.0)
-    travel: float = kinds.DISPLACEMENT(
-        "extension at which the retainer stops the plunger", minimum=0.0
-    ).default(2e-3)
-    retainer_stiffness: float = Quantity(
-        "N/m", "stiffness of the retainer", nominal=1e7, minimum=0.0, display_unit="N/mm"
-    ).default(1e7)
+    spring_force: float = kinds.FRICTION("force of the plunger's spring", 20.0, minimum=0.0)
+    travel: float = kinds.DISPLACEMENT("extension at which the retainer stops the plunger", 2e-3, minimum=0.0)
+    retainer_stiffness: float = kinds.STIFFNESS(
+        "stiffness of the retainer", 1e7, nominal=1e7, minimum=0.0, display_unit="N/mm"
+    )
 
 
 @dataclass
@@ -75,15 +67,15 @@ class State:
 
 @dataclass
 class Outputs:
-    force: float = kinds.FORCE("force that parts both bodies").default()
-    pressure: float = kinds.PRESSURE("pressure of the chamber over the supply's").default()
-    extension: float = kinds.DEFLECTION("length over that of the start").default()
+    force: float = kinds.FORCE("force that parts both bodies")
+    pressure: float = kinds.PRESSURE("pressure of the chamber over the supply's")
+    extension: float = kinds.DEFLECTION("length over that of the start")
     leak_flow: float = Quantity("m3/s", "flow out by the clearance", nominal=1e-7).default()
     valve_flow: float = Quantity("m3/s", "flow in through the check valve", nominal=1e-7).default()
     valve_excess: float = Quantity(
         "Pa", "pressure above that at which the check valve opens", nominal=1e6
     ).default()
-    cavitates: float = kinds.SWITCH("the oil is torn, at no absolute pressure").default()
+    cavitates: float = kinds.SWITCH("the oil is torn, at no absolute pressure")
 
 
 @kernel

@@ -28,11 +28,11 @@ _RPM = 30.0 / math.pi
 class Parameters:
     """Defaults: caged needles in a roller of 18 mm, hot engine oil. f_0 and f_1 are in catalogues."""
 
-    mean_diameter: float = kinds.DIAMETER("mean diameter d_m of the needles' circle").default(10e-3)
-    viscosity: float = kinds.VISCOSITY("viscosity of the oil").default(0.01)
+    mean_diameter: float = kinds.DIAMETER("mean diameter d_m of the needles' circle", 10e-3)
+    viscosity: float = kinds.VISCOSITY("viscosity of the oil", 0.01)
     density: float = Quantity("kg/m3", "density of the oil", nominal=1e3, positive=True).default(800.0)
-    viscous_factor: float = Quantity("1", "bearing factor f_0", nominal=5.0, minimum=0.0).default(5.0)
-    load_factor: float = Quantity("1", "bearing factor f_1", nominal=1e-3, minimum=0.0).default(5e-4)
+    viscous_factor: float = kinds.NUMBER("bearing factor f_0", 5.0, nominal=5.0, minimum=0.0)
+    load_factor: float = kinds.NUMBER("bearing factor f_1", 5e-4, nominal=1e-3, minimum=0.0)
     sticking_stiffness: TwistStiffness = 50.0
     relaxation_time: RelaxationTime = 3e-5
 

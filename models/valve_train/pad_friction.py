@@ -12,7 +12,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, lost_power
 
 
@@ -20,10 +20,8 @@ from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, l
 class Parameters:
     """Defaults: mixed lubrication; under 500 N the surfaces give by 5 um before they slide."""
 
-    friction_coefficient: float = kinds.FRICTION_COEFFICIENT("Coulomb's coefficient of friction mu").default(
-        0.1
-    )
-    viscous_coefficient: float = kinds.DAMPING("viscous friction c over velocity", nominal=1.0).default()
+    friction_coefficient: float = kinds.FRICTION_COEFFICIENT("Coulomb's coefficient of friction mu", 0.1)
+    viscous_coefficient: float = kinds.DAMPING("viscous friction c over velocity", nominal=1.0)
     sticking_stiffness: StickingStiffness = 1e7
     relaxation_time: RelaxationTime = 3e-5
 
@@ -35,18 +33,16 @@ class State:
 
 @dataclass
 class Inputs:
-    sliding_velocity: float = kinds.VELOCITY("velocity v_s of one surface on the other").default()
-    load: float = kinds.FORCE("load W of the contact").default()
+    sliding_velocity: float = kinds.VELOCITY("velocity v_s of one surface on the other")
+    load: float = kinds.FORCE("load W of the contact")
 
 
 @dataclass
 class Outputs:
-    friction_force: float = kinds.FRICTION("friction against the sliding").default()
-    sticking_margin: float = kinds.FRICTION(
-        "limit less what sticking would take; negative: it slides"
-    ).default()
-    slip: float = kinds.VELOCITY("velocity by which the surfaces slide").default()
-    power_loss: float = Quantity("W", "power lost to friction", nominal=1.0).default()
+    friction_force: float = kinds.FRICTION("friction against the sliding")
+    sticking_margin: float = kinds.FRICTION("limit less what sticking would take; negative: it slides")
+    slip: float = kinds.VELOCITY("velocity by which the surfaces slide")
+    power_loss: float = kinds.POWER("power lost to friction", nominal=1.0)
 
 
 @kernel

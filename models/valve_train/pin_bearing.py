@@ -23,7 +23,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from ..core.requirements import require
 from .journal_bearing import (
     REQUIREMENTS,
@@ -45,42 +45,42 @@ from .slider import Slip, find_slip, lost_power
 class Parameters(PlainBearingParameters):
     """Defaults: the bronze pin of a roller finger, with hot engine oil."""
 
-    diameter: float = kinds.DIAMETER("diameter of the pin").default(8e-3)
-    width: float = kinds.WIDTH("width of the bearing").default(8e-3)
-    radial_clearance: float = kinds.CLEARANCE("radius of the bush less that of the pin").default(15e-6)
+    diameter: float = kinds.DIAMETER("diameter of the pin", 8e-3)
+    width: float = kinds.WIDTH("width of the bearing", 8e-3)
+    radial_clearance: float = kinds.CLEARANCE("radius of the bush less that of the pin", 15e-6)
     sticking_stiffness: TwistStiffness = 50.0
     relaxation_time: RelaxationTime = 3e-5
-    face_radius: float = kinds.DIAMETER("outer radius R_F of the end faces").default(7e-3)
-    face_gap: float = Quantity(
-        "m", "gap h_F at each end face; 0: no faces", nominal=1e-4, minimum=0.0, display_unit="mm"
-    ).default()
+    face_radius: float = kinds.DIAMETER("outer radius R_F of the end faces", 7e-3)
+    face_gap: float = kinds.PLACE(
+        "gap h_F at each end face; 0: no faces", nominal=1e-4, minimum=0.0, display_unit="mm"
+    )
 
 
 @dataclass
 class State(Place):
-    twist: float = Quantity("rad", "elastic twist of the asperities", nominal=1e-4).default()
+    twist: float = kinds.TILT("elastic twist of the asperities", nominal=1e-4)
 
 
 @dataclass
 class Inputs:
-    rotation_rate: float = kinds.SPEED("speed omega of roller or lever on the pin").default()
-    applied_load: float = kinds.FORCE("load W of the bearing").default()
+    rotation_rate: float = kinds.SPEED("speed omega of roller or lever on the pin")
+    applied_load: float = kinds.FORCE("load W of the bearing")
 
 
 @dataclass
 class Outputs:
-    friction_torque: float = kinds.FRICTION_TORQUE("torque T against the rotation").default()
-    load: float = kinds.FORCE("load W of the bearing").default()
-    eccentricity_ratio: float = Quantity("1", "eccentricity over the radial clearance").default()
-    minimum_film_thickness: float = kinds.FILM("least thickness of the film").default()
-    film_ratio: float = Quantity("1", "least film over roughness").default()
-    maximum_pressure: float = kinds.PRESSURE("highest pressure of the film").default()
-    asperity_load: float = kinds.FORCE("load N on the asperities").default()
-    asperity_torque: float = kinds.FRICTION_TORQUE("share T_N of the asperities").default()
+    friction_torque: float = kinds.FRICTION_TORQUE("torque T against the rotation")
+    load: float = kinds.FORCE("load W of the bearing")
+    eccentricity_ratio: float = kinds.NUMBER("eccentricity over the radial clearance")
+    minimum_film_thickness: float = kinds.FILM("least thickness of the film")
+    film_ratio: float = kinds.NUMBER("least film over roughness")
+    maximum_pressure: float = kinds.PRESSURE("highest pressure of the film")
+    asperity_load: float = kinds.FORCE("load N on the asperities")
+    asperity_torque: float = kinds.FRICTION_TORQUE("share T_N of the asperities")
     sticking_margin: float = kinds.FRICTION_TORQUE(
         "limit of T_N less what sticking would take; negative: it slides"
-    ).default()
-    power_loss: float = Quantity("W", "power T omega that friction takes from the rotation").default()
+    )
+    power_loss: float = kinds.POWER("power T omega that friction takes from the rotation")
 
 
 class Motion(NamedTuple):

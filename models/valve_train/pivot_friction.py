@@ -21,7 +21,7 @@ TwistStiffness = Annotated[
     float, Quantity("N.m/rad", "stiffness k of the sticking surfaces", nominal=1e3, positive=True)
 ]
 RelaxationTime = Annotated[
-    float, Quantity("s", "damping of their twist over the stiffness, tau", nominal=1e-5, positive=True)
+    float, kinds.TIME.of("damping of their twist over the stiffness, tau", nominal=1e-5, positive=True)
 ]
 
 
@@ -29,42 +29,32 @@ RelaxationTime = Annotated[
 class Parameters:
     """Defaults: a pin of 16 mm in mixed lubrication, which twists by 1.3 um under 1000 N before it slides."""
 
-    friction_coefficient: float = kinds.FRICTION_COEFFICIENT("Coulomb's coefficient of friction mu").default(
-        0.1
-    )
-    radius: float = kinds.WIDTH("radius of the pivot's pin or ball").default(8e-3)
-    preload_torque: float = kinds.FRICTION_TORQUE(
-        "limit T_0 of the dry friction without load", minimum=0.0
-    ).default()
-    viscous_coefficient: float = kinds.TURNING_DAMPING(
-        "viscous friction c over speed", nominal=1e-3
-    ).default()
+    friction_coefficient: float = kinds.FRICTION_COEFFICIENT("Coulomb's coefficient of friction mu", 0.1)
+    radius: float = kinds.WIDTH("radius of the pivot's pin or ball", 8e-3)
+    preload_torque: float = kinds.FRICTION_TORQUE("limit T_0 of the dry friction without load", minimum=0.0)
+    viscous_coefficient: float = kinds.TURNING_DAMPING("viscous friction c over speed", nominal=1e-3)
     sticking_stiffness: TwistStiffness = 5e3
     relaxation_time: RelaxationTime = 3e-5
 
 
 @dataclass
 class State:
-    twist: float = Quantity("rad", "elastic twist z of the sticking surfaces", nominal=1e-4).default()
+    twist: float = kinds.TILT("elastic twist z of the sticking surfaces", nominal=1e-4)
 
 
 @dataclass
 class Inputs:
-    rotation_rate: float = Quantity("rad/s", "speed omega of the lever", nominal=10.0).default()
-    load: float = kinds.FORCE("force F on the pivot").default()
+    rotation_rate: float = kinds.ROTATION_RATE("speed omega of the lever")
+    load: float = kinds.FORCE("force F on the pivot")
 
 
 @dataclass
 class Outputs:
-    friction_torque: float = kinds.FRICTION_TORQUE("torque T against the lever's rotation").default()
-    sliding_torque: float = kinds.FRICTION_TORQUE("limit T_c of the dry friction under this load").default()
-    sticking_margin: float = kinds.FRICTION_TORQUE(
-        "limit less what sticking would take; negative: it slides"
-    ).default()
-    sliding_rate: float = Quantity(
-        "rad/s", "part of the speed by which the surfaces slide", nominal=10.0
-    ).default()
-    power_loss: float = Quantity("W", "power lost to friction", nominal=1.0).default()
+    friction_torque: float = kinds.FRICTION_TORQUE("torque T against the lever's rotation")
+    sliding_torque: float = kinds.FRICTION_TORQUE("limit T_c of the dry friction under this load")
+    sticking_margin: float = kinds.FRICTION_TORQUE("limit less what sticking would take; negative: it slides")
+    sliding_rate: float = kinds.ROTATION_RATE("part of the speed by which the surfaces slide")
+    power_loss: float = kinds.POWER("power lost to friction", nominal=1.0)
 
 
 @kernel

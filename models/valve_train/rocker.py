@@ -10,7 +10,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from .followers.tip import (
     TIP_BONDS,
     LeverMotion,
@@ -27,31 +27,27 @@ from .followers.tip import (
 class RockerParameters(TipParameters):
     """Angles are those of the closed valve. An arm at angle zero is normal to the motion of its end."""
 
-    rod_arm: float = kinds.WIDTH("distance from the pivot to the pushrod's end").default(32e-3)
-    rod_angle: float = kinds.LEVER_ANGLE("angle by which the pushrod's arm falls").default()
-    valve_arm: float = kinds.WIDTH("distance from the pivot to the centre of the pad").default(40e-3)
-    valve_angle: float = kinds.LEVER_ANGLE("angle by which the valve's arm falls").default()
-    small_motion: float = kinds.SWITCH(
-        "constant lever ratio, that of the closed valve; false: true geometry"
-    ).default()
-    inertia: float = kinds.INERTIA("moment of inertia about the pivot").default(6e-5)
-    pivot_damping: float = kinds.TURNING_DAMPING("viscous friction of the pivot", nominal=1e-3).default()
+    rod_arm: float = kinds.WIDTH("distance from the pivot to the pushrod's end", 32e-3)
+    rod_angle: float = kinds.LEVER_ANGLE("angle by which the pushrod's arm falls")
+    valve_arm: float = kinds.WIDTH("distance from the pivot to the centre of the pad", 40e-3)
+    valve_angle: float = kinds.LEVER_ANGLE("angle by which the valve's arm falls")
+    small_motion: float = kinds.SWITCH("constant lever ratio, that of the closed valve; false: true geometry")
+    inertia: float = kinds.INERTIA("moment of inertia about the pivot", 6e-5)
+    pivot_damping: float = kinds.TURNING_DAMPING("viscous friction of the pivot", nominal=1e-3)
 
 
 @dataclass
 class RockerInputs(TipInputs):
-    rod_force: float = kinds.FORCE("force of the pushrod").default()
-    pivot_torque: float = kinds.FRICTION_TORQUE(
-        "torque of the pivot's friction against the rotation"
-    ).default()
+    rod_force: float = kinds.FORCE("force of the pushrod")
+    pivot_torque: float = kinds.FRICTION_TORQUE("torque of the pivot's friction against the rotation")
 
 
 @dataclass
 class RockerOutputs(LeverMotion, TipOutputs):
-    rod_position: float = kinds.DISPLACEMENT("position of the pushrod's end").default()
-    rod_velocity: float = kinds.VELOCITY("velocity of the pushrod's end").default()
-    ratio: float = Quantity("1", "velocity of the pad over that of the pushrod's end").default(1.0)
-    pivot_force: float = kinds.FORCE("force on the pivot, along the rod").default()
+    rod_position: float = kinds.DISPLACEMENT("position of the pushrod's end")
+    rod_velocity: float = kinds.VELOCITY("velocity of the pushrod's end")
+    ratio: float = kinds.NUMBER("velocity of the pad over that of the pushrod's end", 1.0)
+    pivot_force: float = kinds.FORCE("force on the pivot, along the rod")
 
 
 class Ends(NamedTuple):

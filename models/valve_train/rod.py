@@ -21,35 +21,33 @@ from .shared import EndMotions
 class RodParameters:
     """Defaults: a steel pushrod of 200 mm."""
 
-    length: float = kinds.LENGTH("length of the rod").default(0.2)
+    length: float = kinds.LENGTH("length of the rod", 0.2)
     area: float = Quantity(
         "m2", "cross-section of the rod", nominal=5e-5, positive=True, display_unit="mm2", plausible=AREA
     ).default(50e-6)
-    youngs_modulus: float = kinds.YOUNGS_MODULUS("Young's modulus of the rod").default(207e9)
+    youngs_modulus: float = kinds.YOUNGS_MODULUS("Young's modulus of the rod", 207e9)
     density: float = Quantity("kg/m3", "density of the rod", nominal=7850.0, positive=True).default(7850.0)
-    damping_time: float = Quantity(
-        "s", "damping of the rod over its stiffness", nominal=5e-6, minimum=0.0
-    ).default(5e-6)
-    bonded: float = kinds.SWITCH("the ends also pull; false: they only push, and may part").default()
-    clearance: float = Quantity(
-        "m", "gap at the upper end, at rest", nominal=1e-4, minimum=0.0, display_unit="mm"
-    ).default()
+    damping_time: float = kinds.TIME("damping of the rod over its stiffness", 5e-6, nominal=5e-6, minimum=0.0)
+    bonded: float = kinds.SWITCH("the ends also pull; false: they only push, and may part")
+    clearance: float = kinds.PLACE(
+        "gap at the upper end, at rest", nominal=1e-4, minimum=0.0, display_unit="mm"
+    )
 
 
 @dataclass
 class RodState:
-    displacement: Vector = kinds.DISPLACEMENT(
-        "displacement of a segment, from the lower end", size="segments"
-    ).per_element()
-    velocity: Vector = kinds.VELOCITY("velocity of a segment", size="segments").per_element()
+    displacement: Vector = kinds.DISPLACEMENT.each(
+        "displacement of a segment, from the lower end", "segments"
+    )
+    velocity: Vector = kinds.VELOCITY.each("velocity of a segment", "segments")
 
 
 @dataclass
 class RodOutputs:
-    lower_force: float = kinds.FORCE("force on the body below, which it presses down").default()
-    upper_force: float = kinds.FORCE("force on the body above, which it presses up").default()
-    lower_compression: float = kinds.DEFLECTION("compression of the lower end").default()
-    upper_compression: float = kinds.DEFLECTION("compression of the upper end").default()
+    lower_force: float = kinds.FORCE("force on the body below, which it presses down")
+    upper_force: float = kinds.FORCE("force on the body above, which it presses up")
+    lower_compression: float = kinds.DEFLECTION("compression of the lower end")
+    upper_compression: float = kinds.DEFLECTION("compression of the upper end")
 
 
 @kernel

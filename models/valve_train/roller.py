@@ -17,7 +17,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, lost_power
 
 
@@ -25,52 +25,46 @@ from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, l
 class Parameters:
     """Defaults: a steel ring of 9 mm and 12 mm length on its pin."""
 
-    radius: float = kinds.ARC("radius r of the roller").default(9e-3)
-    inertia: float = Quantity(
-        "kg.m2", "moment of inertia J about the pin", nominal=1e-6, positive=True
-    ).default(8e-7)
-    traction_coefficient: float = Quantity(
-        "1", "largest traction over load, mu", nominal=0.05, minimum=0.0
-    ).default(0.05)
-    pin_damping: float = kinds.TURNING_DAMPING(
-        "viscous friction c of the pin over speed", nominal=1e-5
-    ).default(1e-5)
+    radius: float = kinds.ARC("radius r of the roller", 9e-3)
+    inertia: float = kinds.INERTIA("moment of inertia J about the pin", 8e-7, nominal=1e-6)
+    traction_coefficient: float = kinds.NUMBER(
+        "largest traction over load, mu", 0.05, nominal=0.05, minimum=0.0
+    )
+    pin_damping: float = kinds.TURNING_DAMPING("viscous friction c of the pin over speed", 1e-5, nominal=1e-5)
     sticking_stiffness: StickingStiffness = 1e7
     relaxation_time: RelaxationTime = 3e-5
 
 
 @dataclass
 class State:
-    absolute_spin: float = kinds.SPEED("spin in space, omega - beta'").default()
+    absolute_spin: float = kinds.SPEED("spin in space, omega - beta'")
     creep: Creep = 0.0
 
 
 @dataclass
 class Inputs:
-    rolling_velocity: float = kinds.VELOCITY("surface speed v at which nothing would slide").default()
-    load: float = kinds.FORCE("load W of the contact").default()
-    pin_torque: float = kinds.PIN_TORQUE("further friction T_p of the pin, against the spin").default()
-    rolling_friction: float = Quantity(
-        "N", "rolling friction F_R of the contact, against its motion", nominal=1.0
-    ).default()
-    rotation_rate: float = Quantity(
-        "rad/s", "rotation beta' of the carrier, against the spin", nominal=10.0
-    ).default()
+    rolling_velocity: float = kinds.VELOCITY("surface speed v at which nothing would slide")
+    load: float = kinds.FORCE("load W of the contact")
+    pin_torque: float = kinds.PIN_TORQUE("further friction T_p of the pin, against the spin")
+    rolling_friction: float = kinds.FORCE(
+        "rolling friction F_R of the contact, against its motion", nominal=1.0
+    )
+    rotation_rate: float = kinds.ROTATION_RATE("rotation beta' of the carrier, against the spin")
 
 
 @dataclass
 class Outputs:
-    surface_speed: float = kinds.VELOCITY("r omega along the carrier").default()
-    spin: float = kinds.SPEED("spin omega about the carrier").default()
-    traction: float = kinds.FRICTION("traction T of the cam").default()
+    surface_speed: float = kinds.VELOCITY("r omega along the carrier")
+    spin: float = kinds.SPEED("spin omega about the carrier")
+    traction: float = kinds.FRICTION("traction T of the cam")
     traction_margin: float = kinds.FRICTION(
         "largest traction less what sticking would take; negative: it slides"
-    ).default()
-    slip: float = kinds.VELOCITY("velocity by which the surfaces slide").default()
+    )
+    slip: float = kinds.VELOCITY("velocity by which the surfaces slide")
     carrier_torque: float = kinds.PIN_TORQUE(
         "torque on the carrier, with the spin, beyond that of a fixed pad"
-    ).default()
-    power_loss: float = Quantity("W", "power lost to slip, and to the pin's damping").default()
+    )
+    power_loss: float = kinds.POWER("power lost to slip, and to the pin's damping")
 
 
 @kernel

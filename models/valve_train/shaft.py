@@ -22,90 +22,82 @@ from .shared import DriveInputs
 class Parameters:
     """Defaults: one mode of torsion and one of bending, of the size of those of the set `kushwaha2000`."""
 
-    drive_ratio: float = Quantity(
-        "1", "shaft angle over drive angle (0.5 behind a four-stroke crankshaft)"
-    ).default(1.0)
-    inertia: float = kinds.INERTIA("moment of inertia of the whole shaft").default(3e-4)
+    drive_ratio: float = kinds.NUMBER(
+        "shaft angle over drive angle (0.5 behind a four-stroke crankshaft)", 1.0
+    )
+    inertia: float = kinds.INERTIA("moment of inertia of the whole shaft", 3e-4)
     torsion_frequency: Vector = Quantity(
         "Hz", "frequency of a mode of torsion", nominal=1e3, positive=True, size="torsion_modes"
     ).per_element(1000.0)
-    torsion_damping: Vector = kinds.DAMPING_RATIO(
-        "damping ratio of a mode of torsion", size="torsion_modes"
-    ).per_element(0.02)
-    torsion_inertia: Vector = kinds.INERTIA(
-        "modal inertia of a mode of torsion", size="torsion_modes"
-    ).per_element(3e-4)
+    torsion_damping: Vector = kinds.DAMPING_RATIO.each(
+        "damping ratio of a mode of torsion", "torsion_modes", 0.02
+    )
+    torsion_inertia: Vector = kinds.INERTIA.each("modal inertia of a mode of torsion", "torsion_modes", 3e-4)
     torsion_share: Vector = Quantity(
         "kg.m2", "part of a mode of torsion in turning the whole shaft, phi^T M 1",
         nominal=1e-4, size="torsion_modes",
     ).per_element(3e-4)  # fmt: skip
-    torsion_shape: Vector = Quantity(
-        "1",
+    torsion_shape: Vector = kinds.NUMBER.each(
         "twist at the cams in a mode of torsion: all cams in the first mode, then in the second ...",
-        size="torsion_shapes",
-    ).per_element(1.0)
+        "torsion_shapes",
+        1.0,
+    )
     bending_frequency: Vector = Quantity(
         "Hz", "frequency of a mode of bending; 0: rigid motion",
         nominal=1e3, minimum=0.0, size="bending_modes",
     ).per_element(540.0)  # fmt: skip
-    bending_damping: Vector = kinds.DAMPING_RATIO(
-        "damping ratio of a mode of bending", size="bending_modes"
-    ).per_element(0.02)
-    bending_mass: Vector = Quantity(
-        "kg", "modal mass of a mode of bending", nominal=0.1, positive=True, size="bending_modes"
-    ).per_element(0.425)
-    bending_shape: Vector = Quantity(
-        "1",
+    bending_damping: Vector = kinds.DAMPING_RATIO.each(
+        "damping ratio of a mode of bending", "bending_modes", 0.02
+    )
+    bending_mass: Vector = kinds.MASS.each(
+        "modal mass of a mode of bending", "bending_modes", 0.425, nominal=0.1, positive=True
+    )
+    bending_shape: Vector = kinds.NUMBER.each(
         "displacement of the cams in a mode of bending: all cams in the first, then in the second ...",
-        size="bending_shapes",
-    ).per_element(1.0)
-    gyroscopic: Vector = Quantity(
-        "kg", "gyroscopic coupling of two modes of bending, row by row", size="bending_pairs"
-    ).per_element()
-    direction: Vector = kinds.PHASE(
-        "direction of a cam's follower, anticlockwise from y", size="cams"
-    ).per_element()
+        "bending_shapes",
+        1.0,
+    )
+    gyroscopic: Vector = kinds.MASS.each(
+        "gyroscopic coupling of two modes of bending, row by row", "bending_pairs"
+    )
+    direction: Vector = kinds.PHASE.each("direction of a cam's follower, anticlockwise from y", "cams")
 
 
 @dataclass
 class State:
     """Coordinates of the modes."""
 
-    torsion: Vector = Quantity(
-        "rad", "coordinate of a mode of torsion", nominal=1e-4, size="torsion_modes"
-    ).per_element()
-    torsion_rate: Vector = Quantity("rad/s", "its rate", size="torsion_modes").per_element()
-    bending_x: Vector = Quantity(
-        "m", "coordinate of a mode of bending along x", nominal=1e-5, size="bending_modes"
-    ).per_element()
-    bending_x_rate: Vector = kinds.VELOCITY("its rate", nominal=1e-2, size="bending_modes").per_element()
-    bending_y: Vector = Quantity(
-        "m", "coordinate of a mode of bending along y", nominal=1e-5, size="bending_modes"
-    ).per_element()
-    bending_y_rate: Vector = kinds.VELOCITY("its rate", nominal=1e-2, size="bending_modes").per_element()
+    torsion: Vector = kinds.TILT.each("coordinate of a mode of torsion", "torsion_modes", nominal=1e-4)
+    torsion_rate: Vector = kinds.ROTATION_RATE.each("its rate", "torsion_modes", nominal=1.0)
+    bending_x: Vector = kinds.PLACE.each(
+        "coordinate of a mode of bending along x", "bending_modes", nominal=1e-5
+    )
+    bending_x_rate: Vector = kinds.VELOCITY.each("its rate", "bending_modes", nominal=1e-2)
+    bending_y: Vector = kinds.PLACE.each(
+        "coordinate of a mode of bending along y", "bending_modes", nominal=1e-5
+    )
+    bending_y_rate: Vector = kinds.VELOCITY.each("its rate", "bending_modes", nominal=1e-2)
 
 
 @dataclass
 class Inputs(DriveInputs):
-    cam_torque: Vector = kinds.TORQUE("torque taken by a follower", size="cams").per_element()
-    cam_force_x: Vector = kinds.FORCE("force on a cam across its follower's path", size="cams").per_element()
-    cam_force_y: Vector = kinds.FORCE("force on a cam towards its follower", size="cams").per_element()
+    cam_torque: Vector = kinds.TORQUE.each("torque taken by a follower", "cams")
+    cam_force_x: Vector = kinds.FORCE.each("force on a cam across its follower's path", "cams")
+    cam_force_y: Vector = kinds.FORCE.each("force on a cam towards its follower", "cams")
 
 
 @dataclass
 class Outputs:
-    cam_angle: Vector = kinds.ANGLE("angle of the shaft at a cam", size="cams").per_element()
-    cam_speed: Vector = kinds.SPEED("speed of the shaft at a cam", size="cams").per_element()
-    twist: Vector = kinds.ANGLE("twist of the shaft at a cam", nominal=1e-3, size="cams").per_element()
-    axis_x: Vector = Quantity(
-        "m", "displacement of a cam across its follower's path", nominal=1e-5, size="cams"
-    ).per_element()
-    axis_y: Vector = Quantity(
-        "m", "displacement of a cam towards its follower", nominal=1e-5, size="cams"
-    ).per_element()
-    axis_velocity_x: Vector = kinds.VELOCITY("rate of axis_x", nominal=0.1, size="cams").per_element()
-    axis_velocity_y: Vector = kinds.VELOCITY("rate of axis_y", nominal=0.1, size="cams").per_element()
-    drive_torque: float = kinds.TORQUE("torque taken from the drive").default()
+    cam_angle: Vector = kinds.ANGLE.each("angle of the shaft at a cam", "cams")
+    cam_speed: Vector = kinds.SPEED.each("speed of the shaft at a cam", "cams")
+    twist: Vector = kinds.ANGLE.each("twist of the shaft at a cam", "cams", nominal=1e-3)
+    axis_x: Vector = kinds.PLACE.each(
+        "displacement of a cam across its follower's path", "cams", nominal=1e-5
+    )
+    axis_y: Vector = kinds.PLACE.each("displacement of a cam towards its follower", "cams", nominal=1e-5)
+    axis_velocity_x: Vector = kinds.VELOCITY.each("rate of axis_x", "cams", nominal=0.1)
+    axis_velocity_y: Vector = kinds.VELOCITY.each("rate of axis_y", "cams", nominal=0.1)
+    drive_torque: float = kinds.TORQUE("torque taken from the drive")
 
 
 class Plane(NamedTuple):

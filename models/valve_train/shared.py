@@ -15,7 +15,7 @@ SurgeFrequency = Annotated[
     ),
 ]  # fmt: skip
 SurgeDamping = Annotated[
-    float, kinds.DAMPING_RATIO("damping ratio of the spring at f0 (stiffness-proportional)")
+    float, kinds.DAMPING_RATIO.of("damping ratio of the spring at f0 (stiffness-proportional)")
 ]
 
 WireStress = Annotated[
@@ -35,18 +35,16 @@ WireStrength = Annotated[float, Quantity("Pa", "shear strength of the wire", nom
 class DriveInputs:
     """Motion of what drives a shaft."""
 
-    drive_angle: float = kinds.ANGLE("angle of the drive").default()
-    drive_speed: float = kinds.SPEED("speed of the drive").default()
-    drive_acceleration: float = Quantity(
-        "rad/s2", "angular acceleration of the drive", nominal=100.0
-    ).default()
+    drive_angle: float = kinds.ANGLE("angle of the drive")
+    drive_speed: float = kinds.SPEED("speed of the drive")
+    drive_acceleration: float = kinds.ANGULAR_ACCELERATION("angular acceleration of the drive")
 
 
 @dataclass
 class EndMotions:
     """Motions of the bodies at both ends of a rod or a lash adjuster."""
 
-    lower_position: float = kinds.DISPLACEMENT("position of the body below").default()
-    lower_velocity: float = kinds.VELOCITY("velocity of the body below").default()
-    upper_position: float = kinds.DISPLACEMENT("position of the body above").default()
-    upper_velocity: float = kinds.VELOCITY("velocity of the body above").default()
+    lower_position: float = kinds.DISPLACEMENT("position of the body below")
+    lower_velocity: float = kinds.VELOCITY("velocity of the body below")
+    upper_position: float = kinds.DISPLACEMENT("position of the body above")
+    upper_velocity: float = kinds.VELOCITY("velocity of the body above")

@@ -12,16 +12,16 @@ T v is the rate of k z^2/2 and losses, none of them negative. Forces and metres,
 import math
 from typing import Annotated, NamedTuple
 
+from .. import kinds
 from ..compile.kernel import kernel
-from ..core.quantities import Quantity
 
 StickingStiffness = Annotated[
-    float, Quantity("N/m", "stiffness k of the sticking surfaces", nominal=1e7, positive=True)
+    float, kinds.STIFFNESS.of("stiffness k of the sticking surfaces", nominal=1e7, positive=True)
 ]
 RelaxationTime = Annotated[
-    float, Quantity("s", "damping of their shift over the stiffness, tau", nominal=1e-5, positive=True)
+    float, kinds.TIME.of("damping of their shift over the stiffness, tau", nominal=1e-5, positive=True)
 ]
-Creep = Annotated[float, Quantity("m", "elastic shift z of the sticking surfaces", nominal=1e-6)]
+Creep = Annotated[float, kinds.PLACE.of("elastic shift z of the sticking surfaces", nominal=1e-6)]
 
 
 class Slip(NamedTuple):

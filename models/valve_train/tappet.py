@@ -13,7 +13,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from ..core.requirements import require
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
@@ -42,19 +42,17 @@ FLAT, ROLLER, PAD = 0.0, 1.0, 2.0
 @dataclass
 class FollowerParameters:
     phase: Phase = 0.0
-    follower: float = Quantity("1", "surface on the cam", choices=("flat", "roller", "pad")).default(FLAT)
+    follower: float = kinds.NUMBER("surface on the cam", FLAT, choices=("flat", "roller", "pad"))
     follower_radius: FollowerRadius = 10e-3
-    offset: float = kinds.OFFSET(
-        "offset of the path of roller or pad from the cam's axis, along axis_x"
-    ).default()
+    offset: float = kinds.OFFSET("offset of the path of roller or pad from the cam's axis, along axis_x")
     tilt: float = kinds.ANGLE(
         "tilt of a flat face: of its normal from the path towards axis_x",
         nominal=0.1,
         minimum=-1.0,
         maximum=1.0,
-    ).default()
-    mass: float = kinds.PART_MASS("mass of the follower", nominal=0.1, positive=True).default(0.1)
-    guide_damping: float = kinds.DAMPING("viscous friction in the guide", nominal=10.0).default()
+    )
+    mass: float = kinds.PART_MASS("mass of the follower", 0.1, nominal=0.1, positive=True)
+    guide_damping: float = kinds.DAMPING("viscous friction in the guide", nominal=10.0)
 
 
 @dataclass
@@ -69,23 +67,23 @@ class TableTappetParameters(FollowerParameters, TableParameters):
 
 @dataclass
 class TappetState:
-    position: float = kinds.DISPLACEMENT("position y, zero on the base circle").default()
-    velocity: float = kinds.VELOCITY("velocity of the follower").default()
+    position: float = kinds.DISPLACEMENT("position y, zero on the base circle")
+    velocity: float = kinds.VELOCITY("velocity of the follower")
 
 
 @dataclass
 class TappetInputs(CamInputs):
-    load: float = kinds.FORCE("force of the train on the follower").default()
-    guide_friction: float = kinds.FRICTION("friction of the guide against the velocity").default()
+    load: float = kinds.FORCE("force of the train on the follower")
+    guide_friction: float = kinds.FRICTION("friction of the guide against the velocity")
 
 
 @dataclass
 class TappetOutputs(TappetState, CamOutputs):
-    acceleration: float = Quantity("m/s2", "acceleration of the follower", nominal=1e3).default()
-    side_force: float = kinds.SIDE_FORCE("force of the follower on its guide along axis_x").default()
-    side_moment: float = Quantity(
-        "N.m", "moment of load and friction about the face, or the centre of roller or pad", nominal=1.0
-    ).default()
+    acceleration: float = kinds.ACCELERATION("acceleration of the follower")
+    side_force: float = kinds.SIDE_FORCE("force of the follower on its guide along axis_x")
+    side_moment: float = kinds.TORQUE(
+        "moment of load and friction about the face, or the centre of roller or pad", nominal=1.0
+    )
 
 
 @kernel

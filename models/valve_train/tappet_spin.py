@@ -26,7 +26,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 
 # Gauss-Legendre points along the line.
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -39,38 +39,34 @@ class Parameters:
 
     axial_offset: float = kinds.OFFSET(
         "offset e of the cam's middle from the tappet's axis, along the camshaft"
-    ).default()
-    length: float = kinds.WIDTH("length L of the contact line").default(12e-3)
-    inertia: float = Quantity(
-        "kg.m2", "moment of inertia J about the axis", nominal=1e-5, positive=True
-    ).default(7e-6)
-    diameter: float = kinds.DIAMETER("diameter 2 R of the tappet").default(30e-3)
-    bore_length: float = kinds.WIDTH("length L_b of the bore").default(25e-3)
-    radial_clearance: float = kinds.CLEARANCE("radial clearance c in the bore").default(20e-6)
-    viscosity: float = kinds.VISCOSITY("viscosity of the oil").default(0.01)
+    )
+    length: float = kinds.WIDTH("length L of the contact line", 12e-3)
+    inertia: float = kinds.INERTIA("moment of inertia J about the axis", 7e-6, nominal=1e-5)
+    diameter: float = kinds.DIAMETER("diameter 2 R of the tappet", 30e-3)
+    bore_length: float = kinds.WIDTH("length L_b of the bore", 25e-3)
+    radial_clearance: float = kinds.CLEARANCE("radial clearance c in the bore", 20e-6)
+    viscosity: float = kinds.VISCOSITY("viscosity of the oil", 0.01)
 
 
 @dataclass
 class State:
-    spin: float = kinds.SPEED("spin Omega").default()
+    spin: float = kinds.SPEED("spin Omega")
 
 
 @dataclass
 class Inputs:
-    sliding_velocity: float = kinds.VELOCITY("sliding u_s of the cam over the tappet without spin").default()
-    contact_offset: float = kinds.DISTANCE("offset x of the contact along the tappet").default()
-    friction_force: float = kinds.FRICTION("friction F of the contact").default()
+    sliding_velocity: float = kinds.VELOCITY("sliding u_s of the cam over the tappet without spin")
+    contact_offset: float = kinds.DISTANCE("offset x of the contact along the tappet")
+    friction_force: float = kinds.FRICTION("friction F of the contact")
 
 
 @dataclass
 class Outputs(State):
-    contact_sliding: float = kinds.VELOCITY(
-        "mean sliding <|v|> of the contact, with the sign of u_s"
-    ).default()
-    cam_friction: float = kinds.FRICTION("friction F_x on the cam against its sliding").default()
-    spin_torque: float = kinds.PIN_TORQUE("torque T of the cam").default()
-    bore_torque: float = kinds.PIN_TORQUE("torque of the bore against the spin").default()
-    power_loss: float = Quantity("W", "power lost in the bore").default()
+    contact_sliding: float = kinds.VELOCITY("mean sliding <|v|> of the contact, with the sign of u_s")
+    cam_friction: float = kinds.FRICTION("friction F_x on the cam against its sliding")
+    spin_torque: float = kinds.PIN_TORQUE("torque T of the cam")
+    bore_torque: float = kinds.PIN_TORQUE("torque of the bore against the spin")
+    power_loss: float = kinds.POWER("power lost in the bore")
 
 
 class Traction(NamedTuple):

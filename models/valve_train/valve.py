@@ -8,45 +8,46 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from ..plausible import VALVE_MASS
 from .valve_spring import seat_force
 
 
 @dataclass
 class Parameters:
-    mass: float = Quantity(
-        "kg", "mass of valve, retainer and what moves with them",
-        nominal=0.1, positive=True, plausible=VALVE_MASS,
-    ).default(0.1)  # fmt: skip
-    lash: float = kinds.LASH("position at which the valve sits on its seat").default()
-    seat_stiffness: float = kinds.SEAT_STIFFNESS("stiffness of the seat", nominal=1e7, positive=True).default(
-        2e7
+    mass: float = kinds.MASS(
+        "mass of valve, retainer and what moves with them",
+        0.1,
+        nominal=0.1,
+        positive=True,
+        plausible=VALVE_MASS,
     )
-    seat_damping: float = kinds.DAMPING("damping of the seat while touching", nominal=1e2).default(300.0)
-    guide_damping: float = kinds.DAMPING("viscous friction in the guide", nominal=10.0).default()
+    lash: float = kinds.LASH("position at which the valve sits on its seat")
+    seat_stiffness: float = kinds.SEAT_STIFFNESS("stiffness of the seat", 2e7, nominal=1e7, positive=True)
+    seat_damping: float = kinds.DAMPING("damping of the seat while touching", 300.0, nominal=1e2)
+    guide_damping: float = kinds.DAMPING("viscous friction in the guide", nominal=10.0)
 
 
 @dataclass
 class State:
-    position: float = kinds.DISPLACEMENT("position towards the open valve").default()
-    velocity: float = kinds.VELOCITY("velocity of the valve").default()
+    position: float = kinds.DISPLACEMENT("position towards the open valve")
+    velocity: float = kinds.VELOCITY("velocity of the valve")
 
 
 @dataclass
 class Inputs:
-    load: float = kinds.FORCE("load of the train, opening the valve").default()
-    spring_force: Vector = kinds.FORCE("force of a spring, closing the valve", size="springs").per_element()
-    gas_force: float = kinds.FORCE("force of the gas on the valve's head, closing it").default()
-    guide_friction: float = kinds.FRICTION("friction of the guide against the velocity").default()
+    load: float = kinds.FORCE("load of the train, opening the valve")
+    spring_force: Vector = kinds.FORCE.each("force of a spring, closing the valve", "springs")
+    gas_force: float = kinds.FORCE("force of the gas on the valve's head, closing it")
+    guide_friction: float = kinds.FRICTION("friction of the guide against the velocity")
 
 
 @dataclass
 class Outputs(State):
-    acceleration: float = Quantity("m/s2", "acceleration of the valve", nominal=1e3).default()
-    valve_lift: float = kinds.DISPLACEMENT("lift: position less lash").default()
-    seat_force: float = kinds.FORCE("force of the seat on the valve").default()
-    seat_dip: float = kinds.DEFLECTION("dip of the valve into its seat").default()
+    acceleration: float = kinds.ACCELERATION("acceleration of the valve")
+    valve_lift: float = kinds.DISPLACEMENT("lift: position less lash")
+    seat_force: float = kinds.FORCE("force of the seat on the valve")
+    seat_dip: float = kinds.DEFLECTION("dip of the valve into its seat")
 
 
 @kernel

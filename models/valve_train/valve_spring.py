@@ -16,7 +16,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Layout, Vector
 from ..core.requirements import require
 from ..plausible import VALVE_MASS
 from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
@@ -24,29 +24,29 @@ from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, W
 # A dip that is far from any event.
 NO_SEAT = -1.0
 
-COIL_POSITION = Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
+COIL_POSITION = kinds.PLACE.of("coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
 
 
 @dataclass
 class ValveSpringParameters:
     """Defaults: the set `kushwaha2000`, whose follower rides on the cam at all times (no seat)."""
 
-    valve_mass: float = Quantity(
-        "kg", "mass m3 of valve and follower", nominal=0.2, positive=True, plausible=VALVE_MASS
-    ).default(0.22)
-    spring_rate: float = kinds.SPRING_RATE("static rate k0 of the spring").default(35e3)
+    valve_mass: float = kinds.MASS(
+        "mass m3 of valve and follower", 0.22, nominal=0.2, positive=True, plausible=VALVE_MASS
+    )
+    spring_rate: float = kinds.SPRING_RATE("static rate k0 of the spring", 35e3)
     surge_frequency: SurgeFrequency = 504.5
     damping_ratio: SurgeDamping = 0.02
-    preload: float = Quantity("N", "spring force f_p at zero lift", nominal=300.0, minimum=0.0).default(330.0)
-    lash: float = kinds.LASH("follower position at which the valve sits on its seat").default()
+    preload: float = kinds.FORCE("spring force f_p at zero lift", 330.0, nominal=300.0, minimum=0.0)
+    lash: float = kinds.LASH("follower position at which the valve sits on its seat")
     seat_stiffness: float = kinds.SEAT_STIFFNESS(
         "stiffness of the valve seat; 0: no seat", nominal=1e7, minimum=0.0
-    ).default()
-    seat_damping: float = kinds.DAMPING("damping of the valve seat while touching", nominal=1e2).default()
-    clash_clearance: float = kinds.CAM_LIFT("travel after which all coils touch").default(0.02)
+    )
+    seat_damping: float = kinds.DAMPING("damping of the valve seat while touching", nominal=1e2)
+    clash_clearance: float = kinds.CAM_LIFT("travel after which all coils touch", 0.02)
     clash_stiffness: float = kinds.SEAT_STIFFNESS(
         "added rate between coils that touch", nominal=1e6, minimum=0.0
-    ).default()
+    )
     wire_stress: WireStress = 0.0
     wire_amplitude: WireAmplitude = 0.0
     wire_strength: WireStrength = 0.0
@@ -54,31 +54,31 @@ class ValveSpringParameters:
 
 @dataclass
 class FollowerMotion:
-    position: float = kinds.DISPLACEMENT("follower position y3, zero on the base circle").default()
-    velocity: float = kinds.VELOCITY("follower velocity").default()
+    position: float = kinds.DISPLACEMENT("follower position y3, zero on the base circle")
+    velocity: float = kinds.VELOCITY("follower velocity")
 
 
 @dataclass
 class ValveSpringState(FollowerMotion):
     coil_position: Vector = COIL_POSITION.per_element()
-    coil_velocity: Vector = kinds.VELOCITY("coil velocity", size="coil_masses").per_element()
+    coil_velocity: Vector = kinds.VELOCITY.each("coil velocity", "coil_masses")
 
 
 @dataclass
 class ValveSpringInputs:
-    load: float = kinds.FORCE("contact load W on the follower").default()
-    gas_force: float = kinds.FORCE("force of the gas on the valve's head, closing it").default()
-    guide_friction: float = kinds.FRICTION("friction of the guide against the velocity").default()
+    load: float = kinds.FORCE("contact load W on the follower")
+    gas_force: float = kinds.FORCE("force of the gas on the valve's head, closing it")
+    guide_friction: float = kinds.FRICTION("friction of the guide against the velocity")
 
 
 @dataclass
 class ValveSpringOutputs(FollowerMotion):
-    acceleration: float = Quantity("m/s2", "follower acceleration", nominal=1e3).default()
-    valve_lift: float = kinds.DISPLACEMENT("valve lift: follower position less lash").default()
-    spring_force: float = kinds.FORCE("force of the spring on the follower, preload included").default()
-    seat_force: float = kinds.FORCE("force of the seat on the valve").default()
-    seat_dip: float = kinds.DEFLECTION("dip of the valve into its seat; -1 m without a seat").default(NO_SEAT)
-    least_gap: float = kinds.DISPLACEMENT("least gap between coils, negative in a clash").default()
+    acceleration: float = kinds.ACCELERATION("follower acceleration")
+    valve_lift: float = kinds.DISPLACEMENT("valve lift: follower position less lash")
+    spring_force: float = kinds.FORCE("force of the spring on the follower, preload included")
+    seat_force: float = kinds.FORCE("force of the seat on the valve")
+    seat_dip: float = kinds.DEFLECTION("dip of the valve into its seat; -1 m without a seat", NO_SEAT)
+    least_gap: float = kinds.DISPLACEMENT("least gap between coils, negative in a clash")
     coil_position: Vector = COIL_POSITION.per_element()
 
 

@@ -44,8 +44,8 @@ class CylinderParameters:
     bore_area: float = Quantity("m2", "area of the bore", nominal=1e-2, positive=True).default(
         0.25 * math.pi * 0.086**2
     )
-    crankcase_pressure: float = kinds.GAS_PRESSURE("pressure under the piston", minimum=0.0).default(100e3)
-    firing_angle: float = kinds.PHASE("crank angle of the firing dead centre").default()
+    crankcase_pressure: float = kinds.GAS_PRESSURE("pressure under the piston", 100e3, minimum=0.0)
+    firing_angle: float = kinds.PHASE("crank angle of the firing dead centre")
     valve_area: Vector = Quantity(
         "m2", "area of a valve's head",
         nominal=1e-3, positive=True, display_unit="mm2", plausible=AREA, size="valves",
@@ -56,45 +56,33 @@ class CylinderParameters:
 class CylinderGasParameters(CylinderParameters):
     """Defaults chosen here: full load of a petrol engine at 2000 r/min (4.9 MPa at most)."""
 
-    compression_ratio: float = Quantity(
-        "1", "largest over smallest volume", nominal=10.0, minimum=1.1
-    ).default(10.0)
-    intake_pressure: float = kinds.GAS_PRESSURE("pressure in the intake stroke", positive=True).default(95e3)
-    exhaust_pressure: float = kinds.GAS_PRESSURE("pressure in the exhaust stroke", positive=True).default(
-        108e3
+    compression_ratio: float = kinds.NUMBER("largest over smallest volume", 10.0, nominal=10.0, minimum=1.1)
+    intake_pressure: float = kinds.GAS_PRESSURE("pressure in the intake stroke", 95e3, positive=True)
+    exhaust_pressure: float = kinds.GAS_PRESSURE("pressure in the exhaust stroke", 108e3, positive=True)
+    compression_exponent: float = kinds.NUMBER("polytropic exponent n_c of the compression", 1.3, minimum=1.0)
+    expansion_exponent: float = kinds.NUMBER("polytropic exponent n_e of the expansion", 1.27, minimum=1.0)
+    pressure_ratio: float = kinds.NUMBER(
+        "rise R by heat release at constant volume; 1: motored", 4.0, minimum=1.0
     )
-    compression_exponent: float = Quantity(
-        "1", "polytropic exponent n_c of the compression", minimum=1.0
-    ).default(1.3)
-    expansion_exponent: float = Quantity(
-        "1", "polytropic exponent n_e of the expansion", minimum=1.0
-    ).default(1.27)
-    pressure_ratio: float = Quantity(
-        "1", "rise R by heat release at constant volume; 1: motored", minimum=1.0
-    ).default(4.0)
-    burn_start: float = kinds.ANGLE("begin of heat release before dead centre", minimum=0.0).default(
-        25.0 * _DEGREE
+    burn_start: float = kinds.ANGLE("begin of heat release before dead centre", 25.0 * _DEGREE, minimum=0.0)
+    burn_duration: float = kinds.ANGLE("duration of the heat release", 60.0 * _DEGREE, positive=True)
+    exhaust_opening: float = kinds.ANGLE(
+        "begin of the blowdown after dead centre", 130.0 * _DEGREE, minimum=0.0
     )
-    burn_duration: float = kinds.ANGLE("duration of the heat release", positive=True).default(60.0 * _DEGREE)
-    exhaust_opening: float = kinds.ANGLE("begin of the blowdown after dead centre", minimum=0.0).default(
-        130.0 * _DEGREE
-    )
-    blowdown_duration: float = kinds.ANGLE("duration of the blowdown", positive=True).default(60.0 * _DEGREE)
+    blowdown_duration: float = kinds.ANGLE("duration of the blowdown", 60.0 * _DEGREE, positive=True)
     overlap_duration: float = kinds.ANGLE(
-        "change to intake pressure, about dead centre", positive=True
-    ).default(30.0 * _DEGREE)
+        "change to intake pressure, about dead centre", 30.0 * _DEGREE, positive=True
+    )
 
 
 @dataclass
 class GasTableParameters(CylinderParameters):
     """Absolute pressure at crank angles after the firing dead centre, which ascend within a cycle."""
 
-    cycle_turns: float = Quantity(
-        "1", "turns of the crank in a cycle: 2 of a four-stroke engine", minimum=1.0
-    ).default(2.0)
-    pressure_angle: Vector = kinds.ANGLE(
-        "crank angle of a point after dead centre", size="pressure_points"
-    ).per_element()
+    cycle_turns: float = kinds.NUMBER(
+        "turns of the crank in a cycle: 2 of a four-stroke engine", 2.0, minimum=1.0
+    )
+    pressure_angle: Vector = kinds.ANGLE.each("crank angle of a point after dead centre", "pressure_points")
     point_pressure: Vector = Quantity(
         "Pa", "absolute pressure at a point", nominal=1e5, display_unit="kPa", size="pressure_points"
     ).per_element()
@@ -105,9 +93,9 @@ class GasTableParameters(CylinderParameters):
 
 @dataclass
 class CylinderGasState:
-    indicated_work: float = Quantity(
-        "J", "work given to a piston without clearance and pin offset", nominal=100.0, accumulates=True
-    ).default()
+    indicated_work: float = kinds.ENERGY(
+        "work given to a piston without clearance and pin offset", nominal=100.0, accumulates=True
+    )
 
 
 @dataclass
@@ -119,10 +107,10 @@ class CylinderGasInputs:
 @dataclass
 class CylinderGasOutputs:
     gas_pressure: GasPressure = 0.0
-    indicated_work: float = Quantity(
-        "J", "work given to a piston without clearance and pin offset", nominal=100.0
-    ).default()
-    valve_force: Vector = kinds.FORCE("force of the gas that closes a valve", size="valves").per_element()
+    indicated_work: float = kinds.ENERGY(
+        "work given to a piston without clearance and pin offset", nominal=100.0
+    )
+    valve_force: Vector = kinds.FORCE.each("force of the gas that closes a valve", "valves")
 
 
 @kernel

@@ -15,16 +15,16 @@ from .rises import RISES, rise_by_number
 
 
 def _share(description: str, **limits: Any) -> Quantity:
-    return Quantity("1", f"share of the rise {description}", maximum=1.0, **limits)
+    return kinds.NUMBER.of(f"share of the rise {description}", maximum=1.0, **limits)
 
 
 @dataclass
 class RiseParameters:
     """Defaults: the set `kushwaha2000`."""
 
-    law: float = Quantity("1", "law of rise and fall", choices=tuple(RISES)).default()
-    lift: float = kinds.CAM_LIFT("lift S of the law, without ramps").default(8e-3)
-    base_radius: float = kinds.DIAMETER("base circle radius R0").default(2.610272395869072 * 8e-3)
+    law: float = kinds.NUMBER("law of rise and fall", choices=tuple(RISES))
+    lift: float = kinds.CAM_LIFT("lift S of the law, without ramps", 8e-3)
+    base_radius: float = kinds.DIAMETER("base circle radius R0", 2.610272395869072 * 8e-3)
     rise_angle: float = angle_below_pi("cam angle of the rise B", positive=True).default(
         math.radians(88.66608103115016)
     )
@@ -32,10 +32,10 @@ class RiseParameters:
     dwell_half_width: float = angle_below_pi("half width d of the dwell at the nose", minimum=0.0).default(
         math.radians(1.333918968849847)
     )
-    power_p: float = Quantity("1", "power p of the law high_powers", minimum=4.0).default(8.0)
-    power_q: float = Quantity("1", "power q of the law high_powers", minimum=4.0).default(14.0)
-    power_r: float = Quantity("1", "power r of the law high_powers", minimum=4.0).default(20.0)
-    power_t: float = Quantity("1", "power t of the law high_powers", minimum=4.0).default(26.0)
+    power_p: float = kinds.NUMBER("power p of the law high_powers", 8.0, minimum=4.0)
+    power_q: float = kinds.NUMBER("power q of the law high_powers", 14.0, minimum=4.0)
+    power_r: float = kinds.NUMBER("power r of the law high_powers", 20.0, minimum=4.0)
+    power_t: float = kinds.NUMBER("power t of the law high_powers", 26.0, minimum=4.0)
     onset_share: float = _share(
         "in which the acceleration of the law modified_trapezoid grows", positive=True
     ).default(0.125)

@@ -17,14 +17,14 @@ from .profile import Breaks, turn_to_break
 
 def angle_below_pi(description: str, **limits: Any) -> Quantity:
     """A cam angle of at most half a turn."""
-    return Quantity("rad", description, maximum=math.pi, display_unit="deg", **limits)
+    return kinds.ANGLE.of(description, maximum=math.pi, **limits)
 
 
 @dataclass
 class RampParameters:
     """Defaults: no ramps."""
 
-    ramp_height: float = kinds.LASH("lift of the ramps; 0: none", minimum=0.0).default()
+    ramp_height: float = kinds.LASH("lift of the ramps; 0: none", minimum=0.0)
     opening_ramp_angle: float = angle_below_pi(
         "cam angle of constant velocity before the rise", minimum=0.0
     ).default(math.radians(20.0))

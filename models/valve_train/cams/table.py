@@ -26,22 +26,14 @@ LEAST_POINTS, MOST_POINTS = 3, 2000
 class PointParameters:
     """Angles ascend within one turn. After the last point the profile goes on to the first one."""
 
-    base_radius: float = kinds.DIAMETER("base circle radius R0").default(20e-3)
-    smooth: float = kinds.SWITCH(
-        "s''' is continuous, as of a spline; false: it jumps at every point"
-    ).default(1.0)
-    table_angle: Vector = kinds.ANGLE("cam angle of a point", size="table_points").per_element()
-    table_lift: Vector = kinds.DISPLACEMENT("lift s at a point", size="table_points").per_element()
-    table_slope: Vector = kinds.DISTANCE("s' at a point, by radian", size="table_points").per_element()
-    table_curvature: Vector = kinds.DISTANCE(
-        "s'' at a point, by radian squared", size="table_points"
-    ).per_element()
-    event_begin: float = kinds.ANGLE("cam angle at which the opening ramp joins the event").default(
-        0.5 * math.pi
-    )
-    event_end: float = kinds.ANGLE("cam angle at which the closing ramp joins the event").default(
-        1.5 * math.pi
-    )
+    base_radius: float = kinds.DIAMETER("base circle radius R0", 20e-3)
+    smooth: float = kinds.SWITCH("s''' is continuous, as of a spline; false: it jumps at every point", 1.0)
+    table_angle: Vector = kinds.ANGLE.each("cam angle of a point", "table_points")
+    table_lift: Vector = kinds.DISPLACEMENT.each("lift s at a point", "table_points")
+    table_slope: Vector = kinds.DISTANCE.each("s' at a point, by radian", "table_points")
+    table_curvature: Vector = kinds.DISTANCE.each("s'' at a point, by radian squared", "table_points")
+    event_begin: float = kinds.ANGLE("cam angle at which the opening ramp joins the event", 0.5 * math.pi)
+    event_end: float = kinds.ANGLE("cam angle at which the closing ramp joins the event", 1.5 * math.pi)
 
 
 @dataclass

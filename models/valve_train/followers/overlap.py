@@ -12,66 +12,62 @@ from typing import Annotated, Any, NamedTuple
 from ... import kinds
 from ...compile.kernel import kernel
 from ...core.component import NO_EVENT, PowerBond
-from ...core.quantities import Quantity, Vector
+from ...core.quantities import Vector
 from ...core.requirements import Requirement, require
 from ..cams.profile import CamProfile
 from .arc import CamContact
 
-Phase = Annotated[float, kinds.PHASE("cam angle at shaft angle zero; the nose is at pi")]
-FollowerRadius = Annotated[float, kinds.ARC("radius of roller or pad")]
+Phase = Annotated[float, kinds.PHASE.of("cam angle at shaft angle zero; the nose is at pi")]
+FollowerRadius = Annotated[float, kinds.ARC.of("radius of roller or pad")]
 
 
 @dataclass
 class CamInputs:
     """What a follower feels of its cam. The cam's axis stays in place where its displacement is not given."""
 
-    cam_angle: float = kinds.ANGLE("angle of the shaft at the cam").default()
-    cam_speed: float = kinds.SPEED("speed of the shaft at the cam").default()
-    axis_x: float = Quantity(
-        "m", "displacement of the cam's axis across the follower's path", nominal=1e-4
-    ).default()
-    axis_y: float = Quantity(
-        "m", "displacement of the cam's axis towards the follower", nominal=1e-4
-    ).default()
-    axis_velocity_x: float = kinds.VELOCITY("rate of axis_x", nominal=0.1).default()
-    axis_velocity_y: float = kinds.VELOCITY("rate of axis_y", nominal=0.1).default()
-    cam_load: float = kinds.FORCE("load W of the cam on the follower").default()
-    cam_friction: float = kinds.FRICTION("friction on the cam against its sliding").default()
+    cam_angle: float = kinds.ANGLE("angle of the shaft at the cam")
+    cam_speed: float = kinds.SPEED("speed of the shaft at the cam")
+    axis_x: float = kinds.PLACE("displacement of the cam's axis across the follower's path", nominal=1e-4)
+    axis_y: float = kinds.PLACE("displacement of the cam's axis towards the follower", nominal=1e-4)
+    axis_velocity_x: float = kinds.VELOCITY("rate of axis_x", nominal=0.1)
+    axis_velocity_y: float = kinds.VELOCITY("rate of axis_y", nominal=0.1)
+    cam_load: float = kinds.FORCE("load W of the cam on the follower")
+    cam_friction: float = kinds.FRICTION("friction on the cam against its sliding")
     rolling_friction: float = kinds.FRICTION(
         "rolling friction F_R of each surface, with the sign of the entraining velocity"
-    ).default()
+    )
     surface_speed: float = kinds.VELOCITY(
         "speed of a pad's surface along its body: of a roller that may slip"
-    ).default()
+    )
 
 
 @dataclass
 class CamOutputs:
     """What the contact and the shaft feel of a follower."""
 
-    overlap: float = kinds.FILM("cam into follower along the normal").default()
-    overlap_rate: float = kinds.VELOCITY("rate of the overlap", nominal=1e-2).default()
-    entraining_velocity: float = kinds.VELOCITY("mean surface velocity relative to the contact").default()
-    sliding_velocity: float = kinds.VELOCITY("velocity of cam over follower surface").default()
+    overlap: float = kinds.FILM("cam into follower along the normal")
+    overlap_rate: float = kinds.VELOCITY("rate of the overlap", nominal=1e-2)
+    entraining_velocity: float = kinds.VELOCITY("mean surface velocity relative to the contact")
+    sliding_velocity: float = kinds.VELOCITY("velocity of cam over follower surface")
     rolling_velocity: float = kinds.VELOCITY(
         "surface_speed at which nothing would slide; 0 where nothing can"
-    ).default()
+    )
     rolling_speed: float = kinds.VELOCITY(
         "velocities of both surfaces past the contact, without that of a roller that may slip"
-    ).default()
-    surface_velocity: float = kinds.VELOCITY("surface_speed of a pad; 0 for a roller without slip").default()
-    radius_of_curvature: float = kinds.DISTANCE("reduced radius of cam and follower").default(0.02)
-    pressure_angle: float = kinds.ANGLE("angle of the contact's normal to the follower's path").default()
-    cam_radius: float = kinds.DISTANCE("radius of the cam at the contact").default(0.02)
-    contact_offset: float = kinds.DISTANCE("place of the contact along the follower").default()
-    profile_angle: float = kinds.ANGLE("angle of the cam at the contact; the nose is at pi").default()
-    cam_torque: float = kinds.TORQUE("torque taken from the shaft").default()
-    cam_force_x: float = kinds.FORCE("force on the cam's axis along axis_x").default()
-    cam_force_y: float = kinds.FORCE("force on the cam's axis along axis_y").default()
-    cam_lift: float = kinds.DISPLACEMENT("lift s of the profile").default()
-    next_event: float = Quantity(
-        "s", "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests"
-    ).default(NO_EVENT)
+    )
+    surface_velocity: float = kinds.VELOCITY("surface_speed of a pad; 0 for a roller without slip")
+    radius_of_curvature: float = kinds.DISTANCE("reduced radius of cam and follower", 0.02)
+    pressure_angle: float = kinds.ANGLE("angle of the contact's normal to the follower's path")
+    cam_radius: float = kinds.DISTANCE("radius of the cam at the contact", 0.02)
+    contact_offset: float = kinds.DISTANCE("place of the contact along the follower")
+    profile_angle: float = kinds.ANGLE("angle of the cam at the contact; the nose is at pi")
+    cam_torque: float = kinds.TORQUE("torque taken from the shaft")
+    cam_force_x: float = kinds.FORCE("force on the cam's axis along axis_x")
+    cam_force_y: float = kinds.FORCE("force on the cam's axis along axis_y")
+    cam_lift: float = kinds.DISPLACEMENT("lift s of the profile")
+    next_event: float = kinds.TIME(
+        "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests", NO_EVENT
+    )
 
 
 ANGLE = ("cam_angle",)

@@ -10,35 +10,34 @@ from typing import Any, NamedTuple
 from ... import kinds
 from ...compile.kernel import kernel
 from ...core.component import PowerBond
-from ...core.quantities import Quantity
 
 
 @dataclass
 class TipParameters:
-    tip_radius: float = kinds.ARC("radius of the lever's pad on the valve").default(10e-3)
+    tip_radius: float = kinds.ARC("radius of the lever's pad on the valve", 10e-3)
 
 
 @dataclass
 class TipInputs:
-    tip_load: float = kinds.FORCE("load of the lever on the valve").default()
-    tip_friction: float = kinds.FRICTION("friction on the lever's pad against its sliding").default()
+    tip_load: float = kinds.FORCE("load of the lever on the valve")
+    tip_friction: float = kinds.FRICTION("friction on the lever's pad against its sliding")
 
 
 @dataclass
 class TipOutputs:
-    tip_position: float = kinds.DISPLACEMENT("position of the pad towards the valve").default()
-    tip_velocity: float = kinds.VELOCITY("velocity of the pad towards the valve").default()
+    tip_position: float = kinds.DISPLACEMENT("position of the pad towards the valve")
+    tip_velocity: float = kinds.VELOCITY("velocity of the pad towards the valve")
     tip_entraining_velocity: float = kinds.VELOCITY(
         "mean surface velocity relative to the contact on the valve"
-    ).default()
-    tip_sliding_velocity: float = kinds.VELOCITY("velocity of the pad over the valve's tip").default()
-    tip_contact_radius: float = kinds.DISTANCE("reduced radius of pad and tip").default(10e-3)
+    )
+    tip_sliding_velocity: float = kinds.VELOCITY("velocity of the pad over the valve's tip")
+    tip_contact_radius: float = kinds.DISTANCE("reduced radius of pad and tip", 10e-3)
 
 
 @dataclass
 class LeverMotion:
-    rotation: float = kinds.ANGLE("rotation, zero with the valve closed", nominal=0.1).default()
-    rotation_rate: float = Quantity("rad/s", "rate of the rotation", nominal=10.0).default()
+    rotation: float = kinds.ANGLE("rotation, zero with the valve closed", nominal=0.1)
+    rotation_rate: float = kinds.ROTATION_RATE("rate of the rotation")
 
 
 TIP_BONDS = (PowerBond("tip_load", "tip_velocity", -1), PowerBond("tip_friction", "tip_sliding_velocity", -1))
