@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray
@@ -120,16 +121,25 @@ def has_values(table: xarray.Dataset, name: str) -> bool:
 
 
 def _draw_curves(axes: Axes, scale: float, names: list[str], table: xarray.Dataset, line: str) -> None:
-    rpm = RPM * table["speed"].values
     for i, name in enumerate(names):
-        if name not in table:
-            continue
-        label = name.replace("_", " ").replace(".", ": ") if line == "solid" else None
-        axes.plot(rpm, scale * table[name].values, color=COLOURS[i % len(COLOURS)], ls=line, label=label)
+        if name in table:
+            text = name.replace("_", " ").replace(".", ": ")
+            label = None if text in axes.get_legend_handles_labels()[1] else text
+            plot_over_speed(axes, table, name, scale, color=COLOURS[i % len(COLOURS)], ls=line, label=label)
     legend = axes.legend(
         loc="lower left", fontsize=6.5, ncols=2, columnspacing=1.0, handlelength=1.4, borderaxespad=0.0
     )
     legend.set_bbox_to_anchor((-0.02, 1.0), transform=axes.transAxes)
+
+
+def plot_over_speed(axes: Axes, table: xarray.Dataset, name: str, scale: float, **style: Any) -> None:
+    """A curve with its points; none is drawn from a speed with contact to one at which it is lost."""
+    lost = find_lost(table)
+    breaks = np.flatnonzero(lost[1:] != lost[:-1]) + 1
+    rpm, values = (
+        np.insert(one, breaks, np.nan) for one in (RPM * table["speed"].values, scale * table[name].values)
+    )
+    axes.plot(rpm, values, marker=".", ms=3.0, **style)
 
 
 def shade_lost(axes: Axes, table: xarray.Dataset, separation: float | None) -> None:

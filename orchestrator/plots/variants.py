@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..assessment.lost_contact import find_lost
-from .speeds import PANELS, create_panels, has_values, limit_to_contact, shade_lost
-from .style import MUTED, RPM
+from .speeds import PANELS, create_panels, has_values, limit_to_contact, plot_over_speed, shade_lost
+from .style import MUTED
 
 # Line styles of results that share a panel, by the beginning of their names; others are solid.
 STYLES = {"least": "dashed", "mean": "dotted", "largest": "solid"}
@@ -39,9 +39,7 @@ def draw_variants(tables: Mapping[str, xarray.Dataset]) -> Figure:
             for name in names:
                 if name in table:
                     style = STYLES.get(drawn.get(name, ""), "solid")
-                    panel.plot(
-                        RPM * table["speed"].values, scale * table[name].values, color=colour, ls=style
-                    )
+                    plot_over_speed(panel, table, name, scale, color=colour, ls=style)
             shade_lost(panel, table, None)
         limit_to_contact(panel, scale, names, tables)
         panel.set_title(f"{title}: {names[0].partition('.')[0]}")

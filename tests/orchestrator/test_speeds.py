@@ -202,6 +202,7 @@ def test_designs_are_compared_where_both_keep_contact(choice, first, second):
 def test_the_worst_has_its_speed_and_angle():
     worst = find_worst(make_sweep([100.0, 200.0], 1e9), "contact.least_load", 1.0)
     assert str(worst) == "-200 at 1910, 115°"
+    assert find_worst(make_sweep([100.0], 1e9), "contact.bounce", 1.0) is None
 
 
 @pytest.mark.parametrize(
@@ -218,7 +219,7 @@ def test_speeds_of_a_comparison_that_make_no_sense(texts, said):
 
 
 def test_panels_are_scaled_by_the_speeds_with_contact():
-    """Also where it is lost at most of the speeds."""
+    """Also where it is lost at most of the speeds; no line leads from one kind to the other."""
     loads = [610.0, 600.0, 590.0, 7e3, 6e4, 7e4, 2e5, 2e5]
     table = xarray.Dataset(
         {"contact.largest_load": ("speed", loads), "contact.lost": ("speed", np.array(loads) > 1e3)},
@@ -226,6 +227,14 @@ def test_panels_are_scaled_by_the_speeds_with_contact():
     )
     drawn = draw_summary({"train": table}).axes[0]
     assert 610.0 < drawn.get_ylim()[1] < 7e3
+    drawn_loads = np.asarray(drawn.lines[0].get_ydata(), dtype=np.float64)
+    assert np.array_equal(drawn_loads, [*loads[:3], np.nan, *loads[3:]], equal_nan=True)
+
+
+def test_a_curve_that_only_the_second_design_has_is_named():
+    second = make_sweep([100.0, 200.0], 1e9).rename({"contact.least_load": "pad.least_load"})
+    drawn = draw_summary({"first": make_sweep([100.0, 200.0], 1e9), "second": second}).axes[0]
+    assert drawn.get_legend_handles_labels()[1] == ["contact: least load", "pad: least load"]
 
 
 @pytest.mark.parametrize("separation", [None, 1150.0, 1450.0])

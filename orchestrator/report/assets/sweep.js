@@ -214,7 +214,7 @@ class Curve extends Chart {
     g.strokeStyle = g.fillStyle = color("coupled"); g.lineWidth = 1.4;
     g.beginPath();
     let down = false;
-    values.forEach((one, k) => { if (one === one) g[down ? "lineTo" : "moveTo"](f.x(rpm[k]), f.y(one)); down = one === one; });
+    values.forEach((one, k) => { if (one === one) g[down ? "lineTo" : "moveTo"](f.x(rpm[k]), f.y(one)); down = one === one && told.lost[k] === told.lost[k + 1]; });
     g.stroke();
     for (const [k, one] of values.entries()) if (one === one) g.fillRect(f.x(rpm[k]) - 2, f.y(one) - 2, 4, 4);
   }

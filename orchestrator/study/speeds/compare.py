@@ -64,8 +64,8 @@ def compare(
 ) -> dict[str, Any]:
     """Print the worst of each number over the chosen speeds, and draw both sweeps in the file `out`.
 
-    Returns what is printed: by number its unit and the worst of each design; by design its separation, and
-    the one with a second film formula.
+    Returns what is printed: by number its unit and the worst of each design, None where it has none;
+    by design its separation, and the one with a second film formula.
     """
     choice = choice or Choice()
     tables = dict(zip(label(first, second), map(read_sweep, (first, second)), strict=True))
@@ -84,13 +84,16 @@ def compare(
         title += ", where both keep contact"
     shown = Table("worst", "unit", *tables, title=title, title_justify="left")
     numbers: dict[str, Any] = {}
-    for name in map(str, common[0].data_vars):
-        values = common[0][name]
-        if name not in common[1] or values.dtype.kind != "f" or name.rpartition(".")[2] in LEFT_OUT:
+    every = dict.fromkeys(str(name) for table in common for name in table.data_vars)
+    for name in every:
+        values = next(table[name] for table in common if name in table)
+        if values.dtype.kind != "f" or name.rpartition(".")[2] in LEFT_OUT:
             continue
         display = show_attributes(values.attrs)
         unit, scale = display.text or "1", display.factor
         worst = [find_worst(table, name, scale) for table in common]
+        if not any(worst):
+            continue
         shown.add_row(name, unit, *(str(w) if w else "–" for w in worst))
         plain = [w and asdict(w) for w in worst]
         numbers[name] = {"unit": unit, **dict(zip(tables, plain, strict=True))}
@@ -147,8 +150,7 @@ class Worst:
 
 def find_worst(table: xarray.Dataset, name: str, scale: float) -> Worst | None:
     """The worst value of a number; None where it has none."""
-    values = table[name].values
-    if not np.any(np.isfinite(values)):
+    if name not in table or not np.any(np.isfinite(values := table[name].values)):
         return None
     least = name.rpartition(".")[2] in LEAST_IS_WORST
     worst = int(np.nanargmin(values) if least else np.nanargmax(values))
