@@ -257,7 +257,6 @@ def test_derivatives_by_states_between_steps(name, native_files):
     slave.free()
 
 
-@pytest.mark.long
 def test_derivatives_by_start_values(native_files):
     """In initialisation: a state follows its start value, and what is calculated follows the state."""
     slave = Instance(native_files["coupled_mass"])
@@ -272,7 +271,6 @@ def test_derivatives_by_start_values(native_files):
     slave.free()
 
 
-@pytest.mark.long
 def test_energies_and_rates_have_the_derivatives_of_their_formulas(native_files, record):
     """Mass on two springs: E = (m v^2 + k x^2 + k_c (x - x_2)^2)/2; F' = k_c (v - x_2') + c_c (a - v_2')."""
     k, k_c, c, c_c, x, v, x_2, v_2, slope = 10.0, 40.0, 0.5, 1.0, 0.3, 2.0, 0.1, 0.7, 5.0
