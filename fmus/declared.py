@@ -15,7 +15,8 @@ def explain_no_native(name: str) -> str:
 
 def experiment(name: str) -> Experiment:
     """The default experiment of tools."""
-    offered: Experiment = find_extra(name, "EXPERIMENT", Experiment(stop_time=1.0, step_size=1e-3))
+    usual = Experiment(1.0, 1e-3) if is_own(name) else Experiment(0.1, 1e-5)
+    offered: Experiment = find_extra(name, "EXPERIMENT", usual)
     return offered
 
 

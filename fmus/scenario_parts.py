@@ -14,7 +14,7 @@ from models.catalogue import find_factory, identify
 from models.core.system import Instance
 from models.core.transformed import Transformation
 
-from .declared import explain_no_native, find_extra
+from .declared import explain_no_native
 from .fmi.description import Experiment
 from .sources import COMPANION, name_companion
 
@@ -53,9 +53,7 @@ def write_part(folder: Path, name: str, about: str, part: Part, experiment: Expe
     """
     imports = ["from models.core.composite import with_values", *_IMPORTS, *_import([part], folder)]
     own = _write(folder, name, about, imports, f"with_values({_show(part)})")
-    terminals = find_extra(part.catalogue_name, "TERMINALS", {})
-    reason = explain_no_native(part.catalogue_name)
-    _declare(own, EXPERIMENT=experiment, TERMINALS=terminals, PYTHON_ONLY=reason)
+    _declare(own, EXPERIMENT=experiment, PYTHON_ONLY=explain_no_native(part.catalogue_name))
     return own
 
 

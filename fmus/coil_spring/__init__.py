@@ -2,14 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import translation
-
-# Fifty periods of the default spring's surge.
-EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
-
-TERMINALS = {"end": translation("the moving end")}
 
 TIMES = np.arange(41) * 0.5e-3
 LIFT, DURATION = 17e-3, 8e-3

@@ -2,11 +2,9 @@
 
 from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import translation
 
 EXPERIMENT = Experiment(stop_time=10.0, step_size=1e-3)
 
-TERMINALS = {"other": translation("the mass at the spring's other end", "other_position", "other_velocity")}
 
 STIMULUS = Stimulus(
     says="The other mass jumps by 1 m at 1 s and moves back at 0.25 m/s from 3 to 7 s.",

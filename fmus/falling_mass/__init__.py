@@ -2,11 +2,9 @@
 
 from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import translation
 
 EXPERIMENT = Experiment(stop_time=1.0, step_size=1e-4)
 
-TERMINALS = {"end": translation("what the force comes from")}
 
 STIMULUS = Stimulus(
     says=(

@@ -4,12 +4,10 @@ import numpy as np
 
 from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import CYLINDER_PRESSURE
 
 # Some turns at 1000 rpm.
 EXPERIMENT = Experiment(stop_time=0.2, step_size=1e-5)
 
-TERMINALS = {"gas": CYLINDER_PRESSURE}
 
 TIMES = np.arange(61) * 1e-3
 

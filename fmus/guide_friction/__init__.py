@@ -2,24 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
-from ..fmi.terminals import Terminal
 from ..reference_results.stimulus import Stimulus
-
-EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
-
-TERMINALS = {
-    "body": Terminal(
-        "guide_friction",
-        "the body in the guide",
-        {
-            "velocity": "velocity",
-            "side_force": "side_force",
-            "moment": "side_moment",
-            "force": "friction_force",
-        },
-    )
-}
 
 TIMES = np.arange(51) * 1e-3
 

@@ -2,17 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import translation
-
-# Two and a half times the time in which the default chamber relaxes.
-EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
-
-TERMINALS = {
-    "lower": translation("the body below", "lower_position", "lower_velocity"),
-    "upper": translation("the body above", "upper_position", "upper_velocity"),
-}
 
 CORNERS = np.array([0.0, 4e-3, 8e-3, 30e-3, 34e-3, 60e-3])
 LOWER = np.array([0.0, 0.0, 40e-6, 40e-6, 0.0, 0.0])

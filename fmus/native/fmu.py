@@ -18,10 +18,8 @@ from .. import declared
 from ..extras import tell_install
 from ..fmi import description3
 from ..fmi.description import EXCHANGE, GUID_PLACE, NATIVE, model_description
-from ..fmi.terminals import FOLDER, terminals_and_icons
 from ..fmu_cache import cache_path, recall, tidy, use_cached
 from ..sources import collect_sources
-from ..variable_layout import Memory
 from .machine_code import FMI_HEADERS, PLATFORMS, RUNTIME, NativeBuildError, shared_library, this_platform
 from .tables import tables
 
@@ -100,11 +98,8 @@ def collect_files(
     token = f"{{{uuid.UUID(digest[:32])}}}"
     named = tables(component, called, digest[:16], token, fmi)
     files = python_build.documents(name, component)
-    described = {variable.name for variable in Memory(component).variables()}
-    icon = files.pop("model.png") if fmi == 3 else files["model.png"]
-    files[f"{FOLDER}/icon.png"] = icon
-    stated = declared.find_extra(name, "TERMINALS", {})
-    files[f"{FOLDER}/{FOLDER}.xml"] = terminals_and_icons(stated, described).encode()
+    if fmi == 3:
+        files["terminalsAndIcons/icon.png"] = files.pop("model.png")
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, token).encode()
     for count, platform in enumerate(map(PLATFORMS.__getitem__, platforms), 1):
         progress(f"machine code for {platform.fmi3} ({count} of {len(platforms)})")

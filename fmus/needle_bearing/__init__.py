@@ -1,5 +1,5 @@
 """FMU of the needle bearing."""
 
-from ..pivot_friction import EXPERIMENT, STIMULUS, TERMINALS
+from ..pivot_friction import STIMULUS
 
-__all__ = ["EXPERIMENT", "STIMULUS", "TERMINALS"]
+__all__ = ["STIMULUS"]

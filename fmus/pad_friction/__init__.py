@@ -2,19 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
-from ..fmi.terminals import Terminal
 from ..reference_results.stimulus import Stimulus
-
-EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
-
-TERMINALS = {
-    "pad": Terminal(
-        "pad_friction",
-        "the pad and its contact",
-        {"velocity": "sliding_velocity", "load": "load", "force": "friction_force"},
-    )
-}
 
 TIMES = np.arange(51) * 1e-3
 

@@ -2,17 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import pivot_friction
-
-EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
-
-TERMINALS = {
-    "body": pivot_friction(
-        "the roller or lever on the pin", "rotation_rate", "applied_load", "friction_torque"
-    )
-}
 
 TIMES = np.arange(51) * 1e-3
 

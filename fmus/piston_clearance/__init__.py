@@ -3,15 +3,10 @@
 import numpy as np
 
 from ..fmi.description import Experiment
-from ..fmi.terminals import Terminal
 from ..reference_results.stimulus import Stimulus
 
 EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
 
-TERMINALS = {
-    "crank": Terminal("rotation", "timing", {"angle": "angle"}, partial=True),
-    "valve": Terminal("valve", "the valve", {"lift": "valve_lift"}),
-}
 
 TIMES = np.arange(61) * 1e-3
 

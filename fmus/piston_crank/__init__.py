@@ -4,12 +4,10 @@ import numpy as np
 
 from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import CRANK, CYLINDER_PRESSURE
 
 # Two four-stroke cycles at 2000 rpm.
 EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
 
-TERMINALS = {"crank": CRANK, "gas": CYLINDER_PRESSURE}
 
 SPEED = 200.0  # rad/s
 TIMES = np.arange(64) * 1e-3

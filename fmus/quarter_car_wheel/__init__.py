@@ -1,23 +1,10 @@
 """FMU of the quarter car's wheel."""
 
 from ..fmi.description import Experiment
-from ..fmi.terminals import Terminal
 from ..reference_results.stimulus import Stimulus
 
 EXPERIMENT = Experiment(stop_time=4.0, step_size=1e-3)
 
-TERMINALS = {
-    "suspension": Terminal(
-        "suspension",
-        "to the chassis",
-        {
-            "wheel_position": "position",
-            "wheel_velocity": "velocity",
-            "chassis_position": "chassis_position",
-            "chassis_velocity": "chassis_velocity",
-        },
-    )
-}
 
 STIMULUS = Stimulus(
     says=("The wheel hops up a step of the road, under a chassis that follows by 0.05 m and comes back."),

@@ -4,12 +4,10 @@ import numpy as np
 
 from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import cam_on_shaft, rotation
 
 # Two turns at 1000 rpm.
 EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
 
-TERMINALS = {"drive": rotation("drive"), "cam[*]": cam_on_shaft("a cam", "[*]")}
 
 SPEED = 100.0  # rad/s
 TIMES = np.arange(41) * 1e-3

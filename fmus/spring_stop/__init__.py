@@ -4,11 +4,9 @@ import numpy as np
 
 from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import translation
 
 EXPERIMENT = Experiment(stop_time=1.0, step_size=1e-4)
 
-TERMINALS = {"end": translation("what strikes it")}
 
 TIMES = np.arange(51) * 1e-2
 PHASE = np.pi * TIMES / 0.5

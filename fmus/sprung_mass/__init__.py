@@ -2,11 +2,9 @@
 
 from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import translation
 
 EXPERIMENT = Experiment(stop_time=10.0, step_size=1e-3)
 
-TERMINALS = {"end": translation("what the force comes from")}
 
 STIMULUS = Stimulus(
     says="A force that jumps to 10 N at 1 s, stays, and falls to -5 N from 4 to 6 s.",

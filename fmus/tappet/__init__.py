@@ -4,16 +4,10 @@ import numpy as np
 
 from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import CAM, CAM_DRIVE, translation
 
 # Two turns of the cam at 1000 rpm.
 EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
 
-TERMINALS = {
-    "cam": CAM,
-    "shaft": CAM_DRIVE,
-    "train": translation("what stands on the follower", force="load"),
-}
 
 SPEED = 50.0  # rad/s, of the cam
 TIMES = np.arange(66) * 2e-3

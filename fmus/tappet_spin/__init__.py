@@ -2,25 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
-from ..fmi.terminals import Terminal
 from ..reference_results.stimulus import Stimulus
-
-EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
-
-TERMINALS = {
-    "contact": Terminal(
-        "tappet_spin",
-        "the contact of cam and tappet",
-        {
-            "sliding_velocity": "sliding_velocity",
-            "offset": "contact_offset",
-            "friction": "friction_force",
-            "contact_sliding": "contact_sliding",
-            "cam_friction": "cam_friction",
-        },
-    )
-}
 
 TIMES = np.arange(61) * 1e-3
 

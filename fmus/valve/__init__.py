@@ -2,17 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import GAS_ON_HEAD, translation
-
-EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
-
-TERMINALS = {
-    "load": translation("what opens the valve", force="load"),
-    "spring[*]": translation("a spring that closes the valve", force="spring_force[*]"),
-    "gas": GAS_ON_HEAD,
-}
 
 BEGIN, DURATION, LIFT = 2e-3, 16e-3, 4e-3
 TIMES = np.arange(23) * 1e-3

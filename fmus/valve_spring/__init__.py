@@ -2,14 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-from ..terminal_kinds import GAS_ON_HEAD, translation
-
-# Fifty periods of the default spring's surge.
-EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
-
-TERMINALS = {"load": translation("the follower that a contact loads", force="load"), "gas": GAS_ON_HEAD}
 
 BEGIN, DURATION, LIFT = 4e-3, 32e-3, 8e-3
 TIMES = np.arange(41) * 1e-3
