@@ -12,11 +12,9 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..errors import ParticipantError
-from .bound_calls import ArrayLayout
 from .description import EXACT, INTEGERS, REALS, Variable, find_range
-from .fmi_instance import FmiInstance
+from .fmi_instance import ArrayLayout, Fail, FmiInstance, Transfer
 
-Fail = Callable[[int], None]
 # Whole numbers that factors made are off by no more than this, or this part.
 WHOLE, ROUNDED = 1e-6, 1e-15
 
@@ -91,7 +89,7 @@ class VariableBinding:
 
     def _bind(
         self,
-        bind: Callable[..., Callable[[], None]],
+        bind: Callable[..., Transfer],
         fail: Fail,
         memory: Vector | None,
         slow: Callable[[Vector], None],
@@ -129,7 +127,7 @@ class VariableBinding:
 
     def _bind_slow(
         self, kind: str, whole: list[Variable], wanted: list[tuple[int, int]], fail: Fail
-    ) -> tuple[Callable[[], None], Any, list[int], list[int]]:
+    ) -> tuple[Transfer, Any, list[int], list[int]]:
         """How to get variables of that type: the call, its memory, where values go to, and where they are."""
         layout = ArrayLayout(whole)
         references = np.array(layout.references, dtype=np.uintc)

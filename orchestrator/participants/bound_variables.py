@@ -10,11 +10,10 @@ from models.core.quantities import Vector
 
 from ..errors import ParticipantError
 from .binding import VariableBinding
-from .bound_calls import ArrayLayout
 from .capabilities import name_derivative, signal_degrees
 from .description import REALS, Description, Variable
 from .failures import ErrorReporter
-from .fmi_instance import FmiInstance
+from .fmi_instance import ArrayLayout, FmiInstance
 from .held_inputs import at_end, mean
 
 

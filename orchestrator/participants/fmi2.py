@@ -2,7 +2,7 @@
 
 import ctypes
 import itertools
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +11,8 @@ from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2Ca
 
 from models.core.quantities import Vector
 
-from .bound_calls import BoundCalls
 from .description import BOOLEANS, Description, Variable
-from .fmi_instance import DISCARD, WARNING
+from .fmi_instance import DISCARD, WARNING, Fail, FailStep, FmiInstance, Step, Transfer
 
 try:
     from fmpy.logging import addLoggerProxy as formatting
@@ -55,11 +54,12 @@ def forget_listener(keys: Sequence[object]) -> None:
 _LOGGER = fmi2CallbackLoggerTYPE(pass_message)
 
 
-class ScalarCalls(BoundCalls):
-    """What FMI 1.0 and 2.0 share, whose functions' names begin with `version`."""
+class ScalarCalls(FmiInstance):
+    """What FMI 1.0 and 2.0 share, whose functions' names begin with `version`; `yes` is their true."""
 
     real_types = ("Real",)
     version: str
+    yes: Any
     formats = True  # whether messages have arguments that C puts in their places
     _heard: tuple[object, ...] = ()
 
@@ -84,9 +84,6 @@ class ScalarCalls(BoundCalls):
         self.slave.freeInstance()
         forget_listener(self._heard)
 
-    def configure(self, sizes: Mapping[Variable, int]) -> None:
-        raise NotImplementedError("structural parameters begin with FMI 3.0")
-
     def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
         (first, *_), reference = variables, [v.reference for v in variables]
         if first.type == "Real":
@@ -102,23 +99,26 @@ class ScalarCalls(BoundCalls):
     def get_text(self, variable: Variable) -> str:
         return str(self.slave.getString([variable.reference])[0].decode("utf-8", "replace"))
 
-    def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        return self._transfer(f"{self.version}SetReal", references, values=values, fail=fail)
+    def bind_input_derivatives(self, references: Any, orders: Any, values: Vector, fail: Fail) -> Transfer:
+        function = f"{self.version}SetRealInputDerivatives"
+        return self._transfer(function, references, orders, values=values, fail=fail, counted=False)
 
-    def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        return self._transfer(f"{self.version}GetReal", references, values=values, fail=fail)
+    def bind_step(self, fail: FailStep) -> Step:
+        call, handle, yes = self._function(f"{self.version}DoStep"), self._handle, self.yes
+        begin, duration, ended_in = ctypes.c_double(), ctypes.c_double(), self.ended_in
 
-    def bind_input_derivatives(
-        self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], int]:
-        return self._transfer(
-            f"{self.version}SetRealInputDerivatives",
-            references,
-            orders,
-            values=values,
-            fail=fail,
-            counted=False,
-        )
+        def advance(time: float, step: float) -> None:
+            if ended_in and time > ended_in.pop():
+                return fail(DISCARD, time, step)
+            begin.value, duration.value = time, step
+            status = call(handle, begin, duration, yes)
+            if status:
+                if status > WARNING:
+                    fail(status, time, step)
+                else:
+                    self.warned += 1
+
+        return advance
 
     def get_reached_time(self) -> float | None:
         value = ctypes.c_double()
@@ -129,16 +129,15 @@ class ScalarCalls(BoundCalls):
 
 
 class Fmi2(ScalarCalls):
-    """Implements `FmiInstance`."""
-
     version = "fmi2"
-    interface: Any = FMU2Slave
+    set_reals, get_reals = "fmi2SetReal", "fmi2GetReal"
+    yes = ctypes.c_int(1)
+    interface = FMU2Slave
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
-        self._open(self.interface, name, description, folder)
+        super().__init__(name, description, folder)
         # Messages of Python FMUs and ours are complete; their percent signs are no formats.
         self.formats = not (description.is_own or Path(folder, "resources", "slavemodule.txt").is_file())
-        self.ended_in: list[float] = []
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
         callbacks = fmi2CallbackFunctions()
@@ -154,9 +153,6 @@ class Fmi2(ScalarCalls):
     def enter_initialization(self, start_time: float, stop_time: float) -> None:
         self.slave.enterInitializationMode()
 
-    def exit_initialization(self) -> None:
-        self.slave.exitInitializationMode()
-
     def serialise(self, state: ctypes.c_void_p) -> bytes:
         return bytes(self.slave.serializeFMUstate(state))
 
@@ -164,44 +160,19 @@ class Fmi2(ScalarCalls):
         state: ctypes.c_void_p = self.slave.deSerializeFMUstate(data)
         return state
 
-    def terminate(self) -> None:
-        self.slave.terminate()
-
     def get_addresses(self) -> dict[str, int]:
-        return self._addresses("fmi2SetReal", "fmi2DoStep", "fmi2GetReal") | {"fmi3": 0, "outcome": 0}
+        return self._addresses("fmi2DoStep") | {"fmi3": 0, "outcome": 0}
 
-    def bind_typed_getter(
-        self, kind: str, references: Any, size: int, fail: Callable[[int], None]
-    ) -> tuple[Any, Callable[[], None]]:
-        name = "Boolean" if kind in BOOLEANS else "Integer"
-        return self._bind_typed_getter(f"fmi2Get{name}", np.intc, references, size, fail)
+    def find_getter(self, kind: str) -> tuple[str, Any]:
+        return "fmi2GetBoolean" if kind in BOOLEANS else "fmi2GetInteger", np.intc
 
-    def bind_output_derivatives(
-        self, references: Any, values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], None]:
+    def bind_output_derivatives(self, references: Any, values: Vector, fail: Fail) -> Transfer:
         orders = np.ones(len(references), dtype=np.intc)
         return self._transfer("fmi2GetRealOutputDerivatives", references, orders, values=values, fail=fail)
 
     def differentiate(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
         references = [v.reference for v in unknown]
         return list(self.slave.getDirectionalDerivative(references, [known.reference], [1.0]))
-
-    def bind_step(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
-        call, handle, yes = self._function("fmi2DoStep"), self._handle, ctypes.c_int(1)
-        begin, duration, ended_in = ctypes.c_double(), ctypes.c_double(), self.ended_in
-
-        def advance(time: float, step: float) -> None:
-            if ended_in and time > ended_in.pop():
-                return fail(DISCARD, time, step)
-            begin.value, duration.value = time, step
-            status = call(handle, begin, duration, yes)
-            if status:
-                if status > WARNING:
-                    fail(status, time, step)
-                else:
-                    self.warned += 1
-
-        return advance
 
     def is_ended(self) -> bool:
         # pythonfmu's C layer says so after every discarded step.

@@ -15,9 +15,8 @@ from fmpy.fmi3 import FMU3Slave
 from models.core.quantities import Vector
 
 from ..errors import ParticipantError
-from .bound_calls import ArrayLayout, BoundCalls
 from .description import BINARY, BOOLEANS, REALS, Description, Variable
-from .fmi_instance import DISCARD, WARNING
+from .fmi_instance import DISCARD, WARNING, ArrayLayout, Fail, FailStep, FmiInstance, Step, Transfer
 
 # Types that are stored as another one.
 STORED_AS = {"Enumeration": "Int64"}
@@ -29,19 +28,17 @@ MAXIMUM_RETURNS = 10_000
 ROUNDING = 1e-12
 
 
-class Fmi3(BoundCalls):
-    """Implements `FmiInstance`."""
-
+class Fmi3(FmiInstance):
     real_types = ("Float64",)
-    interface: Any = FMU3Slave
+    set_reals, get_reals = "fmi3SetFloat64", "fmi3GetFloat64"
+    interface = FMU3Slave
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
-        self._open(self.interface, name, description, folder)
+        super().__init__(name, description, folder)
         self._name = name
         self._early = description.returns_early
         # What a step returns: event, end, early return (a byte each); at 8 the time reached.
         self._outcome = np.zeros(2)
-        self.ended_in: list[float] = []
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
         self.slave.instantiate(
@@ -55,14 +52,8 @@ class Fmi3(BoundCalls):
             self.set([variable], [size])
         self.slave.exitConfigurationMode()
 
-    def set_up(self, start_time: float, stop_time: float) -> None:
-        pass
-
     def enter_initialization(self, start_time: float, stop_time: float) -> None:
         self.slave.enterInitializationMode(startTime=start_time, stopTime=stop_time)
-
-    def exit_initialization(self) -> None:
-        self.slave.exitInitializationMode()
 
     def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
         make = float if variables[0].type in REALS else bool if variables[0].type in BOOLEANS else int
@@ -90,45 +81,25 @@ class Fmi3(BoundCalls):
         state: ctypes.c_void_p = self.slave.deserializeFMUState(data)
         return state
 
-    def terminate(self) -> None:
-        self.slave.terminate()
-
     def free(self) -> None:
         self.slave.freeInstance()
 
     def get_addresses(self) -> dict[str, int]:
         if self._early:  # which compiled code does not go on from
             return {}
-        found = self._addresses("fmi3SetFloat64", "fmi3DoStep", "fmi3GetFloat64")
+        found = self._addresses("fmi3DoStep")
         return found | {"fmi3": 1, "outcome": self._outcome.ctypes.data}
 
-    def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        size = (ctypes.c_size_t(values.size),)
-        return self._transfer("fmi3SetFloat64", references, values=values, after=size, fail=fail)
+    def _sizes(self, values: Vector) -> tuple[Any, ...]:
+        return (ctypes.c_size_t(values.size),)
 
-    def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        size = (ctypes.c_size_t(values.size),)
-        return self._transfer("fmi3GetFloat64", references, values=values, after=size, fail=fail)
-
-    def bind_typed_getter(
-        self, kind: str, references: Any, size: int, fail: Callable[[int], None]
-    ) -> tuple[Any, Callable[[], None]]:
+    def find_getter(self, kind: str) -> tuple[str, Any]:
         name = STORED_AS.get(kind, kind)
-        number, after = np.dtype(getattr(fmi3, f"fmi3{name}")), (ctypes.c_size_t(size),)
-        return self._bind_typed_getter(f"fmi3Get{name}", number, references, size, fail, after)
+        return f"fmi3Get{name}", np.dtype(getattr(fmi3, f"fmi3{name}"))
 
-    def bind_input_derivatives(
-        self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], int]:
-        raise NotImplementedError("FMI 3 has no such call")
-
-    def bind_output_derivatives(
-        self, references: Any, values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], None]:
-        orders, size = np.ones(len(references), dtype=np.int32), (ctypes.c_size_t(values.size),)
-        return self._transfer(
-            "fmi3GetOutputDerivatives", references, orders, values=values, after=size, fail=fail
-        )
+    def bind_output_derivatives(self, references: Any, values: Vector, fail: Fail) -> Transfer:
+        orders = np.ones(len(references), dtype=np.int32)
+        return self._transfer("fmi3GetOutputDerivatives", references, orders, values=values, fail=fail)
 
     def differentiate(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
         whole = ArrayLayout(unknown)
@@ -137,7 +108,7 @@ class Fmi3(BoundCalls):
         found = self.slave.getDirectionalDerivative(references, [known.reference], seed, whole.size)
         return [found[place] for place in whole.places]
 
-    def bind_step(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
+    def bind_step(self, fail: FailStep) -> Step:
         call, handle = self._function("fmi3DoStep"), self._handle
         yes, begin, duration = ctypes.c_bool(True), ctypes.c_double(), ctypes.c_double()
         outcome, at, ended_in = self._outcome, self._outcome.ctypes.data, self.ended_in

@@ -23,7 +23,7 @@ from ..errors import EndedError, ParticipantError
 from .clock_schedule import ClockSchedule, Pace
 from .description import CLOCK, Description, Variable
 from .fmi3 import EARLY, ENDED, EVENT, MAXIMUM_RETURNS, ROUNDING, Fmi3
-from .fmi_instance import DISCARD, WARNING
+from .fmi_instance import DISCARD, WARNING, Fail, FailStep, Step, Transfer
 
 SMOOTH, DISCRETE, CLOCKED = range(3)
 
@@ -44,7 +44,7 @@ class EventMemory:
 
 
 class Fmi3WithEvents(Fmi3):
-    """Implements `FmiInstance`, and handles events (see `SideChannel`).
+    """Handles events (see `SideChannel`).
 
     `used`: the FMU has taken event mode; else it is as `Fmi3`. What is set of a clock is its interval.
     """
@@ -138,7 +138,7 @@ class Fmi3WithEvents(Fmi3):
         smooth = variable.variability in ("", "continuous") and not variable.discrete
         return SMOOTH if smooth else DISCRETE
 
-    def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+    def bind_setter(self, references: Any, values: Vector, fail: Fail) -> Transfer:
         whole = super().bind_setter(references, values, fail)
         wanted = [self._variables[int(reference), "Float64"] for reference in references]
         kinds = [self._classify(v) for v in wanted]
@@ -169,16 +169,14 @@ class Fmi3WithEvents(Fmi3):
 
         return transfer
 
-    def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+    def bind_getter(self, references: Any, values: Vector, fail: Fail) -> Transfer:
         return self._leave_events_before(super().bind_getter(references, values, fail))
 
-    def bind_typed_getter(
-        self, kind: str, references: Any, size: int, fail: Callable[[int], None]
-    ) -> tuple[Any, Callable[[], None]]:
+    def bind_typed_getter(self, kind: str, references: Any, size: int, fail: Fail) -> tuple[Any, Transfer]:
         memory, get = super().bind_typed_getter(kind, references, size, fail)
         return memory, self._leave_events_before(get)
 
-    def _leave_events_before(self, get: Callable[[], None]) -> Callable[[], None]:
+    def _leave_events_before(self, get: Transfer) -> Transfer:
         def transfer() -> None:
             self._leave_events()
             get()
@@ -271,7 +269,7 @@ class Fmi3WithEvents(Fmi3):
 
     # Steps and states.
 
-    def bind_step(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
+    def bind_step(self, fail: FailStep) -> Step:
         if not self.used:
             return super().bind_step(fail)
         call, handle = self._function("fmi3DoStep"), self._handle
