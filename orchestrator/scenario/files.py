@@ -5,6 +5,7 @@ merged into the other's and its connections are added (see `extending`), after w
 With [step_control] the other's `output_step` leaves too.
 """
 
+import copy
 import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -219,6 +220,15 @@ def find_paths(content: Mapping[str, Any], keys: Sequence[str]) -> list[str]:
                 known |= {f"components.{name}.{section}.{one}": one for one in layout.variables}
     close = difflib.get_close_matches(variable, known.values(), 1, ALIKE) if names else []
     return [path for path, one in known.items() if one == variable or one in close][:3]
+
+
+def put_parameters(content: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """A copy of the content with these values by "component.parameter"."""
+    changed = copy.deepcopy(dict(content))
+    for name, value in values.items():
+        component, _, parameter = name.partition(".")
+        put(changed, f"components.{component}.parameters.{parameter}", value)
+    return changed
 
 
 def split_path(path: str) -> list[str]:

@@ -1,7 +1,7 @@
 """The scenario: all tables of a file."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from typing import Annotated, Any, Literal
 
@@ -309,8 +309,9 @@ def _place_option(fault: Fault) -> Fault:
     return replace(fault, place="", said=(": ", fault.place, fault.said)) if fault.place else fault
 
 
-def build_scenario(content: dict[str, Any]) -> Scenario:
-    """Build a scenario from a file's content; ScenarioError with a line for each fault."""
+def build_scenario(content: Mapping[str, Any]) -> Scenario:
+    """Build a scenario from a file's content, which is not changed; ScenarioError with a line for each
+    fault."""
     try:
         return Scenario.model_validate(share_oil(convert_to_seconds(content)))
     except ValidationError as error:
@@ -319,7 +320,7 @@ def build_scenario(content: dict[str, Any]) -> Scenario:
         raise ScenarioError.of(error.faults) from None
 
 
-def _send_on(fault: Fault, content: dict[str, Any]) -> Fault:
+def _send_on(fault: Fault, content: Mapping[str, Any]) -> Fault:
     """Of an unknown key the remedy names the table where it is known, if there is one."""
     table, _, key = fault.place.rpartition(".")
     near = fault.remedy
@@ -335,7 +336,7 @@ def _send_on(fault: Fault, content: dict[str, Any]) -> Fault:
     return fault
 
 
-def _list_tables(content: dict[str, Any], name: str) -> dict[str, tuple[str, ...]]:
+def _list_tables(content: Mapping[str, Any], name: str) -> dict[str, tuple[str, ...]]:
     """The names that the tables of a component know; none where it cannot be built."""
     try:
         component = build_component(str(content["components"][name]["component"]))

@@ -154,6 +154,15 @@ def list_parameters(scenario: Scenario) -> dict[str, float]:
     return found
 
 
+def list_outputs(scenario: Scenario) -> dict[str, Quantity]:
+    """What every output means, by "instance.output"."""
+    return {
+        f"{name}.{field.name}": field.quantity
+        for name, table in scenario.components.items()
+        for field in table.resolve().outputs.fields
+    }
+
+
 def list_quantities(scenario: Scenario) -> dict[str, Quantity]:
     """What every parameter means, by "instance.parameter"."""
     return {

@@ -8,7 +8,7 @@ that units stand in a file of their own.
 import csv
 import io
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from .atomic_write import naming, partial, replace
@@ -37,6 +37,13 @@ def write_csv(path: Path, recorded: Recorded, coordinates: Mapping[str, Coordina
         os.replace(new, path)
     finally:
         new.unlink(missing_ok=True)
+
+
+def write_rows(path: Path, rows: Iterable[Iterable[object]]) -> None:
+    """Write a table, its first row the head; the file appears when it is whole."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    replace(path, text.getvalue().encode())
 
 
 def write_units(path: Path, recorded: Recorded, coordinates: Mapping[str, Coordinate]) -> None:

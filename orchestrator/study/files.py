@@ -124,17 +124,13 @@ def resolve(study: Study, subject: Subject) -> Plan:
     return Plan(study, subject, points)
 
 
-def plan_axis(name: str, description: str, subject: Subject, axis: Mapping[str, Mapping[str, Any]]) -> Plan:
+def plan_axis(
+    name: str, description: str, subject: Subject, axis: str, ends: tuple[float, float], count: int
+) -> Plan:
     """The study of a scenario of that name along one axis, with a subject of its own."""
-    study = parse_study(
-        {
-            "name": name,
-            "description": description,
-            "scenario": name,
-            "points": {"kind": "grid", "axes": axis},
-        }
-    )
-    return resolve(study, subject)
+    points = {"kind": "grid", "axes": {axis: {"start": ends[0], "stop": ends[1], "count": count}}}
+    about = {"name": name, "description": description, "scenario": name}
+    return resolve(parse_study({**about, "points": points}), subject)
 
 
 def build_subject(study: Study, folder: Path, build: Builder) -> Subject:

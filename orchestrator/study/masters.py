@@ -1,7 +1,5 @@
 """Masters side by side on one scenario: the error of each against its work, over the macro step."""
 
-import csv
-import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
@@ -22,7 +20,7 @@ from ..run.pipeline import run
 from ..scenario import Scenario
 from ..scenario.fmu_limits import FmuLimits
 from ..scenario.system import Builder
-from ..store import atomic_write
+from ..store.csv_file import write_rows
 
 NAME = "masters"
 # Macro steps, as multiples of the scenario's.
@@ -74,7 +72,9 @@ def compare_masters(
                     bar.show(len(tried) / (len(names) * len(longer)))
         for file in held:
             file.unlink()
-        atomic_write.replace(folder / f"{NAME}.csv", _write(tried).encode())
+        heads = {"macro_step": "macro_step (s)", "error": "error/tolerance", "seconds": "wall time (s)"}
+        head = [heads.get(field.name, field.name) for field in fields(Tried)]
+        write_rows(folder / f"{NAME}.csv", [head, *map(astuple, tried)])
         save_figure(lambda: _draw(scenario, tried), folder / f"{NAME}.png")
     reporter.console.print(_tabulate(scenario, tried))
     if left := [name for name in MASTERS if name not in names]:
@@ -98,15 +98,6 @@ def _try(
     output = max(shares, key=shares.__getitem__)
     steps = math.nan if summary.do_steps is None else float(summary.do_steps)
     return Tried(name, step, shares[output], output, steps, summary.coupled_time_s)
-
-
-def _write(tried: Sequence[Tried]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    heads = {"macro_step": "macro_step (s)", "error": "error/tolerance", "seconds": "wall time (s)"}
-    writer.writerow([heads.get(field.name, field.name) for field in fields(Tried)])
-    writer.writerows(map(astuple, tried))
-    return text.getvalue()
 
 
 def _tabulate(scenario: Scenario, tried: Sequence[Tried]) -> Table:

@@ -14,7 +14,7 @@ from ..plots.data import POINTS, FigureData
 from ..plots.style import save_figure
 from ..reporter import Reporter
 from ..scenario.files import load
-from ..scenario.system import build_system
+from ..scenario.system import build_system, list_outputs
 from ..store.output_folder import MERITS, RESULT, SCENARIO, STORE
 from .speeds.compare import label
 
@@ -96,11 +96,7 @@ def read_run(folder: Path) -> FigureData:
     system = build_system(scenario)
     with xarray.open_dataset(folder / RESULT, group="coupled", engine="h5netcdf") as data:
         thinned = data.isel(time=slice(None, None, -(-data.sizes["time"] // POINTS) or 1)).load()
-    quantities = {
-        f"{name}.{field.name}": field.quantity
-        for name, instance in system.instances.items()
-        for field in instance.component.outputs.fields
-    }
+    quantities = list_outputs(scenario)
     return FigureData(
         title=scenario.name,
         time=thinned["time"].values,

@@ -25,7 +25,7 @@ from ..run.pipeline import run
 from ..scenario import DURATIONS, Scenario, build_scenario, parse_ends
 from ..scenario.files import put, split_path, to_full_toml
 from ..scenario.oil_notices import list_oils
-from ..scenario.system import Builder
+from ..scenario.system import Builder, list_outputs
 from ..scenario.values import Value, parse_value
 from ..scenario.warnings import list_warnings
 from ..store.output_folder import RESULT
@@ -59,7 +59,7 @@ class ScenarioSubject:
 
     @functools.cached_property
     def scenario(self) -> Scenario:
-        return build_scenario(dict(self.tables))
+        return build_scenario(self.tables)
 
     def build_scenario_at(self, values: Mapping[str, Value]) -> Scenario:
         """The scenario at a point; ScenarioError names the fault."""
@@ -78,7 +78,7 @@ class ScenarioSubject:
                 f"{quantity.description}: {statistic} over time",
                 display_unit=quantity.display_unit,
             )
-            for name, quantity in self._list_outputs().items()
+            for name, quantity in list_outputs(self.scenario).items()
             for statistic in STATISTICS
         }
         found |= {
@@ -96,18 +96,12 @@ class ScenarioSubject:
         found["iterations"] = Result("1", "iterations of the master")
         return found
 
-    def _list_outputs(self) -> dict[str, Quantity]:
-        return {
-            f"{name}.{field.name}": field.quantity
-            for name, table in self.scenario.components.items()
-            for field in table.resolve().outputs.fields
-        }
-
     def _list_compared(self) -> list[str]:
         if not self.scenario.reference.enabled:
             return []
         driving = {parse_ends(line)[0] for line in self.scenario.connections}
-        return [name for name in self._list_outputs() if name in driving or name in self.scenario.tolerance]
+        judged = {*driving, *self.scenario.tolerance}
+        return [name for name in list_outputs(self.scenario) if name in judged]
 
     def _list_paths(self, name: str) -> list[str]:
         return self.names.get(name, [name])

@@ -320,9 +320,8 @@ def test_the_command_continues_what_was_interrupted_and_finds_percentiles_and_yi
 @pytest.mark.long
 def test_any_number_of_workers_finds_the_same_also_after_an_interruption(tmp_path):
     subject, _ = make_subject(read_changed("valve-train", DRY), parse_tolerances({**GIVEN, "indices": True}))
-    last = len(subject.design) - 1
-    axis = {"train": {"start": 0.0, "stop": float(last), "count": last + 1}}
-    plan, found = plan_axis("trains", "trains", subject, axis), []
+    count, found = len(subject.design), []
+    plan = plan_axis("trains", "trains", subject, "train", (0.0, count - 1.0), count)
     for workers, store in (
         (1, tmp_path / "one.zarr"),
         (3, tmp_path / "more.zarr"),

@@ -41,10 +41,6 @@ class Signal:
     gain: bool = False
     noise: float | None = None
 
-    @property
-    def unknowns(self) -> int:
-        return self.offset + self.gain
-
 
 @dataclass(frozen=True)
 class Experiment:
@@ -74,6 +70,11 @@ class Measured:
     @property
     def count(self) -> int:
         return int(sum(np.isfinite(one.values).sum() for one in self.experiments))
+
+    @property
+    def unknowns(self) -> int:
+        """Offsets and gains of the signals."""
+        return sum(signal.offset + signal.gain for signal in self.signals)
 
     def pool(self, signal: int) -> Vector:
         """All numbers of a signal."""

@@ -1,6 +1,5 @@
 """What a scenario gives for measured positions: a steady cycle at each speed, or its run from the start."""
 
-import copy
 import hashlib
 import json
 import math
@@ -29,8 +28,8 @@ from ...reporter import Reporter
 from ...run.plan import make_plan, open_participants
 from ...run.simulation import simulate
 from ...scenario import Scenario, build_scenario
-from ...scenario.files import put, to_full_toml
-from ...scenario.system import Builder, build_system, resolve_start
+from ...scenario.files import put_parameters, to_full_toml
+from ...scenario.system import Builder, build_system, list_outputs, resolve_start
 from ...texts import parse_toml
 from ..scenario_subject import list_fmu_sums
 from ..speeds.finder import CycleFinder
@@ -98,7 +97,7 @@ class _Tables:
 
     @cached_property
     def scenario(self) -> Scenario:
-        return build_scenario(copy.deepcopy(dict(self.tables)))
+        return build_scenario(self.tables)
 
     @property
     def outputs(self) -> Sequence[str]:
@@ -106,21 +105,10 @@ class _Tables:
 
     @cached_property
     def units(self) -> dict[str, str]:
-        return {
-            f"{name}.{field.name}": field.quantity.unit
-            for name, table in self.scenario.components.items()
-            for field in table.resolve().outputs.fields
-        }
+        return {name: quantity.unit for name, quantity in list_outputs(self.scenario).items()}
 
     def content(self) -> str:
         return json.dumps([type(self).__name__, self.variables]) + to_full_toml(self.scenario)
-
-    def change(self, values: Mapping[str, float]) -> dict[str, Any]:
-        tables = copy.deepcopy(dict(self.tables))
-        for name, value in values.items():
-            component, _, parameter = name.partition(".")
-            put(tables, f"components.{component}.parameters.{parameter}", value)
-        return tables
 
     def select(self, rows: Vector, names: Sequence[str], state: Vector) -> Prediction:
         """Of outputs `rows` (positions, outputs) called `names`."""
@@ -219,7 +207,7 @@ class TransientModel(_Tables):
     def predict(
         self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
     ) -> Prediction:
-        scenario = build_scenario(self.change(values))
+        scenario = build_scenario(put_parameters(self.tables, values))
         system = build_system(scenario)
         known = all(instance.component.ode for instance in system.instances.values())
         if known and not any(table.third_party for table in scenario.components.values()):

@@ -3,7 +3,7 @@
 A derivative is corrected by Broyden's rule after a step that it predicted well, and found anew after others.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -163,21 +163,21 @@ class Objective:
     def _difference(self, x: Vector, side: float = 1.0) -> tuple[list[Vector], list[Vector]]:
         base = self.predict(x)
         columns = []
-        steps = [side * self._choose_step(k, x) for k in range(x.size)]
+        steps = {k: side * self._choose_step(k, x) for k in range(x.size)}
         for k, found in enumerate(self._predict_beside(x, steps)):
             if any(one.message for one in found):
                 steps[k] = -steps[k]
-                (found,) = self._predict_beside(x, steps, [k])
+                (found,) = self._predict_beside(x, {k: steps[k]})
             if message := next((one.message for one in found if one.message), ""):
                 name = self.parameters[k].name
                 raise RunError(f"{name}: no derivative beside {self.values(x)[name]:g}: {message}")
             columns.append(found)
-        slopes, others, states = [], [], []
+        slopes, others, states = list[Vector](), list[Vector](), list[Vector]()
         for e, there in enumerate(base):
-            beside = [(found[e], step) for found, step in zip(columns, steps, strict=True)]
-            states.append(np.stack([(one.state - there.state) / step for one, step in beside], axis=-1))
-            slopes.append(np.stack([(one.signals - there.signals) / step for one, step in beside], axis=-1))
-            others.append(np.stack([(one.others - there.others) / step for one, step in beside], axis=-1))
+            beside = [(found[e], step) for found, step in zip(columns, steps.values(), strict=True)]
+            for name, into in (("state", states), ("signals", slopes), ("others", others)):
+                here = getattr(there, name)
+                into.append(np.stack([(getattr(one, name) - here) / step for one, step in beside], axis=-1))
         self._state_slopes = states
         return slopes, others
 
@@ -187,34 +187,28 @@ class Objective:
         step = SHARE * max(abs(float(x[k])), SHARE)
         return -step if x[k] + step > one.high / one.size else step
 
-    def _predict_beside(
-        self,
-        x: Vector,
-        steps: Sequence[float],
-        which: Sequence[int] | None = None,
-    ) -> list[list[Prediction]]:
-        """At x with one parameter changed by its step, for each of `which` (all)."""
+    def _predict_beside(self, x: Vector, steps: Mapping[int, float]) -> list[list[Prediction]]:
+        """At x with one parameter changed by its step, for each of the `steps`."""
         requests: list[Request] = []
-        chosen = range(x.size) if which is None else which
-        for k in chosen:
+        for k, step in steps.items():
             moved = x.copy()
-            moved[k] += steps[k]
+            moved[k] += step
             requests += self._list_requests(moved, x.tobytes())
         self._reporter.line(f"residuals over noise: {self.describe(x)}")
         with self._reporter.stage(f"derivatives by {len(requests)} predictions") as bar:
             found = self._predictions.make(requests, bar.show)
         count = len(self.measured.experiments)
-        return [found[i * count : (i + 1) * count] for i in range(len(chosen))]
+        return [found[i * count : (i + 1) * count] for i in range(len(steps))]
 
     def estimate_noises(self, x: Vector) -> list[float]:
         """Given ones, and those that the residuals have, less the unknowns' share of freedom."""
         found, count = [], self.measured.count
         rows = zip(self.measured.signals, self.noises, self.eliminate(x), strict=True)
-        for signal, noise, one in rows:
+        for i, (signal, noise, one) in enumerate(rows):
             n = one.residual.size
-            freedom = n - signal.unknowns - len(self.parameters) * n / count
+            freedom = n - signal.offset - signal.gain - len(self.parameters) * n / count
             squares = float(noise**2 * (one.residual @ one.residual))
-            least = 1e-9 * float(np.max(np.abs(self.measured.pool(self.measured.signals.index(signal)))))
+            least = 1e-9 * float(np.max(np.abs(self.measured.pool(i))))
             found.append(signal.noise or max(np.sqrt(squares / max(freedom, 1.0)), least))
         return found
 
@@ -234,8 +228,5 @@ class Objective:
 
     def describe(self, x: Vector) -> str:
         """How far the signals are from the data, over the noise."""
-        parts = [
-            f"{signal.column} {format_number(float(np.sqrt(np.mean(one.residual**2))), 3)}"
-            for signal, one in zip(self.measured.signals, self.eliminate(x), strict=True)
-        ]
-        return ", ".join(parts)
+        pairs = zip(self.measured.signals, self.eliminate(x), strict=True)
+        return ", ".join(f"{signal.column} {format_number(one.size, 3)}" for signal, one in pairs)

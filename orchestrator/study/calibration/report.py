@@ -1,11 +1,11 @@
 """What a calibration leaves: table, fitted scenario, and figure."""
 
-import csv
 import json
 import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 from importlib import metadata
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,8 +22,9 @@ from ...plots.style import save_figure
 from ...reporter import Reporter
 from ...scenario import Scenario, build_scenario
 from ...scenario.display import format_number, show, show_unit
-from ...scenario.files import put, to_short_toml
-from ...scenario.system import list_quantities
+from ...scenario.files import put_parameters, to_short_toml
+from ...scenario.system import list_outputs, list_quantities
+from ...store.csv_file import write_rows
 from .fit import Fit, half_width
 from .objective import Objective
 from .unseen import list_correlated
@@ -58,10 +59,10 @@ class Calibration:
     ends: Sequence[float]
     profiles: dict[str, tuple[float, float]]
 
-    @property
+    @cached_property
     def rows(self) -> list[Row]:
         measured, hidden = self.objective.measured, {name for one in self.fit.unseen for name in one.shares}
-        unknowns = len(self.objective.parameters) + sum(signal.unknowns for signal in measured.signals)
+        unknowns = len(self.objective.parameters) + measured.unknowns
         given = all(signal.noise for signal in measured.signals)
         width = half_width(10**9 if given else measured.count - unknowns)
         found = []
@@ -87,15 +88,12 @@ class Calibration:
 
     def _list_misfits(self) -> list[str]:
         """Signals with a given noise that the model does not reach."""
-        found = []
-        for signal, _, one in _list_signals(self):
-            times = float(np.sqrt(np.mean(one.residual**2)))
-            if signal.noise and times > MISFIT:
-                found.append(
-                    f"{signal.column}: the residual is {times:.2g} times the noise that was given: the model "
-                    "lacks something, or the fit was trapped; begin elsewhere, or from several starts"
-                )
-        return found
+        return [
+            f"{signal.column}: the residual is {one.size:.2g} times the noise that was given: the model "
+            "lacks something, or the fit was trapped; begin elsewhere, or from several starts"
+            for signal, _, one in _list_signals(self)
+            if signal.noise and one.size > MISFIT
+        ]
 
 
 def print_table(done: Calibration, reporter: Reporter) -> None:
@@ -103,28 +101,27 @@ def print_table(done: Calibration, reporter: Reporter) -> None:
         Column("parameter", no_wrap=True), "unit", "start", "fitted", "95 % interval", "+/- %",
         title=f"{done.scenario.name}: fitted parameters", title_justify="left", padding=0,
     )  # fmt: skip
-    quantities = list_quantities(done.scenario)
+    quantities, outputs = list_quantities(done.scenario), list_outputs(done.scenario)
     for row in done.rows:
         factor, unit = _show(quantities[row.name])
         low, high = (format_number(factor * end) for end in (row.low, row.high))
-        interval, share = f"{low} .. {high}", "–"
-        if row.fitted:
-            share = format_number(50.0 * (row.high - row.low) / abs(row.fitted), 2)
-        if not row.identified:
-            interval, share = "not identified", "–"
+        interval = f"{low} .. {high}" if row.identified else "not identified"
+        share = (
+            format_number(50.0 * (row.high - row.low) / abs(row.fitted), 2)
+            if row.fitted and row.identified
+            else "–"
+        )
         start, fitted = format_number(factor * row.start), format_number(factor * row.fitted, 6)
         shown.add_row(row.name, unit, start, fitted, interval, share)
     reporter.console.print(shown)
     for signal, noise, one in _list_signals(done):
-        component, _, output = signal.variable.partition(".")
-        outputs = done.scenario.components[component].resolve().outputs.fields
-        factor, unit = _show(next(one.quantity for one in outputs if one.name == output))
+        factor, unit = _show(outputs[signal.variable])
         more = f", gain {format_number(one.gain)}" * signal.gain
         more += f", offset {format_number(factor * one.offset)} {unit}" * signal.offset
         level = "" if signal.noise else " (estimated)"
         reporter.line(
             f"{signal.column}: noise {format_number(factor * noise, 3)} {unit}{level}, residual "
-            f"{format_number(float(np.sqrt(np.mean(one.residual**2))), 3)} of it{more}"
+            f"{format_number(one.size, 3)} of it{more}"
         )
     for note in done.notes:
         reporter.line(note)
@@ -163,22 +160,17 @@ def build_dataset(done: Calibration) -> xarray.Dataset:
 
 def write(done: Calibration, extends: str, out: Path) -> list[Path]:
     """All files of the results."""
-    hidden = [
-        f"# {row.name}: not identified, its value alone says nothing\n"
-        for row in done.rows
-        if not row.identified
-    ]
-    (out / FITTED).write_text("".join(hidden) + _write_scenario(done, extends, out), "utf-8")
-    with (out / TABLE).open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file)
-        table.writerow(Row._fields)
-        table.writerows(done.rows)
+    rows = done.rows
+    hidden = (row.name for row in rows if not row.identified)
+    doubts = (f"# {name}: not identified, its value alone says nothing\n" for name in hidden)
+    (out / FITTED).write_text("".join(doubts) + _write_scenario(done, extends, out), "utf-8")
+    write_rows(out / TABLE, [Row._fields, *rows])
     about = {
         "scenario": done.scenario.name,
         "version": metadata.version("tribocosim"),
         "misfit": done.fit.misfit,
         "starts": list(done.ends),
-        "parameters": [row._asdict() for row in done.rows],
+        "parameters": [row._asdict() for row in rows],
         "correlation": done.fit.correlation.tolist(),
         "signals": [
             {
@@ -191,18 +183,18 @@ def write(done: Calibration, extends: str, out: Path) -> list[Path]:
     }  # fmt: skip
     (out / NUMBERS).write_text(json.dumps(_finite(about), indent=1) + "\n", "utf-8")
     panels = _list_panels(done)
-    with (out / SIGNALS).open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file)
-        table.writerow(["signal", "unit", "speed [rad/s]", "position [rad or s]", "measured", "model"])
-        for one in panels:
-            for row in zip(one.positions, one.data, one.model, strict=True):
-                table.writerow([one.signal, one.unit, "" if one.speed is None else one.speed, *row])
-    title = f"{done.scenario.name}: measured signals and fitted model"
-    save_figure(lambda: draw_calibration(panels, title), out / FIGURE)
-    rows = done.rows
+    signals = (
+        [one.signal, one.unit, "" if one.speed is None else one.speed, *row]
+        for one in panels
+        for row in zip(one.positions, one.data, one.model, strict=True)
+    )
+    head = ["signal", "unit", "speed [rad/s]", "position [rad or s]", "measured", "model"]
+    write_rows(out / SIGNALS, [head, *signals])
+    name = done.scenario.name
+    save_figure(lambda: draw_calibration(panels, f"{name}: measured signals and fitted model"), out / FIGURE)
     ends = np.array([[row.low, row.high] for row in rows]) / np.array([[row.fitted or 1.0] for row in rows])
-    names, title = [row.name for row in rows], f"{done.scenario.name}: fitted parameters"
-    save_figure(lambda: draw_parameters(names, ends, done.fit.correlation, title), out / INTERVALS)
+    draw = partial(draw_parameters, [row.name for row in rows], ends, done.fit.correlation)
+    save_figure(lambda: draw(f"{name}: fitted parameters"), out / INTERVALS)
     return [out / name for name in (FITTED, TABLE, NUMBERS, SIGNALS, FIGURE, INTERVALS)]
 
 
@@ -216,28 +208,18 @@ def _finite(value: Any) -> Any:
 
 
 def _write_scenario(done: Calibration, extends: str, out: Path) -> str:
-    values = {f"components.{_path(row.name)}": row.fitted for row in done.rows}
+    values = {row.name: row.fitted for row in done.rows}
     if not extends:
-        tables = done.scenario.model_dump(exclude_defaults=True)
-        for path, value in values.items():
-            put(tables, path, value)
-        return to_short_toml(build_scenario(tables), out.resolve())
+        own = done.scenario.model_dump(exclude_defaults=True)
+        return to_short_toml(build_scenario(put_parameters(own, values)), out.resolve())
     if Path(extends).suffix:
         extends = Path(os.path.relpath(Path(extends).resolve(), out.resolve())).as_posix()
-    content: dict[str, Any] = {
-        "extends": extends,
-        "description": f"{done.scenario.name}, calibrated",
-        "components": {},
-    }
-    for row in done.rows:
-        component, _, parameter = row.name.partition(".")
-        content["components"].setdefault(component, {"parameters": {}})["parameters"][parameter] = row.fitted
-    return tomli_w.dumps(content)
-
-
-def _path(name: str) -> str:
-    component, _, parameter = name.partition(".")
-    return f"{component}.parameters.{parameter}"
+    tables: dict[str, Any] = {}
+    for name, value in values.items():
+        component, _, parameter = name.partition(".")
+        tables.setdefault(component, {"parameters": {}})["parameters"][parameter] = value
+    head = {"extends": extends, "description": f"{done.scenario.name}, calibrated"}
+    return tomli_w.dumps({**head, "components": tables})
 
 
 def _list_panels(done: Calibration) -> list[Panel]:

@@ -1,6 +1,5 @@
 """`tribocosim calibrate`: reads the data, fits, and leaves table, scenario and figure in a folder."""
 
-import copy
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
@@ -16,8 +15,9 @@ from models.core.quantities import Vector
 from ...analyses._evaluate import create_folder, find_results
 from ...errors import MistakeError, Option, RunError
 from ...reporter import Reporter
-from ...scenario import Scenario, build_scenario
-from ...scenario.system import Builder, build_system
+from ...run.execute import tell_interruption
+from ...scenario import build_scenario
+from ...scenario.system import Builder, list_outputs
 from ..run import Where
 from .fit import Fit, fit, profile
 from .measured import read_measured
@@ -56,11 +56,11 @@ def calibrate(
 
     MistakeError before anything is written.
     """
-    scenario = build_scenario(copy.deepcopy(dict(source.tables)))
+    scenario = build_scenario(source.tables)
     parameters = choose(scenario, asked.parameters, asked.bounds)
     profiled = _find_profiled([one.name for one in parameters], asked.profiles)
-    measured, notes = read_measured(data, _list_outputs(scenario), asked.signals)
-    unknowns = len(parameters) + sum(signal.unknowns for signal in measured.signals)
+    measured, notes = read_measured(data, list_outputs(scenario), asked.signals)
+    unknowns = len(parameters) + measured.unknowns
     if measured.count <= unknowns:
         raise MistakeError(
             f"{measured.count} measured numbers cannot give {unknowns} unknowns (parameters, offsets, "
@@ -74,7 +74,7 @@ def calibrate(
         create_folder(out),
         closing(sqlite3.connect(out / FILE)) as file,
         _open_workers(where) as client,
-        _told(out),
+        tell_interruption(lambda: f"what was computed is kept in {out / FILE}: the same command continues"),
     ):
         predictions = Predictions(model, measured.experiments, file, client)
         places = len(measured.experiments)
@@ -130,15 +130,6 @@ def _find_profiled(names: Sequence[str], wanted: Sequence[str]) -> list[int]:
     return [k for k, name in enumerate(names) if name in every or "all" in every]
 
 
-def _list_outputs(scenario: Scenario) -> dict[str, Any]:
-    system = build_system(scenario)
-    return {
-        f"{name}.{field.name}": field.quantity
-        for name, instance in system.instances.items()
-        for field in instance.component.outputs.fields
-    }
-
-
 @contextmanager
 def _open_workers(where: Where) -> Iterator[Any]:
     """A client of the processes that compute; None for this process."""
@@ -149,14 +140,3 @@ def _open_workers(where: Where) -> Iterator[Any]:
 
     with connect(where.scheduler, where.workers, where.timeout) as client:
         yield client
-
-
-@contextmanager
-def _told(out: Path) -> Iterator[None]:
-    """What an interruption says."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            f"interrupted; what was computed is kept in {out / FILE}: the same command continues"
-        ) from None

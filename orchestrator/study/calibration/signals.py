@@ -24,6 +24,11 @@ class Eliminated:
     gain: float
     offset: float
 
+    @property
+    def size(self) -> float:
+        """Root mean square of the residual."""
+        return float(np.sqrt(np.mean(self.residual**2)))
+
 
 def eliminate(signal: Signal, data: Vector, model: Vector, derivatives: Vector) -> Eliminated:
     """Of values (n,) and their derivatives by parameters (n, parameters)."""

@@ -60,55 +60,41 @@ Length = Annotated[Size, _limit("m", "8 mm")]
 
 
 class Limits(Table):
-    """Limits; "own": as the scenario's own cam has it, "free": none."""
+    """Limits; "own": as the scenario's own cam has it, "free": none.
 
-    separation_speed: Annotated[Size, _limit("rad/s", "3000 rpm")] = Field(
-        OWN, description="Speed of the flywheel up to which contact is kept"
-    )
-    largest_lift: Length = Field(OWN, description="Largest lift")
-    largest_velocity: Annotated[Size, _limit("m/s", "4 m/s")] = Field(
-        FREE, description="Largest velocity of the lift, at the separation speed"
-    )
-    largest_acceleration: Annotated[Size, _limit("m/s2", "3000 m/s2")] = Field(
-        FREE, description="Largest acceleration of the lift, at the separation speed"
-    )
-    largest_deceleration: Annotated[Size, _limit("m/s2", "3000 m/s2")] = Field(
-        FREE, description="Largest deceleration of the lift, at the separation speed"
-    )
-    largest_jerk: Annotated[Size, _limit("m/s3", "1e7 m/s3")] = Field(
-        FREE, description="Largest jerk of the lift, at the separation speed"
-    )
-    largest_pressure_angle: Annotated[Size, _limit("rad", "22 deg")] = Field(
-        OWN, description="Largest pressure angle"
-    )
-    largest_offset: Length = Field(
-        FREE, description="How far from its middle a flat follower is touched: half its width"
-    )
-    least_radius: Length = Field(OWN, description="Least radius of curvature where the cam is convex")
-    wheel_radius: Length = Field(
-        OWN, description="Grinding wheel that a hollow flank takes; own: no hollow, where there is none"
-    )
-    peak_pressure: Annotated[Size, _limit("Pa", "600 MPa")] = Field(
-        OWN, description="Largest Hertz pressure, of each contact"
-    )
-    least_load: Annotated[Size, _limit("N", "50 N")] = Field(
-        FREE, description="Least load of each contact while the cam lifts"
-    )
-    least_gap: Length = Field(FREE, description="Least gap between coils of springs")
-    least_film_ratio: Annotated[Size, _limit("1", "0.8")] = Field(
-        OWN, description="Least film over roughness of the cam's contact, during the event"
-    )
-    least_lift_area: Annotated[Size, _limit("1", "0.95")] = Field(
-        OWN, description="Area of the cam's lift over that of the scenario's, where it is not maximised"
-    )
-    largest_seating_velocity: Annotated[Size, _limit("m/s", "0.3 m/s")] = Field(
-        FREE, description="Largest seating velocity"
-    )
-    largest_bounce: Length = Field(FREE, description="Largest bounce after landing")
-    least_spring_margin: Annotated[Size, _limit("1", "0.2")] = Field(
-        FREE, description="Least load of the open valve over its spring's force"
-    )
-    least_clearance: Length = Field(FREE, description="Least clearance between valve and piston")
+    Velocity, acceleration and jerk are those of the lift at the separation speed.
+    """
+
+    # Of the flywheel, up to which contact is kept.
+    separation_speed: Annotated[Size, _limit("rad/s", "3000 rpm")] = OWN
+    largest_lift: Length = OWN
+    largest_velocity: Annotated[Size, _limit("m/s", "4 m/s")] = FREE
+    largest_acceleration: Annotated[Size, _limit("m/s2", "3000 m/s2")] = FREE
+    largest_deceleration: Annotated[Size, _limit("m/s2", "3000 m/s2")] = FREE
+    largest_jerk: Annotated[Size, _limit("m/s3", "1e7 m/s3")] = FREE
+    largest_pressure_angle: Annotated[Size, _limit("rad", "22 deg")] = OWN
+    # How far from its middle a flat follower is touched: half its width.
+    largest_offset: Length = FREE
+    # Of curvature, where the cam is convex.
+    least_radius: Length = OWN
+    # Of the grinding wheel that a hollow flank takes; own: no hollow, where there is none.
+    wheel_radius: Length = OWN
+    # By Hertz, of each contact.
+    peak_pressure: Annotated[Size, _limit("Pa", "600 MPa")] = OWN
+    # Of each contact while the cam lifts.
+    least_load: Annotated[Size, _limit("N", "50 N")] = FREE
+    # Between coils of springs.
+    least_gap: Length = FREE
+    # Least film over roughness of the cam's contact, during the event.
+    least_film_ratio: Annotated[Size, _limit("1", "0.8")] = OWN
+    # Of the cam, over that of the scenario's, where it is not maximised.
+    least_lift_area: Annotated[Size, _limit("1", "0.95")] = OWN
+    largest_seating_velocity: Annotated[Size, _limit("m/s", "0.3 m/s")] = FREE
+    largest_bounce: Length = FREE
+    # Least load of the open valve over its spring's force.
+    least_spring_margin: Annotated[Size, _limit("1", "0.2")] = FREE
+    # Between valve and piston.
+    least_clearance: Length = FREE
 
 
 # Limits of figures of merit: the figure, and 1 where the limit is the most, -1 where it is the least.
@@ -121,10 +107,10 @@ FIGURES = {
 
 
 class Ends(Table):
-    """Limits of a figure of merit; "own": as with the scenario's own cam."""
+    """The least and the largest value of a figure of merit; "own": as with the scenario's own cam."""
 
-    least: float | str | None = Field(None, description="Least value")
-    most: float | str | None = Field(None, description="Largest value")
+    least: float | str | None = None
+    most: float | str | None = None
 
     def read(self, value: float | str, name: str, figure: Result) -> float:
         try:
@@ -133,58 +119,49 @@ class Ends(Table):
             raise MistakeError(f"figures.{name}: {error}") from None
 
 
+def _positive(unit: str, example: str) -> BeforeValidator:
+    return BeforeValidator(lambda value: _read_positive(value, unit, example))
+
+
 class Ramps(Table):
-    """Both ramps, of a cam that has them."""
+    """Both ramps, of a cam that has them: their height, and their velocity per cam angle."""
 
-    height: Annotated[float, BeforeValidator(lambda value: _read_positive(value, "m", "0.3 mm"))] = Field(
-        description="Lift of the ramps"
-    )
-    velocity: Annotated[
-        float, BeforeValidator(lambda value: _read_positive(value, "m/rad", "0.015 mm/deg"))
-    ] = Field(description="Their velocity, per cam angle")
+    height: Annotated[float, _positive("m", "0.3 mm")]
+    velocity: Annotated[float, _positive("m/rad", "0.015 mm/deg")]
 
 
-Speed = Annotated[float, BeforeValidator(lambda value: _read_positive(value, "rad/s", "1000 rpm"))]
+Speed = Annotated[float, _positive("rad/s", "1000 rpm")]
 Angle = Annotated[float, BeforeValidator(lambda value: _read(value, "rad", "110 deg"))]
 
 
 class Brief(Table):
     """A design's file."""
 
-    scenario: str = Field(description="A shipped scenario, or a path beside the file")
-    description: str = Field("", description="What the design is for, in a line")
-    cam: str | None = Field(None, description="Component with the cam, where the scenario has several")
-    coefficients: int = Field(
-        30, description="Bumps that the lift is made of", ge=FEWEST, le=MOST, strict=True
-    )
-    event: tuple[Angle, Angle] | None = Field(
-        None, description="Cam angles at which the ramps join the event; left out: as in the scenario"
-    )
-    maximise: str | None = Field(
-        None,
-        description="lift_area of the cam (left out), separation_speed, or a figure of merit at `speeds`",
-    )
-    minimise: str | None = Field(None, description="A figure of merit at `speeds`, instead of maximise")
-    ramps: Annotated[Ramps | None, BeforeValidator(lambda value: parse_table(Ramps, value))] = Field(
-        None, description="Ramps of the cam; left out: as in the scenario"
-    )
-    figures: dict[str, Annotated[Ends, BeforeValidator(lambda value: parse_table(Ends, value))]] = Field(
-        {}, description='Limits of figures of merit at `speeds`, "part.figure" with least or most'
-    )
-    parameters: dict[str, tuple[float | str, float | str]] = Field(
-        {}, description='Parameters that may vary, "component.name", each with its least and largest value'
-    )
-    speeds: list[Speed] = Field(
-        [], description="Speeds of the flywheel whose cycles keep the limits, besides those up to separation"
-    )
-    highest_speed: Speed | None = Field(
-        None, description="Speed up to which the scenario's own separation is sought"
-    )
-    limits: Annotated[Limits, BeforeValidator(lambda value: parse_table(Limits, value))] = Field(
-        Limits(), description="Limits; those left out have their defaults"
-    )
-    starts: int = Field(2, description="Starts of the first optimum", ge=1, le=20, strict=True)
-    seed: int = Field(1, description="Seed of the starts", ge=0, strict=True)
+    # A shipped one, or a path beside the file.
+    scenario: str
+    description: str = ""
+    # The component with the cam, where the scenario has several.
+    cam: str | None = None
+    # Bumps that the lift is made of.
+    coefficients: int = Field(30, ge=FEWEST, le=MOST, strict=True)
+    # Cam angles at which the ramps join the event; left out, as the ramps: as in the scenario.
+    event: tuple[Angle, Angle] | None = None
+    ramps: Annotated[Ramps | None, BeforeValidator(lambda value: parse_table(Ramps, value))] = None
+    # lift_area of the cam (left out), separation_speed, or a figure of merit at `speeds`.
+    maximise: str | None = None
+    minimise: str | None = None
+    # Limits of figures of merit at `speeds`, by "part.figure".
+    figures: dict[str, Annotated[Ends, BeforeValidator(lambda value: parse_table(Ends, value))]] = Field({})
+    # Those that may vary, "component.name", each with its least and largest value.
+    parameters: dict[str, tuple[float | str, float | str]] = Field({})
+    # Of the flywheel, whose cycles keep the limits, besides those up to separation.
+    speeds: list[Speed] = Field([])
+    # Up to which the scenario's own separation is sought.
+    highest_speed: Speed | None = None
+    limits: Annotated[Limits, BeforeValidator(lambda value: parse_table(Limits, value))] = Limits()
+    # Of the first optimum, and their seed.
+    starts: int = Field(2, ge=1, le=20, strict=True)
+    seed: int = Field(1, ge=0, strict=True)
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -55,10 +55,10 @@ def _most(value: Callable[[State], Vector]) -> Callable[[State, float], Vector]:
     return lambda state, size: value(state) / size - 1.0
 
 
-def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: float) -> Iterator[Limit]:
-    """Those of the cam alone. `speed` of the cam (rad/s) turns accelerations (m/s2) into m/rad2."""
+def _most_values(speed: float) -> dict[str, Callable[[State], Vector]]:
+    """What limits of the cam alone bound from above; `speed` of the cam (rad/s) turns m/rad2 into m/s2."""
     square, cube = speed**2, speed**3
-    values: dict[str, Callable[[State], Vector]] = {
+    return {
         "largest_lift": lambda q: q.curve.s,
         "largest_velocity": lambda q: np.abs(q.curve.ds) * speed,
         "largest_acceleration": lambda q: q.curve.dds * square,
@@ -67,7 +67,21 @@ def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: floa
         "largest_pressure_angle": lambda q: np.abs(q.touch.pressure_angle),
         "largest_offset": lambda q: np.abs(q.touch.arm),
     }
-    for name, value in values.items():
+
+
+def find_own_sizes(lobe: Lobe, speed: float) -> dict[str, float]:
+    """The sizes of the limits of the scenario's own cam, in SI units, at a speed of the cam (rad/s)."""
+    touch, none = lobe.touch(lobe.own, lobe.kind.geometry), np.empty(0)
+    here, bend = State(lobe.own, touch, none, none), touch.turn / touch.cam_rate
+    return {name: float(value(here).max()) for name, value in _most_values(speed).items()} | {
+        "least_radius": float(1.0 / bend.max()),
+        "wheel_radius": float(-1.0 / bend.min()) if bend.min() < 0.0 else 1e3,
+    }
+
+
+def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: float) -> Iterator[Limit]:
+    """Those of the cam alone, which turns at a speed (rad/s)."""
+    for name, value in _most_values(speed).items():
         if name in sizes:
             yield Limit(name, sizes[name], _most(value))
     bends: dict[str, Callable[[State, float], Vector]] = {

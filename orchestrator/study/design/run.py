@@ -29,6 +29,7 @@ from .brief import FREE, OWN, Asked, Limits, read_bounds
 from .deliverables import deliver
 from .figures import find_objective, list_bounds, read_figures
 from .files import CAM, DESIGN, FIGURE, FILES, LIFTS, PROGRESS, SCENARIO, TABLE, keep, read_kept
+from .limits import find_own_sizes
 from .report import report, tabulate
 from .search import Search
 from .train import DesignedTrain, open_train
@@ -54,7 +55,7 @@ class Check(NamedTuple):
 
 
 class _Cycles:
-    """The motions of a scenario at speeds, each found once; a bar shows the share of about `count`.
+    """The motions of a scenario at speeds (rad/s), each found once; a bar shows the share of about `count`.
 
     The search begins with the last state of the steady cycle at the nearest speed.
     """
@@ -79,23 +80,9 @@ class _Cycles:
 
 
 def find_own_limits(train: DesignedTrain, limits: Limits, speed: float) -> dict[str, float]:
-    """The sizes of the limits of the cam itself, in SI units; `speed` is the cam's (rad/s)."""
-    lobe, curve = train.lobe, train.lobe.own
-    touch = lobe.touch(curve, lobe.kind.geometry)
-    bend = touch.turn / touch.cam_rate
-    own = {
-        "largest_lift": float(curve.s.max()),
-        "largest_velocity": float(np.abs(curve.ds).max() * speed),
-        "largest_acceleration": float(curve.dds.max() * speed**2),
-        "largest_deceleration": float(-curve.dds.min() * speed**2),
-        "largest_jerk": float(np.abs(curve.ddds).max() * speed**3),
-        "largest_pressure_angle": float(np.abs(touch.pressure_angle).max()),
-        "largest_offset": float(np.abs(touch.arm).max()),
-        "least_radius": float(1.0 / bend.max()),
-        "wheel_radius": float(-1.0 / bend.min()) if bend.min() < 0.0 else 1e3,
-    }
+    """The sizes that are asked for the limits of the cam itself (SI); `speed` is the cam's (rad/s)."""
     found = {}
-    for name, size in own.items():
+    for name, size in find_own_sizes(train.lobe, speed).items():
         asked = getattr(limits, name)
         if asked != FREE and not (asked == OWN and size < 1e-9):
             found[name] = size if asked == OWN else float(asked)

@@ -150,36 +150,28 @@ class Search:
 
     def improve(self, start: Vector, best: Callable[[Found], None]) -> Improved:
         """Rounds of cycles and optima from `start`; `best` hears of each better one that cycles confirm."""
-        x, box, found, gained = start, BOX, None, True
-        model: Model | None = None
-        for number in range(MOST_ROUNDS):
+        seen = self.look(start)
+        found = self.judge(start, seen, 0)
+        best(found)
+        model, box = self.learn(self.model(start, seen)), BOX
+        for number in range(1, MOST_ROUNDS):
+            x = self.solve(model, found.unknowns, box, self.starts if number == 1 else 1).unknowns
             try:
                 seen = self.look(x)
             except ModelError as error:
-                if found is None or model is None:
-                    raise
                 self.tell(f"round {number}: no cycles ({error}); a smaller step is tried")
                 box *= SHORTER
-                x = self.solve(model, found.unknowns, box, 1).unknowns
                 continue
-            here = self.judge(x, seen)
-            self.tell(f"round {number}: {describe(here, self.wanted.objective)}")
-            if found is None or here.rank > found.rank:
-                gained = found is None or here.rank - found.rank > LITTLE
-                box = box if found is None else min(LARGEST, 1.5 * box)
-                found = here
+            here = self.judge(x, seen, number)
+            gain = here.rank - found.rank
+            if gain > 0.0:
+                box, found = min(LARGEST, 1.5 * box), here
                 best(found)
                 model = self.learn(self.model(x, seen))
             else:
-                assert model is not None
-                model = self.learn(model)
-                box *= SHORTER
-            if not gained or box < SMALLEST:
+                box, model = SHORTER * box, self.learn(model)
+            if 0.0 < gain <= LITTLE or box < SMALLEST:
                 break
-            assert model is not None
-            x = self.solve(model, found.unknowns, box, self.starts if number == 0 else 1).unknowns
-        assert found is not None
-        assert model is not None
         # What holds the cam that was found, by its own cycles.
         last = self.solve(model, found.unknowns, max(box, SMALLEST), 1)
         angles, lines = self.train.lobe.angles, {line.name: line.angle for line in model.lines}
@@ -228,8 +220,8 @@ class Search:
             answers[speed] = mend(answer, model.place, past, self.scale)
         return replace(model, answers=answers)
 
-    def judge(self, x: Vector, seen: Mapping[float, Seen]) -> Found:
-        """What the cycles say of the limits, and the cam of its own."""
+    def judge(self, x: Vector, seen: Mapping[float, Seen], number: int) -> Found:
+        """What the cycles say of the limits, and the cam of its own, in the round of that number."""
         excesses: dict[str, float] = {}
         for speed, (near, cycle, figures) in seen.items():
             at = f"at {speed * RPM:.0f} r/min"
@@ -261,7 +253,9 @@ class Search:
             values = {v: one.figures[objective.name].value for v, one in seen.items() if one.figures}
             reached = math.exp(float(x[-1])) if self.stretched else objective.weigh(values)
         beyond = {name: excess for name, excess in excesses.items() if excess > CONFIRMED}
-        return Found(x, reached, beyond | self.own_excesses(x), area.value)
+        found = Found(x, reached, beyond | self.own_excesses(x), area.value)
+        self.tell(f"round {number}: {describe(found, objective)}")
+        return found
 
     def own_excesses(self, x: Vector) -> dict[str, float]:
         """The limits of the cam itself that it exceeds, each with the share."""

@@ -1,6 +1,5 @@
 """The steady cycles of a train with a designed cam, and how its contacts answer to a bump of the lift."""
 
-import copy
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -21,7 +20,7 @@ from ...assessment.trains import Train, find_trains
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, build_scenario
 from ...scenario.cams import read_cam
-from ...scenario.files import put
+from ...scenario.files import put_parameters
 from ...scenario.system import build_system, list_parameters
 from ..speeds.finder import CycleFinder
 from ..speeds.subject import SpeedSubject, count_turns, find_flywheel
@@ -201,8 +200,7 @@ def open_train(
     ramps: Ramps | None = None,
 ) -> DesignedTrain:
     """The train of a scenario; MistakeError or ModelError for one without a cam on a flywheel."""
-    own = copy.deepcopy(dict(tables))
-    scenario = build_scenario(copy.deepcopy(own))
+    own, scenario = tables, build_scenario(tables)
     flywheel = find_flywheel(scenario)
     cams = [train.cam for train in find_trains(build_system(scenario))]
     if component is None and len(cams) > 1:
@@ -211,8 +209,8 @@ def open_train(
     if cam not in cams:
         raise MistakeError((Option("cam", cam), f": {one_of(cams, cam)}"))
     if ramps is not None:
-        _put_ramps(own, cam, ramps, list_parameters(scenario))
-        scenario = build_scenario(copy.deepcopy(own))
+        own = _put_ramps(own, cam, ramps, list_parameters(scenario))
+        scenario = build_scenario(own)
     kind = read_cam(scenario.components[cam])
     begin, end = find_event(kind, event)
     lobe = Lobe(kind, begin, end, count)
@@ -220,8 +218,10 @@ def open_train(
     return DesignedTrain(scenario, subject, cam, lobe, wires=dict(list_wires(own)))
 
 
-def _put_ramps(tables: dict[str, Any], cam: str, ramps: Ramps, known: Mapping[str, float]) -> None:
-    """Ramps of this height and velocity: v = height/(constant + blend), as `add_ramp` has it."""
+def _put_ramps(
+    tables: Mapping[str, Any], cam: str, ramps: Ramps, known: Mapping[str, float]
+) -> dict[str, Any]:
+    """With ramps of this height and velocity: v = height/(constant + blend), as `add_ramp` has it."""
     if f"{cam}.ramp_blend_angle" not in known:
         raise MistakeError(f"ramps: {cam} has none of its own; its lift table holds them")
     blend = known[f"{cam}.ramp_blend_angle"]
@@ -233,5 +233,4 @@ def _put_ramps(tables: dict[str, Any], cam: str, ramps: Ramps, known: Mapping[st
             f"{1e3 * ramps.height:.4g} mm, by ramp_blend_angle of {cam}, and reach it in half a turn"
         )
     values = {"ramp_height": ramps.height, "opening_ramp_angle": constant, "closing_ramp_angle": constant}
-    for name, value in values.items():
-        put(tables, f"components.{cam}.parameters.{name}", value)
+    return put_parameters(tables, {f"{cam}.{name}": value for name, value in values.items()})

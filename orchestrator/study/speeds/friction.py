@@ -1,6 +1,5 @@
 """Friction of whole trains over speed by shares, of a sweep or of several designs such as temperatures."""
 
-import csv
 import json
 import math
 import tomllib
@@ -21,6 +20,7 @@ from ...errors import MistakeError
 from ...scenario import build_scenario
 from ...scenario.display import format_number
 from ...scenario.system import build_system
+from ...store.csv_file import write_rows
 from ...store.output_folder import STORE, SUMMARY
 from .compare import read_sweep
 
@@ -106,11 +106,10 @@ def tabulate_sheets(sheets: Sequence[Sheet]) -> Table:
 def write_sheets(sheets: Sequence[Sheet], path: Path) -> None:
     """Torques in N m, powers in W."""
     shares = [*_list_shares(sheets), "sum", DRIVE]
+    heads = [f"{share} [{unit}]" for unit in ("N.m", "W") for share in shares]
+    rows = (
+        [design, speed, *torques, *(torque * speed / RPM for torque in torques)]
+        for design, (speed, *torques) in _list_rows(sheets)
+    )
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        heads = [f"{share} [{unit}]" for unit in ("N.m", "W") for share in shares]
-        writer.writerow(["design", "speed [r/min]", *heads])
-        for design, (speed, *torques) in _list_rows(sheets):
-            powers = [torque * speed / RPM for torque in torques]
-            writer.writerow([design, speed, *torques, *powers])
+    write_rows(path, [["design", "speed [r/min]", *heads], *rows])

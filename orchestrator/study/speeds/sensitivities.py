@@ -7,7 +7,6 @@ For a share h of the parameter, D(h) = (g(1 + h) - g(1 - h))/(2 h) is the change
 a figure is not smooth, as at the loss of contact.
 """
 
-import copy
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -30,7 +29,7 @@ from ...plots.style import save_figure
 from ...reporter import Reporter
 from ...scenario import Scenario, build_scenario
 from ...scenario.display import format_number
-from ...scenario.files import put, to_full_toml
+from ...scenario.files import put_parameters, to_full_toml
 from ...scenario.system import list_parameters, list_quantities
 from ...scenario.values import Value
 from ...texts import parse_toml
@@ -90,10 +89,8 @@ class SensitivitySubject(NumberedSubject):
         name, factor = self.parameters[which], 1.0 + SHARE * SHARES[step]
         if name == SPEED:
             return self.base, self.speed * factor
-        tables, (component, _, parameter) = copy.deepcopy(dict(self.base.tables)), name.partition(".")
         value = list_parameters(self.base.scenario)[name] * factor
-        put(tables, f"components.{component}.parameters.{parameter}", value)
-        return SpeedSubject(tables, self.base.flywheel), self.speed
+        return SpeedSubject(put_parameters(self.base.tables, {name: value}), self.base.flywheel), self.speed
 
 
 def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) -> tuple[str, ...]:
@@ -158,7 +155,7 @@ def find_sensitivities(
 ) -> xarray.Dataset:
     """The elasticities of all figures of the cycle at `speed` (rad/s), with their errors, over (figure,
     parameter); the cycles are kept in the folder `out`. MistakeError before anything is computed."""
-    scenario = build_scenario(copy.deepcopy(dict(tables)))
+    scenario = build_scenario(tables)
     flywheel = find_flywheel(scenario)
     parameters = choose_parameters(scenario, flywheel, wanted)
     # With the numbers that oils, tables and drawings give, so that each may vary alone.
@@ -171,10 +168,8 @@ def find_sensitivities(
     reporter.line(
         f"{last + 1} steady cycles: {len(SHARES)} for each of {len(parameters)} parameters, and one"
     )
-    axis = {"case": {"start": 0.0, "stop": float(last), "count": last + 1}}
-    plan = plan_axis(
-        scenario.name, f"{scenario.name}: cycles beside that at {speed:.6g} rad/s", subject, axis
-    )
+    description = f"{scenario.name}: cycles beside that at {speed:.6g} rad/s"
+    plan = plan_axis(scenario.name, description, subject, "case", (0.0, float(last)), last + 1)
     status = run(plan, out / CYCLES, where, reporter, overwrite)
     with xarray.open_zarr(out / CYCLES) as stored:
         cycles = stored.load()
@@ -184,15 +179,20 @@ def find_sensitivities(
         for name in subject.results
         if name not in STEADY and not name.endswith("_angle")
     }
-    found = differentiate(values, len(parameters))
+    found = {name: (values[name][0], *one) for name, one in differentiate(values, len(parameters)).items()}
+    return _build(found, parameters, speed=speed, status=status, method="differences")
+
+
+def _build(
+    found: Mapping[str, tuple[float, Vector, Vector]], parameters: Sequence[str], **attributes: Any
+) -> xarray.Dataset:
+    """By figure its value, elasticities and their errors."""
+    value, elasticity, error = (np.array(column) for column in zip(*found.values(), strict=True))
+    both = ("figure", "parameter")
     return xarray.Dataset(
-        {
-            "elasticity": (("figure", "parameter"), np.array([one for one, _ in found.values()])),
-            "error": (("figure", "parameter"), np.array([error for _, error in found.values()])),
-            "value": ("figure", np.array([values[name][0] for name in found])),
-        },
+        {"elasticity": (both, elasticity), "error": (both, error), "value": ("figure", value)},
         {"figure": list(found), "parameter": list(parameters)},
-        {"speed": speed, "status": status, "method": "differences"},
+        attributes,
     )
 
 
@@ -206,18 +206,13 @@ def _find_exact(
     except MistakeError as error:
         reporter.line(f"no exact derivatives, but differences of whole cycles: {error}")
         return None
-    found = {name: one for name, one in found.items() if one.value and np.any(one.slopes)}
-    sizes = np.abs([[one.value] for one in found.values()])
+    shares = {
+        name: (one.value, one.slopes / one.value, one.corners / abs(one.value))
+        for name, one in found.items()
+        if one.value and np.any(one.slopes)
+    }
     reporter.line(f"exact derivatives of the cycle by {len(parameters)} parameters")
-    return xarray.Dataset(
-        {
-            "elasticity": (("figure", "parameter"), [one.slopes / one.value for one in found.values()]),
-            "error": (("figure", "parameter"), np.array([one.corners for one in found.values()]) / sizes),
-            "value": ("figure", [one.value for one in found.values()]),
-        },
-        {"figure": list(found), "parameter": list(parameters)},
-        {"speed": speed, "status": 0, "method": "tangents"},
-    )
+    return _build(shares, parameters, speed=speed, status=0, method="tangents")
 
 
 def select_figures(dataset: xarray.Dataset) -> list[str]:

@@ -1,6 +1,5 @@
 """The speed at which a train first loses contact, with its film formula and with a second one."""
 
-import copy
 import functools
 import itertools
 import math
@@ -22,7 +21,7 @@ from ...assessment.motion import Motion, Part
 from ...assessment.trains import list_contacts, parameter_of
 from ...errors import MistakeError, Option, one_of
 from ...reporter import Reporter
-from ...scenario.files import put
+from ...scenario.files import put_parameters
 from ...scenario.system import build_system
 from .subject import SpeedSubject
 
@@ -168,10 +167,8 @@ def find_second(
 
     They are tried from where contact was lost first: where it is then kept upwards, else downwards.
     """
-    tables = copy.deepcopy(dict(subject.tables))
-    for name in _list_films(subject):
-        put(tables, f"components.{name}.parameters.film_model", film)
-    second = replace(subject, tables=tables, folder=None)
+    films = {f"{name}.film_model": film for name in _list_films(subject)}
+    second = replace(subject, tables=put_parameters(subject.tables, films), folder=None)
     count = (1 + bool(first.nose_speed)) * (2 + _count_halvings(speeds))
 
     def find(is_lost: Callable[[float, str], bool], number: str, first_speed: float | None) -> float | None:

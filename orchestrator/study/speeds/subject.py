@@ -1,6 +1,5 @@
 """The steady cycle of a scenario at a speed, as the subject of a study."""
 
-import copy
 import functools
 import math
 from collections.abc import Mapping, Sequence
@@ -23,7 +22,7 @@ from ...assessment.motion import Motion, Part
 from ...assessment.trains import Angle, find_trains, list_ratios
 from ...errors import MistakeError
 from ...scenario import Scenario, build_scenario
-from ...scenario.files import put, to_full_toml
+from ...scenario.files import put_parameters, to_full_toml
 from ...scenario.oil_notices import list_oils
 from ...scenario.system import build_system, resolve_start
 from ...scenario.values import Value
@@ -60,7 +59,7 @@ class SpeedSubject:
 
     @functools.cached_property
     def scenario(self) -> Scenario:
-        return build_scenario(dict(self.tables))
+        return build_scenario(self.tables)
 
     @property
     def results(self) -> Mapping[str, Result]:
@@ -84,10 +83,8 @@ class SpeedSubject:
 
     def system_at(self, speed: float) -> System:
         """The system that turns at this speed (rad/s), in balance; ModelError if it has none."""
-        tables = copy.deepcopy(dict(self.tables))
-        for name in ("initial_speed", "final_speed"):
-            put(tables, f"components.{self.flywheel}.parameters.{name}", speed)
-        scenario = build_scenario(tables)
+        ends = {f"{self.flywheel}.{name}": speed for name in ("initial_speed", "final_speed")}
+        scenario = build_scenario(put_parameters(self.tables, ends))
         return resolve_start(scenario, build_system(scenario))
 
     def find_cycle_at(

@@ -1,6 +1,5 @@
 """A sweep over speed: a study of steady cycles, its tables and figures."""
 
-import copy
 import json
 import math
 from collections.abc import Iterator, Mapping
@@ -175,12 +174,12 @@ def parse_speed(option: str, text: str) -> float:
 
 def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan, SpeedSubject]:
     """The study of a scenario's cycles; MistakeError or ModelError for a fault of the scenario."""
-    scenario = build_scenario(copy.deepcopy(dict(tables)))
+    scenario = build_scenario(tables)
     check_units(scenario)
     build_system(scenario)
     subject = SpeedSubject(tables, find_flywheel(scenario), str((out / FOLDER).absolute()))
-    axis = {"speed": {"start": speeds.low, "stop": speeds.high, "count": speeds.count}}
-    return plan_axis(scenario.name, f"{scenario.name} over speed", subject, axis), subject
+    name, ends = scenario.name, (speeds.low, speeds.high)
+    return plan_axis(name, f"{name} over speed", subject, "speed", ends, speeds.count), subject
 
 
 def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:

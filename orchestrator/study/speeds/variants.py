@@ -1,6 +1,5 @@
 """Sweeps over speed of several designs: a scenario with each of several values, in one table and figure."""
 
-import csv
 import itertools
 import math
 import re
@@ -21,6 +20,7 @@ from ...plots.variants import draw_variants
 from ...reporter import Reporter
 from ...run.interruption import Noticed
 from ...scenario.display import format_number
+from ...store.csv_file import write_rows
 from .compare import find_worst
 from .sweep import Swept, select_columns
 
@@ -144,10 +144,7 @@ def _report(swept: Mapping[str, Swept], out: Path, reporter: Reporter) -> None:
     for head in list(rows[0])[1:]:
         shown.add_row(head, *(row[head] for row in rows))
     reporter.console.print(shown)
-    with (out / TABLE).open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
+    write_rows(out / TABLE, [list(rows[0]), *(row.values() for row in rows)])
     tables = {label: one.table for label, one in swept.items()}
     save_figure(lambda: draw_variants(tables), out / FIGURE)
     reporter.line(f"designs in {out}: {TABLE}, {FIGURE}")

@@ -1,6 +1,5 @@
 """What a tolerance study prints and writes."""
 
-import csv
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from ...plots.style import save_figure
 from ...plots.tolerances import Panel, draw_histograms, draw_indices
 from ...reporter import Reporter
 from ...scenario.display import Shown, add_unit, format_number, show_attributes
+from ...store.csv_file import write_rows
 from ..speeds.compare import LEAST_IS_WORST
 from ..speeds.sensitivities import select_figures
 from .limits import Limit
@@ -36,9 +36,9 @@ def publish(
     for line in describe(main, limits):
         reporter.line(line)
     dataset.to_netcdf(out / RESULTS, engine="h5netcdf")
-    _write(out / PERCENTILES, _list_percentiles(dataset))
-    _write(out / INDICES, _list_indices(dataset))
-    _write(out / YIELD, _list_yields(dataset))
+    write_rows(out / PERCENTILES, _list_percentiles(dataset))
+    write_rows(out / INDICES, _list_indices(dataset))
+    write_rows(out / YIELD, _list_yields(dataset))
     panels = [_panel(main, str(name), limits) for name in main["figure"].values]
     save_figure(
         lambda: draw_histograms(panels, f"{title}: {dataset.attrs['sampled']} trains"), out / HISTOGRAMS
@@ -165,8 +165,3 @@ def _list_yields(dataset: xarray.Dataset) -> Iterator[list[object]]:
         for k, factor in enumerate(map(str, dataset["factor"].values)):
             tables = (own["yield"].values, own["yield_without"].values[k], own["yield_index"].values[k])
             yield [limit, factor, *[float(x) for table in tables for x in table]]
-
-
-def _write(path: Path, rows: Iterator[list[object]]) -> None:
-    with path.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows(rows)

@@ -1,6 +1,5 @@
 """Runs a tolerance study and finds what it says."""
 
-import copy
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -50,7 +49,7 @@ RPM = 30.0 / math.pi
 
 def make_subject(tables: Mapping[str, Any], tolerances: Tolerances) -> tuple[ToleranceSubject, list[Limit]]:
     """MistakeError for a fault of the scenario, the distributions or the limits."""
-    scenario = build_scenario(copy.deepcopy(dict(tables)))
+    scenario = build_scenario(tables)
     flywheel = find_flywheel(scenario)
     speed = _read_speed(str(tolerances.speed))
     tolerances = read_samples(tolerances, list_quantities(scenario))
@@ -80,14 +79,14 @@ def find_tolerances(
     """Percentiles, yields and indices of all figures; all trains are kept in the folder `out`. MistakeError
     before anything is computed, RunError where no train has a cycle."""
     subject, limits = make_subject(tables, tolerances)
-    name, design = build_scenario(copy.deepcopy(dict(tables))).name, subject.design
+    name, design = build_scenario(tables).name, subject.design
     reporter.line(
         f"{len(design)} trains: the mean one, {2 * len(design.names)} beside it, {2 * design.half} sampled"
         + (f", {len(design.factors) * design.half} for indices" if design.mixed else "")
     )
-    axis = {"train": {"start": 0.0, "stop": float(len(design) - 1), "count": len(design)}}
     description = f"{name}: trains within their tolerances at {subject.speed:.6g} rad/s"
-    status = run(plan_axis(name, description, subject, axis), out / TRAINS, where, reporter, overwrite)
+    plan = plan_axis(name, description, subject, "train", (0.0, len(design) - 1.0), len(design))
+    status = run(plan, out / TRAINS, where, reporter, overwrite)
     with xarray.open_zarr(out / TRAINS) as stored:
         trains = stored.load()
     usable = find_usable(trains, design, reporter)

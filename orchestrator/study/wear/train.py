@@ -171,7 +171,7 @@ def open_train(
 
     MistakeError or ModelError for a scenario without a contact that slides on a cam.
     """
-    scenario = build_scenario(copy.deepcopy(dict(tables)))
+    scenario = build_scenario(tables)
     cams = find_cams(scenario)
     if not cams:
         raise MistakeError(
