@@ -7,6 +7,7 @@ import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
+from typing import Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -33,11 +34,16 @@ def estimate_left(share: float, seconds: float) -> str:
     return f", about {left:.0f} s left" if left < 100.0 else f", about {left / 60.0:.0f} min left"
 
 
+class Show(Protocol):
+    def __call__(self, share: float, words: str = "", /) -> None:
+        """Show the share that is done, and words behind it."""
+
+
 class Bar(Observer):
     """An observer of a coupled run that calls `show` with the share that is done; the clock is read every 64
     steps."""
 
-    def __init__(self, show: Callable[[float], None], stop_time: float) -> None:
+    def __init__(self, show: Show, stop_time: float) -> None:
         self.show, self._stop = show, stop_time
         self._count = 0
         self._shown = 0.0
@@ -93,10 +99,6 @@ class Reporter:
     def line(self, text: Words) -> None:
         self.console.print(Text(in_command_line(text)), soft_wrap=True)
 
-    def tell(self, text: str, share: float) -> None:
-        """A share of a long task is done, in words."""
-        self.line(text)
-
     def keep_prints(self, path: Path) -> AbstractContextManager[None]:
         """For the block in which FMUs of others run: a command may put what they print into that file."""
         return nullcontext()
@@ -114,18 +116,18 @@ class Reporter:
             told = clock.monotonic()
             begun: tuple[float, float] | None = None  # the share that a run begins with, and when
 
-            def show(share: float) -> None:
+            def show(share: float, words: str = "", /) -> None:
                 nonlocal told, begun
                 now = clock.monotonic()
                 if begun is None:
                     begun = share, now
                     progress.reset(task)
-                progress.update(task, completed=share)
+                progress.update(task, completed=share, description=f"{text}{words}")
                 if not live and now - told > TOLD_EVERY_S and share < 1.0:
                     told = now
                     before, then = begun
                     left = estimate_left((share - before) / (1.0 - before), now - then)
-                    self.line(f"{text}: {100.0 * share:.0f} % done{left}")
+                    self.line(f"{text}: {100.0 * share:.0f} % done{words}{left}")
 
             yield Bar(show, stop_time)
 

@@ -19,10 +19,6 @@ class SilentReporter(Reporter):
         super().__init__(Console(file=io.StringIO(), force_jupyter=False))  # a notebook shows it otherwise
         self._progress = progress
 
-    def tell(self, text: str, share: float) -> None:
-        if self._progress:
-            self._progress(text, share)
-
     @contextmanager
     def stage(self, text: str, stop_time: float = 1.0) -> Iterator[Bar]:
         tell = self._progress
@@ -31,8 +27,8 @@ class SilentReporter(Reporter):
                 yield bar
                 return
 
-            def show(share: float) -> None:
-                tell(text, share)
+            def show(share: float, words: str = "", /) -> None:
+                tell(f"{text}{words}", share)
 
             show(0.0)
             yield Bar(show, stop_time)

@@ -1,79 +1,22 @@
 """Evaluates and stores the pending points of a study."""
 
-from __future__ import annotations
-
 import time as clock
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
 from models.core.system import ModelError
 
 from ..errors import MistakeError
-from ..reporter import TOLD_EVERY_S, Reporter, estimate_left
+from ..reporter import Bar, Reporter
 from .cluster import connect
 from .execution import Execution
 from .files import Plan
 from .points import POINT
 from .source import compute_fingerprint
 from .store import DONE, FAILED, PENDING, Store, open_store
-
-
-class StudyProgress:
-    """Shows the points done, failed and left, those of earlier starts included."""
-
-    def __init__(self, reporter: Reporter, name: str, total: int) -> None:
-        self._reporter = reporter
-        self._name, self._total = name, total
-        self._live = reporter.console.is_terminal
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[failed]} failed"),
-            TimeElapsedColumn(),
-            TimeRemainingColumn(),
-        )
-        self._bar = Progress(*columns, console=reporter.console, transient=True, disable=not self._live)
-        self._task = self._bar.add_task(name, total=total, failed=0)
-        self._tenth = -1
-        self._begun: tuple[int, float] | None = None  # points that were there, and when
-        self._told = 0.0
-
-    def __enter__(self) -> StudyProgress:
-        self._bar.start()
-        return self
-
-    def __exit__(self, *ignored: object) -> None:
-        self._bar.stop()
-
-    def show(self, done: int, failed: int) -> None:
-        finished = done + failed
-        self._bar.update(self._task, completed=finished, failed=failed)
-        tenth, now = 10 * finished // self._total, clock.monotonic()
-        self._begun = self._begun or (finished, now)
-        if not self._live and (tenth > self._tenth or now - self._told > TOLD_EVERY_S):
-            self._tenth, self._told = tenth, now
-            left = self._total - finished
-            text = f"{self._name}: {done} done, {failed} failed, {left} to do{self._estimate(finished, left)}"
-            self._reporter.tell(text, finished / self._total)
-
-    def _estimate(self, finished: int, left: int) -> str:
-        """How long the points that are left take, if that is known."""
-        before, begun = self._begun or (0, 0.0)
-        share = (finished - before) / (finished - before + left) if left else 1.0
-        return estimate_left(share, clock.monotonic() - begun)
-
 
 COMPLETE, SOME_FAILED = 0, 1
 # Results are written so often (s): a file for each of them takes a tenth of a second together.
@@ -116,8 +59,8 @@ def run(
             reporter.line(f"no workers at {at} yet; start some with: dask worker {at}")
         execution = Execution(client, plan.subject, plan.points, versions)
         try:
-            with StudyProgress(reporter, plan.study.name, len(plan.points)) as progress:
-                _evaluate(execution, store, progress)
+            with reporter.stage(plan.study.name) as bar:
+                _evaluate(execution, store, bar)
         except KeyboardInterrupt:
             store.flush()  # the last one may have been interrupted
             left = store.count(PENDING)
@@ -137,8 +80,12 @@ def _list_warnings(plan: Plan) -> list[str]:
     return list(found)
 
 
-def _evaluate(execution: Execution, store: Store, progress: StudyProgress) -> None:
-    progress.show(store.count(DONE), store.count(FAILED))
+def _evaluate(execution: Execution, store: Store, bar: Bar) -> None:
+    def show() -> None:
+        failed = store.count(FAILED)
+        bar.show((store.count(DONE) + failed) / store.status.size, f", {failed} failed" if failed else "")
+
+    show()
     try:
         written = clock.monotonic()
         for batch in execution.outcomes(store.pending()):
@@ -147,7 +94,7 @@ def _evaluate(execution: Execution, store: Store, progress: StudyProgress) -> No
             if clock.monotonic() > written + WRITE_S:
                 store.flush()
                 written = clock.monotonic()
-            progress.show(store.count(DONE), store.count(FAILED))
+            show()
     finally:
         store.flush()
 

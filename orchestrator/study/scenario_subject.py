@@ -30,7 +30,7 @@ from ..scenario.values import Value, parse_value
 from ..scenario.warnings import list_warnings
 from ..store.output_folder import RESULT
 from ..store.result_file import open_result
-from .subjects import MOST_DRAWN
+from .subjects import MOST_DRAWN, Subject
 
 STATISTICS: dict[str, Any] = {"minimum": np.min, "maximum": np.max, "mean": np.mean}
 ERRORS = {
@@ -50,7 +50,7 @@ SEPARATION: dict[str, tuple[str, str, Callable[[ContactSummary], float]]] = {
 
 
 @dataclass(frozen=True)
-class ScenarioSubject:
+class ScenarioSubject(Subject):
     """The tables of a scenario, short names for its settings, and the builder of its FMUs."""
 
     tables: Mapping[str, Any]

@@ -186,17 +186,23 @@ def _create_store(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
     group = zarr.create_group(unfinished, zarr_format=3, attributes=attributes)
     for name, values in points.coordinates.items():
         array = _to_array(values)
-        dimension = name if name in points.dimensions else POINT
-        _create_array(group, name, [dimension], array, _describe(plan.subject.describe(name)), array.shape)
-    chunks = choose_chunks(points.shape)
+        group.create_array(
+            name, shape=array.shape, chunks=array.shape, dtype=str if array.dtype == object else array.dtype,
+            dimension_names=[name if name in points.dimensions else POINT],
+            attributes=_describe(plan.subject.describe(name)),
+        )[...] = array  # fmt: skip
+
+    def create_empty(name: str, kind: Any, empty: Any, about: Mapping[str, Any]) -> None:
+        group.create_array(
+            name, shape=points.shape, chunks=choose_chunks(points.shape), dtype=kind, fill_value=empty,
+            dimension_names=points.dimensions, attributes=dict(about),
+        )  # fmt: skip
+
     for name, result in results.items():
-        empty = np.full(points.shape, "" if result.text else math.nan, object if result.text else np.float64)
-        _create_array(group, name, points.dimensions, empty, _describe(result), chunks)
-    texts, states = np.full(points.shape, "", object), np.zeros(points.shape, np.int8)
-    _create_array(group, MESSAGE, points.dimensions, texts, {"long_name": "why the point failed"}, chunks)
-    _create_array(
-        group, STATUS, points.dimensions, states, {"long_name": "state of the point"} | FLAGS, chunks
-    )
+        kind, empty = (str, "") if result.text else (np.float64, math.nan)
+        create_empty(name, kind, empty, _describe(result))
+    create_empty(MESSAGE, str, "", {"long_name": "why the point failed"})
+    create_empty(STATUS, np.int8, PENDING, {"long_name": "state of the point"} | FLAGS)
     with warnings.catch_warnings():
         # Not every reader of format 3 uses consolidated metadata; those that do open the store faster.
         warnings.filterwarnings("ignore", "Consolidated metadata", zarr.errors.ZarrUserWarning)
@@ -204,32 +210,10 @@ def _create_store(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
     os.replace(unfinished, path)
 
 
-def _describe(result: Result) -> dict[str, str]:
+def _describe(result: Result) -> dict[str, Any]:
     """The attributes of a variable."""
     about = {"long_name": result.description, "units": result.unit}
     return about | ({"display_units": result.display_unit} if result.display_unit else {})
-
-
-def _create_array(
-    group: zarr.Group,
-    name: str,
-    dimensions: Sequence[str],
-    values: NDArray[Any],
-    attributes: dict[str, Any],
-    chunks: Sequence[int],
-) -> None:
-    texts = values.dtype == object
-    empty: Any = "" if texts else (math.nan if values.dtype == np.float64 else 0)
-    array = group.create_array(
-        name,
-        shape=values.shape,
-        chunks=tuple(chunks),
-        dtype=str if texts else values.dtype,
-        fill_value=empty,
-        dimension_names=list(dimensions),
-        attributes=attributes,
-    )
-    array[...] = values
 
 
 def choose_chunks(shape: Sequence[int]) -> tuple[int, ...]:

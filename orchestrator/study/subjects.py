@@ -2,9 +2,10 @@
 
 import functools
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 from ..analyses import Analysis, Parameter, Result, load
 from ..scenario.values import Value
@@ -13,55 +14,50 @@ from ..scenario.values import Value
 MOST_DRAWN = 4
 
 
-class Subject(Protocol):
+class Subject(ABC):
     """Plain data and names of functions, so that it can be sent to workers."""
 
     @property
+    @abstractmethod
     def results(self) -> Mapping[str, Result]: ...
 
+    @abstractmethod
     def resolve(self, name: str, value: Value) -> Value:
         """`value` in the parameter's unit; MistakeError for an unknown name or a value out of range."""
-        ...
 
+    @abstractmethod
     def describe(self, name: str) -> Result:
         """Unit and description of a parameter."""
-        ...
 
     @property
     def default_figure(self) -> Sequence[str]:
         """The results to draw if a study names none."""
-        ...
+        return ()
 
     def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
         """Oils of a point, and warnings about it, before its evaluation."""
-        ...
+        return []
 
+    @abstractmethod
     def content(self) -> str:
         """Text that determines the results together with points and source."""
-        ...
 
+    @abstractmethod
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
         """The results at a point."""
-        ...
 
 
-class NumberedSubject:
-    """What subjects share whose points are numbers along one axis, and which their commands draw."""
+class NumberedSubject(Subject):
+    """A subject whose points are numbers along one axis, and which its command draws."""
 
     axis: ClassVar[Parameter]
+    display_unit: ClassVar[str] = ""
 
     def resolve(self, name: str, value: Value) -> Value:
         return self.axis.check_value(name, value)
 
     def describe(self, name: str) -> Result:
-        return Result(self.axis.unit, self.axis.description)
-
-    @property
-    def default_figure(self) -> Sequence[str]:
-        return ()
-
-    def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
-        return []
+        return Result(self.axis.unit, self.axis.description, display_unit=self.display_unit)
 
 
 @functools.cache
@@ -70,7 +66,7 @@ def load_analysis(name: str) -> Analysis:
 
 
 @dataclass(frozen=True)
-class AnalysisSubject:
+class AnalysisSubject(Subject):
     """An analysis by name, with the values of its other parameters."""
 
     name: str
@@ -84,22 +80,16 @@ class AnalysisSubject:
     def results(self) -> Mapping[str, Result]:
         return self.analysis.results
 
-    def _parameter(self, name: str) -> Parameter:
-        return self.analysis.parameter(name)
-
     def resolve(self, name: str, value: Value) -> Value:
-        return self._parameter(name).check_value(name, value)
+        return self.analysis.parameter(name).check_value(name, value)
 
     def describe(self, name: str) -> Result:
-        parameter = self._parameter(name)
+        parameter = self.analysis.parameter(name)
         return Result(parameter.unit, parameter.description)
 
     @property
     def default_figure(self) -> Sequence[str]:
         return [name for name, result in self.results.items() if not result.text][:MOST_DRAWN]
-
-    def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
-        return []
 
     def content(self) -> str:
         return json.dumps({"analysis": self.name, "parameters": self.analysis.complete(self.fixed)})

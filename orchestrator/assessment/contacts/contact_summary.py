@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,10 +17,7 @@ from models.core.quantities import Vector
 from models.core.system import System
 
 from .accumulation import (
-    DURATION,
     INPUTS,
-    LEAST,
-    MOST,
     OUTPUTS,
     SEEN,
     accumulate,
@@ -204,67 +202,52 @@ def _scales(p: Mapping[str, float]) -> list[float]:
     return [p["elastic_limit"], unit.material, unit.load, unit.speed]
 
 
-def _course(c: Any, ranges: Vector, parameters: Mapping[str, float]) -> ContactSummary:
-    if not np.isnan(c.since) and c.time - c.since > c.longest_separation:
-        c.longest_separation, c.separation_time = c.time - c.since, c.since
-    finish(c)
+def _course(record: Any, ranges: Vector, parameters: Mapping[str, float]) -> ContactSummary:
+    if not np.isnan(record.since) and record.time - record.since > record.longest_separation:
+        record.longest_separation, record.separation_time = record.time - record.since, record.since
+    finish(record)
+    c = SimpleNamespace(**dict(zip(record.dtype.names, record.item(), strict=True)))
     solved = "film_model" not in parameters
     formula = "" if solved else tuple(FILMS)[int(parameters["film_model"])]
     dry = formula == "dry"
     separation = impact = None
     if c.separations:
-        open_for = c.duration - c.loaded_duration
         separation = Separation(
             int(c.separations),
-            float(open_for),
-            float(c.longest_separation),
-            float(c.separation_time),
-            float(c.gap),
-            float(c.gap_time),
+            c.duration - c.loaded_duration,
+            *(c.longest_separation, c.separation_time, c.gap, c.gap_time),
         )
     if c.landings:
-        impact = Impact(
-            float(c.impact_time),
-            float(c.impact_load),
-            float(c.impact_speed),
-            float(c.impulse),
-            int(c.impact_steps),
-        )
+        impact = Impact(c.impact_time, c.impact_load, c.impact_speed, c.impulse, int(c.impact_steps))
     excursions = {}
     if formula.startswith("kushwaha") and c.loaded_duration:
-        excursions = {
-            group: Excursion(
-                float(r[DURATION] / c.loaded_duration), *_order_or_nan(r[LEAST], r[MOST]), *TABLE_3[group]
-            )
-            for group, r in zip(TABLE_3, ranges, strict=True)
-            if r[DURATION] > 0.0
-        }
+        for (group, range_), (_, duration, least, most) in zip(TABLE_3.items(), ranges.tolist(), strict=True):
+            if least > most:
+                least = most = np.nan
+            if duration > 0.0:
+                excursions[group] = Excursion(duration / c.loaded_duration, least, most, *range_)
     return ContactSummary(
-        least_load=float(c.least_load),
-        largest_load=float(c.largest_load),
-        largest_load_time=float(c.load_time),
-        lost=float(1.0 - c.loaded_duration / c.duration) if separation and c.duration else 0.0,
-        pressure=float(c.pressure),
-        pressure_time=float(c.pressure_time),
+        least_load=c.least_load,
+        largest_load=c.largest_load,
+        largest_load_time=c.load_time,
+        lost=1.0 - c.loaded_duration / c.duration if separation and c.duration else 0.0,
+        pressure=c.pressure,
+        pressure_time=c.pressure_time,
         elastic_limit=parameters["elastic_limit"],
-        yielding=float(c.yield_duration / c.duration) if c.duration else 0.0,
-        film=0.0 if dry else float(c.film),
-        film_time=float(c.film_time),
-        film_ratio=0.0 if dry else float(c.film_ratio),
-        longest_step=float(c.longest_step),
-        film_power=float(c.film_work / c.duration) if c.duration else 0.0,
-        film_grows=parameters.get("film_model") == float(list(FILMS).index(GROWING)),
-        film_feed=float(c.film_work / c.film_gross) if c.film_gross else 0.0,
-        film_friction=float(c.film_work / c.rolled) if c.rolled else 0.0,
+        yielding=c.yield_duration / c.duration if c.duration else 0.0,
+        film=0.0 if dry else c.film,
+        film_time=c.film_time,
+        film_ratio=0.0 if dry else c.film_ratio,
+        longest_step=c.longest_step,
+        film_power=c.film_work / c.duration if c.duration else 0.0,
+        film_grows=formula == GROWING,
+        film_feed=c.film_work / c.film_gross if c.film_gross else 0.0,
+        film_friction=c.film_work / c.rolled if c.rolled else 0.0,
         separation=separation,
         impact=impact,
         ranges=excursions,
         solved=solved,
     )
-
-
-def _order_or_nan(least: float, most: float) -> tuple[float, float]:
-    return (float(least), float(most)) if least <= most else (np.nan, np.nan)
 
 
 def summarise_rows(system: System, read: Read) -> ContactSummaries:

@@ -24,17 +24,8 @@ UNITS = {
     "contact_offset": "m",
     "cam_lift": "m",
 }
-MEANS = {
-    "mean_torque": "N.m",
-    "largest_torque": "N.m",
-    "mean_power": "W",
-    "work": "J",
-    "coefficient": "1",
-    "boundary_share": "1",
-    "asperity_share": "1",
-    "least_film_ratio": "1",
-    "lost": "1",
-}
+# Of means; the others are numbers.
+MEANS = {"mean_torque": "N.m", "largest_torque": "N.m", "mean_power": "W", "work": "J"}
 # Ends of the names of the CSV files with wear, by dimension.
 WEAR_TABLES = {"cam_place": "cam-wear", "follower_place": "follower-wear"}
 
@@ -57,9 +48,8 @@ def of(cycle: Cycle, worn: Wear, coefficient: float) -> xarray.Dataset:
     found["friction_power"] = along("cam_angle", cycle.power, "W")
     found["cam_wear"] = along("cam_place", worn.cam_depth, "m")
     found["follower_wear"] = along("follower_place", worn.follower_depth, "m")
-    means = summary(cycle)
-    for name, unit in MEANS.items():
-        found[name] = xarray.Variable((), np.float64(getattr(means, name)), {"units": unit})
+    for name, value in vars(summary(cycle)).items():
+        found[name] = xarray.Variable((), np.float64(value), {"units": MEANS.get(name, "1")})
     return found.assign_attrs(
         contact=cycle.contact,
         wear_coefficient=coefficient,

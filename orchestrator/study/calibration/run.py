@@ -15,7 +15,7 @@ from models.core.quantities import Vector
 from ...analyses._evaluate import create_folder, find_results
 from ...errors import MistakeError, Option, RunError
 from ...reporter import Reporter
-from ...run.execute import tell_interruption
+from ...run.interruption import tell_interruption
 from ...scenario import build_scenario
 from ...scenario.system import Builder, list_outputs
 from ..run import Where

@@ -2,7 +2,7 @@
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,7 @@ from ...scenario.oil_notices import list_oils
 from ...scenario.system import build_system, resolve_start
 from ...scenario.values import Value
 from ...scenario.warnings import list_warnings
+from ..subjects import NumberedSubject
 
 SPEED = Parameter(
     1000.0 * math.pi / 30.0, "rad/s", "speed of the flywheel", positive=True, plausible=plausible.SPEED
@@ -50,8 +51,10 @@ KEPT = (
 
 
 @dataclass(frozen=True)
-class SpeedSubject:
+class SpeedSubject(NumberedSubject):
     """The tables of a scenario, the name of its flywheel, and the folder for the cycles (None: not kept)."""
+
+    axis, display_unit = SPEED, "rpm"
 
     tables: Mapping[str, Any]
     flywheel: str
@@ -64,16 +67,6 @@ class SpeedSubject:
     @property
     def results(self) -> Mapping[str, Result]:
         return {**describe_numbers(self.scenario), **STEADY}
-
-    def resolve(self, name: str, value: Value) -> Value:
-        return SPEED.check_value(name, value)
-
-    def describe(self, name: str) -> Result:
-        return Result(SPEED.unit, SPEED.description, display_unit="rpm")
-
-    @property
-    def default_figure(self) -> Sequence[str]:
-        return ()
 
     def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
         return [*list_oils(self.scenario), *list_warnings(self.scenario)]
