@@ -174,10 +174,10 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
     y.steady_film_thickness = c.steady_film
     y.deflection = c.deflection
     load = max(0.0, c.load)
-    mixed = fill_surface_outputs(load, c.film, c.compliance, p.film_model, u, p, y)
+    shared_film = fill_surface_outputs(load, c.film, c.compliance, p.film_model, u, p, y)
     y.surface_temperature_rise = y.film_temperature_rise = 0.0
     if p.film_heating != 0.0 and load > 0.0:
-        hot = heat_contact(load, y.half_width, mixed, u, p)
+        hot = heat_contact(load, shared_film, y, u, p)
         y.surface_temperature_rise, y.film_temperature_rise = hot.surface_rise, hot.film_rise
         y.viscous_friction = hot.viscous
         y.friction_force = hot.viscous + y.boundary_friction

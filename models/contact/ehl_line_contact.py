@@ -77,6 +77,11 @@ class HeatedLineContactOutputs(FilmHeatOutputs, LineContactOutputs):
     """Of a heated film."""
 
 
+@dataclass
+class HeatedKeptOilOutputs(FilmHeatOutputs, KeptOilOutputs):
+    """Of a heated film whose cavities keep their oil."""
+
+
 @kernel
 def steady_film(hertz_load: float, compliance: float, u: ContactInputs, p: LineContactParameters) -> float:
     """The film (m) of Moes and Venner under a load (N)."""
@@ -132,12 +137,6 @@ def output(t: float, x: Any, u: ContactInputs, p: LineContactParameters, y: Line
     y.separated = 1.0 if y.load <= 0.0 else 0.0
 
 
-@kernel
-def output_with_oil(t: float, x: Any, u: ContactInputs, p: LineContactParameters, y: KeptOilOutputs) -> None:
-    output(t, x, u, p, y)
-    y.oil_volume = x.oil_volume[0]
-
-
 @require(
     "oil_supply = {0:g} m: must be 1 (flooded) where cavities refill as if full; set mass_conserving = 1 in "
     "the structure"
@@ -147,31 +146,27 @@ def is_flooded(p: LineContactParameters, numbers: Any) -> bool:
     return p.oil_supply >= FLOODED
 
 
-@kernel
-def heated_output(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
-    """`output`, with temperatures."""
-    output(t, x, u, p, y)
-    y.film_temperature = p.oil_temperature + x.film_rise
-    y.surface_temperature = p.oil_temperature + x.surface_rise
+def make_output(keeps_oil: bool, heated: bool) -> Any:
+    """`output`, with what cavities that keep their oil and a heated film show besides."""
 
+    @kernel
+    def shown(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
+        output(t, x, u, p, y)
+        if heated:
+            y.film_temperature = p.oil_temperature + x.film_rise
+            y.surface_temperature = p.oil_temperature + x.surface_rise
+        if keeps_oil:
+            y.oil_volume = x.oil_volume[0]
 
-@dataclass
-class HeatedKeptOilOutputs(FilmHeatOutputs, KeptOilOutputs):
-    """Of a heated film whose cavities keep their oil."""
-
-
-@kernel
-def heated_output_with_oil(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
-    heated_output(t, x, u, p, y)
-    y.oil_volume = x.oil_volume[0]
+    return shown if keeps_oil or heated else output
 
 
 # By whether cavities keep their oil, and whether the film has temperatures.
-_OUTPUTS: dict[tuple[bool, bool], tuple[type, Any]] = {
-    (False, False): (LineContactOutputs, output),
-    (True, False): (KeptOilOutputs, output_with_oil),
-    (False, True): (HeatedLineContactOutputs, heated_output),
-    (True, True): (HeatedKeptOilOutputs, heated_output_with_oil),
+_OUTPUTS = {
+    (False, False): LineContactOutputs,
+    (True, False): KeptOilOutputs,
+    (False, True): HeatedLineContactOutputs,
+    (True, True): HeatedKeptOilOutputs,
 }
 
 
@@ -187,7 +182,7 @@ def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0, layers: int =
     inputs = Layout(ContactInputs)
     filled = nodes * mass_conserving
     state = field_layout(nodes, filled, layers)
-    outputs, shown = _OUTPUTS[bool(mass_conserving), bool(layers)]
+    kind = bool(mass_conserving), bool(layers)
     surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
     rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
     return Component(
@@ -197,9 +192,9 @@ def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0, layers: int =
         parameters=Layout(HeatedLineContactParameters if layers else LineContactParameters),
         state=state,
         inputs=inputs,
-        outputs=Layout(outputs),
+        outputs=Layout(_OUTPUTS[kind]),
         derivative=derivative,
-        output=shown,
+        output=make_output(*kind),
         energy=make_field_energy(nodes, filled, layers),
         feedthrough={
             **feedthrough_of_load(inputs, surfaces),

@@ -48,16 +48,6 @@ def cylinder(order: float, separation: float) -> float:
         return float(scale * mpmath.exp(-(s**2) / 4) * mpmath.pcfd(-n - 1, s))
 
 
-# To the digits that are given: half a unit of the last one.
-@pytest.mark.parametrize(
-    ("separation", "value", "half_unit"),
-    [(0.0, 0.616634, 5e-7), (1.0, 0.0805623, 5e-8), (2.0, 5.4237e-3, 5e-8), (3.0, 1.7087e-4, 5e-9)],
-)
-def test_load_integral_has_the_tabulated_values(separation, value, half_unit, record):
-    quantity = f"Greenwood and Tripp's F_5/2({separation:g})"
-    record("Film", quantity, load_integral(separation), value, "tabulated values", tolerance=half_unit)
-
-
 # 1e-8 is what the number of Chebyshev terms was chosen for; the area's closed form cancels 2/lambda^4 of
 # its digits, 1e-6 of them where it underflows.
 @pytest.mark.parametrize("separation", [*np.linspace(-12.0, 12.0, 49), 20.0, 30.0, 37.0, -30.0, -100.0])
@@ -74,13 +64,6 @@ def test_the_load_integral_underflows_to_zero_and_not_to_nothing():
     assert load_integral(37.0) > 0.0
     assert load_integral(60.0) == 0.0
     assert load_integral(1e300) == 0.0
-
-
-@given(st.floats(-20.0, 30.0), st.floats(1e-3, 3.0))
-def test_more_separation_means_less_pressure_and_less_area(separation, more):
-    assert load_integral(separation + more) < load_integral(separation)
-    assert area_integral(separation + more) < area_integral(separation)
-    assert mean_gap(separation + more) > mean_gap(separation)
 
 
 def test_pressure_and_area_are_those_of_all_pairs_of_summits(record):
@@ -120,17 +103,6 @@ def test_the_separation_of_a_mean_gap_leads_back_to_it(separation):
     assert find_separation(mean_gap(separation)) == pytest.approx(separation, rel=1e-10, abs=1e-10)
 
 
-def test_the_mean_gap_is_the_mean_of_what_is_left_open():
-    heights = np.linspace(-9.0, 9.0, 20001)
-    density = np.exp(-0.5 * heights**2) / math.sqrt(2.0 * math.pi)
-    for separation in (-1.5, 0.0, 1.0, 3.0):
-        # Trapezoidal rule over a kink: h^2 / 8 with h = 9e-4.
-        mean = float(np.trapezoid(np.maximum(separation + heights, 0.0) * density, heights))
-        assert mean_gap(separation) == pytest.approx(mean, abs=1e-7)
-    assert mean_gap(3.0) == pytest.approx(3.0, abs=4e-4)
-    assert mean_gap(9.0) == pytest.approx(9.0, rel=1e-15)
-
-
 @given(st.floats(1.0, 5e10))
 def test_the_dry_separation_carries_the_pressure(pressure):
     separation = dry_separation(pressure, SURFACES, STEEL)
@@ -165,14 +137,6 @@ def test_pressure_and_slope_under_a_film_are_those_of_the_integrals(separation):
 
 
 gaps = st.floats(-25.0, math.log(0.999 * THICK)).map(math.exp)
-
-
-@given(gaps)
-def test_pressure_under_a_film_is_the_pressure_at_its_separation(gap):
-    found = pressure_under(gap * ROUGHNESS, ROUGHNESS, SCALE)
-    # Both are good to about 1e-8.
-    expected = asperity_pressure(find_separation(gap), SURFACES, STEEL)
-    assert found.pressure == pytest.approx(expected, rel=3e-8)
 
 
 @given(gaps, st.floats(1e-6, 1.0))
@@ -226,13 +190,6 @@ def test_contact_stiffness_at_450_newton(record):
     change -= deflection(450.0 - step, 20e-3, LENGTH, COMPLIANCE)
     quantity, source = "stiffness, 450 N on a radius of 20 mm (N/m)", "independent evaluation of Hertz's law"
     record("Contact", quantity, 2 * step / change, 3.85e8, source, relative=2e-3)
-
-
-@given(load=loads, radius=radii)
-def test_load_of_the_deflection_is_the_load(load, radius):
-    delta = deflection(load, radius, LENGTH, COMPLIANCE)
-    # Newton to rounding; the deflection's own rounding is magnified by less than 2.
-    assert find_load(delta, radius, LENGTH, COMPLIANCE) == pytest.approx(load, rel=4e-15)
 
 
 @pytest.mark.parametrize(("radius", "length"), [(0.02, 12e-3), (1.0, 1e-3)])

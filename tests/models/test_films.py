@@ -35,45 +35,6 @@ def film(name, **changed):
     return FILMS[name](*{**AT, **changed}.values())
 
 
-def exponent(name, **quantity):
-    """d ln h / d ln of one argument, at AT."""
-    ((key, _),) = quantity.items()
-    step = 1e-4
-    up, down = (film(name, **{key: AT[key] * math.exp(sign * step)}) for sign in (1, -1))
-    return math.log(up / down) / (2 * step)
-
-
-def similarity(name):
-    """a - b/4 + c/2 of the exponents a of U, b of G, c of W: 1/2 where two groups are enough."""
-    a = exponent(name, viscosity=1)
-    b = exponent(name, pressure_viscosity=1)
-    c = exponent(name, load=1)
-    return a - b / 4 + c / 2
-
-
-@pytest.mark.parametrize(
-    ("name", "deviation"),
-    [("dowson_higginson", 0.0), ("dowson_toyoda", 0.0), ("pan_hamrock_minimum", -0.012),
-     ("pan_hamrock_central", -0.0085), ("moes_venner", 0.0), ("kushwaha", -0.03475),
-     ("kushwaha_negative", -0.09375)],
-)  # fmt: skip
-def test_formulas_depend_on_two_groups(name, deviation):
-    """Moes' and Venner's exactly; fits were rounded to two or three digits, which is 0.01; K (10) does not,
-    as printed or with the negative load exponent."""
-    assert similarity(name) - 0.5 == pytest.approx(deviation, abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("name", "speed", "load"),
-    [("kushwaha", 0.541, 0.059), ("kushwaha_negative", 0.541, -0.059), ("dowson_higginson", 0.70, -0.13),
-     ("dowson_toyoda", 0.69, -0.10), ("pan_hamrock_minimum", 0.694, -0.128),
-     ("pan_hamrock_central", 0.692, -0.166)],
-)  # fmt: skip
-def test_exponents_are_those_printed(name, speed, load):
-    assert exponent(name, velocity=1) == pytest.approx(speed, abs=1e-7)
-    assert exponent(name, load=1) == pytest.approx(load, abs=1e-7)
-
-
 @pytest.mark.parametrize("name", FILMS)
 @given(velocity=st.floats(0.0, 50.0), log_load=st.floats(-12.0, 6.0), log_radius=st.floats(-4.0, 1.0))
 def test_films_are_finite_and_not_negative_from_rest_on(name, velocity, log_load, log_radius):

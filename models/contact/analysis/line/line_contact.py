@@ -84,6 +84,10 @@ class LineContact:
         ):
             if not (math.isfinite(value) and _HOLDS[allowed](value)):
                 raise ValueError(f"{name} = {value:g}{unit}: must be {allowed}; {remedy}")
+        if not self.elastic_limit > 0.0:
+            raise ValueError(
+                f"elastic_limit = {self.elastic_limit:g} Pa: must be > 0; inf for bodies that never yield"
+            )
         for name, law, laws in (
             ("viscosity_law", self.lubricant.viscosity_law, VISCOSITY_LAWS),
             ("density_law", self.lubricant.density_law, DENSITY_LAWS),

@@ -148,20 +148,14 @@ class SteadyFilm:
         return self.minimum_film / self.contact.film_scale
 
 
-def solve_steady(
-    contact: LineContact,
-    tolerance: float = TOLERANCE,
-    nodes: int | None = None,
-    elastic_limit: float | None = None,
-) -> SteadyFilm:
+def solve_steady(contact: LineContact, tolerance: float = TOLERANCE, nodes: int | None = None) -> SteadyFilm:
     """The film under the contact's load, central and minimum film right to `tolerance` (relative).
 
     LineContactError where no grid up to FINEST nodes gives that. With `nodes` (odd) the finest grid is given;
-    where it is too coarse, a LineContactWarning says so, as for a pressure above `elastic_limit` (Pa, beyond
-    which bodies of that material yield; None: the contact's); they are in the result's `warnings` too.
+    where it is too coarse, a LineContactWarning says so, as for a pressure above the contact's elastic limit;
+    they are in the result's `warnings` too.
     """
-    elastic_limit = contact.elastic_limit if elastic_limit is None else elastic_limit
-    _check(tolerance, nodes, elastic_limit)
+    _check(tolerance, nodes)
     if contact.M > MOST_LOAD:
         raise LineContactError(
             f"M = {contact.M:.4g}: must be at most {MOST_LOAD:g} for a steady film; where entrainment "
@@ -189,12 +183,11 @@ def solve_steady(
     faults = _faults(film, tolerance)
     if nodes is None and faults:
         raise LineContactError(f"M = {contact.M:.4g}, L = {contact.L:.4g}: {'; '.join(faults)}")
-    return _add_warnings(film, faults, elastic_limit)
+    return _add_warnings(film, faults)
 
 
-def _check(tolerance: float, nodes: int | None, elastic_limit: float) -> None:
+def _check(tolerance: float, nodes: int | None) -> None:
     real("tolerance", tolerance)
-    real("elastic_limit", elastic_limit)
     if not 0.0 < tolerance < 1.0:
         raise ValueError(f"tolerance = {tolerance:g}: must be > 0 and < 1; it is the films' relative error")
     whole = nodes is None or isinstance(nodes, Integral)
@@ -202,10 +195,6 @@ def _check(tolerance: float, nodes: int | None, elastic_limit: float) -> None:
         raise ValueError(
             f"nodes = {nodes!r}: must be odd, a whole number and from {FEWEST_NODES} to {MOST_NODES}; leave "
             "it out to have as many as the tolerance needs"
-        )
-    if not elastic_limit > 0.0:
-        raise ValueError(
-            f"elastic_limit = {elastic_limit:g} Pa: must be > 0; inf for bodies that never yield"
         )
 
 
@@ -342,8 +331,9 @@ def _faults(film: SteadyFilm, tolerance: float) -> list[str]:
     return faults
 
 
-def _add_warnings(film: SteadyFilm, faults: list[str], elastic_limit: float) -> SteadyFilm:
+def _add_warnings(film: SteadyFilm, faults: list[str]) -> SteadyFilm:
     """The film with its warnings, which are given."""
+    elastic_limit = film.contact.elastic_limit
     if film.maximum_pressure > elastic_limit:
         faults = [
             *faults,
