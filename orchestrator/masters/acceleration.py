@@ -4,8 +4,9 @@ To add one: a class with `next`, listed in ACCELERATIONS. What it keeps for the 
 start, plain arrays that a checkpoint can store.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -14,19 +15,19 @@ from models.core.quantities import Vector
 WarmStart = dict[str, Any]
 
 
-class Acceleration(Protocol):
+class Acceleration(ABC):
     """Chooses the next guess."""
 
+    @abstractmethod
     def next(self, guess: Vector, result: Vector) -> Vector:
         """The guess after `guess` gave `result` = G(guess)."""
-        ...
 
     def get_warm_start(self) -> WarmStart:
         """What the next macro step begins with."""
-        ...
+        return {}
 
 
-class Plain:
+class Plain(Acceleration):
     """The result is the next guess."""
 
     def __init__(self, warm_start: WarmStart, step: float) -> None:
@@ -35,11 +36,8 @@ class Plain:
     def next(self, guess: Vector, result: Vector) -> Vector:
         return result.copy()
 
-    def get_warm_start(self) -> WarmStart:
-        return {}
 
-
-class Aitken:
+class Aitken(Acceleration):
     """Relaxation v + w (G(v) - v), w by Aitken's rule for vectors (Irons and Tuck 1969)."""
 
     def __init__(self, warm_start: WarmStart, step: float) -> None:
@@ -56,11 +54,8 @@ class Aitken:
         self._previous = residual
         return np.asarray(guess + self.weight * residual)
 
-    def get_warm_start(self) -> WarmStart:
-        return {}
 
-
-class Anderson:
+class Anderson(Acceleration):
     """Anderson mixing: least squares over the last differences of this macro step."""
 
     DEPTH = 8
@@ -90,9 +85,6 @@ class Anderson:
         if rows is None:
             return newest[None]
         return np.concatenate([newest[None], rows[: self.DEPTH - 1]])
-
-    def get_warm_start(self) -> WarmStart:
-        return {}
 
 
 class QuasiNewton(Anderson):

@@ -39,7 +39,7 @@ class Iterated(Implicit):
         def iterate(part: tuple[int, ...], predicted: Vector) -> int:
             return converge(
                 coupling, part, time, step, JACOBI, GAUSS_SEIDEL,
-                ACCELERATIONS[self.acceleration], self.limits, predicted,
+                ACCELERATIONS[self.acceleration], self, predicted,
             )  # fmt: skip
 
         return step_in_parts(coupling, self.order, self.iterate, time, step, iterate)

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -27,20 +26,6 @@ REMEMBERED = 25
 
 
 @dataclass(frozen=True)
-class Limits:
-    """When an iteration ends: at its tolerance, or as not converged. ValueError for what cannot be."""
-
-    tolerance: float
-    maximum_iterations: int
-
-    def __post_init__(self) -> None:
-        if not self.tolerance > 0.0:
-            raise ValueError(f"tolerance = {self.tolerance:g}: must be > 0")
-        if self.maximum_iterations < 1:
-            raise ValueError(f"maximum_iterations = {self.maximum_iterations}: must be at least 1")
-
-
-@dataclass(frozen=True)
 class Implicit(SignalOptions):
     """Options of a master that iterates the end values of a step."""
 
@@ -51,12 +36,10 @@ class Implicit(SignalOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        Limits(self.tolerance, self.maximum_iterations)
-
-    @cached_property
-    def limits(self) -> Limits:
-        """When the iteration ends."""
-        return Limits(self.tolerance, self.maximum_iterations)
+        if not self.tolerance > 0.0:
+            raise ValueError(f"tolerance = {self.tolerance:g}: must be > 0")
+        if self.maximum_iterations < 1:
+            raise ValueError(f"maximum_iterations = {self.maximum_iterations}: must be at least 1")
 
 
 @compiled
@@ -172,7 +155,7 @@ def converge(
     first_sweep: SweepKind,
     next_sweep: SweepKind,
     accelerate: Callable[[dict[str, Any], float], Acceleration],
-    limits: Limits,
+    options: Implicit,
     predicted: Vector,
 ) -> int:
     """Sweep over `part` until its end values agree with those that its signals assumed.
@@ -187,10 +170,10 @@ def converge(
     warm_start = coupling.state.warm_starts.get(key, {})
     acceleration = accelerate(warm_start.get("acceleration", {}), step)
     kind = LoopConverging if _has_algebraic_loop(coupling, part) else Converging
-    progress = kind(limits.tolerance, warm_start.get("convergence", {}), step)
+    progress = kind(options.tolerance, warm_start.get("convergence", {}), step)
     plain = True
     with coupling.points.rollback(part) as roll_back:
-        for iteration in range(1, limits.maximum_iterations + 1):
+        for iteration in range(1, options.maximum_iterations + 1):
             if iteration == 1:
                 coupling.sweep(first_sweep, part, time, step)
                 coupling.settle(part, end)

@@ -8,7 +8,7 @@ from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
 from ..engine.sweeps import JACOBI
-from .acceleration import WarmStart
+from .acceleration import Acceleration
 from .interface import bind_interface
 from .iteration import Implicit, converge
 from .parts import step_in_parts
@@ -41,7 +41,7 @@ class Newton(Implicit):
                 held = {"step": step, "matrix": measure_jacobian(coupling, part, time, step)}
             iterations = converge(
                 coupling, part, time, step, JACOBI, JACOBI,
-                lambda warm_start, step: Correction(held["matrix"]), self.limits, predicted,
+                lambda warm_start, step: Correction(held["matrix"]), self, predicted,
             )  # fmt: skip
             coupling.state.warm_starts[key] = held if iterations <= SLOW else None
             return iterations
@@ -49,7 +49,7 @@ class Newton(Implicit):
         return step_in_parts(coupling, (), self.iterate, time, step, iterate)
 
 
-class Correction:
+class Correction(Acceleration):
     """Newton's correction of a guess v for v = G(v): v + (1 - J)^-1 (G(v) - v)."""
 
     def __init__(self, jacobian: Vector) -> None:
@@ -58,9 +58,6 @@ class Correction:
     def next(self, guess: Vector, result: Vector) -> Vector:
         matrix = np.eye(len(self._jacobian)) - self._jacobian
         return np.asarray(guess + np.linalg.lstsq(matrix, result - guess, rcond=1e-12)[0])
-
-    def get_warm_start(self) -> WarmStart:
-        return {}
 
 
 def measure_jacobian(coupling: Coupling, part: tuple[int, ...], time: float, step: float) -> Vector:

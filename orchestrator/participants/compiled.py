@@ -11,6 +11,7 @@ from typing import Any
 import numba
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.extending import intrinsic
 
 from models.compile.compiled import compiled
@@ -19,75 +20,17 @@ from .compiled_calls import FINE, GET, RELEASE, SAVE, SET, STEP
 from .fmi_instance import DISCARD, WARNING
 
 
-def _build_function(builder: Any, address: Any, *arguments: str) -> Any:
-    """The C function at that address, of these types of arguments, that returns a status.
-
-    It is taken without a sign, so that a negative one is no success.
-    """
-    kinds = {"address": ir.IntType(64), "double": ir.DoubleType(), "int": ir.IntType(32)}
-    kind = ir.FunctionType(ir.IntType(32), [kinds[argument] for argument in arguments])
-    return builder.inttoptr(address, kind.as_pointer())
-
-
 @intrinsic
-def _call_reals(typing: Any, function: Any, component: Any, references: Any, count: Any, memory: Any) -> Any:
-    """fmi2SetReal or fmi2GetReal."""
+def _call(typing: Any, function: Any, arguments: Any) -> Any:
+    """The status of the C function at that address, of the arguments in a tuple: addresses and sizes are
+    int64. It is taken without a sign, so that a negative one is no success."""
 
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        called = _build_function(builder, arguments[0], "address", "address", "address", "address")
-        return builder.call(called, arguments[1:])
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        given = cgutils.unpack_tuple(builder, values[1])
+        kind = ir.FunctionType(ir.IntType(32), [value.type for value in given])
+        return builder.call(builder.inttoptr(values[0], kind.as_pointer()), given)
 
-    return types.uint32(*[types.int64] * 5), generate
-
-
-@intrinsic
-def _call_reals3(typing: Any, function: Any, component: Any, references: Any, count: Any, memory: Any) -> Any:
-    """fmi3SetFloat64 or fmi3GetFloat64, of scalars: as many values as references."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        called = _build_function(builder, arguments[0], *["address"] * 5)
-        return builder.call(called, [*arguments[1:], arguments[3]])
-
-    return types.uint32(*[types.int64] * 5), generate
-
-
-@intrinsic
-def _call_step(typing: Any, function: Any, component: Any, time: Any, step: Any, no_rollback: Any) -> Any:
-    """fmi2DoStep."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        called = _build_function(builder, arguments[0], "address", "double", "double", "int")
-        return builder.call(called, arguments[1:])
-
-    return types.uint32(types.int64, types.int64, types.float64, types.float64, types.int32), generate
-
-
-@intrinsic
-def _call_step3(
-    typing: Any, function: Any, component: Any, time: Any, step: Any, yes: Any, outcome: Any
-) -> Any:
-    """fmi3DoStep."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        called = _build_function(
-            builder, arguments[0], "address", "double", "double", "int", *["address"] * 4
-        )
-        places = [builder.add(arguments[5], ir.IntType(64)(offset)) for offset in (0, 1, 2, 8)]
-        return builder.call(called, [*arguments[1:5], *places])
-
-    return types.uint32(
-        types.int64, types.int64, types.float64, types.float64, types.int32, types.int64
-    ), generate
-
-
-@intrinsic
-def _call_state(typing: Any, function: Any, component: Any, state: Any) -> Any:
-    """fmi2GetFMUstate, fmi2FreeFMUstate and those of FMI 3."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.call(_build_function(builder, arguments[0], "address", "address"), arguments[1:])
-
-    return types.uint32(types.int64, types.int64, types.int64), generate
+    return types.uint32(types.int64, arguments), generate
 
 
 @intrinsic
@@ -107,60 +50,59 @@ _acquire_interpreter = types.ExternalFunction("PyEval_RestoreThread", types.void
 
 
 @compiled
-def _transfer(fmu: Any, function: int, references: int, count: int, memory: int) -> int:
-    if fmu.fmi3:
-        return _call_reals3(function, fmu.component, references, count, memory)
-    return _call_reals(function, fmu.component, references, count, memory)
+def _let_go(fmu: Any) -> Any:
+    """Release the interpreter, unless the FMU is in Python."""
+    return 0 if fmu.in_python else _release_interpreter()
 
 
 @compiled
-def _call_transfer(fmu: Any, function: int, references: int, count: int, memory: int) -> int:
+def _take_back(fmu: Any, thread: int) -> None:
+    if not fmu.in_python:
+        _acquire_interpreter(thread)
+
+
+@compiled
+def _transfer(fmu: Any, function: int, references: int, count: int, memory: int) -> Any:
+    """fmi2SetReal, fmi2GetReal, and those of FMI 3, which get as many values as references."""
     if count == 0:
-        return 0
-    if fmu.in_python:
-        return _transfer(fmu, function, references, count, memory)
-    thread = _release_interpreter()
-    status = _transfer(fmu, function, references, count, memory)
-    _acquire_interpreter(thread)
+        return numba.uint32(0)
+    thread = _let_go(fmu)
+    if fmu.fmi3:
+        status = _call(function, (fmu.component, references, count, memory, count))
+    else:
+        status = _call(function, (fmu.component, references, count, memory))
+    _take_back(fmu, thread)
     return status
 
 
 @compiled
-def _call_do_step(fmu: Any, time: float, step: float) -> int:
-    yes = numba.int32(1)
-    if fmu.fmi3:
-        status = _call_step3(fmu.do_step, fmu.component, time, step, yes, fmu.outcome)
-        # To ask for the end, or to come back early, is not to have made the step.
-        if status <= WARNING and (_byte(fmu.outcome + 1) != 0 or _byte(fmu.outcome + 2) != 0):
-            return numba.uint32(DISCARD)
-        return status
-    return _call_step(fmu.do_step, fmu.component, time, step, yes)
-
-
-@compiled
 def _step(fmu: Any, time: float, step: float) -> int:
-    if fmu.in_python:
-        return _call_do_step(fmu, time, step)
-    thread = _release_interpreter()
-    status = _call_do_step(fmu, time, step)
-    _acquire_interpreter(thread)
+    yes, at = numba.int32(1), fmu.outcome
+    thread = _let_go(fmu)
+    if fmu.fmi3:
+        status = _call(fmu.do_step, (fmu.component, time, step, yes, at, at + 1, at + 2, at + 8))
+        # To ask for the end, or to come back early, is not to have made the step.
+        if status <= WARNING and (_byte(at + 1) != 0 or _byte(at + 2) != 0):
+            status = numba.uint32(DISCARD)
+    else:
+        status = _call(fmu.do_step, (fmu.component, time, step, yes))
+    _take_back(fmu, thread)
     return status
 
 
 @compiled
 def _transfer_state(fmu: Any, function: int) -> int:
-    if fmu.in_python:
-        return _call_state(function, fmu.component, fmu.saved)
-    thread = _release_interpreter()
-    status = _call_state(function, fmu.component, fmu.saved)
-    _acquire_interpreter(thread)
+    """fmi2GetFMUstate, fmi2FreeFMUstate and those of FMI 3."""
+    thread = _let_go(fmu)
+    status = _call(function, (fmu.component, fmu.saved))
+    _take_back(fmu, thread)
     return status
 
 
 @compiled
 def give(fmu: Any) -> tuple[int, int]:
     """Set the inputs; the call that did not succeed, or FINE, and its status."""
-    status = _call_transfer(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
+    status = _transfer(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
     if status > WARNING:
         return SET, status
     if status == WARNING:
@@ -193,7 +135,7 @@ def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
 @compiled
 def take(fmu: Any) -> tuple[int, int]:
     """Get outputs and rates; as `give`."""
-    status = _call_transfer(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken)
+    status = _transfer(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken)
     if status > WARNING:
         return GET, status
     if status == WARNING:
