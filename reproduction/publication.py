@@ -1,6 +1,5 @@
 """A published source: what is computed for it, judged, drawn and written."""
 
-import csv
 import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -10,10 +9,6 @@ from typing import Generic
 
 from matplotlib.figure import Figure
 from PIL import Image
-from rich import box
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from orchestrator.plots.style import save_figure
 from orchestrator.reporter import Reporter
@@ -21,12 +16,6 @@ from orchestrator.store.output_folder import OutputFolderError
 
 from .statement import Claim, Runs, Statement, Verdict
 
-STYLES = {
-    Verdict.MET: "green",
-    Verdict.NOT_MET: "yellow",
-    Verdict.CANNOT: "red",
-    Verdict.UNCHECKED: "magenta",
-}
 HEADINGS = ["Place", "Statement", "Computed", "Verdict", "Reason"]
 # Of a source whose own model and the corrected one are judged side by side.
 TWO_FORMS = ["Place", "Statement", "As published", "Verdict", "Corrected", "Corrected verdict", "Reason"]
@@ -46,66 +35,19 @@ def _count(verdicts: Iterable[Verdict]) -> str:
     return ", ".join(f"{count[verdict]} {verdict}" for verdict in Verdict if count[verdict])
 
 
-def tabulate(statements: Sequence[Statement]) -> list[list[str]]:
-    """Headings and rows; with columns for the corrected form where a statement has it."""
-    if any(s.corrected for s in statements):
-        right = [[s.corrected, s.corrected_verdict or ""] for s in statements]
-        headings = TWO_FORMS
-    else:
-        right, headings = [[] for _ in statements], HEADINGS
-    pairs = zip(statements, right, strict=True)
-    return [headings, *([s.place, s.text, s.computed, s.verdict, *more, s.reason] for s, more in pairs)]
-
-
-def print_table(statements: Sequence[Statement], console: Console) -> None:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_lines=True)
-    for name, ratio in zip(HEADINGS[:3], (2, 6, 9), strict=True):
-        table.add_column(name.lower(), ratio=ratio, overflow="fold")
-    table.add_column("verdict", ratio=2)
-    for s in statements:
-        computed, verdict = Text(s.computed), Text(s.verdict, STYLES[s.verdict])
-        if s.corrected:
-            computed.append(f"\ncorrected: {s.corrected}")
-        if s.corrected_verdict:
-            verdict.append(f"\n{s.corrected_verdict}", STYLES[s.corrected_verdict])
-        if s.reason:
-            computed.append(f"\n{s.reason}", style="dim")
-        table.add_row(Text(s.place), Text(s.text), computed, verdict)
-    console.print(table)
-
-
-def write_csv(rows: Iterable[Sequence[str]], path: Path) -> None:
-    with path.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file).writerows(rows)
-
-
-def write_statements(statements: Sequence[Statement], csv_path: Path, json_path: Path) -> None:
-    headings, *rows = tabulate(statements)
-    keyed = ([s.key, *row] for s, row in zip(statements, rows, strict=True))
-    write_csv([["key", *(name.lower() for name in headings)], *keyed], csv_path)
-    plain = json.dumps([asdict(s) for s in statements], indent=2, ensure_ascii=False)
-    json_path.write_text(plain + "\n", "utf-8")
-
-
 def format_statements(statements: Sequence[Statement]) -> str:
-    """The Markdown table, verdicts in bold."""
-    headings, *rows = tabulate(statements)
-    bold = ["erdict" in name for name in headings]
-    return format_table(
-        headings,
-        *(
-            [f"**{s}**" if b and s else s.replace("|", "\\|") for s, b in zip(r, bold, strict=True)]
-            for r in rows
-        ),
-    )
+    """The Markdown table, with columns for the corrected form where a statement has it."""
+    both = any(s.corrected for s in statements)
+    headings = TWO_FORMS if both else HEADINGS
+    rows = [headings, ["---"] * len(headings)]
+    for s in statements:
+        right = [s.corrected, f"**{s.corrected_verdict}**" if s.corrected_verdict else ""] if both else []
+        cells = [s.place, s.text, s.computed, f"**{s.verdict}**", *right, s.reason]
+        rows.append([cell.replace("|", "\\|") for cell in cells])
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
-def format_table(headings: Sequence[str], *rows: Sequence[str]) -> str:
-    """A Markdown table."""
-    return "\n".join("| " + " | ".join(row) + " |" for row in (headings, ["---"] * len(headings), *rows))
-
-
-CSV, JSON, FIGURES = "statements.csv", "statements.json", "figures"
+JSON, FIGURES = "statements.json", "figures"
 # Line drawings lose nothing in so few colours, and the files are small enough for a repository.
 PALETTE = 128
 
@@ -150,7 +92,7 @@ class Publication(Generic[Runs]):
         return f"{self.name}.md"
 
     def reproduce(self, folder: Path, overwrite: bool = False) -> None:
-        """Draw, check, print and write everything into `folder`.
+        """Draw, check and write everything into `folder`.
 
         OutputFolderError, before anything is computed, where the folder cannot take it.
         """
@@ -168,13 +110,11 @@ class Publication(Generic[Runs]):
                 bar.show((n + 1) / len(self.claims))
         with reporter.stage("figures"):
             self.draw(runs, folder / FIGURES)
-        write_statements(statements, folder / CSV, folder / JSON)
+        plain = json.dumps([asdict(s) for s in statements], indent=2, ensure_ascii=False)
+        (folder / JSON).write_text(plain + "\n", "utf-8")
         (folder / self.page_name).write_text(self.format_page(runs, statements), "utf-8")
-        print_table(statements, reporter.console)
         reporter.line(count_verdicts(statements))
-        reporter.line(
-            f"results in {folder}: {self.page_name}, {CSV}, {JSON}, {len(self.figures)} in {FIGURES}"
-        )
+        reporter.line(f"results in {folder}: {self.page_name}, {JSON}, {len(self.figures)} in {FIGURES}")
 
     def draw(self, runs: Runs, folder: Path) -> None:
         """All figures."""
@@ -191,7 +131,7 @@ class Publication(Generic[Runs]):
         """Make the folder; a reproduction in it, or a part of one, is refused unless `overwrite`."""
         if folder.exists() and not folder.is_dir():
             raise OutputFolderError(f"{folder}: is a file; choose a folder with --out")
-        names = (self.page_name, CSV, JSON, *(f"{FIGURES}/{figure.file}" for figure in self.figures))
+        names = (self.page_name, JSON, *(f"{FIGURES}/{figure.file}" for figure in self.figures))
         held = [folder / name for name in names if (folder / name).exists()]
         if held and not overwrite:
             raise OutputFolderError(

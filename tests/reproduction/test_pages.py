@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from reproduction import SOURCES, load_publication
 from reproduction.__main__ import app
-from reproduction.publication import CSV, JSON
+from reproduction.publication import JSON
 from reproduction.statement import Claim, Numbers, Verdict, format_numbers, state_verdict
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -66,7 +66,7 @@ def test_the_page_is_current(source: str, tmp_path: Path) -> None:
             assert all(float(a) == pytest.approx(float(b), rel=0.03, abs=0.011) for a, b in pairs), one
 
 
-@pytest.mark.parametrize("held", [CSV, "figures/kushwaha2000-fig2.png"])
+@pytest.mark.parametrize("held", [JSON, "figures/kushwaha2000-fig2.png"])
 def test_a_result_is_not_overwritten(held: str, tmp_path: Path) -> None:
     (tmp_path / held).parent.mkdir(exist_ok=True)
     (tmp_path / held).write_text("kept")
