@@ -6,11 +6,14 @@ its namespace, where nothing of this repository nor an installed pythonfmu can b
 
 from __future__ import annotations
 
+import contextlib
+import copy
 import ctypes
 import json
 import math
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +43,32 @@ class Instance:
         callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
         callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
-        self.fmu.instantiate(callbacks=callbacks, loggingOn=logging)
+        self.callbacks = {"callbacks": callbacks}
+        self.fmu.instantiate(**self.callbacks, loggingOn=logging)
+
+    @contextlib.contextmanager
+    def exchanging(self, **values: Any) -> Iterator[Any]:
+        """An instance of the same FMU for model exchange, as fmpy's model, initialised with these values."""
+        from fmpy import fmi2, fmi3
+
+        about = self.description
+        second = about.fmiVersion.startswith("2")
+        model = (fmi2.FMU2Model if second else fmi3.FMU3Model)(
+            guid=about.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=about.modelExchange.modelIdentifier,
+            instanceName="model",
+        )
+        model.instantiate(**self.callbacks)
+        if second:
+            model.setupExperiment()
+        other = copy.copy(self)
+        other.fmu = model
+        other.set(values)
+        model.enterInitializationMode()
+        model.exitInitializationMode()
+        yield model
+        model.freeInstance()
 
     def open(self, path: str | Path, kind: Any, name: str) -> None:
         """Read the description and load the library, of fmpy's class `kind`."""
@@ -142,7 +170,8 @@ class Instance3(Instance):
         self.events = bool(asked.get("eventModeUsed"))
         self.update = update
         called = {} if update is None else {"intermediateUpdate": self._updated}
-        self.fmu.instantiate(loggingOn=logging, logMessage=self._say, **called, **asked)
+        self.callbacks = {"logMessage": self._say}
+        self.fmu.instantiate(loggingOn=logging, **self.callbacks, **called, **asked)
 
     def _say(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
         self.messages.append((status, category.decode(), message.decode()))

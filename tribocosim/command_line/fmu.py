@@ -58,44 +58,31 @@ def fmu_build(  # noqa: PLR0913  # options of a command
     With --scenario NAMES are components of the scenario: parameters, tables, oil and start values become the
     FMUs' defaults.
     """
-    from ..fmu import FmuOptions, build_file, check_options, check_place
-
-    if scenario is not None:
-        _build_of_scenario(scenario, set_ or [], names, whole, outside, out, structure, native, platform, fmi)
-        return
-    _check_without_scenario(set_, whole, outside)
-    sizes = dict(map(_parse_size, structure)) if structure else None
-    options = FmuOptions(sizes, native, platform, fmi)
-    found = check_options(names, options)
-    check_place(out, found)
-    for name in found:
-        with tell_replaced(_list_fmus(out)), _show_progress(name, native) as progress:
-            show(build_file(name, out, options, progress))
-
-
-def _build_of_scenario(  # noqa: PLR0913  # options of a command
-    scenario: str,
-    changes: list[str],
-    names: list[str] | None,
-    whole: bool,
-    outside: list[str] | None,
-    out: Path,
-    structure: list[str] | None,
-    native: bool,
-    platform: list[str] | None,
-    fmi: int,
-) -> None:
     from orchestrator.errors import MistakeError, Option
     from orchestrator.scenario.files import read_changed
 
+    from ..fmu import FmuOptions, build_file, check_options, check_place
     from ..scenario import Scenario
     from ..scenario_fmus import build_scenario_fmus
 
+    if scenario is None:
+        for option, given in (("set", set_), ("whole", whole), ("outside", outside)):
+            if given:
+                remedy = "add ", Option("scenario", "FILE")
+                raise MistakeError((Option(option), ": only with a scenario"), remedy)
+        sizes = dict(map(_parse_size, structure)) if structure else None
+        options = FmuOptions(sizes, native, platform, fmi)
+        found = check_options(names, options)
+        check_place(out, found)
+        for name in found:
+            with tell_replaced(_list_fmus(out)), _show_progress(name, native) as progress:
+                show(build_file(name, out, options, progress))
+        return
     if structure:
         raise MistakeError((Option("structure"), ": a scenario's components have its sizes"))
     with tell_replaced(_list_fmus(out)), _show_progress(scenario, native) as progress:
         files = build_scenario_fmus(
-            Scenario(read_changed(scenario, changes)), out, components=names or (), whole=whole,
+            Scenario(read_changed(scenario, set_ or [])), out, components=names or (), whole=whole,
             outside=outside or (), native=native, platforms=platform or (), fmi=fmi, progress=progress,
         )  # fmt: skip
     for file in files:
@@ -113,16 +100,6 @@ def _tell_replaced_starts(file: Path) -> None:
     for variable in describe(file).variables:
         if REPLACES in variable.description:
             say(f"{file}: {variable.name}: {variable.description[variable.description.index(REPLACES) :]}")
-
-
-def _check_without_scenario(changes: list[str] | None, whole: bool, outside: list[str] | None) -> None:
-    from orchestrator.errors import MistakeError, Option
-
-    for option, given in (("set", changes), ("whole", whole), ("outside", outside)):
-        if given:
-            raise MistakeError(
-                (Option(option), ": only with a scenario"), ("add ", Option("scenario", "FILE"))
-            )
 
 
 def _list_fmus(out: Path) -> Sequence[Path]:

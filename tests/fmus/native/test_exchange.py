@@ -7,7 +7,7 @@ import fmpy
 import numpy as np
 import pytest
 
-from ..instance import Instance
+from ..instance import Instance, Instance3
 from ..names import mark_long
 from ..reference import Reference, joined, wave
 from .names import EVERY, FAST
@@ -74,39 +74,30 @@ def test_states_and_their_derivatives_are_shown(name, native_files):
     slave.free()
 
 
-def test_states_may_be_set_one_by_one(fmi3_files, tmp_path):
+def test_states_may_be_set_one_by_one(fmi3_files):
     """FMI 3.0.2, 3.2.1: in continuous-time mode only. The same bits as by all states together."""
-    file = fmi3_files["coupled_mass"]
-    about = fmpy.read_model_description(str(file))
-    (position,) = (v for v in about.modelVariables if v.name == "state.position")
+    slave = Instance3(fmi3_files["coupled_mass"])
+    position = [slave.variables["state.position"].valueReference]
+    order = [u.variable.derivative.name for u in slave.description.derivatives]
     rates = []
     for alone in (True, False):
-        fmu = fmpy.fmi3.FMU3Model(
-            guid=about.guid,
-            unzipDirectory=fmpy.extract(str(file), tmp_path / str(alone)),
-            modelIdentifier=about.modelExchange.modelIdentifier,
-        )
-        fmu.instantiate()
-        fmu.enterInitializationMode()
-        fmu.exitInitializationMode()
-        with pytest.raises(fmpy.fmi1.FMICallException):
-            fmu.setFloat64([position.valueReference], [0.25])
-        fmu.enterContinuousTimeMode()
-        size = len(about.derivatives)
-        state, rate = np.zeros(size), np.zeros(size)
-        pointers = [
-            vector.ctypes.data_as(fmpy.fmi3.POINTER(fmpy.fmi3.fmi3Float64)) for vector in (state, rate)
-        ]
-        fmu.getContinuousStates(pointers[0], size)
-        order = [u.variable.derivative.name for u in about.derivatives]
-        if alone:
-            fmu.setFloat64([position.valueReference], [0.25])
-        else:
-            state[order.index("state.position")] = 0.25
-            fmu.setContinuousStates(pointers[0], size)
-        fmu.getContinuousStateDerivatives(pointers[1], size)
-        rates.append(rate.tolist())
-        fmu.freeInstance()
+        with slave.exchanging() as fmu:
+            with pytest.raises(fmpy.fmi1.FMICallException):
+                fmu.setFloat64(position, [0.25])
+            fmu.enterContinuousTimeMode()
+            state, rate = np.zeros(len(order)), np.zeros(len(order))
+            pointers = [
+                vector.ctypes.data_as(fmpy.fmi3.POINTER(fmpy.fmi3.fmi3Float64)) for vector in (state, rate)
+            ]
+            fmu.getContinuousStates(pointers[0], len(order))
+            if alone:
+                fmu.setFloat64(position, [0.25])
+            else:
+                state[order.index("state.position")] = 0.25
+                fmu.setContinuousStates(pointers[0], len(order))
+            fmu.getContinuousStateDerivatives(pointers[1], len(order))
+            rates.append(rate.tolist())
+    slave.free()
     assert rates[0] == rates[1]
     assert any(rates[0])
 

@@ -181,30 +181,19 @@ def test_states_follow_each_other_as_declared(fmi3_files):
     """In model exchange: those of arrays element by element, and their derivatives."""
     slave = Instance3(fmi3_files["valve_spring"])
     about = slave.description
-    model = fmi3.FMU3Model(
-        guid=about.guid,
-        unzipDirectory=slave.folder,
-        modelIdentifier=about.modelExchange.modelIdentifier,
-        instanceName="model",
-    )
-    model.instantiate()
-    for name, values in STARTS.items():
-        model.setFloat64([reference(slave, name)], values)
-    model.enterInitializationMode()
-    model.exitInitializationMode()
     rates = [u.variable for u in about.derivatives]
     count = about.numberOfContinuousStates
     places = [(name, len(slave.variables[name].shape or ())) for name in (v.derivative.name for v in rates)]
     assert [name for name, array in places if array] == [f"state.{name}" for name in COILS]
     assert count == 6
-    for variables, call in (
-        ([v.derivative for v in rates], model.fmi3GetContinuousStates),
-        (rates, model.fmi3GetContinuousStateDerivatives),
-    ):
-        vector = np.zeros(count)
-        call(model.component, vector.ctypes.data_as(fmi3.POINTER(fmi3.fmi3Float64)), count)
-        assert model.getFloat64([v.valueReference for v in variables], count) == vector.tolist()
-    model.freeInstance()
+    with slave.exchanging(**STARTS) as model:
+        for variables, call in (
+            ([v.derivative for v in rates], model.fmi3GetContinuousStates),
+            (rates, model.fmi3GetContinuousStateDerivatives),
+        ):
+            vector = np.zeros(count)
+            call(model.component, vector.ctypes.data_as(fmi3.POINTER(fmi3.fmi3Float64)), count)
+            assert model.getFloat64([v.valueReference for v in variables], count) == vector.tolist()
     slave.free()
 
 

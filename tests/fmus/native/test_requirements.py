@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Model
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -240,21 +239,11 @@ def test_a_host_that_integrates_hears_of_a_tuned_parameter_at_the_event(natives)
     spring = natives["valve_spring"]
     spring.messages.clear()
     lash = [spring.variables["lash"].valueReference]
-    model = FMU2Model(
-        guid=spring.description.guid,
-        unzipDirectory=spring.folder,
-        modelIdentifier=spring.description.modelExchange.modelIdentifier,
-        instanceName="integrated",
-    )
-    model.instantiate(callbacks=spring.fmu.callbacks)
-    model.setupExperiment()
-    model.enterInitializationMode()
-    model.exitInitializationMode()
-    model.newDiscreteStates()
-    model.setReal(lash, [2e-4])
-    with pytest.raises(FMICallException, match="error"):
+    with spring.exchanging() as model:
         model.newDiscreteStates()
-    assert spring.messages[0][2] == refusal(COMPONENTS["valve_spring"], {"lash": 2e-4})
-    model.setReal(lash, [0.0])
-    model.newDiscreteStates()
-    model.freeInstance()
+        model.setReal(lash, [2e-4])
+        with pytest.raises(FMICallException, match="error"):
+            model.newDiscreteStates()
+        assert spring.messages[0][2] == refusal(COMPONENTS["valve_spring"], {"lash": 2e-4})
+        model.setReal(lash, [0.0])
+        model.newDiscreteStates()

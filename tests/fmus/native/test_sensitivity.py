@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Iterator
 from ctypes import c_double
@@ -12,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
 from fmus.variable_layout import ENERGIES
@@ -191,30 +189,6 @@ def test_derivatives_by_inputs_and_parameters(name, native_files):
         derivatives.check()
 
 
-@contextlib.contextmanager
-def exchanging(slave: Instance) -> Iterator[Any]:
-    """An instance of the FMU of `slave` for model exchange, initialised as it begins."""
-    about = slave.description
-    model = fmi2.FMU2Model(
-        guid=about.guid,
-        unzipDirectory=slave.folder,
-        modelIdentifier=about.modelExchange.modelIdentifier,
-        instanceName="model",
-    )
-    model.instantiate()
-    model.setupExperiment()
-    for name, value in GIVEN.get(about.modelName, {}).items():
-        variable = slave.variables[name]
-        if variable.type == "Boolean":
-            model.setBoolean([variable.valueReference], [bool(value)])
-        else:
-            model.setReal([variable.valueReference], [value])
-    model.enterInitializationMode()
-    model.exitInitializationMode()
-    yield model
-    model.freeInstance()
-
-
 @pytest.mark.parametrize("name", EVERY)
 def test_derivatives_by_states(name, native_files):
     """In model exchange, off the start: of outputs, energies, rates and the states' derivatives."""
@@ -228,7 +202,7 @@ def test_derivatives_by_states(name, native_files):
     point = point_of(reference)
     names = known_by(slave.variables, point.names())
     unknown = [slave.variables[n].valueReference for n in names]
-    with exchanging(slave) as model:
+    with slave.exchanging(**GIVEN.get(name, {})) as model:
         model.fmi2SetContinuousStates(
             model.component, (c_double * len(places))(*reference.x[places]), len(places)
         )
