@@ -16,8 +16,14 @@ from .scenario import Scenario, ScenarioError
 def check_scenario(scenario: Scenario, system: System) -> None:
     """Raise ScenarioError or ModelError for what a run could not do."""
     for name in scenario.tolerance:
-        if name not in system.outputs.names:
-            raise ScenarioError(f"tolerance.{name}: no such output; {suggestion(name, system.outputs.names)}")
+        part, known = name.partition(".")[0], system.outputs.names
+        if part not in system.instances:
+            raise ScenarioError(
+                f"tolerance.{name}: no component {part!r}; {suggestion(part, system.instances)}"
+            )
+        if name not in known:
+            mine = [other for other in known if other.startswith(f"{part}.")]
+            raise ScenarioError(f"tolerance.{name}: no such output; {suggestion(name, mine)}")
     if scenario.start == "given":
         check_start(system, 0.0, system.x0)
     _check_master(scenario)

@@ -1,5 +1,6 @@
 """The scenario: all tables of a file."""
 
+import difflib
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
@@ -321,9 +322,16 @@ def build_scenario(content: Mapping[str, Any]) -> Scenario:
 
 
 def _send_on(fault: Fault, content: Mapping[str, Any]) -> Fault:
-    """Of an unknown key the remedy names the table where it is known, if there is one."""
+    """The remedy names what is meant: the table that knows a key, another component, or quotes."""
     table, _, key = fault.place.rpartition(".")
-    near = fault.remedy
+    near, written, known = fault.remedy, content.get(table), content.get("components")
+    if table == "tolerance" and isinstance(written, dict) and isinstance(written.get(key), dict):
+        name, value = next(iter(written[key].items()), ("OUTPUT", "1e-3"))
+        return replace(fault, remedy=f'write "{key}.{name}" = {value}')
+    if key == "component" and fault.said == ": missing" and isinstance(known, dict):
+        name = table.removeprefix("components.")
+        if close := difflib.get_close_matches(name, [other for other in known if other != name], n=1):
+            return replace(fault, remedy=f"did you mean {close[0]}?")
     if not isinstance(near, str) or not near.startswith("known: "):
         return fault
     if not table and (meant := find_tables(key)):
@@ -331,8 +339,8 @@ def _send_on(fault: Fault, content: Mapping[str, Any]) -> Fault:
     if table and key in Scenario.model_fields:
         return replace(fault, remedy=f"put {key} above the file's first [table]")
     if table.startswith("components."):
-        known = _list_tables(content, table.removeprefix("components."))
-        return replace(fault, remedy=find_place(key, known, near))
+        tables = _list_tables(content, table.removeprefix("components."))
+        return replace(fault, remedy=find_place(key, tables, near))
     return fault
 
 

@@ -304,6 +304,8 @@ def test_connections_and_keys_leave(tmp_path: Path) -> None:
         ),
         ('without = "components.contact"', "must be a list"),
         ('without = ["components.contact.parameters.mass.more"]', "no 'components.contact.parameters"),
+        ("components.camshft.parameters.lift = 1", "camshft.component: missing; did you mean camshaft?"),
+        ("tolerance.contact.load = 1e-3", 'must be a number, without a unit; write "contact.load" = 0.001'),
     ],
 )
 def test_what_is_not_there_is_named(text: str, said: str, tmp_path: Path) -> None:

@@ -108,6 +108,7 @@ BAD_SYSTEMS = {
     "components.valve_spring.parameters.valve_mass=-0.2": ("valve_spring.valve_mass = -0.2 kg", "> 0"),
     "components.camshaft.parameters.base_radius=2 mm": ("curvature", "undercut"),
     "tolerance.contact.lod=1e-3": ("contact.lod", "contact.load"),
+    "tolerance.contct.load=1e-3": ("tolerance.contct.load", "no component 'contct'", "did you mean contact?"),
     "components.contact.inputs.approach=1": ("contact.approach", "constant value", "keep one"),
     "master={name='iterated', iterate=['contact']}": ("master.iterate = contact", "nothing to iterate one"),
     "master.order=['camshaft']": ("master.order = camshaft", "each of flywheel"),
