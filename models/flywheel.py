@@ -9,7 +9,7 @@ from .core import roles
 from .core.bonds import counts_energies
 from .core.component import NO_EVENT, Component, PowerBond, check_sizes
 from .core.integrator import TOLERANCE
-from .core.quantities import Layout, Quantity, Vector
+from .core.quantities import Quantity, Vector, layouts
 from .plausible import RAMP, SPEED
 
 FREE, PRESCRIBED = 0.0, 1.0
@@ -160,17 +160,15 @@ def flywheel(loads: int = 1, throws: int = 1) -> Component:
     """
     check_sizes(loads=loads, throws=throws)
     sizes = {"loads": loads, "throws": throws}
-    inputs = Layout(Inputs, sizes)
-    torques = tuple(name for name in inputs.names if name.startswith("load_torque"))
-    impulses = tuple(name for name in inputs.names if name.startswith("load_impulse"))
+    records = layouts(Parameters, State, Inputs, Outputs, sizes)
+    inputs = records["inputs"].names
+    torques = tuple(name for name in inputs if name.startswith("load_torque"))
+    impulses = tuple(name for name in inputs if name.startswith("load_impulse"))
     return Component(
         name="flywheel",
         description="Rotor under drive and load torques, or at a prescribed speed",
         roles=(roles.Drive(),),
-        parameters=Layout(Parameters, sizes),
-        state=Layout(State),
-        inputs=inputs,
-        outputs=Layout(Outputs, sizes),
+        **records,
         derivative=derivative,
         output=output,
         energy=energy,

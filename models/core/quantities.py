@@ -12,7 +12,7 @@ import copy
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, make_dataclass, replace
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, TypedDict, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -259,6 +259,27 @@ class Layout:
         """Messages for every element outside its allowed range."""
         found = (f.quantity.fault(f.name, float(v)) for f, v in zip(self.fields, vector, strict=True))
         return [message for message in found if message]
+
+
+class Layouts(TypedDict):
+    """The four records of a component."""
+
+    parameters: Layout
+    state: Layout
+    inputs: Layout
+    outputs: Layout
+
+
+def layouts(
+    parameters: type, state: type, inputs: type, outputs: type, sizes: Mapping[str, int] | None = None
+) -> Layouts:
+    """The records of a component: Component(..., **layouts(Parameters, State, Inputs, Outputs))."""
+    return Layouts(
+        parameters=Layout(parameters, sizes),
+        state=Layout(state, sizes),
+        inputs=Layout(inputs, sizes),
+        outputs=Layout(outputs, sizes),
+    )
 
 
 class FieldLayout(Layout):

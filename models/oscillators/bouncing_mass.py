@@ -16,7 +16,7 @@ from .. import kinds
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 
 Position = Annotated[float, kinds.PLACE.of("height of the mass")]
 Velocity = Annotated[float, kinds.VELOCITY.of("upward velocity of the mass")]
@@ -29,18 +29,18 @@ class FallingMassParameters:
 
 
 @dataclass
-class FallingMassState:
+class MassState:
     position: Position = 0.1
     velocity: Velocity = 0.0
 
 
 @dataclass
-class FallingMassInputs:
+class MassInputs:
     force: float = kinds.SIDE_FORCE("upward force on the mass")
 
 
 @dataclass
-class FallingMassOutputs:
+class MassOutputs:
     position: Position = 0.0
     velocity: Velocity = 0.0
 
@@ -53,18 +53,18 @@ class SpringStopParameters:
 
 
 @dataclass
-class SpringStopState:
+class StopState:
     impulse: float = kinds.IMPULSE("integral of the force")
 
 
 @dataclass
-class SpringStopInputs:
+class StopInputs:
     position: Position = 0.0
     velocity: Velocity = 0.0
 
 
 @dataclass
-class SpringStopOutputs:
+class StopOutputs:
     force: float = kinds.SIDE_FORCE("upward force on the mass")
     compression: float = kinds.DISTANCE("compression c of the stop; negative: the gap")
     contact_margin: float = kinds.DISTANCE("lesser of c and c - d y'/k: the stop pushes where it is positive")
@@ -72,58 +72,48 @@ class SpringStopOutputs:
 
 
 @kernel
-def mass_derivative(
-    t: float, x: FallingMassState, u: FallingMassInputs, p: FallingMassParameters, dx: FallingMassState
-) -> None:
+def mass_derivative(t: float, x: MassState, u: MassInputs, p: FallingMassParameters, dx: MassState) -> None:
     dx.position = x.velocity
     dx.velocity = u.force / p.mass - p.gravity
 
 
 @kernel
-def mass_output(
-    t: float, x: FallingMassState, u: FallingMassInputs, p: FallingMassParameters, y: FallingMassOutputs
-) -> None:
+def mass_output(t: float, x: MassState, u: MassInputs, p: FallingMassParameters, y: MassOutputs) -> None:
     y.position = x.position
     y.velocity = x.velocity
 
 
 @kernel
-def mass_energy(
-    t: float, x: FallingMassState, u: FallingMassInputs, p: FallingMassParameters, e: Vector
-) -> None:
+def mass_energy(t: float, x: MassState, u: MassInputs, p: FallingMassParameters, e: Vector) -> None:
     e[0] = p.mass * (0.5 * x.velocity**2 + p.gravity * x.position)
     e[1] = e[2] = 0.0
 
 
 @kernel
-def compression(u: SpringStopInputs, p: SpringStopParameters) -> float:
+def compression(u: StopInputs, p: SpringStopParameters) -> float:
     return p.stop_position - u.position
 
 
 @kernel
-def contact_margin(u: SpringStopInputs, p: SpringStopParameters) -> float:
+def contact_margin(u: StopInputs, p: SpringStopParameters) -> float:
     c = compression(u, p)
     return min(c, c - p.damping / p.stiffness * u.velocity)
 
 
 @kernel
-def push(u: SpringStopInputs, p: SpringStopParameters) -> float:
+def push(u: StopInputs, p: SpringStopParameters) -> float:
     if contact_margin(u, p) <= 0.0:
         return 0.0
     return p.stiffness * compression(u, p) - p.damping * u.velocity
 
 
 @kernel
-def stop_derivative(
-    t: float, x: SpringStopState, u: SpringStopInputs, p: SpringStopParameters, dx: SpringStopState
-) -> None:
+def stop_derivative(t: float, x: StopState, u: StopInputs, p: SpringStopParameters, dx: StopState) -> None:
     dx.impulse = push(u, p)
 
 
 @kernel
-def stop_output(
-    t: float, x: SpringStopState, u: SpringStopInputs, p: SpringStopParameters, y: SpringStopOutputs
-) -> None:
+def stop_output(t: float, x: StopState, u: StopInputs, p: SpringStopParameters, y: StopOutputs) -> None:
     y.force = push(u, p)
     y.compression = compression(u, p)
     y.contact_margin = contact_margin(u, p)
@@ -131,9 +121,7 @@ def stop_output(
 
 
 @kernel
-def stop_energy(
-    t: float, x: SpringStopState, u: SpringStopInputs, p: SpringStopParameters, e: Vector
-) -> None:
+def stop_energy(t: float, x: StopState, u: StopInputs, p: SpringStopParameters, e: Vector) -> None:
     """A stop that has lost the mass while it was compressed relaxes without giving anything back."""
     spring = p.stiffness * max(0.0, compression(u, p))
     e[0] = 0.5 * spring**2 / p.stiffness
@@ -147,10 +135,7 @@ def falling_mass() -> Component:
     return Component(
         name="falling_mass",
         description="Mass under gravity and a force",
-        parameters=Layout(FallingMassParameters),
-        state=Layout(FallingMassState),
-        inputs=Layout(FallingMassInputs),
-        outputs=Layout(FallingMassOutputs),
+        **layouts(FallingMassParameters, MassState, MassInputs, MassOutputs),
         derivative=mass_derivative,
         output=mass_output,
         energy=mass_energy,
@@ -166,10 +151,7 @@ def spring_stop() -> Component:
     return Component(
         name="spring_stop",
         description="Massless spring and damper that a mass falls on",
-        parameters=Layout(SpringStopParameters),
-        state=Layout(SpringStopState),
-        inputs=Layout(SpringStopInputs),
-        outputs=Layout(SpringStopOutputs),
+        **layouts(SpringStopParameters, StopState, StopInputs, StopOutputs),
         derivative=stop_derivative,
         output=stop_output,
         energy=stop_energy,

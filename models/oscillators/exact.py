@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from ..core.quantities import Vector
 from .bouncing_mass import FallingMassParameters, SpringStopParameters
-from .quarter_car import QuarterCarChassisParameters, QuarterCarWheelParameters
+from .quarter_car import ChassisParameters, WheelParameters
 from .two_masses import CoupledMassParameters, SprungMassParameters
 
 
@@ -30,15 +30,15 @@ def linear_motion(matrix: Vector, start: Vector, times: Vector, constant: Vector
 
 def quarter_car(
     times: Vector,
-    chassis: QuarterCarChassisParameters | None = None,
-    wheel: QuarterCarWheelParameters | None = None,
+    chassis: ChassisParameters | None = None,
+    wheel: WheelParameters | None = None,
     start: Vector | None = None,
 ) -> Vector:
     """Position and velocity of the chassis, then of the wheel: (n, 4); default: the published benchmark.
 
     Chassis and wheel must have the same suspension (the chassis's is used).
     """
-    c, w = chassis or QuarterCarChassisParameters(), wheel or QuarterCarWheelParameters()
+    c, w = chassis or ChassisParameters(), wheel or WheelParameters()
     k, d = c.suspension_stiffness, c.suspension_damping
     matrix = np.array(
         [

@@ -17,7 +17,7 @@ from .. import kinds
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 
 Stiffness = Annotated[float, kinds.STIFFNESS.of("stiffness k_c of the suspension", nominal=1e4, minimum=0.0)]
 Damping = Annotated[float, kinds.DAMPING.of("damping d_c of the suspension", nominal=1e3)]
@@ -25,7 +25,7 @@ Force = Annotated[float, kinds.WALL_FORCE.of("force of the suspension, upwards o
 
 
 @dataclass
-class QuarterCarChassisParameters:
+class ChassisParameters:
     """Defaults: the published benchmark."""
 
     chassis_mass: float = kinds.MASS("mass m_c of the chassis", 400.0, nominal=100.0, positive=True)
@@ -34,7 +34,7 @@ class QuarterCarChassisParameters:
 
 
 @dataclass
-class QuarterCarWheelParameters:
+class WheelParameters:
     """Defaults: the published benchmark."""
 
     wheel_mass: float = kinds.MASS("mass m_w of the wheel", 40.0, nominal=10.0, positive=True)
@@ -46,69 +46,55 @@ class QuarterCarWheelParameters:
 
 
 @dataclass
-class QuarterCarState:
+class State:
     position: float = kinds.PLACE("height over its rest before the step")
     velocity: float = kinds.VELOCITY("upward velocity")
 
 
 @dataclass
-class QuarterCarChassisInputs:
+class ChassisInputs:
     wheel_position: float = kinds.PLACE("height of the wheel")
     wheel_velocity: float = kinds.VELOCITY("upward velocity of the wheel")
 
 
 @dataclass
-class QuarterCarWheelInputs:
+class WheelInputs:
     chassis_position: float = kinds.PLACE("height of the chassis")
     chassis_velocity: float = kinds.VELOCITY("upward velocity of the chassis")
 
 
 @dataclass
-class QuarterCarChassisOutputs(QuarterCarState):
+class ChassisOutputs(State):
     suspension_force: Force = 0.0
 
 
 @dataclass
-class QuarterCarWheelOutputs(QuarterCarState):
+class WheelOutputs(State):
     suspension_force: Force = 0.0
     tyre_force: float = kinds.WALL_FORCE("force of the tyre, upwards on the wheel")
 
 
 @kernel
-def force_on_chassis(x: QuarterCarState, u: QuarterCarChassisInputs, p: QuarterCarChassisParameters) -> float:
+def force_on_chassis(x: State, u: ChassisInputs, p: ChassisParameters) -> float:
     spring = p.suspension_stiffness * (u.wheel_position - x.position)
     return spring + p.suspension_damping * (u.wheel_velocity - x.velocity)
 
 
 @kernel
-def chassis_derivative(
-    t: float,
-    x: QuarterCarState,
-    u: QuarterCarChassisInputs,
-    p: QuarterCarChassisParameters,
-    dx: QuarterCarState,
-) -> None:
+def chassis_derivative(t: float, x: State, u: ChassisInputs, p: ChassisParameters, dx: State) -> None:
     dx.position = x.velocity
     dx.velocity = force_on_chassis(x, u, p) / p.chassis_mass
 
 
 @kernel
-def chassis_output(
-    t: float,
-    x: QuarterCarState,
-    u: QuarterCarChassisInputs,
-    p: QuarterCarChassisParameters,
-    y: QuarterCarChassisOutputs,
-) -> None:
+def chassis_output(t: float, x: State, u: ChassisInputs, p: ChassisParameters, y: ChassisOutputs) -> None:
     y.position = x.position
     y.velocity = x.velocity
     y.suspension_force = -force_on_chassis(x, u, p)
 
 
 @kernel
-def chassis_energy(
-    t: float, x: QuarterCarState, u: QuarterCarChassisInputs, p: QuarterCarChassisParameters, e: Vector
-) -> None:
+def chassis_energy(t: float, x: State, u: ChassisInputs, p: ChassisParameters, e: Vector) -> None:
     stretch, rate = x.position - u.wheel_position, x.velocity - u.wheel_velocity
     e[0] = 0.5 * (p.chassis_mass * x.velocity**2 + p.suspension_stiffness * stretch**2)
     e[1] = p.suspension_damping * rate**2
@@ -116,32 +102,24 @@ def chassis_energy(
 
 
 @kernel
-def force_on_wheel(x: QuarterCarState, u: QuarterCarWheelInputs, p: QuarterCarWheelParameters) -> float:
+def force_on_wheel(x: State, u: WheelInputs, p: WheelParameters) -> float:
     spring = p.suspension_stiffness * (u.chassis_position - x.position)
     return spring + p.suspension_damping * (u.chassis_velocity - x.velocity)
 
 
 @kernel
-def tyre_force(x: QuarterCarState, p: QuarterCarWheelParameters) -> float:
+def tyre_force(x: State, p: WheelParameters) -> float:
     return p.tyre_stiffness * (p.road_step - x.position) - p.tyre_damping * x.velocity
 
 
 @kernel
-def wheel_derivative(
-    t: float, x: QuarterCarState, u: QuarterCarWheelInputs, p: QuarterCarWheelParameters, dx: QuarterCarState
-) -> None:
+def wheel_derivative(t: float, x: State, u: WheelInputs, p: WheelParameters, dx: State) -> None:
     dx.position = x.velocity
     dx.velocity = (force_on_wheel(x, u, p) + tyre_force(x, p)) / p.wheel_mass
 
 
 @kernel
-def wheel_output(
-    t: float,
-    x: QuarterCarState,
-    u: QuarterCarWheelInputs,
-    p: QuarterCarWheelParameters,
-    y: QuarterCarWheelOutputs,
-) -> None:
+def wheel_output(t: float, x: State, u: WheelInputs, p: WheelParameters, y: WheelOutputs) -> None:
     y.position = x.position
     y.velocity = x.velocity
     y.suspension_force = force_on_wheel(x, u, p)
@@ -149,9 +127,7 @@ def wheel_output(
 
 
 @kernel
-def wheel_energy(
-    t: float, x: QuarterCarState, u: QuarterCarWheelInputs, p: QuarterCarWheelParameters, e: Vector
-) -> None:
+def wheel_energy(t: float, x: State, u: WheelInputs, p: WheelParameters, e: Vector) -> None:
     elastic = p.tyre_stiffness * (p.road_step - x.position) ** 2
     e[0] = 0.5 * (p.wheel_mass * x.velocity**2 + elastic)
     e[1] = p.tyre_damping * x.velocity**2
@@ -164,10 +140,7 @@ def quarter_car_chassis() -> Component:
     return Component(
         name="quarter_car_chassis",
         description="Chassis of the quarter car, on its suspension",
-        parameters=Layout(QuarterCarChassisParameters),
-        state=Layout(QuarterCarState),
-        inputs=Layout(QuarterCarChassisInputs),
-        outputs=Layout(QuarterCarChassisOutputs),
+        **layouts(ChassisParameters, State, ChassisInputs, ChassisOutputs),
         derivative=chassis_derivative,
         output=chassis_output,
         energy=chassis_energy,
@@ -182,10 +155,7 @@ def quarter_car_wheel() -> Component:
     return Component(
         name="quarter_car_wheel",
         description="Wheel of the quarter car, between road and suspension",
-        parameters=Layout(QuarterCarWheelParameters),
-        state=Layout(QuarterCarState),
-        inputs=Layout(QuarterCarWheelInputs),
-        outputs=Layout(QuarterCarWheelOutputs),
+        **layouts(WheelParameters, State, WheelInputs, WheelOutputs),
         derivative=wheel_derivative,
         output=wheel_output,
         energy=wheel_energy,

@@ -14,7 +14,7 @@ from .. import kinds
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 
 Mass = Annotated[float, kinds.MASS.of("mass", positive=True)]
 Stiffness = Annotated[float, kinds.STIFFNESS.of("spring to the ground", nominal=10.0, minimum=0.0)]
@@ -46,18 +46,18 @@ class MassState:
 
 
 @dataclass
-class SprungMassInputs:
+class SprungInputs:
     force: float = kinds.FRICTION("force on the mass")
 
 
 @dataclass
-class CoupledMassInputs:
+class CoupledInputs:
     other_position: float = kinds.PLACE("position of the other mass", nominal=1.0)
     other_velocity: float = kinds.VELOCITY("velocity of the other mass")
 
 
 @dataclass
-class CoupledMassOutputs:
+class CoupledOutputs:
     force: float = kinds.FRICTION("force on the other mass")
     position: Position = 0.0
     velocity: Velocity = 0.0
@@ -65,34 +65,34 @@ class CoupledMassOutputs:
 
 @kernel
 def sprung_derivative(
-    t: float, x: MassState, u: SprungMassInputs, p: SprungMassParameters, dx: MassState
+    t: float, x: MassState, u: SprungInputs, p: SprungMassParameters, dx: MassState
 ) -> None:
     dx.position = x.velocity
     dx.velocity = (u.force - p.stiffness * x.position - p.damping * x.velocity) / p.mass
 
 
 @kernel
-def sprung_output(t: float, x: MassState, u: SprungMassInputs, p: SprungMassParameters, y: MassState) -> None:
+def sprung_output(t: float, x: MassState, u: SprungInputs, p: SprungMassParameters, y: MassState) -> None:
     y.position = x.position
     y.velocity = x.velocity
 
 
 @kernel
-def sprung_energy(t: float, x: MassState, u: SprungMassInputs, p: SprungMassParameters, e: Vector) -> None:
+def sprung_energy(t: float, x: MassState, u: SprungInputs, p: SprungMassParameters, e: Vector) -> None:
     e[0] = 0.5 * (p.mass * x.velocity**2 + p.stiffness * x.position**2)
     e[1] = p.damping * x.velocity**2
     e[2] = 0.0
 
 
 @kernel
-def coupling_force(x: MassState, u: CoupledMassInputs, p: CoupledMassParameters) -> float:
+def coupling_force(x: MassState, u: CoupledInputs, p: CoupledMassParameters) -> float:
     spring = p.coupling_stiffness * (x.position - u.other_position)
     return spring + p.coupling_damping * (x.velocity - u.other_velocity)
 
 
 @kernel
 def coupled_derivative(
-    t: float, x: MassState, u: CoupledMassInputs, p: CoupledMassParameters, dx: MassState
+    t: float, x: MassState, u: CoupledInputs, p: CoupledMassParameters, dx: MassState
 ) -> None:
     dx.position = x.velocity
     force = p.stiffness * x.position + p.damping * x.velocity + coupling_force(x, u, p)
@@ -101,7 +101,7 @@ def coupled_derivative(
 
 @kernel
 def coupled_output(
-    t: float, x: MassState, u: CoupledMassInputs, p: CoupledMassParameters, y: CoupledMassOutputs
+    t: float, x: MassState, u: CoupledInputs, p: CoupledMassParameters, y: CoupledOutputs
 ) -> None:
     y.force = coupling_force(x, u, p)
     y.position = x.position
@@ -109,7 +109,7 @@ def coupled_output(
 
 
 @kernel
-def coupled_energy(t: float, x: MassState, u: CoupledMassInputs, p: CoupledMassParameters, e: Vector) -> None:
+def coupled_energy(t: float, x: MassState, u: CoupledInputs, p: CoupledMassParameters, e: Vector) -> None:
     stretch, rate = x.position - u.other_position, x.velocity - u.other_velocity
     elastic = p.stiffness * x.position**2 + p.coupling_stiffness * stretch**2
     e[0] = 0.5 * (p.mass * x.velocity**2 + elastic)
@@ -123,10 +123,7 @@ def sprung_mass() -> Component:
     return Component(
         name="sprung_mass",
         description="Mass on a spring and damper to the ground, driven by a force",
-        parameters=Layout(SprungMassParameters),
-        state=Layout(MassState),
-        inputs=Layout(SprungMassInputs),
-        outputs=Layout(MassState),
+        **layouts(SprungMassParameters, MassState, SprungInputs, MassState),
         derivative=sprung_derivative,
         output=sprung_output,
         energy=sprung_energy,
@@ -141,10 +138,7 @@ def coupled_mass() -> Component:
     return Component(
         name="coupled_mass",
         description="Mass on springs and dampers to the ground and to another mass, which moves as given",
-        parameters=Layout(CoupledMassParameters),
-        state=Layout(MassState),
-        inputs=Layout(CoupledMassInputs),
-        outputs=Layout(CoupledMassOutputs),
+        **layouts(CoupledMassParameters, MassState, CoupledInputs, CoupledOutputs),
         derivative=coupled_derivative,
         output=coupled_output,
         energy=coupled_energy,

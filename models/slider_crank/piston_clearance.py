@@ -19,7 +19,7 @@ from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from ..core.requirements import require
 from ..plausible import CAM_LIFT
 from .crank import CrankRadius, RodLength, crank_turns
@@ -131,10 +131,7 @@ def piston_clearance() -> Component:
         name="piston_clearance",
         description="Clearance between a valve and the piston",
         roles=(roles.PistonClearance(),),
-        parameters=Layout(Parameters),
-        state=Layout(State),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, State, Inputs, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -11,7 +11,7 @@ from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, Events, PowerBond
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .equations import inertia, joint_rate, rebound
 from .flight.bouncing import FREE, LOWER, UPPER
@@ -231,10 +231,7 @@ def slider_crank() -> Component:
         name="slider_crank",
         description="Slider-crank with clearance at the slider: flight, impacts and sliding",
         roles=(roles.Crank(),),
-        parameters=Layout(Parameters),
-        state=Layout(State),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, State, Inputs, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

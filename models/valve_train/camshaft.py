@@ -14,7 +14,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
 from .cams.profile import (
@@ -241,7 +241,8 @@ def camshaft(table_points: int = 0) -> Component:
     profile, parameters = (TABLE, TableCamshaftParameters) if table_points else (LAW, CamshaftParameters)
     sizes = {"table_points": table_points}
     derivative, output = make_motion(profile)
-    inputs = Layout(CamshaftInputs)
+    records = layouts(parameters, CamshaftState, CamshaftInputs, CamshaftOutputs, sizes)
+    inputs = records["inputs"].names
     angle, speed = ("drive_angle",), ("drive_angle", "drive_speed")
     return Component(
         tolerance=FINE_TOLERANCE,
@@ -252,10 +253,7 @@ def camshaft(table_points: int = 0) -> Component:
             roles.TwistedCam(),
             roles.FlatFollower(),
         ),
-        parameters=Layout(parameters, sizes),
-        state=Layout(CamshaftState),
-        inputs=inputs,
-        outputs=Layout(CamshaftOutputs),
+        **records,
         derivative=derivative,
         output=output,
         energy=energy,
@@ -265,12 +263,12 @@ def camshaft(table_points: int = 0) -> Component:
             "radius_of_curvature": angle,
             "entraining_velocity": speed,
             "sliding_velocity": speed,
-            "drive_torque": inputs.names,
+            "drive_torque": inputs,
             "cam_angle": angle,
             "cam_speed": ("drive_speed",),
             "cam_lift": angle,
             "contact_offset": angle,
-            "next_event": inputs.names,
+            "next_event": inputs,
         },
         bonds=(
             PowerBond("drive_torque", "drive_speed", +1),

@@ -14,7 +14,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
 
 
@@ -149,10 +149,7 @@ def coil_spring(segments: int = 9) -> Component:
         name="coil_spring",
         description="Coil spring with surge, closing coils and clash",
         roles=(roles.CoilSpring(),),
-        parameters=Layout(Parameters, sizes),
-        state=Layout(State, sizes),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs, sizes),
+        **layouts(Parameters, State, Inputs, Outputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

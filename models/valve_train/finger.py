@@ -14,7 +14,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from ..core.requirements import Requirement, require
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
@@ -279,10 +279,7 @@ def finger(table_points: int = 0) -> Component:
         name="finger",
         description="Lever on an end pivot, with a roller or pad on its cam",
         roles=(roles.Cam(), roles.PivotedFollower()),
-        parameters=Layout(parameters, sizes),
-        state=Layout(FingerState),
-        inputs=Layout(FingerInputs),
-        outputs=Layout(FingerOutputs),
+        **layouts(parameters, FingerState, FingerInputs, FingerOutputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -18,7 +18,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, lost_power
 
 
@@ -122,10 +122,7 @@ def guide_friction() -> Component:
         name="guide_friction",
         description="Friction of a valve's or tappet's guide",
         roles=(roles.Guide(), roles.Oiled()),
-        parameters=Layout(Parameters),
-        state=Layout(State),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, State, Inputs, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -26,7 +26,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from ..core.requirements import require
 
 # The film is no thinner than this part of the clearance, below any roughness. Over its square, 1e-15 is the
@@ -274,10 +274,7 @@ def journal_bearing() -> Component:
         name="journal_bearing",
         description="Journal bearing: oil film, asperities and an elastic support",
         roles=(roles.Bearing(),),
-        parameters=Layout(Parameters),
-        state=Layout(Place),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, Place, Inputs, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -15,7 +15,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Quantity, Vector, layouts
 from ..plausible import GAS_PRESSURE, PART_LENGTH, PLAY, VOLUME
 from .shared import EndMotions
 
@@ -184,10 +184,7 @@ def lash_adjuster() -> Component:
         name="lash_adjuster",
         description="Hydraulic lash adjuster: oil chamber with leak, check valve and air",
         roles=(roles.Adjuster(),),
-        parameters=Layout(Parameters),
-        state=Layout(State),
-        inputs=Layout(EndMotions),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, State, EndMotions, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -12,7 +12,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, lost_power
 
 
@@ -88,10 +88,7 @@ def pad_friction() -> Component:
         name="pad_friction",
         description="Friction of a pad that slides to and fro: sticking, sliding and viscous",
         roles=(roles.Surface(),),
-        parameters=Layout(Parameters),
-        state=Layout(State),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, State, Inputs, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -23,7 +23,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from ..core.requirements import require
 from .journal_bearing import (
     REQUIREMENTS,
@@ -166,10 +166,7 @@ def pin_bearing() -> Component:
         name="pin_bearing",
         description="Plain bearing of a roller or lever under a given load",
         roles=(roles.Bearing(),),
-        parameters=Layout(Parameters),
-        state=Layout(State),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, State, Inputs, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -13,7 +13,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Quantity, Vector, layouts
 from ..core.roles import Role
 from .slider import Slip, find_slip, lost_power
 
@@ -123,10 +123,7 @@ def make_pivot(name: str, description: str, parameters: type, laws: PivotLaws, *
         name=name,
         description=description,
         roles=(roles.Pivot(), *more),
-        parameters=Layout(parameters),
-        state=Layout(State),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(parameters, State, Inputs, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -10,7 +10,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from .followers.tip import (
     TIP_BONDS,
     LeverMotion,
@@ -110,10 +110,7 @@ def rocker() -> Component:
         name="rocker",
         description="Lever on a fixed pivot between pushrod and valve",
         roles=(roles.Rocker(),),
-        parameters=Layout(RockerParameters),
-        state=Layout(LeverMotion),
-        inputs=Layout(RockerInputs),
-        outputs=Layout(RockerOutputs),
+        **layouts(RockerParameters, LeverMotion, RockerInputs, RockerOutputs),
         derivative=derivative,
         output=output,
         energy=energy,

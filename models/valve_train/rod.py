@@ -12,7 +12,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Quantity, Vector, layouts
 from ..plausible import AREA
 from .shared import EndMotions
 
@@ -133,10 +133,7 @@ def rod(segments: int = 4) -> Component:
         name="rod",
         description="Slender rod of finite segments: pushrod or valve stem",
         roles=(roles.Rod(),),
-        parameters=Layout(RodParameters),
-        state=Layout(RodState, sizes),
-        inputs=Layout(EndMotions),
-        outputs=Layout(RodOutputs),
+        **layouts(RodParameters, RodState, EndMotions, RodOutputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

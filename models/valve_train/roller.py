@@ -17,7 +17,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from .slider import Creep, RelaxationTime, Slip, StickingStiffness, find_slip, lost_power
 
 
@@ -122,10 +122,7 @@ def roller() -> Component:
         name="roller",
         description="Spin of a roller that may slip on its cam",
         roles=(roles.Roller(),),
-        parameters=Layout(Parameters),
-        state=Layout(State),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, State, Inputs, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

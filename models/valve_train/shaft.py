@@ -14,7 +14,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Quantity, Vector, layouts
 from .shared import DriveInputs
 
 
@@ -250,10 +250,7 @@ def shaft(cams: int = 1, torsion_modes: int = 1, bending_modes: int = 1) -> Comp
         name="shaft",
         description="Shaft with cams: torsion and bending by modes",
         roles=(roles.DrawnShaft(),),
-        parameters=Layout(Parameters, sizes),
-        state=Layout(State, sizes),
-        inputs=Layout(Inputs, sizes),
-        outputs=Layout(Outputs, sizes),
+        **layouts(Parameters, State, Inputs, Outputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

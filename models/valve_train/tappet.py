@@ -13,7 +13,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from ..core.requirements import require
 from .cams.law import LAW, LawParameters
 from .cams.lift import Lift
@@ -171,10 +171,7 @@ def tappet(table_points: int = 0) -> Component:
         name="tappet",
         description="Flat, roller or pad follower in its guide, with its cam",
         roles=(roles.Cam(), roles.TranslatingFollower()),
-        parameters=Layout(parameters, sizes),
-        state=Layout(TappetState),
-        inputs=Layout(TappetInputs),
-        outputs=Layout(TappetOutputs),
+        **layouts(parameters, TappetState, TappetInputs, TappetOutputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -26,7 +26,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 
 # Gauss-Legendre points along the line.
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -132,10 +132,7 @@ def tappet_spin() -> Component:
         name="tappet_spin",
         description="Spin of a flat tappet about its axis",
         roles=(roles.Spin(), roles.Oiled()),
-        parameters=Layout(Parameters),
-        state=Layout(State),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, State, Inputs, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -8,7 +8,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from ..plausible import VALVE_MASS
 from .valve_spring import seat_force
 
@@ -91,21 +91,19 @@ def valve(springs: int = 1) -> Component:
     """m y'' = load - sum of the springs' forces - gas force + seat force - F_g - c y'."""
     check_sizes(springs=springs)
     sizes = {"springs": springs}
-    inputs = Layout(Inputs, sizes)
+    records = layouts(Parameters, State, Inputs, Outputs, sizes)
+    inputs = records["inputs"].names
     forces = [f"spring_force[{i + 1}]" for i in range(springs)]
     return Component(
         tolerance=FINE_TOLERANCE,
         name="valve",
         description="Valve on its seat, under load, springs and gas",
         roles=(roles.Valve(),),
-        parameters=Layout(Parameters),
-        state=Layout(State),
-        inputs=inputs,
-        outputs=Layout(Outputs),
+        **records,
         derivative=derivative,
         output=output,
         energy=energy,
-        feedthrough={"acceleration": inputs.names},
+        feedthrough={"acceleration": inputs},
         bonds=(
             PowerBond("load", "velocity", +1),
             PowerBond("gas_force", "velocity", -1),

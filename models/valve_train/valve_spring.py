@@ -16,7 +16,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector, layouts
 from ..core.requirements import require
 from ..plausible import VALVE_MASS
 from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
@@ -237,10 +237,7 @@ def valve_spring(coil_masses: int = 2) -> Component:
         name="valve_spring",
         description="Valve with follower on a spring of lumped coils, with seat and lash",
         roles=(roles.Valve(), roles.LoadedSpring()),
-        parameters=Layout(ValveSpringParameters),
-        state=Layout(ValveSpringState, sizes),
-        inputs=Layout(ValveSpringInputs),
-        outputs=Layout(ValveSpringOutputs, sizes),
+        **layouts(ValveSpringParameters, ValveSpringState, ValveSpringInputs, ValveSpringOutputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -14,7 +14,7 @@ from models.compile.kernel import kernel, record_of
 from models.core.bonds import counts_energies
 from models.core.component import Component, PowerBond
 from models.core.integrator import NOT_CONVERGED, OK, taylor, work_size
-from models.core.quantities import Layout, Quantity, Vector
+from models.core.quantities import Quantity, Vector, layouts
 
 # Newton's last change over the velocities' nominal size: ten thousand roundings; the next is its square.
 CONVERGED = 1e-12
@@ -114,10 +114,7 @@ def fluid_layer(sheets: int = 3) -> Component:
     return Component(
         name="fluid_layer",
         description="Layer of fluid between a plate and a wall",
-        parameters=Layout(Parameters),
-        state=Layout(State, sizes),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, State, Inputs, Outputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

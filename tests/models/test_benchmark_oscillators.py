@@ -10,7 +10,7 @@ from models.core.system import Instance, System
 from models.monolithic import solve
 from models.oscillators import exact
 from models.oscillators.bouncing_mass import FallingMassParameters, SpringStopParameters
-from models.oscillators.quarter_car import QuarterCarWheelParameters
+from models.oscillators.quarter_car import WheelParameters
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 
 from .systems import outputs_of
@@ -69,7 +69,7 @@ def crossed(found):
 def test_quarter_car_is_its_matrix_exponential(damping):
     times = np.linspace(0.0, 4.0, 201)
     found = solve(quarter_car({}, {"tyre_damping": damping}), times)
-    solution = exact.quarter_car(times, wheel=QuarterCarWheelParameters(tyre_damping=damping))
+    solution = exact.quarter_car(times, wheel=WheelParameters(tyre_damping=damping))
     # Tolerance 1e-10 per step of nominals 0.1 m and 1 m/s, over some hundred steps.
     np.testing.assert_allclose(found.state, solution, atol=1e-9)
     energy_closes(found, 750.0)

@@ -10,7 +10,7 @@ import pytest
 from models.compile.kernel import kernel
 from models.core.component import Component, Events
 from models.core.integrator import NOT_FINITE, OK, TOO_MANY_EVENTS, TOO_MANY_STEPS
-from models.core.quantities import Layout, Quantity, Vector
+from models.core.quantities import Quantity, Vector, layouts
 
 EXACT = 1e-9
 
@@ -88,10 +88,7 @@ def impact_oscillator() -> Component:
     return Component(
         name="impact_oscillator",
         description="Harmonic impact oscillator",
-        parameters=Layout(Parameters),
-        state=Layout(State),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, State, Inputs, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -22,7 +22,7 @@ from ...core import roles
 from ...core.bonds import counts_energies
 from ...core.component import Component, check_sizes
 from ...core.points import find_segment
-from ...core.quantities import Layout, Quantity, Vector
+from ...core.quantities import Quantity, Vector, layouts
 from ...core.requirements import require
 from ...plausible import AREA
 from ..crank import CrankAngle, CrankRadius, CrankSpeed, GasPressure, RodLength, crank_turns
@@ -92,20 +92,20 @@ class GasTableParameters(CylinderParameters):
 
 
 @dataclass
-class CylinderGasState:
+class State:
     indicated_work: float = kinds.ENERGY(
         "work given to a piston without clearance and pin offset", nominal=100.0, accumulates=True
     )
 
 
 @dataclass
-class CylinderGasInputs:
+class Inputs:
     crank_angle: CrankAngle = 0.0
     crank_speed: CrankSpeed = 0.0
 
 
 @dataclass
-class CylinderGasOutputs:
+class Outputs:
     gas_pressure: GasPressure = 0.0
     indicated_work: float = kinds.ENERGY(
         "work given to a piston without clearance and pin offset", nominal=100.0
@@ -167,14 +167,14 @@ def make_gas(pressure: Any) -> tuple[Any, Any]:
     """The kernels `derivative` and `output` of a gas of that pressure(theta, p)."""
 
     @kernel
-    def derivative(t: float, x: CylinderGasState, u: CylinderGasInputs, p: Any, dx: CylinderGasState) -> None:
+    def derivative(t: float, x: State, u: Inputs, p: Any, dx: State) -> None:
         r, sine = p.crank_radius, math.sin(u.crank_angle)
         slope = r * math.cos(u.crank_angle) / math.sqrt(p.rod_length**2 - (r * sine) ** 2)
         gauge = pressure(u.crank_angle, p) - p.crankcase_pressure
         dx.indicated_work = gauge * p.bore_area * r * sine * (1.0 + slope) * u.crank_speed
 
     @kernel
-    def output(t: float, x: CylinderGasState, u: CylinderGasInputs, p: Any, y: CylinderGasOutputs) -> None:
+    def output(t: float, x: State, u: Inputs, p: Any, y: Outputs) -> None:
         y.gas_pressure = pressure(u.crank_angle, p) - p.crankcase_pressure
         for i in range(p.valve_area.size):
             y.valve_force[i] = p.valve_area[i] * y.gas_pressure
@@ -184,7 +184,7 @@ def make_gas(pressure: Any) -> tuple[Any, Any]:
 
 
 @kernel
-def energy(t: float, x: CylinderGasState, u: CylinderGasInputs, p: Any, e: Vector) -> None:
+def energy(t: float, x: State, u: Inputs, p: Any, e: Vector) -> None:
     """Nothing is stored here: the gas is a source of the piston that it pushes."""
     e[:] = 0.0
 
@@ -242,15 +242,13 @@ def cylinder_gas(valves: int = 1, pressure_points: int = 0) -> Component:
         allowed = f"must be 0 (a cycle by a formula) or from {LEAST_POINTS} to {MOST_POINTS}"
         raise ValueError(f"pressure_points = {pressure_points}: {allowed}")
     sizes = {"valves": valves, "pressure_points": pressure_points}
+    parameters = GasTableParameters if pressure_points else CylinderGasParameters
     derivative, output = make_gas(pressure_through_points if pressure_points else pressure)
     return Component(
         name="cylinder_gas",
         description="Gas pressure of a four-stroke cycle by the crank angle",
         roles=(roles.CylinderGas(),),
-        parameters=Layout(GasTableParameters if pressure_points else CylinderGasParameters, sizes),
-        state=Layout(CylinderGasState),
-        inputs=Layout(CylinderGasInputs),
-        outputs=Layout(CylinderGasOutputs, sizes),
+        **layouts(parameters, State, Inputs, Outputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

@@ -3,7 +3,7 @@
 from ...compile.kernel import kernel
 from ...core.bonds import counts_energies
 from ...core.component import Component, PowerBond
-from ...core.quantities import Layout
+from ...core.quantities import layouts
 from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .contact import CORNERS, Motion
 from .events import contact_events
@@ -92,10 +92,9 @@ def free_piston_crank() -> Component:
     return Component(
         name="free_piston_crank",
         description="Slider-crank with a piston that tilts in its bore, crank free under a torque",
-        parameters=Layout(FreePistonParameters),
-        state=Layout(FreePistonCrankState, sizes),
-        inputs=Layout(FreePistonCrankInputs),
-        outputs=Layout(FreePistonCrankOutputs, sizes),
+        **layouts(
+            FreePistonParameters, FreePistonCrankState, FreePistonCrankInputs, FreePistonCrankOutputs, sizes
+        ),
         derivative=derivative,
         output=output,
         energy=make_energy(motion),

@@ -4,7 +4,7 @@ from ...compile.kernel import kernel
 from ...core import roles
 from ...core.bonds import counts_energies
 from ...core.component import Component, PowerBond
-from ...core.quantities import Layout
+from ...core.quantities import layouts
 from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .contact import CORNERS, Motion
 from .events import contact_events
@@ -102,10 +102,7 @@ def piston_crank() -> Component:
         name="piston_crank",
         description="Slider-crank with a piston that tilts in its bore, crank motion given",
         roles=(roles.PistonCrank(),),
-        parameters=Layout(PistonParameters),
-        state=Layout(PistonCrankState, sizes),
-        inputs=Layout(PistonCrankInputs),
-        outputs=Layout(PistonCrankOutputs, sizes),
+        **layouts(PistonParameters, PistonCrankState, PistonCrankInputs, PistonCrankOutputs, sizes),
         derivative=derivative,
         output=output,
         energy=make_energy(motion),

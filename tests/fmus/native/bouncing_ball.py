@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from models.compile.kernel import kernel
 from models.core.component import Component, Events
-from models.core.quantities import Layout, Quantity, Vector
+from models.core.quantities import Quantity, Vector, layouts
 
 GRAVITY, HEIGHT = 10.0, 1.0  # m/s^2, m
 
@@ -85,10 +85,7 @@ def bouncing_ball() -> Component:
     return Component(
         name="bouncing_ball",
         description="A ball that bounces",
-        parameters=Layout(Parameters),
-        state=Layout(State),
-        inputs=Layout(Inputs),
-        outputs=Layout(Outputs),
+        **layouts(Parameters, State, Inputs, Outputs),
         derivative=derivative,
         output=output,
         energy=energy,
