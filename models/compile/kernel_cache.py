@@ -263,12 +263,13 @@ _known: dict[Path, Any] = {}
 
 
 def _read(file: Path) -> Any:
-    """What `_write` wrote, or a wheel has; None if the file is missing or damaged."""
+    """What `_write` wrote, or a wheel has; None if the file is missing, damaged or names modules not here."""
     for read in (_read_shipped, _read_cached):
         content = read(file)
         check, payload = content[:32], content[32:]
         if hashlib.sha256(payload).digest() == check:
-            return _Unpickler(io.BytesIO(payload)).load()
+            with contextlib.suppress(ImportError, AttributeError):
+                return _Unpickler(io.BytesIO(payload)).load()
     return None
 
 

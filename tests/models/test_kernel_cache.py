@@ -280,7 +280,8 @@ def test_a_damaged_file_is_compiled_anew(tmp_path: Path) -> None:
     whole = file.read_bytes()
     middle = len(whole) // 2
     changed = whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :]
-    for damaged in (b"", whole[:-1], changed):
+    gone = b"cnowhere\nThing\n."  # names a class of another copy of the package
+    for damaged in (b"", whole[:-1], changed, hashlib.sha256(gone).digest() + gone):
         file.write_bytes(damaged)
         assert run(tmp_path, code) == "2.0\n"
         assert hashlib.sha256(file.read_bytes()[32:]).digest() == file.read_bytes()[:32]
