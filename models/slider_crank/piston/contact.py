@@ -60,6 +60,14 @@ class Touching(NamedTuple):
     second: int
 
 
+class Push(NamedTuple):
+    """What the walls do to up to two corners: normal forces (impulses), and friction over them."""
+
+    touching: Touching
+    forces: Pair
+    ratios: Pair
+
+
 @kernel
 def side(corner: int) -> float:
     return UPPER if corner < 2 else LOWER
@@ -184,25 +192,24 @@ def contact_matrix(touching: Touching, ratios: Pair, s: Motion, m: Machine) -> t
 
 
 @kernel
-def force_on(corner: int, touching: Touching, forces: Pair) -> float:
-    if corner == touching.first:
-        return forces.first
-    return forces.second if corner == touching.second else 0.0
+def force_on(corner: int, push: Push) -> float:
+    if corner == push.touching.first:
+        return push.forces.first
+    return push.forces.second if corner == push.touching.second else 0.0
 
 
 @kernel
-def reaction(touching: Touching, forces: Pair, ratios: Pair, s: Motion, m: Machine) -> Coordinates:
+def reaction(push: Push, s: Motion, m: Machine) -> Coordinates:
     """Generalised force (impulse) of the walls with their friction."""
+    touching, forces, ratios = push
     total = add(Coordinates(0.0, 0.0, 0.0), forces.first, wall_push(touching.first, ratios.first, s.q, m))
     return add(total, forces.second, wall_push(touching.second, ratios.second, s.q, m))
 
 
 @kernel
-def add_reaction(
-    touching: Touching, forces: Pair, ratios: Pair, start: Coordinates, s: Motion, m: Machine
-) -> Coordinates:
+def add_reaction(push: Push, start: Coordinates, s: Motion, m: Machine) -> Coordinates:
     """Accelerations (rates) after wall forces (impulses), from those without."""
-    return add(start, 1.0, multiply(s.inverse, reaction(touching, forces, ratios, s, m)))
+    return add(start, 1.0, multiply(s.inverse, reaction(push, s, m)))
 
 
 @kernel
@@ -222,21 +229,29 @@ def free_gap_accelerations(touching: Touching, s: Motion, m: Machine) -> Pair:
 
 
 @kernel
-def solve_impulses(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -> Pair:
-    """Normal impulses with given friction ratios; w = gamma_N- + e gamma_N-."""
+def solve_push(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -> Push:
+    """Forces (impulses) at given friction ratios; w: gap accelerations (rates) without them."""
     a, b = contact_matrix(touching, ratios, s, m)
-    return solve_complementarity(a, b, w)
+    return Push(touching, solve_complementarity(a, b, w), ratios)
 
 
 @kernel
-def slip_power(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> float:
+def hold(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -> Push:
+    """Those that keep the corners closed; negative ones would have to pull."""
+    a, b = contact_matrix(touching, ratios, s, m)
+    return Push(touching, solve_holding_forces(a, b, w), ratios)
+
+
+@kernel
+def slip_power(push: Push, s: Motion, m: Machine) -> float:
     """Sum of normal impulses times sliding velocities after the impact.
 
     Without impulses (friction jams the piston) a number that sends the bisection away from there.
     """
+    touching, found, ratios = push
     if found.first == 0.0 and found.second == 0.0:
         return -ratios.first
-    v = add_reaction(touching, found, ratios, s.v, s, m)
+    v = add_reaction(push, s.v, s, m)
     total = 0.0
     if found.first > 0.0:
         total += found.first * sliding_velocity(touching.first, s.q, v, m)
@@ -246,19 +261,20 @@ def slip_power(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Mach
 
 
 @kernel
-def slips(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> bool:
+def slips(push: Push, s: Motion, m: Machine) -> bool:
     """True if there are impulses, and each corner with one slides against its friction afterwards."""
+    touching, found, ratios = push
     if found.first == 0.0 and found.second == 0.0:
         return False
-    v = add_reaction(touching, found, ratios, s.v, s, m)
+    v = add_reaction(push, s.v, s, m)
     if found.first > 0.0 and ratios.first * sliding_velocity(touching.first, s.q, v, m) < 0.0:
         return False
     return not (found.second > 0.0 and ratios.second * sliding_velocity(touching.second, s.q, v, m) < 0.0)
 
 
 @kernel
-def impact_ratios(touching: Touching, w: Pair, friction: float, s: Motion, m: Machine) -> Pair:
-    """Friction over normal impulse: +-friction where sliding goes on, less where it stops.
+def solve_impulses(touching: Touching, w: Pair, friction: float, s: Motion, m: Machine) -> Push:
+    """Impulses with w = gamma_N- + e gamma_N-: friction is +-friction where sliding goes on, else less.
 
     Corners that stop together share one ratio: both being closed, they slide at one velocity.
     """
@@ -269,14 +285,15 @@ def impact_ratios(touching: Touching, w: Pair, friction: float, s: Motion, m: Ma
         second = -friction
     for trial in range(4):
         ratios = Pair(first if trial < 2 else -first, second if trial % 2 == 0 else -second)
-        if slips(touching, solve_impulses(touching, ratios, w, s, m), ratios, s, m):
-            return ratios
+        push = solve_push(touching, ratios, w, s, m)
+        if slips(push, s, m):
+            return push
     low, high = -friction, friction
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        ratios = Pair(middle, middle)
-        if slip_power(touching, solve_impulses(touching, ratios, w, s, m), ratios, s, m) > 0.0:
+        if slip_power(solve_push(touching, Pair(middle, middle), w, s, m), s, m) > 0.0:
             low = middle
         else:
             high = middle
-    return Pair(0.5 * (low + high), 0.5 * (low + high))
+    middle = 0.5 * (low + high)
+    return solve_push(touching, Pair(middle, middle), w, s, m)

@@ -9,24 +9,23 @@ from .contact import (
     CORNERS,
     Motion,
     Pair,
+    Push,
     Touching,
     add_reaction,
-    contact_matrix,
     exists,
     force_on,
     free_gap_accelerations,
     gap,
     gap_acceleration,
     gap_rate,
-    impact_ratios,
+    hold,
     reaction,
     side,
-    solve_complementarity,
-    solve_holding_forces,
     solve_impulses,
+    solve_push,
 )
 from .mechanics import Coordinates, Machine, across_row, add, dot
-from .motion import Place, find_closed_corners, find_place, friction_ratios, machine, wall_forces
+from .motion import Place, find_closed_corners, find_place, friction_ratios, hold_closed, machine
 
 # After an event an open corner is inside its wall by this share of the clearance: a hundred times the
 # rounding of a gap.
@@ -71,9 +70,9 @@ def select_corners(touching: Touching, first: bool, second: bool) -> Touching:
 def pressing_acceleration(corner: int, other: int, s: Motion, p: Any, m: Machine) -> float:
     """Acceleration of a corner towards its wall; the other corner's wall counts if it pushes."""
     partner = Touching(-1, other)
-    force = max(0.0, wall_forces(partner, s, p, m).second)
-    q2 = add_reaction(partner, Pair(0.0, force), friction_ratios(partner, s, p, m), s.free, s, m)
-    return -gap_acceleration(corner, q2, s, m)
+    held = hold_closed(partner, s, p, m)
+    pushed = Push(partner, Pair(0.0, max(0.0, held.forces.second)), held.ratios)
+    return -gap_acceleration(corner, add_reaction(pushed, s.free, s, m), s, m)
 
 
 @kernel
@@ -114,18 +113,17 @@ def move_inside(x: Any, touching: Touching, m: Machine) -> None:
 
 
 @kernel
-def rate_after(corner: int, touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> float:
+def rate_after(corner: int, push: Push, s: Motion, m: Machine) -> float:
     """Gap rate of a corner after an impact."""
-    v = add_reaction(touching, found, ratios, s.v, s, m)
+    v = add_reaction(push, s.v, s, m)
     place = Place(0.0, dot(across_row(0.0, 0.0, s.q, m), v), s.q.chi, v.chi)
     return corner_gap_rate(corner, place, m)
 
 
 @kernel
-def parting_rate(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> float:
+def parting_rate(push: Push, s: Motion, m: Machine) -> float:
     """The larger gap rate of both corners after an impact."""
-    first = rate_after(touching.first, touching, found, ratios, s, m)
-    return max(first, rate_after(touching.second, touching, found, ratios, s, m))
+    return max(rate_after(push.touching.first, push, s, m), rate_after(push.touching.second, push, s, m))
 
 
 @kernel
@@ -150,8 +148,8 @@ def open_all(x: Any, m: Machine) -> None:
 @kernel
 def close_pressed(x: Any, s: Motion, p: Any, touching: Touching, m: Machine) -> None:
     """Close the touching corners whose walls push them."""
-    a, b = contact_matrix(touching, friction_ratios(touching, s, p, m), s, m)
-    forces = solve_complementarity(a, b, free_gap_accelerations(touching, s, m))
+    ratios = friction_ratios(touching, s, p, m)
+    forces = solve_push(touching, ratios, free_gap_accelerations(touching, s, m), s, m).forces
     if forces.first > 0.0:
         x.closed[touching.first] = 1.0
     if forces.second > 0.0:
@@ -177,9 +175,7 @@ def release(corner: int, other: int, x: Any, s: Motion, p: Any, m: Machine) -> N
 class Impact(NamedTuple):
     """Impulses of the walls on two corners, and whether the bounces of each end with them."""
 
-    touching: Touching
-    impulses: Pair
-    ratios: Pair
+    push: Push
     first_ends: bool
     second_ends: bool
 
@@ -192,12 +188,10 @@ def solve_impact(
     i, j = touching.first, touching.second
     e = p.restitution
     w = Pair(add_restitution(rates.first, e), add_restitution(rates.second, e))
-    ratios = impact_ratios(touching, w, p.wall_friction, s, m)
-    found = solve_impulses(touching, ratios, w, s, m)
+    push = solve_impulses(touching, w, p.wall_friction, s, m)
     still = STILL * speed_scale(s.v, m)
-    after_i, after_j = rate_after(i, touching, found, ratios, s, m), 1.0
-    if j >= 0:
-        after_j = rate_after(j, touching, found, ratios, s, m)
+    after_i = rate_after(i, push, s, m)
+    after_j = rate_after(j, push, s, m) if j >= 0 else 1.0
     i_ends = bounces_end(i, j if after_j <= still else -1, after_i - still, s, p, m)
     j_ends = bounces_end(j, i if after_i <= still else -1, after_j - still, s, p, m)
     # If its own bounces end, the second one pushes as one at rest does: an impact of the first throws it up.
@@ -207,28 +201,23 @@ def solve_impact(
             add_restitution(rates.first, 0.0 if i_ends else e),
             add_restitution(rates.second, 0.0 if j_ends else e),
         )
-        ratios = impact_ratios(touching, w, p.wall_friction, s, m)
-        found = solve_impulses(touching, ratios, w, s, m)
-    if i_ends and j_ends and parting_rate(touching, found, ratios, s, m) > still:
+        push = solve_impulses(touching, w, p.wall_friction, s, m)
+    if i_ends and j_ends and parting_rate(push, s, m) > still:
         # One corner would lift the other. The limit of bounces that rock between them holds both.
-        ratios = friction_ratios(touching, s, p, m)
-        a, b = contact_matrix(touching, ratios, s, m)
-        found = solve_holding_forces(a, b, rates)
-    return Impact(touching, found, ratios, i_ends, j_ends)
+        push = hold(touching, friction_ratios(touching, s, p, m), rates, s, m)
+    return Impact(push, i_ends, j_ends)
 
 
 @kernel
 def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tuple[Coordinates, Coordinates]:
     """Give the piston its jump of the rates and count it; returns the jump and the walls' impulse."""
-    touching, found = impact.touching, impact.impulses
-    v = add_reaction(touching, found, impact.ratios, s.v, s, m)
-    jump = add(v, -1.0, s.v)
+    jump = add(add_reaction(impact.push, s.v, s, m), -1.0, s.v)
     mean = add(s.v, 0.5, jump)
-    walls = reaction(touching, found, impact.ratios, s, m)
+    walls = reaction(impact.push, s, m)
     place = find_place(x, m)
     fastest = 0.0
     for i in range(CORNERS):
-        impulse = force_on(i, touching, found)
+        impulse = force_on(i, impact.push)
         if impulse != 0.0:
             towards = -corner_gap_rate(i, place, m)
             x.impact_impulse[i] += impulse
@@ -246,7 +235,7 @@ def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tup
 @kernel
 def close_after_impact(x: Any, impact: Impact, still: float, s: Motion, p: Any, m: Machine) -> None:
     """Close the corners whose bounces have ended and that are pressed; s is the motion after the impact."""
-    touching, place = impact.touching, find_place(x, m)
+    touching, place = impact.push.touching, find_place(x, m)
     resting = select_corners(
         touching,
         impact.first_ends and corner_gap_rate(touching.first, place, m) <= still,
@@ -272,7 +261,7 @@ def contact_events(motion: Any, apply_to_crank: Any) -> Events:
         for i in range(CORNERS):
             g[i] = gap(i, place.offset, place.tilt, m) if exists(i, m) else 1.0
         if touching.first >= 0:
-            forces = wall_forces(touching, motion(x, u, p), p, m)
+            forces = hold_closed(touching, motion(x, u, p), p, m).forces
             g[touching.first] = forces.first
             if touching.second >= 0:
                 g[touching.second] = forces.second

@@ -19,7 +19,6 @@ from .mechanics import (
 )
 from .motion import (
     FORCED_OUTPUTS,
-    accelerations,
     coordinates,
     differentiate,
     find_place,
@@ -65,10 +64,8 @@ def derivative(
     p: FreePistonParameters,
     dx: FreePistonCrankState,
 ) -> None:
-    s, m = motion(x, u, p), machine(p)
-    differentiate(x, s, p, m, dx)
     dx.crank_angle = x.crank_speed
-    dx.crank_speed = accelerations(x, s, p, m).theta
+    dx.crank_speed = differentiate(x, motion(x, u, p), p, machine(p), dx).theta
 
 
 @kernel

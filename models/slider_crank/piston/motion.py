@@ -13,18 +13,17 @@ from .contact import (
     CORNERS,
     Motion,
     Pair,
+    Push,
     Touching,
     add_reaction,
-    contact_matrix,
     corner_along,
     force_on,
     free_gap_accelerations,
     gap,
-    reaction,
+    hold,
     side,
     sliding_ratio,
     sliding_velocity,
-    solve_holding_forces,
 )
 from .mechanics import (
     Coordinates,
@@ -148,27 +147,16 @@ def friction_ratios(touching: Touching, s: Motion, p: Any, m: Machine) -> Pair:
 
 
 @kernel
-def wall_forces(touching: Touching, s: Motion, p: Any, m: Machine) -> Pair:
-    """Forces that keep the corners closed; negative ones would have to pull."""
-    a, b = contact_matrix(touching, friction_ratios(touching, s, p, m), s, m)
-    return solve_holding_forces(a, b, free_gap_accelerations(touching, s, m))
+def hold_closed(touching: Touching, s: Motion, p: Any, m: Machine) -> Push:
+    """What keeps the corners closed."""
+    return hold(touching, friction_ratios(touching, s, p, m), free_gap_accelerations(touching, s, m), s, m)
 
 
 @kernel
-def accelerations(x: Any, s: Motion, p: Any, m: Machine) -> Coordinates:
-    """q'' with the forces of closed corners."""
-    touching = find_closed_corners(x)
-    return add_reaction(
-        touching, wall_forces(touching, s, p, m), friction_ratios(touching, s, p, m), s.free, s, m
-    )
-
-
-@kernel
-def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> None:
-    """The derivatives of the shared states."""
-    place, touching = find_place(x, m), find_closed_corners(x)
-    forces = wall_forces(touching, s, p, m)
-    q2 = accelerations(x, s, p, m)
+def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> Coordinates:
+    """The derivatives of the shared states; returns q'' with the forces of closed corners."""
+    place, push = find_place(x, m), hold_closed(find_closed_corners(x), s, p, m)
+    q2 = add_reaction(push, s.free, s, m)
     dx.offset = place.offset_rate
     dx.offset_rate = dot(across_row(0.0, 0.0, s.q, m), q2) + across_turning(0.0, 0.0, s.q, s.v, m)
     dx.tilt = place.tilt_rate
@@ -177,24 +165,19 @@ def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> None:
         dx.closed[i] = 0.0
         dx.impact_count[i] = 0.0
         dx.impact_impulse[i] = 0.0
-        dx.force_integral[i] = force_on(i, touching, forces)
+        dx.force_integral[i] = force_on(i, push)
     dx.last_impact_time = 0.0
     dx.last_impact_velocity = 0.0
     dx.event_count = 0.0
     dx.last_event_time = 0.0
     dx.impact_loss = 0.0
+    return q2
 
 
 @kernel
-def wall_reaction(s: Motion, touching: Touching, forces: Pair, p: Any, m: Machine) -> Coordinates:
-    """Generalised force of the walls with their friction."""
-    return reaction(touching, forces, friction_ratios(touching, s, p, m), s, m)
-
-
-@kernel
-def wall_loss(s: Motion, touching: Touching, forces: Pair, p: Any, m: Machine) -> float:
+def wall_loss(push: Push, s: Motion, m: Machine) -> float:
     """Power (W) that the walls' friction takes."""
-    ratios = friction_ratios(touching, s, p, m)
+    touching, forces, ratios = push
     total = 0.0
     if touching.first >= 0:
         total += ratios.first * forces.first * sliding_velocity(touching.first, s.q, s.v, m)
@@ -206,8 +189,7 @@ def wall_loss(s: Motion, touching: Touching, forces: Pair, p: Any, m: Machine) -
 @kernel
 def friction_power(x: Any, s: Motion, p: Any, m: Machine) -> float:
     """Power (W) that all friction takes between impacts."""
-    touching = find_closed_corners(x)
-    return joint_loss(s.v, m) + wall_loss(s, touching, wall_forces(touching, s, p, m), p, m)
+    return joint_loss(s.v, m) + wall_loss(hold_closed(find_closed_corners(x), s, p, m), s, m)
 
 
 def make_energy(motion: Any) -> Any:
@@ -229,10 +211,8 @@ def make_energy(motion: Any) -> Any:
 @kernel
 def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) -> None:
     """The shared outputs."""
-    place, touching = find_place(x, m), find_closed_corners(x)
-    forces = wall_forces(touching, s, p, m)
-    ratios = friction_ratios(touching, s, p, m)
-    q2 = accelerations(x, s, p, m)
+    place, push = find_place(x, m), hold_closed(find_closed_corners(x), s, p, m)
+    q2 = add_reaction(push, s.free, s, m)
     a, b = m.mass_along, m.mass_across
     y.piston_position = position_along(0.0, 0.0, s.q, m)
     y.piston_velocity = dot(along_row(0.0, 0.0, s.q, m), s.v)
@@ -245,11 +225,11 @@ def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) 
     y.upper_rear_gap = gap(1, place.offset, place.tilt, m)
     y.lower_front_gap = gap(2, place.offset, place.tilt, m)
     y.lower_rear_gap = gap(3, place.offset, place.tilt, m)
-    y.upper_front_force = force_on(0, touching, forces)
-    y.upper_rear_force = force_on(1, touching, forces)
-    y.lower_front_force = force_on(2, touching, forces)
-    y.lower_rear_force = force_on(3, touching, forces)
-    y.wall_friction_force = -ratios.first * forces.first - ratios.second * forces.second
+    y.upper_front_force = force_on(0, push)
+    y.upper_rear_force = force_on(1, push)
+    y.lower_front_force = force_on(2, push)
+    y.lower_rear_force = force_on(3, push)
+    y.wall_friction_force = -push.ratios.first * push.forces.first - push.ratios.second * push.forces.second
     x2 = dot(along_row(a, b, s.q, m), q2) + along_turning(a, b, s.q, s.v, m)
     y2 = dot(across_row(a, b, s.q, m), q2) + across_turning(a, b, s.q, s.v, m)
     gas = -gas_pressure * m.bore_area
@@ -271,5 +251,5 @@ def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) 
     y.last_impact_velocity = x.last_impact_velocity
     y.event_count = x.event_count
     y.last_event_time = x.last_event_time
-    y.friction_power = friction_power(x, s, p, m)
+    y.friction_power = joint_loss(s.v, m) + wall_loss(push, s, m)
     y.impact_loss = x.impact_loss

@@ -6,7 +6,7 @@ from ...core.bonds import counts_energies
 from ...core.component import Component, PowerBond
 from ...core.quantities import layouts
 from .checks import REQUIREMENTS, START_REQUIREMENTS
-from .contact import CORNERS, Motion
+from .contact import CORNERS, Motion, add_reaction, reaction
 from .events import contact_events
 from .mechanics import (
     Coordinates,
@@ -20,17 +20,15 @@ from .mechanics import (
 )
 from .motion import (
     FORCED_OUTPUTS,
-    accelerations,
     coordinates,
     differentiate,
     find_closed_corners,
     find_place,
+    hold_closed,
     machine,
     make_energy,
     observe,
     rates,
-    wall_forces,
-    wall_reaction,
 )
 from .records import PistonCrankInputs, PistonCrankOutputs, PistonCrankState, PistonParameters
 
@@ -57,11 +55,11 @@ def motion(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters) -> Mo
 @kernel
 def crank_torque(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters) -> float:
     """Torque that the mechanism takes: theta's row of the equation of motion."""
-    m, s, touching = machine(p), motion(x, u, p), find_closed_corners(x)
-    q2 = accelerations(x, s, p, m)
-    walls = wall_reaction(s, touching, wall_forces(touching, s, p, m), p, m)
+    m, s = machine(p), motion(x, u, p)
+    push = hold_closed(find_closed_corners(x), s, p, m)
+    q2 = add_reaction(push, s.free, s, m)
     inertial = multiply(mass_matrix(s.q, m), q2).theta + turning_forces(s.q, s.v, m).theta
-    return inertial - applied_forces(s.q, s.v, u.gas_pressure, m).theta - walls.theta
+    return inertial - applied_forces(s.q, s.v, u.gas_pressure, m).theta - reaction(push, s, m).theta
 
 
 @kernel
