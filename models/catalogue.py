@@ -41,7 +41,7 @@ MODULES = {
     "flywheel": "flywheel",
     "slider_crank": "slider_crank.slider_crank",
     "piston_crank": "slider_crank.piston.piston_crank",
-    "free_piston_crank": "slider_crank.piston.free_piston_crank",
+    "free_piston_crank": "slider_crank.piston.piston_crank",
     "cylinder_gas": "slider_crank.piston.cylinder_gas",
     "piston_clearance": "slider_crank.piston_clearance",
     "quarter_car_chassis": "oscillators.quarter_car",

@@ -9,8 +9,7 @@ from models.core.component import Component
 from models.core.integrator import OK
 from models.core.quantities import Vector
 from models.slider_crank import forms
-from models.slider_crank.piston.free_piston_crank import free_piston_crank
-from models.slider_crank.piston.piston_crank import piston_crank
+from models.slider_crank.piston.piston_crank import free_piston_crank, piston_crank
 from models.slider_crank.records import WALL_FILMS
 from models.slider_crank.slider_crank import slider_crank
 

@@ -1,4 +1,4 @@
-"""Slider-crank with a tilting piston; the crank's motion is an input."""
+"""Slider-crank with a tilting piston: the crank's motion is an input, or a torque drives it."""
 
 from ...compile.kernel import kernel
 from ...core import roles
@@ -13,6 +13,7 @@ from .mechanics import (
     Machine,
     add,
     applied_forces,
+    free_inverse,
     mass_matrix,
     multiply,
     prescribed_inverse,
@@ -30,11 +31,22 @@ from .motion import (
     observe,
     rates,
 )
-from .records import PistonCrankInputs, PistonCrankOutputs, PistonCrankState, PistonParameters
+from .records import (
+    DrivenInputs,
+    DrivenOutputs,
+    DrivenParameters,
+    DrivenState,
+    FreeInputs,
+    FreeOutputs,
+    FreeParameters,
+    FreeState,
+)
+
+SIZES = {"corners": CORNERS}
 
 
 @kernel
-def motion(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters) -> Motion:
+def driven_motion(x: DrivenState, u: DrivenInputs, p: DrivenParameters) -> Motion:
     """Rod and piston under their forces, the crank's acceleration given."""
     m = machine(p)
     place = find_place(x, m)
@@ -53,9 +65,9 @@ def motion(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters) -> Mo
 
 
 @kernel
-def crank_torque(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters) -> float:
+def crank_torque(x: DrivenState, u: DrivenInputs, p: DrivenParameters) -> float:
     """Torque that the mechanism takes: theta's row of the equation of motion."""
-    m, s = machine(p), motion(x, u, p)
+    m, s = machine(p), driven_motion(x, u, p)
     push = hold_closed(find_closed_corners(x), s, p, m)
     q2 = add_reaction(push, s.free, s, m)
     inertial = multiply(mass_matrix(s.q, m), q2).theta + turning_forces(s.q, s.v, m).theta
@@ -63,8 +75,8 @@ def crank_torque(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters)
 
 
 @kernel
-def apply_to_crank(
-    x: PistonCrankState, u: PistonCrankInputs, s: Motion, jump: Coordinates, walls: Coordinates, m: Machine
+def keep_speed(
+    x: DrivenState, u: DrivenInputs, s: Motion, jump: Coordinates, walls: Coordinates, m: Machine
 ) -> None:
     """The crank keeps its speed and gives the angular impulse that this takes."""
     impulse = multiply(mass_matrix(s.q, m), jump).theta - walls.theta
@@ -73,19 +85,17 @@ def apply_to_crank(
 
 
 @kernel
-def derivative(
-    t: float, x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters, dx: PistonCrankState
+def driven_derivative(
+    t: float, x: DrivenState, u: DrivenInputs, p: DrivenParameters, dx: DrivenState
 ) -> None:
-    differentiate(x, motion(x, u, p), p, machine(p), dx)
+    differentiate(x, driven_motion(x, u, p), p, machine(p), dx)
     dx.crank_impact_impulse = 0.0
     dx.impact_work = 0.0
 
 
 @kernel
-def output(
-    t: float, x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters, y: PistonCrankOutputs
-) -> None:
-    observe(x, motion(x, u, p), u.gas_pressure, p, machine(p), y)
+def driven_output(t: float, x: DrivenState, u: DrivenInputs, p: DrivenParameters, y: DrivenOutputs) -> None:
+    observe(x, driven_motion(x, u, p), u.gas_pressure, p, machine(p), y)
     y.crank_torque = crank_torque(x, u, p)
     y.crank_impact_impulse = x.crank_impact_impulse
 
@@ -95,15 +105,14 @@ def piston_crank() -> Component:
     """The slider-crank with a tilting piston on a crank that is driven."""
     turning = ("crank_angle", "crank_speed")
     forced = (*turning, "crank_acceleration", "gas_pressure")
-    sizes = {"corners": CORNERS}
     return Component(
         name="piston_crank",
         description="Slider-crank with a piston that tilts in its bore, crank motion given",
         roles=(roles.PistonCrank(),),
-        **layouts(PistonParameters, PistonCrankState, PistonCrankInputs, PistonCrankOutputs, sizes),
-        derivative=derivative,
-        output=output,
-        energy=make_energy(motion),
+        **layouts(DrivenParameters, DrivenState, DrivenInputs, DrivenOutputs, SIZES),
+        derivative=driven_derivative,
+        output=driven_output,
+        energy=make_energy(driven_motion),
         feedthrough={
             "piston_position": ("crank_angle",),
             "piston_velocity": turning,
@@ -112,7 +121,63 @@ def piston_crank() -> Component:
             "crank_torque": forced,
         },
         bonds=(PowerBond("crank_torque", "crank_speed", +1),),
-        events=contact_events(motion, apply_to_crank),
+        events=contact_events(driven_motion, keep_speed),
+        requirements=REQUIREMENTS,
+        start_requirements=START_REQUIREMENTS,
+        resting=(),
+        event_counter="event_count",
+        event_time="last_event_time",
+    )
+
+
+@kernel
+def free_motion(x: FreeState, u: FreeInputs, p: FreeParameters) -> Motion:
+    """Crank, rod and piston under their forces."""
+    m = machine(p)
+    place = find_place(x, m)
+    q = coordinates(x.crank_angle, place, m)
+    v = rates(x.crank_speed, q, place, m)
+    inverse = free_inverse(mass_matrix(q, m))
+    forces = add(applied_forces(q, v, u.gas_pressure, m), -1.0, turning_forces(q, v, m))
+    driven = Coordinates(forces.theta + u.crank_drive, forces.eta, forces.chi)
+    return Motion(q, v, inverse, multiply(inverse, driven))
+
+
+@kernel
+def take_jump(
+    x: FreeState, u: FreeInputs, s: Motion, jump: Coordinates, walls: Coordinates, m: Machine
+) -> None:
+    """The crank takes its part of the jump."""
+    x.crank_speed += jump.theta
+
+
+@kernel
+def free_derivative(t: float, x: FreeState, u: FreeInputs, p: FreeParameters, dx: FreeState) -> None:
+    dx.crank_angle = x.crank_speed
+    dx.crank_speed = differentiate(x, free_motion(x, u, p), p, machine(p), dx).theta
+
+
+@kernel
+def free_output(t: float, x: FreeState, u: FreeInputs, p: FreeParameters, y: FreeOutputs) -> None:
+    observe(x, free_motion(x, u, p), u.gas_pressure, p, machine(p), y)
+    y.crank_angle = x.crank_angle
+    y.crank_speed = x.crank_speed
+
+
+@counts_energies
+def free_piston_crank() -> Component:
+    """The slider-crank with a tilting piston on a crank of its own."""
+    forced = ("crank_drive", "gas_pressure")
+    return Component(
+        name="free_piston_crank",
+        description="Slider-crank with a piston that tilts in its bore, crank free under a torque",
+        **layouts(FreeParameters, FreeState, FreeInputs, FreeOutputs, SIZES),
+        derivative=free_derivative,
+        output=free_output,
+        energy=make_energy(free_motion),
+        feedthrough=dict.fromkeys(FORCED_OUTPUTS, forced),
+        bonds=(PowerBond("crank_drive", "crank_speed", +1),),
+        events=contact_events(free_motion, take_jump),
         requirements=REQUIREMENTS,
         start_requirements=START_REQUIREMENTS,
         resting=(),

@@ -47,7 +47,7 @@ _BORE = 0.086
 
 
 @dataclass
-class PistonParameters:
+class DrivenParameters:
     """Defaults: a petrol engine of 0.5 l a cylinder, chosen here: bore and stroke 86 mm, rod 3.3 crank
     radii long (Heywood 1988, 2.2: 3 to 4), the rest as is usual for that size. The crank's own mass is
     left to the flywheel that drives it."""
@@ -127,7 +127,7 @@ class PistonParameters:
 
 
 @dataclass
-class FreePistonParameters(PistonParameters):
+class FreeParameters(DrivenParameters):
     """As the other, with the inertia of a small flywheel on the crank."""
 
     crank_inertia: float = kinds.ROD_INERTIA("inertia of the crank about its centre of mass", 0.05)
@@ -157,19 +157,19 @@ class PistonState:
 
 
 @dataclass
-class PistonCrankState(PistonState):
+class DrivenState(PistonState):
     crank_impact_impulse: CrankImpulse = 0.0
     impact_work: float = kinds.ENERGY("energy given in impacts by the crank")
 
 
 @dataclass
-class FreePistonCrankState(PistonState):
+class FreeState(PistonState):
     crank_angle: CrankAngle = 0.0
     crank_speed: CrankSpeed = 0.0
 
 
 @dataclass
-class PistonCrankInputs:
+class DrivenInputs:
     crank_angle: CrankAngle = 0.0
     crank_speed: CrankSpeed = 0.0
     crank_acceleration: CrankAcceleration = 0.0
@@ -177,7 +177,7 @@ class PistonCrankInputs:
 
 
 @dataclass
-class FreePistonCrankInputs:
+class FreeInputs:
     crank_drive: float = kinds.TORQUE("torque that drives the crank")
     gas_pressure: GasPressure = 0.0
 
@@ -226,12 +226,12 @@ class PistonOutputs:
 
 
 @dataclass
-class PistonCrankOutputs(PistonOutputs):
+class DrivenOutputs(PistonOutputs):
     crank_torque: float = kinds.TORQUE("torque taken from the crank, between impacts")
     crank_impact_impulse: CrankImpulse = 0.0
 
 
 @dataclass
-class FreePistonCrankOutputs(PistonOutputs):
+class FreeOutputs(PistonOutputs):
     crank_angle: CrankAngle = 0.0
     crank_speed: CrankSpeed = 0.0
