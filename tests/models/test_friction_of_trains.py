@@ -96,44 +96,6 @@ def test_heat_takes_friction_from_the_film_and_gives_it_to_the_asperities():
     assert rubbed[-1] > rubbed[0]
 
 
-@pytest.mark.plain
-@settings(max_examples=100, deadline=None)
-@given(
-    st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-2e-3, 2e-3), st.floats(-800.0, 800.0),
-    st.floats(0.0, 2000.0),
-)  # fmt: skip
-def test_a_pin_makes_no_power(x, y, twist, rate, load):
-    """T omega + W e_x' = stored' + lost, with losses of squeeze, shear and asperities above zero."""
-    size = max(1.0, math.hypot(x, y))
-    state = {"eccentricity_x": 0.97 * CLEARANCE * x / size, "eccentricity_y": 0.97 * CLEARANCE * y / size}
-    state |= {"twist": twist}
-    inputs = {"applied_load": load, "rotation_rate": rate}
-    parameters = {"roughness": 0.2e-6}
-    rates = rates_of(PIN, parameters, state, inputs)
-    _, lost, source = energies(PIN, parameters, state, inputs)
-    ahead, behind = (
-        energies(PIN, parameters, {n: state[n] + sign * 1e-8 * rates[n] for n in state}, inputs)[0]
-        for sign in (1.0, -1.0)
-    )
-    given_power = outputs_of(PIN, parameters, state, inputs)["power_loss"] + source
-    gained = (ahead - behind) / 2e-8
-    assert lost >= 0.0
-    # Central differences over 10 ns of energies of the asperities, whose force has a length of 0.2 um.
-    assert given_power == pytest.approx(gained + lost, rel=1e-4, abs=1e-6 + 1e-4 * abs(source))
-
-
-def energies(component, parameters, state, inputs):
-    found = np.zeros(3)
-    x, u, p = component.state.vector(), component.inputs.vector(), component.parameters.vector()
-    for layout, vector, values in (
-        (component.state, x, state), (component.inputs, u, inputs), (component.parameters, p, parameters)
-    ):  # fmt: skip
-        for name, value in values.items():
-            vector[layout.names.index(name)] = value
-    component.flat_energy(0.0, x, u, p, found)
-    return found
-
-
 def test_a_steady_roller_loses_what_its_cam_gives(record):
     """T v = slip + pin + F_R r omega, of roller and pin together; the traction is T = (T_p + r F_R)/r."""
     roller, velocity, load, drag = CATALOGUE["roller"](), 4.0, 800.0, 0.5
@@ -221,16 +183,11 @@ def test_a_free_tappet_spins_as_its_contact_line_lets_it(record):
 
 
 @pytest.mark.plain
-@settings(max_examples=100, deadline=None)
-@given(
-    st.floats(-300.0, 300.0), st.floats(0.0, 6e-3), st.floats(-12e-3, 12e-3), st.floats(0.1, 5.0)
-)  # fmt: skip
-def test_a_spinning_tappet_loses_what_its_cam_gives(spin, offset, place, sliding):
-    """F_x u_s = F <|v|> + T Omega. Without spin F_x = F, and T = F e."""
+@settings(max_examples=30, deadline=None)
+@given(st.floats(0.0, 6e-3), st.floats(-12e-3, 12e-3), st.floats(0.1, 5.0))
+def test_a_tappet_that_does_not_spin_feels_all_the_friction(offset, place, sliding):
+    """F_x = F, and T = F e."""
     inputs = {"sliding_velocity": sliding, "contact_offset": place, "friction_force": 30.0}
-    found = outputs_of(SPIN, {"axial_offset": offset}, {"spin": spin}, inputs)
-    taken = 30.0 * found["contact_sliding"] + found["spin_torque"] * spin
-    assert found["cam_friction"] * sliding == pytest.approx(taken, rel=1e-12, abs=1e-9)
     still = outputs_of(SPIN, {"axial_offset": offset}, {}, inputs)
     assert still["cam_friction"] == pytest.approx(30.0, rel=1e-14)
     assert still["spin_torque"] == pytest.approx(30.0 * offset, rel=1e-12)

@@ -41,6 +41,10 @@ PARTS = {
     "adjuster": ("lash_adjuster", {}),
     "adjuster with air": ("lash_adjuster", {"air_content": 0.05}),
     "adjuster with isothermal air": ("lash_adjuster", {"air_content": 0.05, "air_exponent": 1.0}),
+    "pin": ("pin_bearing", {"roughness": 1.5e-6, "face_gap": 1e-4}),
+    "needles": ("needle_bearing", {}),
+    "guide": ("guide_friction", {}),
+    "spinning tappet": ("tappet_spin", {}),
     "valve": ("valve_spring", {"seat_stiffness": 2e7, "seat_damping": 300.0, "lash": 1e-4}),
 }
 BUILT = {name: CATALOGUE[name]() for name, _ in PARTS.values()}
@@ -58,7 +62,7 @@ def rate_of(position: str) -> str:
     return rates.get(position, position.replace("position", "velocity"))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(st.sampled_from(sorted(PARTS)), st.integers(0, 2**32 - 1))
 def test_power_through_the_bonds_is_stored_or_lost(part, seed):
     """dE/dt = sum of the bonds' powers - dissipation + source, at any state and inputs."""
