@@ -4,17 +4,14 @@ Its inputs are polynomials in the time since the start of the macro step; every 
 own start, so that the signals are the same however they are cut.
 """
 
-import ctypes
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import partial
-from typing import Any
+from collections.abc import Sequence
+from typing import NoReturn
 
 import numpy as np
 
 from ..errors import DiscardedStepError, RecoverableError
 from ..participants.capabilities import HIGHEST
-from ..participants.compiled_calls import STEP, CompiledCalls, NotCompiledError
+from ..participants.compiled_calls import NotCompiledError
 from ..participants.protocol import BoundVariables, Participant
 from ..participants.wrapping import ParticipantWrapper
 from .signals import move_origin
@@ -32,8 +29,8 @@ class Substepped(ParticipantWrapper):
         super().__init__(participant)
         self._substeps, self._halvings = substeps, halvings
         self._smallest = 0.5**halvings / substeps
-        self._saves = bool(halvings) and self.abilities.restorable
-        self._attempt = self._save_and_advance if self._saves else participant.advance
+        saves = bool(halvings) and self.abilities.restorable
+        self._attempt = self._save_and_advance if saves else participant.advance
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         # Between its own steps it follows a signal of any degree, if only by values.
@@ -46,54 +43,27 @@ class Substepped(ParticipantWrapper):
         self._start = np.zeros_like(bound.inputs)
         return rated
 
-    def compiled_calls(self) -> CompiledCalls:
-        if self._substeps > 1:
-            raise NotCompiledError(f"substeps = {self._substeps}")
-        calls = self._participant.compiled_calls()
-        state = ctypes.c_void_p()
-
-        def describe(record: Any) -> None:
-            calls.describe(record)
-            record["saved"] = ctypes.addressof(state) if self._saves else 0
-
-        def fail(call: int, status: int, time: float, step: float) -> None:
-            raise_failed = partial(calls.fail, call, status, time, step)
-            if call != STEP:
-                raise_failed()
-            elif self._saves:
-                saved = ctypes.c_void_p(state.value)
-                self._advance(time, step, lambda start, length: self._try(saved, start, raise_failed))
-            else:
-                self._advance(time, step, lambda start, length: raise_failed())
-
-        return replace(calls, describe=describe, fail=fail)
+    def compiled_calls(self) -> NoReturn:
+        raise NotCompiledError("it makes steps of its own (substeps, retries)")
 
     def advance(self, time: float, step: float) -> None:
-        self._advance(time, step, self._attempt)
-
-    def _advance(self, time: float, step: float, first: Callable[[float, float], None]) -> None:
-        """Make the macro step, its first attempt by `first`."""
         self._time, self._step = time, step
         self._start[:] = self._inputs
         length = step / self._substeps
         try:
             for n in range(self._substeps):
-                self._advance_in_pieces(
-                    time + n * length, length, self._halvings, self._attempt if n else first
-                )
+                self._advance_in_pieces(time + n * length, length, self._halvings)
         finally:
             self._inputs[:] = self._start  # it is the master's
 
-    def _advance_in_pieces(
-        self, start: float, length: float, halvings: int, attempt: Callable[[float, float], None]
-    ) -> None:
-        """Advance from `start` by `length`, in pieces where `attempt` fails. The inputs are written."""
+    def _advance_in_pieces(self, start: float, length: float, halvings: int) -> None:
+        """Advance from `start` by `length`, in pieces where that fails. The inputs are written."""
         while True:
             if start > self._time:
                 move_origin(self._start, start - self._time, self._inputs)
                 self.write()
             try:
-                attempt(start, length)
+                self._attempt(start, length)
                 return
             except DiscardedStepError as error:
                 if error.reached is None:
@@ -103,17 +73,14 @@ class Substepped(ParticipantWrapper):
                         raise self._add_length(error) from None
                     break
                 start, length = error.reached, length - done
-            attempt = self._attempt
-        self._advance_in_pieces(start, 0.5 * length, halvings - 1, self._attempt)
-        self._advance_in_pieces(start + 0.5 * length, 0.5 * length, halvings - 1, self._attempt)
+        self._advance_in_pieces(start, 0.5 * length, halvings - 1)
+        self._advance_in_pieces(start + 0.5 * length, 0.5 * length, halvings - 1)
 
     def _save_and_advance(self, time: float, step: float) -> None:
-        self._try(self.save(), time, partial(self._participant.advance, time, step))
-
-    def _try(self, saved: Any, time: float, advance: Callable[[], None]) -> None:
         """Advance; where that fails, the participant is where it was, or where it arrived with success."""
+        saved = self.save()
         try:
-            advance()
+            self._participant.advance(time, step)
         except RecoverableError as error:
             # Of a step that has not begun nothing is known but the time; to restore is what FMI asks for.
             reached = error.reached if isinstance(error, DiscardedStepError) else None

@@ -16,7 +16,7 @@ from numba.extending import intrinsic
 
 from models.compile.compiled import compiled
 
-from .compiled_calls import FINE, GET, RELEASE, SAVE, SET, STEP
+from .compiled_calls import FINE, GET, SET, STEP
 from .fmi_instance import DISCARD, WARNING
 
 
@@ -91,15 +91,6 @@ def _step(fmu: Any, time: float, step: float) -> int:
 
 
 @compiled
-def _transfer_state(fmu: Any, function: int) -> int:
-    """fmi2GetFMUstate, fmi2FreeFMUstate and those of FMI 3."""
-    thread = _let_go(fmu)
-    status = _call(function, (fmu.component, fmu.saved))
-    _take_back(fmu, thread)
-    return status
-
-
-@compiled
 def give(fmu: Any) -> tuple[int, int]:
     """Set the inputs; the call that did not succeed, or FINE, and its status."""
     status = _transfer(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
@@ -116,19 +107,11 @@ def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
     call, status = give(fmu)
     if call != FINE:
         return call, status
-    if fmu.saved:
-        status = _transfer_state(fmu, fmu.save)
-        if status > WARNING:
-            return SAVE, status
     status = _step(fmu, time, step)
     if status > WARNING:
         return STEP, status
     if status == WARNING:
         fmu.warned += 1
-    if fmu.saved:
-        status = _transfer_state(fmu, fmu.release)
-        if status > WARNING:
-            return RELEASE, status
     return FINE, status
 
 

@@ -14,8 +14,6 @@ from models.core.quantities import Vector
 # taken from it; how many these are. The interpreter is released for the calls unless the FMU is in Python.
 # An FMU of FMI 3 writes what its step came to into `outcome`: event, end, early return (a byte each), at 8
 # the time. `warned` counts the calls that return a warning.
-# If `saved` is not 0, the state is saved there before a step and released after it; a step that fails leaves
-# it for its participant.
 CALLS = np.dtype(
     [
         (name, np.int64)
@@ -23,7 +21,6 @@ CALLS = np.dtype(
             "component", "in_python", "fmi3", "outcome", "set_real", "do_step", "get_real",
             "given", "given_references", "given_count",
             "taken", "taken_references", "taken_count", "warned",
-            "saved", "save", "release",
         )
     ]
 )  # fmt: skip
@@ -37,7 +34,7 @@ class NotCompiledError(Exception):
 
 
 # Which call of an FMU did not succeed.
-FINE, SET, STEP, GET, NOT_FINITE, SAVE, RELEASE = range(7)
+FINE, SET, STEP, GET, NOT_FINITE = range(5)
 
 
 @dataclass(frozen=True)

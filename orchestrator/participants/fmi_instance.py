@@ -202,11 +202,9 @@ class FmiInstance(ABC):
         return function
 
     def _addresses(self, do_step: str) -> dict[str, int]:
-        """Of the functions of a step, of those of states and of the instance."""
+        """Of the functions of a step, and of the instance."""
         names = {"set_real": self.set_reals, "do_step": do_step, "get_real": self.get_reals}
-        functions = {key: self._library[name] for key, name in names.items()}
-        functions |= {"save": self._save, "release": self._release}
-        found = {key: ctypes.cast(function, ctypes.c_void_p) for key, function in functions.items()}
+        found = {key: ctypes.cast(self._library[name], ctypes.c_void_p) for key, name in names.items()}
         return {key: address.value or 0 for key, address in found.items()} | {
             "component": self._handle.value or 0,
             "in_python": int(self._in_python),

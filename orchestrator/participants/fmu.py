@@ -10,7 +10,7 @@ from models.core.quantities import Vector
 
 from .bound_variables import BoundInputs, BoundOutputs
 from .capabilities import signal_degrees
-from .compiled_calls import GET, RELEASE, SAVE, SET, STEP, CompiledCalls, NotCompiledError
+from .compiled_calls import SET, STEP, CompiledCalls, NotCompiledError
 from .description import Description
 from .fmi1 import Fmi1
 from .fmi2 import Fmi2
@@ -19,13 +19,6 @@ from .fmi3_events import Fmi3WithEvents
 from .opened_fmu import FmuSettings, OpenedFmu
 from .protocol import Abilities, BoundVariables
 from .side_channel import FmuSideChannel, has_side_channel, uses_event_mode
-
-FAILED_CALLS = {
-    SET: "setting the inputs",
-    GET: "reading the outputs",
-    SAVE: "saving the state",
-    RELEASE: "freeing a saved state",
-}
 
 
 def _open_fmi3(name: str, description: Description, folder: str) -> Fmi3:
@@ -118,8 +111,10 @@ class FmuParticipant(OpenedFmu):
             self._errors.fail_step(status, time, step)
             if self._ends:
                 self._inputs.write_ends(step)
+        elif call == SET:
+            self._errors.fail_to_set(status)
         else:
-            self._errors.fail(status, FAILED_CALLS[call])
+            self._errors.fail_to_read(status)
 
     def read_all(self, values: Vector) -> None:
         values[:] = self._all.get_values()
