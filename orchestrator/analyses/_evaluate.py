@@ -59,6 +59,8 @@ def evaluate(
         if analysis.describe:
             reporter.line(analysis.describe(values))
         reporter.console.print(build_results_table(analysis, results))
+        for warning in analysis.warn(results):
+            reporter.line(f"warning: {warning}")
         for file in held:
             file.unlink()
         files = write_results(analysis, values, table, folder)

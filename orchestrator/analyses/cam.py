@@ -38,6 +38,7 @@ from .protocol import Parameter, Result, declare
 POINTS = 720
 # Half a step of differences (rad) for the jerk.
 STEP = 1e-5
+UNDERCUT = "undercut"
 # A jump of s'' is more than this part of its largest value within twice this angle (rad).
 JUMP, NEAR = 1e-4, 1e-8
 
@@ -172,7 +173,7 @@ def _describe_shape(radius: Vector, values: Mapping[str, Any]) -> str:
             remedy = f"base_radius > {needed:.4g} mm is needed"
         else:
             remedy = "enlarge base_radius, or take a smaller radius"
-        return f"undercut: the contour crosses itself; {remedy}"
+        return f"{UNDERCUT}: the contour crosses itself; {remedy}"
     if np.any(radius < 0.0):
         return f"hollow flank: takes a grinding wheel of at most {-1e3 * radius[radius < 0.0].max():.4g} mm"
     return "convex"
@@ -186,6 +187,11 @@ def _describe(values: Mapping[str, Any]) -> str:
         f"{values['follower'].replace('_', ' ')} follower{radius}, base circle radius "
         f"{1e3 * values['base_radius']:g} mm, {values['speed'] * RPM:g} r/min"
     )
+
+
+def _warn(results: Mapping[str, Any]) -> list[str]:
+    found = [results["shape"]] if results["shape"].startswith(UNDERCUT) else []
+    return [*found, *([doubts] if (doubts := results["table_doubts"]) not in ("", "none") else [])]
 
 
 MM = 1e3
@@ -300,4 +306,5 @@ ANALYSIS = declare(
         **{f"{unit}.csv": partial(_write_lift, unit=unit) for unit in ("mm", "in")},
     },
     describe=_describe,
+    warn=_warn,
 )

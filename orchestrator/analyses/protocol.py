@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -128,7 +128,8 @@ class Analysis:
 
     `table` returns the data behind the results and, as variables without dimension, the results. `draw`
     returns a figure of a table and the parameters. `texts` are further files by their endings: functions that
-    return the text of a table and the parameters. `describe` says in words what the results are of.
+    return the text of a table and the parameters. `describe` says in words what the results are of,
+    `warn` what of the results a user must not overlook.
     """
 
     name: str
@@ -140,6 +141,7 @@ class Analysis:
     draw: Draw | None = None
     texts: Mapping[str, Callable[[xarray.Dataset, Mapping[str, Any]], str]] = field(default_factory=dict)
     describe: Callable[[Mapping[str, Any]], str] | None = None
+    warn: Callable[[Mapping[str, Any]], Sequence[str]] = field(default=lambda results: ())
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name; MistakeError if there is none."""

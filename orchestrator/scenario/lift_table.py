@@ -126,7 +126,8 @@ class LiftTable:
         """What may be wrong with the table."""
         shape = _doubt_zero(smoothed)
         shape = shape or ("" if self.named else _doubt_event(*smoothed.event)) or _doubt_runout(smoothed)
-        return [doubt for doubt in (shape, _doubt_row(smoothed), self._doubt_curvature(smoothed)) if doubt]
+        accuracy = _doubt_row(smoothed) or self._doubt_curvature(smoothed)  # a wrong row spoils both
+        return [doubt for doubt in (shape, accuracy) if doubt]
 
     def _doubt_curvature(self, smoothed: SmoothedLift) -> str:
         share = smoothed.curvature_error / float(np.abs(smoothed.points.curvature).max())
@@ -166,7 +167,7 @@ def _doubt_row(smoothed: SmoothedLift) -> str:
     if not smoothed.doubtful:
         return ""
     angle, deviation = smoothed.doubtful
-    return f"the row at {math.degrees(angle):.5g} deg is {1e3 * deviation:.3g} mm off the others"
+    return f"the row at {math.degrees(angle):.5g} deg is {1e3 * deviation:.3g} mm off the others; correct it"
 
 
 def _doubt_event(begin: float, end: float) -> str:

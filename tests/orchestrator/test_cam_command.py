@@ -287,7 +287,10 @@ def test_a_flat_follower_needs_a_convex_cam():
         return analysis.evaluate(analysis.complete({"base_radius": base_radius}))["shape"]
 
     needed = 1e-3 * float(re.search(r"base_radius > ([\d.]+) mm", describe(8e-3))[1])
-    assert describe(0.999 * needed).startswith("undercut")
+    undercut = describe(0.999 * needed)
+    assert undercut.startswith("undercut")
+    results = {"shape": undercut, "table_doubts": "none"}
+    assert load("cam").warn(results) == [undercut]
     assert describe(1.001 * needed) == "convex"
 
 
