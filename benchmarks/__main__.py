@@ -11,7 +11,7 @@ from pathlib import Path
 
 from models.core.system import suggestion
 
-NAMES = ("start_up", "native", "hindsight", "whole_command", "heated_film")
+NAMES = ("commands", "stepping", "hindsight", "heated_film")
 PAGE = Path(__file__).parent.parent / "docs" / "reference" / "benchmarks.md"
 
 

@@ -116,7 +116,7 @@ def test_benchmarks_have_help_and_know_their_names():
         command = [sys.executable, "-m", "benchmarks", *arguments]
         return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
 
-    assert "whole_command" in run("--help").stdout
+    assert "heated_film" in run("--help").stdout
     wrong = run("no_such")
     assert wrong.returncode == 2
     assert "'no_such'" in wrong.stderr
