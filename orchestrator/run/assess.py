@@ -101,22 +101,12 @@ def _compare(
         solution = solve_reference(plan, wanted, ends, coupled.pop("time"), coupled, reporter)
     except RunError as failure:
         return _conclude(summary, NOT_COMPARED, join("not compared: the reference failed: ", failure))
-    quantities = plan.quantities
-    result.write("reference", solution.times, quantities, solution.outputs)
+    result.write("reference", solution.times, plan.quantities, solution.outputs)
     if solution.method == MONOLITHIC:
         result.attribute("reference", "tolerance", wanted.tolerance)
     if solution.reference is not None:
         _write_profiles(solution.reference, result)
-    names = _select_compared(plan)
-    errors = compare(
-        solution.times,
-        {name: coupled[name] for name in names},
-        {name: solution.outputs[:, system.outputs.names.index(name)] for name in names},
-        solution.uncertainty,
-        {name: quantities[name].nominal for name in names},
-        plan.tolerance,
-        solution.orders,
-    )
+    errors = compare(plan, _select_compared(plan), coupled, solution)
     for name, error in errors.items():
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
     within, text = verdict(errors)

@@ -9,7 +9,7 @@ witness shares none but the law of the contact and the lift of the cam.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NoReturn
 
@@ -22,6 +22,12 @@ from models.flywheel import PRESCRIBED
 from models.multibody.witnessed_trains import DirectTrain, PushrodTrainOfParts, WitnessedTrain, find_train
 
 from ..scenario import Scenario, ScenarioError
+
+if TYPE_CHECKING:
+    from models.monolithic import Reference
+
+    from .plan import Plan
+    from .reference import Solution
 
 
 @dataclass(frozen=True)
@@ -57,30 +63,23 @@ class VariableError:
 Errors = dict[str, VariableError]
 
 
-def compare(
-    times: Vector,
-    coupled: Mapping[str, Vector],
-    reference: Mapping[str, Vector],
-    uncertainty: Mapping[str, Difference],
-    nominal: Mapping[str, float],
-    tolerance: Mapping[str, float],
-    orders: Mapping[str, float] | None = None,
-) -> Errors:
-    """The error of every variable in `coupled`, whose values are, like the reference's, at `times`.
+def compare(plan: Plan, names: Sequence[str], coupled: Mapping[str, Vector], solution: Solution) -> Errors:
+    """The error of these variables, whose values are, like those of the solution, at its times.
 
     Records count by the time that they stand for.
     """
-    weights = time_weights(times)
+    weights = time_weights(solution.times)
     errors: Errors = {}
-    for name, values in coupled.items():
-        found = difference(values, reference[name], nominal[name], weights)
+    for name in names:
+        reference = solution.outputs[:, plan.system.outputs.names.index(name)]
+        found = difference(coupled[name], reference, plan.quantities[name].nominal, weights)
         errors[name] = VariableError(
             max_abs=found.max_abs,
             rms=found.rms,
             relative_rms=found.relative_rms,
-            uncertainty=uncertainty[name],
-            tolerance=tolerance.get(name),
-            order=orders[name] if orders else None,
+            uncertainty=solution.uncertainty[name],
+            tolerance=plan.tolerance.get(name),
+            order=solution.orders[name] if solution.orders else None,
         )
     return errors
 
@@ -122,10 +121,6 @@ def describe_largest(errors: Errors) -> str:
 def largest_uncertainty(errors: Errors) -> float:
     """The reference's largest relative RMS uncertainty among variables with a tolerance."""
     return max((e.uncertainty.relative_rms for e in errors.values() if e.tolerance is not None), default=0.0)
-
-
-if TYPE_CHECKING:
-    from models.monolithic import Reference
 
 
 # Of a step. The load is 4e8 N/m times what is left of it.

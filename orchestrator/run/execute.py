@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import math
-import shutil
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
-from typing import NamedTuple
 
 from models.core.quantities import Vector
 
@@ -20,70 +16,15 @@ from ..engine.step import Step
 from ..errors import ParticipantError, RefusedError, RunError, StalledError
 from ..participants.protocol import Participant
 from ..reporter import Reporter
-from ..scenario import Scenario
 from ..store.journal import FLUSH_SECONDS
 from ..store.json_codec import Plain
 from ..store.output_folder import SCENARIO, SUMMARY, TEXTS, OutputFolder, format_path
 from .checkpoint import Checkpoints, Identity
 from .interruption import Interruption
 from .plan import Plan, open_participants
-from .record import STEP_VARIABLES, NotFinite, ResultRecorder, TextRecorder, list_texts
+from .record import NotFinite, ResultRecorder, TextRecorder, list_texts
 from .simulation import Statistics, simulate
 from .summary import ENDS, Summary, Warnings, begin_summary
-
-# A run with more steps or more bytes on the disk is said to be long: about a minute here.
-LONG_STEPS, LARGE = 1_000_000, 1e9
-# Rows stand in a journal, in the result file (as if nothing could be compressed) and, of the outputs, as text
-# of 20 characters in the CSV file, all at once at the end.
-STORED, AS_TEXT = 8 + 8, 20
-# Bytes of a macro step in memory when the steps are diagnosed: 7 numbers as read and as kept.
-IN_MEMORY = 100
-# A stop time (s) as long as this may be one in ms without its unit.
-DOUBTFUL = 10.0
-
-
-class Workload(NamedTuple):
-    """Macro steps, records, and bytes at most on the disk and in memory."""
-
-    steps: int
-    records: int
-    disk: int
-    memory: int
-
-    @classmethod
-    def of(cls, scenario: Scenario, outputs: int) -> Workload:
-        """Of a scenario without step control whose components have so many outputs."""
-        steps = math.ceil(scenario.stop_time / scenario.macro_step * (1.0 - 1e-9))
-        records = steps // scenario.record_every + 2  # the start and the end
-        numbers = records * (outputs + 1) + steps * (len(STEP_VARIABLES) + 1)
-        return cls(steps, records, numbers * STORED + records * (outputs + 1) * AS_TEXT, steps * IN_MEMORY)
-
-
-def announce(scenario: Scenario, outputs: int, out: Path) -> str:
-    """A line about a long run with so many outputs, before it starts; "" for a short one, and with step
-    control, where the steps are not known."""
-    if scenario.step_control is not None:
-        return ""
-    steps, records, disk, memory = Workload.of(scenario, outputs)
-    if steps < LONG_STEPS and disk < LARGE:
-        return ""
-    stop, free = scenario.stop_time, shutil.disk_usage(out).free
-    line = (
-        f"long run: {stop:g} s in steps of {scenario.macro_step:g} s are {steps:,} macro steps "
-        f"({_bytes(memory)} of memory); {records:,} records need up to {_bytes(disk)} on the disk "
-        f"({_bytes(free)} are free)"
-    )
-    if disk > free:
-        line += "; make output_step longer"
-    if stop >= DOUBTFUL:
-        line += f' (if {stop:g} ms were meant: stop_time = "{stop:g} ms")'
-    return line
-
-
-def _bytes(size: float) -> str:
-    units = (("TB", 1e12), ("GB", 1e9), ("MB", 1e6), ("kB", 0.0))
-    return next(f"{size / max(one, 1e3):.3g} {unit}" for unit, one in units if size >= one)
-
 
 Checkpoint = tuple[Identity, Plain]
 
@@ -171,10 +112,7 @@ def _couple(
     """Make the participants and step them."""
     system, stop = observation.system, plan.stop_time
     stage = reporter.stage(f"coupled run, master {plan.scenario.master.name}", stop)
-    units: dict[str, Participant] = {}
-    with open_participants(
-        system, plan.participants, lambda name, make: units.setdefault(name, make())
-    ) as participants:
+    with open_participants(system, plan.participants) as participants:
         try:
             with stage as bar, Interruption() as interruption:
                 observers = [*observation.observers]
@@ -194,7 +132,7 @@ def _couple(
                     lines=plan.side_lines,
                 )
         finally:
-            observation.warnings = _collect_warnings(units)
+            observation.warnings = _collect_warnings(participants)
 
 
 def _collect_warnings(units: Mapping[str, Participant]) -> dict[str, Warnings]:

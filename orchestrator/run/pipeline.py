@@ -31,7 +31,7 @@ from ..store.output_folder import (
 from ..texts import parse_json, read_text
 from .assess import assess
 from .checkpoint import read
-from .execute import announce, execute
+from .execute import execute
 from .plan import Plan, make_plan
 from .publish import finish_result, open_result, publish, publish_merits, settle_ending
 from .summary import ENDS, FAILED, Summary, begin_summary
@@ -65,8 +65,6 @@ def run_plan(
     check_folder(out, overwrite)
     with open_folder(out, overwrite) as folder, keep_prints(plan, folder, reporter):
         atomic_write.replace(out / SCENARIO, plan.toml.encode())
-        if line := announce(plan.scenario, plan.system.outputs.size, out):
-            reporter.line(line)
         try:
             summary = execute(plan, folder, reporter)
         except RefusedError as error:  # a mistake in the scenario or a given file

@@ -77,40 +77,29 @@ class ParticipantPlan:
             return in_process(name, instance)
         return open_fmu(name, self.file.path, instance, self.strings, self.limits)
 
-    def make_opener(self, name: str, instance: Instance) -> Callable[[], Participant]:
-        """Opens the bare participant, which proves what it says."""
-        make = partial(self.open_bare, name, instance)
+    def open(self, name: str, instance: Instance) -> Participant:
+        """The participant, which proves what it says, with what lies between it and the coupling."""
         if self.proof is None:
-            return make
-        return partial(Proven, make, instance.component.inputs, instance.component.outputs, self.proof)
-
-    def complete(self, participant: Participant) -> Participant:
-        """The bare participant with what lies between it and the coupling."""
+            participant: Participant = self.open_bare(name, instance)
+        else:
+            make, component = partial(self.open_bare, name, instance), instance.component
+            participant = Proven(make, component.inputs, component.outputs, self.proof)
         if self.substeps > 1 or self.retries:
             participant = Substepped(participant, self.substeps, self.retries)
         return transformed(participant, self.linear) if self.linear else participant
 
 
-# Gets an instance's name and a function that makes its bare participant; makes and may wrap it.
-Wrap = Callable[[str, Callable[[], Participant]], Participant]
-
-
-def _make(name: str, make: Callable[[], Participant]) -> Participant:
-    return make()
-
-
 @contextmanager
 def open_participants(
-    system: System, plans: Mapping[str, ParticipantPlan], wrap: Wrap = _make
+    system: System, plans: Mapping[str, ParticipantPlan]
 ) -> Iterator[dict[str, Participant]]:
     """A participant for every instance; they are closed at the end of the block."""
     with ExitStack() as stack:
         participants = {}
         for name, instance in system.instances.items():
-            plan = plans[name]
-            bare = wrap(name, plan.make_opener(name, instance))
-            stack.callback(bare.close)
-            participants[name] = plan.complete(bare)
+            participant = plans[name].open(name, instance)
+            stack.callback(participant.close)
+            participants[name] = participant
         yield participants
 
 
@@ -246,15 +235,13 @@ def plan_participants(
     their equations."""
     plans = {}
     for name, table in scenario.components.items():
-        file, own = None, table.participant in BUILT_KINDS
-        if own and build is not None:
+        path = table.file
+        if table.participant in BUILT_KINDS and build is not None:
             counts = scenario.energy.ledger and not table.resolve().opaque
             structure = counting_structure(table.structure) if counts else table.structure
-            file = _sum(build(str(table.component), structure, table.participant))
-        elif not own and table.participant != "in-process":
-            file = _sum(Path(table.participant))
+            path = build(str(table.component), structure, table.participant)
         plans[name] = ParticipantPlan(
-            file=file,
+            file=_sum(path) if path else None,
             strings=table.strings,
             limits=scenario.process_limits(name),
             proof=plan_proof(scenario, name),
@@ -277,10 +264,8 @@ def _count_energies(scenario: Scenario, system: System) -> System:
     counted = []
     for name, table in scenario.components.items():
         component = system.instances[name].component
-        given = table.participant.endswith(".fmu")
-        if component.opaque or (
-            given and find_missing(Path(table.participant), counting(component).outputs.names)
+        if not component.opaque and not (
+            table.file and find_missing(table.file, counting(component).outputs.names)
         ):
-            continue
-        counted.append(name)
+            counted.append(name)
     return add_counting(system, counted)

@@ -34,6 +34,7 @@ from .table_header import (
     split_column,
 )
 from .units import UnitError
+from .values import Inserted
 
 # A gap is longer than this many times the usual spacing, or than this angle (rad) in an irregular table.
 GAP, WIDE = 3.0, math.radians(10.0)
@@ -302,8 +303,8 @@ AGREED = 0.05
 BESIDE = 3
 
 
-def insert_pressure_table(table: dict[str, Any]) -> dict[str, Any]:
-    """A component's table with the points of its `pressure_table`, and `notes` of reading it."""
+def insert_pressure_table(table: dict[str, Any]) -> Inserted:
+    """The points of the table's `pressure_table`."""
     path = Path(table["pressure_table"])
     found = read_angle_table(path, PRESSURE)
     try:
@@ -319,16 +320,13 @@ def insert_pressure_table(table: dict[str, Any]) -> dict[str, Any]:
         "pressure_slope": _find_slopes(angle, pressure, turns * TURN),
     }
     points = {f"{name}[{i}]": float(v) for name, column in columns.items() for i, v in enumerate(column, 1)}
-    kept = {name: value for name, value in table.get("parameters", {}).items() if name not in OF_FORMULA}
-    rest = {key: value for key, value in table.items() if key != "pressure_table"}
-    return rest | {
-        "notes": (
-            *found.notes,
-            *(f"rows are missing {gap.place}: the pressure there is interpolated" for gap in gaps),
-        ),
-        "structure": {**table.get("structure", {}), "pressure_points": angle.size},
-        "parameters": {"cycle_turns": float(turns), **points, **kept},
-    }
+    missing = (f"rows are missing {gap.place}: the pressure there is interpolated" for gap in gaps)
+    return Inserted(
+        {"cycle_turns": float(turns), **points},
+        {"pressure_points": angle.size},
+        (*found.notes, *missing),
+        OF_FORMULA,
+    )
 
 
 def _close_cycle(angle: Vector, pressure: Vector) -> tuple[int, Vector, Vector]:

@@ -74,11 +74,7 @@ def list_foreign(scenario: Scenario) -> list[str]:
 
 def check_capabilities(scenario: Scenario) -> None:
     """ScenarioError where a given .fmu file cannot do what the scenario's steps need."""
-    files = {
-        name: Path(table.participant)
-        for name, table in scenario.components.items()
-        if table.participant.endswith(".fmu")
-    }
+    files = {name: table.file for name, table in scenario.components.items() if table.file}
     for name, path in files.items():
         about = scenario.components[name].describe()
         if fault := _find_library_fault(path, about) or _find_fault(scenario, name, about):
@@ -195,9 +191,9 @@ def list_renamed_libraries(scenario: Scenario) -> list[str]:
     """A warning for each FMU whose library is called otherwise than its model identifier says."""
     found = []
     for name, table in scenario.components.items():
-        if table.participant.endswith(".fmu"):
+        if table.file:
             about = table.describe()
-            with zipfile.ZipFile(table.participant) as archive:
+            with zipfile.ZipFile(table.file) as archive:
                 library = find_library(archive.namelist(), about)
             if Path(library).stem != about.identifier:
                 found.append(
@@ -211,7 +207,7 @@ def list_unsynchronised(scenario: Scenario) -> list[str]:
     """A warning for each FMU whose internal steps (fixedInternalStepSize) do not fit into macro steps."""
     found = []
     for name, table in scenario.components.items():
-        if not table.participant.endswith(".fmu"):
+        if not table.file:
             continue
         own, step = table.describe().fixed_step, scenario.macro_step / table.substeps
         if own and (scenario.step_control or _leaves_remainder(step, own)):

@@ -30,8 +30,8 @@ def check_scenario(scenario: Scenario, system: System) -> None:
     check_third_party(scenario)
     _check_energy(scenario, system)
     for name, table in scenario.components.items():
-        if table.participant.endswith(".fmu") and not table.third_party:
-            _check_file(name, Path(table.participant), list_required_variables(name, system, scenario.start))
+        if table.file and not table.third_party:
+            _check_file(name, table.file, list_required_variables(name, system, scenario.start))
     check_capabilities(scenario)
 
 

@@ -30,7 +30,7 @@ from .insertions import insert_all
 from .lift_table import LiftSegments
 from .oil import OilSheet, Temperature
 from .third_party_values import convert_enumerations, select_strings
-from .values import Faults, Value, build_component, parse_values
+from .values import SECTIONS, Faults, Value, build_component, list_layouts, parse_values
 from .wire import Wire
 
 BUILT_KINDS = ("fmu", "native")
@@ -187,13 +187,13 @@ class ComponentTable(Table):
             check_sizes(Path(info.data["participant"]), info.data["interface"], structure)
         return structure
 
-    @field_validator("parameters", "start", "inputs", mode="wrap", json_schema_input_type=dict[str, Given])
+    @field_validator(*SECTIONS, mode="wrap", json_schema_input_type=dict[str, Given])
     @classmethod
     def _read_values(cls, given: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
         if not {"participant", "component", "structure"} <= set(info.data):
             return check(given)  # an earlier check has failed
         component = _resolve(info.data)
-        layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
+        layouts = list_layouts(component)
         kinds = {"parameters": "parameter", "start": "state", "inputs": "input"}
         assert info.field_name
         layout, chosen = layouts.pop(info.field_name), dict[str, Value]()
@@ -232,6 +232,16 @@ class ComponentTable(Table):
         return self.component is None
 
     @property
+    def file(self) -> Path | None:
+        """The .fmu file that it names."""
+        return Path(self.participant) if self.participant.endswith(".fmu") else None
+
+    @property
+    def values(self) -> dict[str, dict[str, Value]]:
+        """Its values by section."""
+        return {section: getattr(self, section) for section in SECTIONS}
+
+    @property
     def own_process(self) -> bool:
         """Whether its FMU runs in its own process."""
         return self.process == "own" or (self.process is None and self.untrusted)
@@ -239,7 +249,7 @@ class ComponentTable(Table):
     @property
     def untrusted(self) -> bool:
         """Whether it is an FMU file that this user's tribocosim did not build."""
-        return self.participant.endswith(".fmu") and not is_made_here(Path(self.participant))
+        return self.file is not None and not is_made_here(self.file)
 
     @property
     def strings(self) -> dict[str, str]:

@@ -18,7 +18,7 @@ from models.valve_train.beam import (
 
 from .fields import Table, in_unit
 from .messages import place_faults
-from .values import Faults
+from .values import Faults, Inserted
 
 Length = Annotated[float, in_unit("m")]
 Place = Annotated[float, in_unit("m", zero=True)]
@@ -64,8 +64,8 @@ class ShaftDrawing(Table):
     density: Density = Field(7850.0, description="Density (kg/m3)")
 
 
-def insert_drawing(table: dict[str, Any]) -> dict[str, Any]:
-    """A component's table with the modes of its `drawing` among structure and parameters."""
+def insert_drawing(table: dict[str, Any]) -> Inserted:
+    """The modes of the table's `drawing`."""
     try:
         drawing = ShaftDrawing.model_validate(table["drawing"])
     except ValidationError as error:
@@ -77,11 +77,7 @@ def insert_drawing(table: dict[str, Any]) -> dict[str, Any]:
         "torsion_modes": torsion.frequency.size,
         "bending_modes": bending.frequency.size,
     }
-    rest = {key: value for key, value in table.items() if key != "drawing"}
-    return rest | {
-        "structure": {**table.get("structure", {}), **sizes},
-        "parameters": {**parameters, **table.get("parameters", {})},
-    }
+    return Inserted(parameters, sizes)
 
 
 def find_modes(drawing: ShaftDrawing) -> tuple[Modes, Modes]:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from models.catalogue import CATALOGUE
+from models.core.quantities import Layout
 from models.core.system import suggestion
 
 from ..errors import Fault, MistakeError, Option, Set
@@ -22,10 +23,9 @@ from .component_table import ComponentTable
 from .extending import EXTENDS, WITHOUT, drop, drop_other_options, merge, replace_cam
 from .lift_table import CAM_KEYS, replace_law
 from .ssp import read_package as contents_of_package
-from .values import ALIKE, WithUnit, build_component, to_value
+from .values import ALIKE, SECTIONS, Value, WithUnit, build_component, list_layouts, to_value
 
 SET = Option("set")
-SECTIONS = "parameters", "inputs", "start"
 
 SHIPPED = Path(__file__).parent / "shipped"
 
@@ -216,7 +216,7 @@ def find_paths(content: Mapping[str, Any], keys: Sequence[str]) -> list[str]:
     for name, table in content.get("components", {}).items():
         if isinstance(table, dict) and names <= {name} and table.get("component") in CATALOGUE:
             made = build_component(table["component"])
-            for section, layout in zip(SECTIONS, (made.parameters, made.inputs, made.state), strict=True):
+            for section, layout in list_layouts(made).items():
                 known |= {f"components.{name}.{section}.{one}": one for one in layout.variables}
     close = difflib.get_close_matches(variable, known.values(), 1, ALIKE) if names else []
     return [path for path, one in known.items() if one == variable or one in close][:3]
@@ -250,15 +250,11 @@ def to_short_toml(scenario: Scenario, folder: Path) -> str:
     return tomli_w.dumps(content)
 
 
-def _keep_units(table: ComponentTable, section: str) -> dict[str, str]:
+def _keep_units(layout: Layout, values: Mapping[str, Value]) -> dict[str, str]:
     """The values that are plausible only in another unit than the one that they were given with."""
-    component = table.resolve()
-    layout = {"parameters": component.parameters, "inputs": component.inputs, "start": component.state}[
-        section
-    ]
     return {
         name: f"{float(value)!r} {quantity.unit}"
-        for name, value in getattr(table, section).items()
+        for name, value in values.items()
         if isinstance(value, WithUnit) and (quantity := layout.field(name).quantity).doubt(value)
     }
 
@@ -269,13 +265,13 @@ def to_full_toml(scenario: Scenario) -> str:
 
     content = scenario.model_dump(exclude_none=True)
     for name, table in scenario.components.items():
+        layouts, written = list_layouts(table.resolve()), content["components"][name]
         if not table.third_party:  # its file holds its defaults
-            layout = table.resolve().parameters
-            values = {f.name: to_value(f.quantity, f.start) for f in layout.fields}
-            content["components"][name]["parameters"] = values | table.parameters
-        for section in SECTIONS:
-            content["components"][name][section] |= _keep_units(table, section)
-        for empty in ("structure", "parameters", "start", "inputs"):
-            if not content["components"][name].get(empty, True):
-                del content["components"][name][empty]
+            values = {f.name: to_value(f.quantity, f.start) for f in layouts["parameters"].fields}
+            written["parameters"] = values | table.parameters
+        for section, values in table.values.items():
+            written[section] |= _keep_units(layouts[section], values)
+        for empty in ("structure", *SECTIONS):
+            if not written.get(empty, True):
+                del written[empty]
     return tomli_w.dumps(content)

@@ -21,7 +21,7 @@ class FmuLimits:
         self._scenario = scenario
         self._about: dict[str, Description] = {}
         for name, table in scenario.components.items():
-            if table.participant.endswith(".fmu"):
+            if table.file:
                 try:
                     self._about[name] = table.describe()
                 except (DescriptionError, OSError):

@@ -10,7 +10,7 @@ from models.valve_train.measured_spring import fit_gaps
 
 from .fields import in_unit
 from .units import to_unit
-from .values import Faults, WithUnit, build_component
+from .values import Faults, Inserted, WithUnit, build_component
 
 Row = tuple[Annotated[float, in_unit("m", zero=True)], Annotated[float, in_unit("N", zero=True)]]
 ForceTable = list[Row]
@@ -20,14 +20,12 @@ EXAMPLE = 'force_table = [["0 mm", "330 N"], ["4 mm", "450 N"], ["8 mm", "600 N"
 FOUND = ("spring_rate", "preload", "gap")
 
 
-def insert_force_table(table: dict[str, Any]) -> dict[str, Any]:
-    """A component's table with rate, preload and gaps of its `force_table` among the parameters."""
+def insert_force_table(table: dict[str, Any]) -> Inserted:
+    """Rate, preload and gaps by the table's `force_table`."""
     rows = _read_rows(table["force_table"])
-    given = table.get("parameters", {})
-    own = {name: value for name, value in given.items() if name.partition("[")[0] not in FOUND}
     component = build_component(table["component"], tuple(table.get("structure", {}).items()))
     stop = component.parameters.field("stop_stiffness")
-    stiffness = own.get(stop.name, stop.start)
+    stiffness = table.get("parameters", {}).get(stop.name, stop.start)
     if isinstance(stiffness, str):
         stiffness = to_unit(stiffness, stop.quantity.unit)
     travel, force = np.array(rows).T
@@ -37,8 +35,7 @@ def insert_force_table(table: dict[str, Any]) -> dict[str, Any]:
         raise Faults(("force_table", f": {error}")) from None
     found = {"spring_rate": spring.spring_rate, "preload": spring.preload}
     found |= {f"gap[{i}]": float(gap) for i, gap in enumerate(spring.gap, 1)}
-    rest = {key: value for key, value in table.items() if key != "force_table"}
-    return rest | {"parameters": {**{name: WithUnit(value) for name, value in found.items()}, **own}}
+    return Inserted({name: WithUnit(value) for name, value in found.items()}, replaced=FOUND)
 
 
 def _read_rows(written: Any) -> ForceTable:

@@ -13,18 +13,18 @@ from .drawing import insert_drawing
 from .force_table import insert_force_table
 from .lift_table import insert_lift_segments, insert_lift_table
 from .oil import OILED, insert_oil
-from .values import Faults, build_component
+from .values import Faults, Inserted, build_component
 from .wire import insert_wire
 
 
 @dataclass(frozen=True)
 class Insertion:
-    """`insert` gives the table with what `keys` become, and with `notes` of reading them, for components that
-    it `suits`."""
+    """`insert` gives what `keys` of a table become, for components that it `suits`; they leave or `stay`."""
 
     keys: tuple[str, ...]
-    insert: Callable[[dict[str, Any]], dict[str, Any]]
+    insert: Callable[[dict[str, Any]], Inserted]
     suits: Callable[[Component], bool]
+    stay: bool = False
 
 
 def _has(*kinds: type[roles.Role]) -> Callable[[Component], bool]:
@@ -42,7 +42,7 @@ INSERTIONS = (
     Insertion(("drawing",), insert_drawing, _has(roles.DrawnShaft)),
     Insertion(("force_table",), insert_force_table, _has(roles.CoilSpring)),
     Insertion(("wire",), insert_wire, _has(roles.CoilSpring, roles.LoadedSpring)),
-    Insertion(("oil", "temperature"), insert_oil, _has(*OILED)),
+    Insertion(("oil", "temperature"), insert_oil, _has(*OILED), stay=True),
 )
 
 
@@ -50,20 +50,21 @@ def insert_all(table: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """A component's table with all that its keys become, and what was chosen and doubted; Faults."""
     notes: list[str] = []
     for insertion in INSERTIONS if _is_readable(table) else ():
-        given = [key for key in insertion.keys if table.get(key) is not None]
+        key = next((key for key in insertion.keys if table.get(key) is not None), None)
         component = _find_component(table.get("component"))
-        if not given or component is None:
+        if key is None or component is None:
             continue
-        key = given[0]
         if not insertion.suits(component):
             suited = [name for name in CATALOGUE if insertion.suits(CATALOGUE[name]())]
             others = " or ".join(filter(None, (", ".join(suited[:-1]), suited[-1])))
             raise Faults((key, f": {component.name} has none; leave it out, or take {others}"))
         try:
-            table = insertion.insert(table)
-            notes += table.pop("notes", ())
+            found = insertion.insert(table)
         except AngleTableError as error:
             raise Faults((key, f": {error}")) from None
+        notes += found.notes
+        kept = {name: value for name, value in table.items() if insertion.stay or name not in insertion.keys}
+        table = found.into(kept)
     return table, notes
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,13 +19,13 @@ from models.core.quantities import Vector
 from models.plausible import CAM_LIFT
 from models.valve_train.cams.law import LawParameters
 from models.valve_train.cams.segments import Rise, join_sides, scale_rise
-from models.valve_train.cams.table import TURN, TableParameters
+from models.valve_train.cams.table import TURN, Points, TableParameters
 
 from .angle_table import AngleTable, AngleTableError, Kind, find_gaps, read_angle_table
 from .cam_files import S96, read_s96
 from .fields import Table, in_unit
 from .messages import place_faults
-from .values import Faults
+from .values import Faults, Inserted
 
 if TYPE_CHECKING:
     from models.valve_train.cams.smoothing import SmoothedLift
@@ -216,19 +217,18 @@ def smooth_file(path: Path, changed: int) -> tuple[SmoothedLift, list[str]]:
 OF_LAWS = {field.name for field in fields(LawParameters)} - {field.name for field in fields(TableParameters)}
 
 
-def insert_lift_table(table: dict[str, Any]) -> dict[str, Any]:
-    """A component's table with the points of its `lift_table` among structure and parameters, and `notes`."""
+def insert_lift_table(table: dict[str, Any]) -> Inserted:
+    """The points of the table's `lift_table`."""
     check_no_law(table, "lift_table")
     path = Path(table["lift_table"])
     changed = path.stat().st_mtime_ns if path.exists() else 0
     smoothed, notes = smooth_file(path, changed)
-    points, event = smoothed.points, dict(zip(("event_begin", "event_end"), smoothed.event, strict=True))
-    rest = {key: value for key, value in table.items() if key != "lift_table"}
-    return rest | {
-        "notes": notes,
-        "structure": {**table.get("structure", {}), "table_points": points.angle.size},
-        "parameters": {**points.parameters(), **event, **table.get("parameters", {})},
-    }
+    return _insert_points(smoothed.points, smoothed.event, notes)
+
+
+def _insert_points(points: Points, event: tuple[float, float], notes: Sequence[str] = ()) -> Inserted:
+    ends = {"event_begin": event[0], "event_end": event[1]}
+    return Inserted({**points.parameters(), **ends}, {"table_points": points.angle.size}, notes)
 
 
 def replace_law(table: dict[str, Any], key: str) -> None:
@@ -278,8 +278,8 @@ class LiftSegments(Table):
     nose: Angle = Field(math.pi, description="Cam angle of the nose (rad)")
 
 
-def insert_lift_segments(table: dict[str, Any]) -> dict[str, Any]:
-    """A component's table with the points of its `lift_segments` among structure and parameters."""
+def insert_lift_segments(table: dict[str, Any]) -> Inserted:
+    """The points of the table's `lift_segments`."""
     check_no_law(table, "lift_segments")
     try:
         given = LiftSegments.model_validate(table["lift_segments"])
@@ -294,12 +294,7 @@ def insert_lift_segments(table: dict[str, Any]) -> dict[str, Any]:
     turned = points.angle[-1] - points.angle[0]
     if turned > 2.0 * math.pi:
         raise Faults(("lift_segments", f": spans {math.degrees(turned):.4g} deg: must be at most 360 deg"))
-    event = {"event_begin": float(points.angle[0]), "event_end": float(points.angle[-1])}
-    rest = {key: value for key, value in table.items() if key != "lift_segments"}
-    return rest | {
-        "structure": {**table.get("structure", {}), "table_points": points.angle.size},
-        "parameters": {**points.parameters(), **event, **table.get("parameters", {})},
-    }
+    return _insert_points(points, (float(points.angle[0]), float(points.angle[-1])))
 
 
 def _scale(name: str, rows: Side, lift: float) -> Rise:

@@ -14,7 +14,7 @@ from models.core.system import suggestion
 
 from .fields import Table, in_unit
 from .messages import place_faults
-from .values import Faults, WithUnit, build_component
+from .values import Faults, Inserted, WithUnit, build_component
 
 Viscosity = Annotated[float, in_unit("m2/s")]
 Temperature = Annotated[float, in_unit("K")]
@@ -42,19 +42,16 @@ class OilSheet(Table):
     )
 
 
-def insert_oil(table: dict[str, Any]) -> dict[str, Any]:
-    """A component's table with the numbers of its `oil` at its `temperature` among the parameters."""
-    temperature, found = evaluate(table)
+def insert_oil(table: dict[str, Any]) -> Inserted:
+    """The numbers of the table's `oil` at its `temperature`."""
+    _, found = evaluate(table)
     known = build_component(table["component"]).parameters
     given = {name: value for name, value in found.items() if name in known}
     own = table.get("parameters", {})
     if both := [name for name in given if name in own]:
-        faults = (
-            (f"parameters.{name}", f" = {own[name]!r}: the oil gives it too; leave out one of both")
-            for name in both
-        )
-        raise Faults(*faults)
-    return table | {"temperature": temperature, "parameters": {**given, **own}}
+        said = "the oil gives it too; leave out one of both"
+        raise Faults(*((f"parameters.{name}", f" = {own[name]!r}: {said}") for name in both))
+    return Inserted(given)
 
 
 def share_oil(content: dict[str, Any]) -> dict[str, Any]:
@@ -63,7 +60,7 @@ def share_oil(content: dict[str, Any]) -> dict[str, Any]:
     components = content.get("components")
     if content.keys().isdisjoint(("oil", "temperature")) or not isinstance(components, dict):
         return content
-    temperature, found = evaluate(content)
+    _, found = evaluate(content)
 
     def share(table: Any) -> Any:
         if not isinstance(table, dict) or table.get("oil") is not None:
@@ -72,14 +69,13 @@ def share_oil(content: dict[str, Any]) -> dict[str, Any]:
             component = build_component(str(table.get("component")))
         except ValueError:
             return table  # which the check of `component` refuses, or a third-party FMU
-        own = table.get("parameters", {})
-        if not component.has_role(*OILED) or not isinstance(own, dict):
+        if not component.has_role(*OILED) or not isinstance(table.get("parameters", {}), dict):
             return table
         given = {name: value for name, value in found.items() if name in component.parameters}
-        return table | {"parameters": {**given, **own}}
+        return Inserted(given).into(table)
 
     shared = {name: share(table) for name, table in components.items()}
-    return content | {"temperature": temperature, "components": shared}
+    return content | {"components": shared}
 
 
 def evaluate(table: Mapping[str, Any]) -> tuple[float, dict[str, WithUnit]]:

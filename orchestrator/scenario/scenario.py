@@ -21,7 +21,7 @@ from .master_table import CONVERGED, EVENT_TOLERANCE, MasterTable, StepControlTa
 from .messages import REMEDIES, Location, find_faults
 from .oil import OilSheet, Temperature, share_oil
 from .revolutions import convert_to_seconds
-from .values import Faults, build_component, find_place
+from .values import Faults, build_component, find_place, list_layouts
 
 # The comparison has at least this many intervals. An RMS error from n normally distributed values has a
 # standard error of 1 / sqrt(2 n), here 7 %.
@@ -350,8 +350,8 @@ def _list_tables(content: Mapping[str, Any], name: str) -> dict[str, tuple[str, 
         component = build_component(str(content["components"][name]["component"]))
     except (KeyError, TypeError, ValueError):
         return {}
-    layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
-    return {f"[components.{name}.{table}]": layout.variables for table, layout in layouts.items()}
+    layouts = list_layouts(component).items()
+    return {f"[components.{name}.{table}]": layout.variables for table, layout in layouts}
 
 
 TABLES: dict[str, type[Table]] = {

@@ -10,7 +10,7 @@ from models.core.quantities import Layout
 from ..masters import MASTERS
 from . import Scenario
 from .master_table import AUTO, MasterTable
-from .values import build_component
+from .values import build_component, list_layouts
 
 
 def build_schema() -> dict[str, Any]:
@@ -55,9 +55,8 @@ def write_schema() -> str:
 
 def describe_component(name: str) -> dict[str, Any]:
     component = build_component(name)
-    layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
     return {
-        "properties": {key: _describe_variables(layout) for key, layout in layouts.items()}
+        "properties": {key: _describe_variables(layout) for key, layout in list_layouts(component).items()}
         | {
             "structure": {
                 "properties": {

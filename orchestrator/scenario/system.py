@@ -28,8 +28,8 @@ def check_aliases(tables: Mapping[str, ComponentTable], lines: Iterable[Line]) -
         if not isinstance(component, ThirdPartyComponent):
             continue
         given: list[tuple[str, str, Value | None]] = []
-        for key in ("parameters", "start", "inputs"):
-            for variable, value in getattr(table, key).items():
+        for key, values in table.values.items():
+            for variable, value in values.items():
                 given.append((variable, f"components.{name}.{key}.{variable} = {value}", value))
         for line in lines:
             target, _, variable = line.target.partition(".")

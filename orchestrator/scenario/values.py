@@ -3,7 +3,8 @@
 import difflib
 import functools
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from models.catalogue import CATALOGUE, find_factory, is_own
@@ -29,6 +30,40 @@ class WithUnit(float):
 
 # A choice's name, a boolean, or a number in the quantity's unit.
 Value = bool | float | str
+
+# The tables of a component's values.
+SECTIONS = "parameters", "start", "inputs"
+
+
+def list_layouts(component: Component) -> dict[str, Layout]:
+    """The variables of each of `SECTIONS`."""
+    layouts = component.parameters, component.state, component.inputs
+    return dict(zip(SECTIONS, layouts, strict=True))
+
+
+@dataclass(frozen=True)
+class Inserted:
+    """What a key of a component's table becomes.
+
+    Parameters that the table states itself are stronger, but for those `replaced`, with their elements: a
+    scenario that is extended may have them.
+    """
+
+    parameters: Mapping[str, Any]
+    structure: Mapping[str, int] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+    replaced: Collection[str] = ()
+
+    def into(self, table: Mapping[str, Any]) -> dict[str, Any]:
+        """The table with it."""
+        given = table.get("parameters", {}).items()
+        own = {name: value for name, value in given if name.partition("[")[0] not in self.replaced}
+        made = {**table, "parameters": {**self.parameters, **own}}
+        if self.structure:
+            made["structure"] = {**table.get("structure", {}), **self.structure}
+        return made
+
+
 # Similarity of a name to one that another table knows, from which it is taken for it.
 ALIKE = 0.8
 

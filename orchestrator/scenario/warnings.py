@@ -11,7 +11,10 @@ from .capabilities import list_renamed_libraries, list_unsynchronised
 from .fmu_limits import list_limit_warnings
 from .oil_notices import doubt_oils
 from .third_party_values import list_bare_numbers
-from .values import WithUnit
+from .values import WithUnit, list_layouts
+
+# A stop time (s) as long as this, in so many macro steps, is doubted.
+LONG, MANY_STEPS = 10.0, 1_000_000
 
 
 def list_warnings(scenario: Scenario) -> list[str]:
@@ -27,6 +30,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
     return [
         *scenario.notes,
         *found,
+        *_doubt_stop_time(scenario),
         *list_doubtful(scenario),
         *_list_notes(scenario),
         *doubt_oils(scenario),
@@ -36,6 +40,17 @@ def list_warnings(scenario: Scenario) -> list[str]:
         *list_renamed_libraries(scenario),
         *list_unsynchronised(scenario),
         *list_limit_warnings(scenario),
+    ]
+
+
+def _doubt_stop_time(scenario: Scenario) -> list[str]:
+    """Warn of a time that may have been meant in ms."""
+    stop, step = scenario.stop_time, scenario.macro_step
+    if scenario.step_control or stop < LONG or stop / step < MANY_STEPS:
+        return []
+    return [
+        f"stop_time = {stop:g} s: {stop / step:,.0f} macro steps of {step:g} s; if {stop:g} ms were meant, "
+        f"write '{stop:g} ms'"
     ]
 
 
@@ -53,12 +68,8 @@ def list_doubtful(scenario: Scenario) -> list[str]:
 def _find_doubts(scenario: Scenario) -> Iterator[Fault]:
     """Each has a remedy where another unit makes the number plausible."""
     for name, table in scenario.components.items():
-        component = table.resolve()
-        for key, layout, values in (
-            ("parameters", component.parameters, table.parameters),
-            ("start", component.state, table.start),
-            ("inputs", component.inputs, table.inputs),
-        ):
+        for key, layout in list_layouts(table.resolve()).items():
+            values = table.values[key]
             for variable, value in values.items():
                 if isinstance(value, str | WithUnit) or variable not in layout:
                     continue
@@ -86,8 +97,7 @@ def _list_other_units(scenario: Scenario) -> list[str]:
     for name, table in scenario.components.items():
         component = table.resolve()
         if isinstance(component, ThirdPartyComponent):
-            tables = {"parameters": table.parameters, "start": table.start, "inputs": table.inputs}
-            found += [f"components.{name}.{value}" for value in list_bare_numbers(component, tables)]
+            found += [f"components.{name}.{value}" for value in list_bare_numbers(component, table.values)]
     if not found:
         return []
     return [f"{', '.join(found)}: numbers without a unit are in the FMU's unit, which is not SI"]

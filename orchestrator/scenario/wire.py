@@ -13,7 +13,7 @@ from models.valve_train.wire_spring import WireSpring
 from .fields import Table, in_unit
 from .messages import join_keys, place_faults
 from .units import to_unit
-from .values import Faults, WithUnit, build_component
+from .values import Faults, Inserted, WithUnit, build_component
 
 Length = Annotated[float, in_unit("m")]
 Stress = Annotated[float, in_unit("Pa")]
@@ -118,8 +118,8 @@ def read_wire(written: Any) -> Wire:
         raise place_faults("wire", error) from None
 
 
-def insert_wire(table: dict[str, Any]) -> dict[str, Any]:
-    """A component's table with rate, surge, preload, gaps and strength of its `wire` among the parameters."""
+def insert_wire(table: dict[str, Any]) -> Inserted:
+    """Rate, surge, preload, gaps and strength by the table's `wire`."""
     given = table.get("parameters", {})
     for name in given:
         if name.partition("[")[0] in FOUND:
@@ -144,15 +144,12 @@ def insert_wire(table: dict[str, Any]) -> dict[str, Any]:
         found |= {f"gap[{i}]": gap for i, gap in enumerate(map(float, spring.cut(force, segments)), 1)}
     else:
         found["clash_clearance"] = travel + lash
-    rest = {key: value for key, value in table.items() if key != "wire"}
-    return rest | {
-        "notes": [
-            f"its wire gives {found['spring_rate'] / 1e3:.4g} N/mm, {found['surge_frequency']:.4g} Hz, "
-            f"{force:.4g} N installed ({found['wire_stress'] * force / MPA:.4g} MPa), "
-            f"{1e3 * travel:.4g} mm until all coils touch"
-        ],
-        "parameters": {**{name: WithUnit(value) for name, value in found.items()}, **given},
-    }
+    note = (
+        f"its wire gives {found['spring_rate'] / 1e3:.4g} N/mm, {found['surge_frequency']:.4g} Hz, "
+        f"{force:.4g} N installed ({found['wire_stress'] * force / MPA:.4g} MPa), "
+        f"{1e3 * travel:.4g} mm until all coils touch"
+    )
+    return Inserted({name: WithUnit(value) for name, value in found.items()}, notes=[note])
 
 
 def _read_lash(written: Any) -> float:

@@ -18,7 +18,7 @@ import numpy as np
 
 from models.core.quantities import Quantity, Vector
 
-from ..errors import CheckpointError, Words, start_over
+from ..errors import CheckpointError, start_over
 from .atomic_write import naming
 
 FORMAT = "tribocosim journal 1"
@@ -33,7 +33,10 @@ Mark = Mapping[str, int]
 
 
 class JournalError(CheckpointError):
-    """A file that is not a journal, or lacks rows that it should have."""
+    """A file that is not a journal, or lacks rows that it should have; its run can be started over."""
+
+    def __init__(self, path: Path, fault: str) -> None:
+        super().__init__(f"{path}: {fault}", start_over(path.parents[1]))
 
 
 class Journal:
@@ -206,10 +209,6 @@ def _quantity(content: dict[str, Any]) -> Quantity:
     return Quantity(**given)
 
 
-def _start_over(path: Path) -> Words:
-    return start_over(path.parents[1])  # the folder of the run
-
-
 def _read_header(path: Path) -> tuple[dict[str, Quantity], int]:
     """The columns, and where the rows begin."""
     try:
@@ -220,21 +219,20 @@ def _read_header(path: Path) -> tuple[dict[str, Quantity], int]:
             raise ValueError(content["format"])
         return {name: _quantity(text) for name, text in content["columns"].items()}, len(line)
     except OSError as error:
-        raise JournalError(f"{path}: cannot be read ({error.strerror})", _start_over(path)) from None
+        raise JournalError(path, f"cannot be read ({error.strerror})") from None
     except (ValueError, KeyError, TypeError, AttributeError):
-        raise JournalError(f"{path}: is not a journal of this version", _start_over(path)) from None
+        raise JournalError(path, "is not a journal of this version") from None
 
 
 def _start(path: Path, columns: Mapping[str, Quantity], rows: int, checksum: int) -> int:
     """Where the rows begin; JournalError unless the first `rows` are those of the checksum."""
     found = Recorded(path)
     if list(found.columns) != list(columns):
-        raise JournalError(f"{path}: has other columns than the run", _start_over(path))
+        raise JournalError(path, "has other columns than the run")
     if found.rows < rows:
-        raise JournalError(f"{path}: has {found.rows} rows, of {rows} at the checkpoint", _start_over(path))
+        raise JournalError(path, f"has {found.rows} rows, of {rows} at the checkpoint")
     if found.compute_checksum(rows) != checksum:
         raise JournalError(
-            f"{path}: damaged: its {rows} rows up to the checkpoint are not as they were written",
-            _start_over(path),
+            path, f"damaged: its {rows} rows up to the checkpoint are not as they were written"
         )
     return found._start

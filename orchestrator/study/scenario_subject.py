@@ -26,7 +26,7 @@ from ..scenario import DURATIONS, Scenario, build_scenario, parse_ends
 from ..scenario.files import put, split_path, to_full_toml
 from ..scenario.oil_notices import list_oils
 from ..scenario.system import Builder, list_outputs
-from ..scenario.values import Value, parse_value
+from ..scenario.values import SECTIONS, Value, list_layouts, parse_value
 from ..scenario.warnings import list_warnings
 from ..store.output_folder import RESULT
 from ..store.result_file import open_result
@@ -109,14 +109,12 @@ class ScenarioSubject(Subject):
     def _find_quantity(self, path: str) -> Quantity | None:
         """The quantity of a component's value; None for other settings."""
         keys = split_path(path)
-        if keys[0] != "components" or len(keys) < 4 or keys[2] not in ("parameters", "start", "inputs"):
+        if keys[0] != "components" or len(keys) < 4 or keys[2] not in SECTIONS:
             return None
         table = self.scenario.components.get(keys[1])
         if table is None:
             return None
-        component = table.resolve()
-        layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
-        layout = layouts[keys[2]]
+        layout = list_layouts(table.resolve())[keys[2]]
         return layout.field(keys[3]).quantity if keys[3] in layout else None
 
     def resolve(self, name: str, value: Value) -> Value:

@@ -156,7 +156,7 @@ def test_a_wire_as_an_unknown_gives_its_spring() -> None:
     wires = dict(list_wires({"components": {"spring": WIRE, "cam": {}}}))
     own = wind(wires, {name: one.size for name, one in wires.items()} | {"cam.lift": 0.008})
     assert own.pop("cam.lift") == 0.008
-    direct = insert_wire(WIRE)["parameters"]
+    direct = insert_wire(WIRE).parameters
     assert own["spring.spring_rate"] == pytest.approx(direct["spring_rate"], rel=1e-12)
     thick = wind(wires, {"spring.wire.diameter": 4.4e-3})
     ratio = thick["spring.spring_rate"] / own["spring.spring_rate"]

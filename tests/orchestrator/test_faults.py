@@ -308,18 +308,22 @@ def test_an_fmu_that_fails_is_named_and_freed(vice, tmp_path, temporary, monkeyp
     assert list(temporary.iterdir()) == []
 
 
-def test_an_fmu_that_cannot_be_instantiated_is_named_and_the_others_are_closed(tmp_path, temporary):
+def test_an_fmu_that_cannot_be_instantiated_is_named_and_the_others_are_closed(
+    tmp_path, temporary, monkeypatch
+):
     system, made = build_system(load("two-masses")), []
     first, second = system.instances
+    open_bare = ParticipantPlan.open_bare
 
-    def watched(name, make):
-        made.append(Faulty(make()))
+    def watched(plan, name, instance):
+        made.append(Faulty(open_bare(plan, name, instance)))
         return made[-1]
 
+    monkeypatch.setattr(ParticipantPlan, "open_bare", watched)
     plans = {first: ParticipantPlan(), second: ParticipantPlan(FmuFile(small_fmu("unborn", tmp_path), ""))}
     with (
         pytest.raises(ParticipantError, match=rf"^{second}: instantiate: RuntimeError\('no licence'\)"),
-        open_participants(system, plans, watched),
+        open_participants(system, plans),
     ):
         pass
     assert [(unit.name, unit.closed) for unit in made] == [(first, True)]

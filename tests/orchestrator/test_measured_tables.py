@@ -141,7 +141,7 @@ def test_rows_that_are_missing_within_a_pressure_table_are_named(
     path = write(tmp_path / "p.csv", angles, np.full(angles.size, 2e5))
     table = {"component": "cylinder_gas", "pressure_table": str(path)}
     try:
-        told = " ".join(insert_pressure_table(table)["notes"])
+        told = " ".join(insert_pressure_table(table).notes)
     except AngleTableError as error:
         told = str(error)
     assert f"rows are missing between {first} and {last} deg" in told
@@ -157,7 +157,7 @@ def test_rows_may_be_closer_about_the_dead_centre(tmp_path: Path) -> None:
         rest = degrees if left_out is None else np.delete(degrees, left_out)
         path = write(tmp_path / "p.csv", np.radians(rest), np.full(rest.size, 2e5))
         table = {"component": "cylinder_gas", "pressure_table": str(path)}
-        notes = [note for note in insert_pressure_table(table)["notes"] if "rows are missing" in note]
+        notes = [note for note in insert_pressure_table(table).notes if "rows are missing" in note]
         assert len(notes) == count, notes
 
 

@@ -23,6 +23,12 @@ def test_what_has_no_effect_is_noticed():
     assert list_warnings(load("valve-train", [given, "components.contact.inputs.applied_load=300"])) == []
 
 
+def test_a_stop_time_that_may_be_meant_in_ms_is_doubted():
+    (doubt,) = list_warnings(load("valve-train", ["stop_time=120"]))
+    assert doubt.startswith("stop_time = 120 s: 24,000,000 macro steps of 5e-06 s; if 120 ms were meant")
+    assert list_warnings(load("valve-train", ["stop_time=120 ms"])) == []
+
+
 SLIPS = {
     "valve_spring.parameters.spring_rate=45": "45 N/mm",
     "flywheel.parameters.initial_speed=3000": "3000 rpm",

@@ -257,7 +257,7 @@ def open_linearisations(
                     "(field_tolerance) hide the responses to small changes",
                     ("take a film formula in its place, ", formula),
                 )
-            if ode and not needs_run(scenario) and not table.participant.endswith(".fmu"):
+            if ode and not needs_run(scenario) and not table.file:
                 continue
             plan, instance = participants[name], system.instances[name]
             unit = plan.open_bare(name, instance)

@@ -27,7 +27,7 @@ from ...texts import parse_json
 from .. import ScenarioError
 from ..arrays import check_sizes
 from ..component_table import KINDS
-from ..values import WithUnit, build_component
+from ..values import WithUnit, build_component, list_layouts
 from .lines import build_lines, get_units
 from .names import NAMESPACES, OURS, STRUCTURE
 from .schema import find_schema_fault
@@ -242,7 +242,7 @@ def _set_values(
     table: dict[str, Any], component: Component, stated: Mapping[str, StatedValue], where: str
 ) -> None:
     """Put values where a scenario has them."""
-    layouts = {"parameters": component.parameters, "inputs": component.inputs, "start": component.state}
+    layouts = list_layouts(component)
     about = component.about if isinstance(component, ThirdPartyComponent) else None
     texts = about.strings if about else []
     for variable, one in stated.items():

@@ -35,6 +35,7 @@ from ...participants.open_fmu import collect_settings
 from ...store.atomic_write import replace
 from .. import ComponentTable, Line, Scenario, ScenarioError, parse_line
 from ..system import Assembly, Builder, assemble, resolve_start
+from ..values import SECTIONS
 from .names import (
     FMU_TYPE,
     OMSIMULATOR,
@@ -134,14 +135,9 @@ def _pack(scenario: Scenario, build: Builder) -> dict[str, PackedFmu]:
     places: dict[str, str] = {}
     packed = {}
     for name, table in scenario.components.items():
-        given_file = table.participant.endswith(".fmu") or table.component is None
-        path = (
-            Path(table.participant)
-            if given_file
-            else build(str(table.component), table.structure, _get_kind(table))
-        )
+        path = table.file or build(str(table.component), table.structure, _get_kind(table))
         content = path.read_bytes()
-        stem = path.stem if given_file else str(table.component)
+        stem = path.stem if table.file else str(table.component)
         digest = hashlib.sha256(content).hexdigest()
         if digest not in places:
             taken = sum(place.startswith(f"{RESOURCES}/{stem}.") for place in places.values())
@@ -389,7 +385,7 @@ def _collect_settings(scenario: Scenario, fmus: Mapping[str, PackedFmu]) -> dict
     for key in ("connections", "stop_time"):
         del content[key]
     for name, table in content["components"].items():
-        for key in ("parameters", "start", "inputs"):
+        for key in SECTIONS:
             table.pop(key, None)
         if table["participant"].endswith(".fmu"):
             del table["participant"]

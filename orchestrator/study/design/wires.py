@@ -9,7 +9,7 @@ from models.core.system import ModelError
 
 from ...errors import MistakeError
 from ...scenario.values import Faults
-from ...scenario.wire import FOUND, insert_wire, read_wire
+from ...scenario.wire import insert_wire, read_wire
 
 UNITS = {"diameter": "m", "mean_diameter": "m", "free_length": "m", "installed_length": "m",
          "pitch": "m", "active_coils": "1"}  # fmt: skip
@@ -51,10 +51,8 @@ def wind(wires: Mapping[str, WireLength], values: Mapping[str, float]) -> dict[s
         table["wire"][one.field] = values[name]
     for part, table in tables.items():
         try:
-            parameters = insert_wire(table)["parameters"]
+            parameters = insert_wire(table).parameters
         except (Faults, MistakeError) as error:
             raise ModelError(f"{part}: {error}") from None
-        found |= {
-            f"{part}.{name}": float(v) for name, v in parameters.items() if name.partition("[")[0] in FOUND
-        }
+        found |= {f"{part}.{name}": float(value) for name, value in parameters.items()}
     return found
