@@ -69,7 +69,7 @@ def insert_drawing(table: dict[str, Any]) -> Inserted:
     try:
         drawing = ShaftDrawing.model_validate(table["drawing"])
     except ValidationError as error:
-        raise place_faults("drawing", error) from None
+        raise place_faults("drawing", error, list(ShaftDrawing.model_fields)) from None
     torsion, bending = find_modes(drawing)
     parameters = list_parameters(torsion, bending, drawing.damping_time, drawing.damping_ratio)
     sizes = {

@@ -1,6 +1,7 @@
 """The measured force of a coil spring in a scenario, which becomes the gaps of its coils."""
 
 import itertools
+from dataclasses import replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 from models.valve_train.measured_spring import fit_gaps
 
 from .fields import in_unit
+from .messages import place_faults
 from .units import to_unit
 from .values import Faults, Inserted, WithUnit, build_component
 
@@ -42,9 +44,8 @@ def _read_rows(written: Any) -> ForceTable:
     try:
         rows = _TABLE.validate_python(written)
     except ValidationError as error:
-        place = "".join(f"[{int(key) + 1}]" for key in error.errors()[0]["loc"])
-        said = error.errors()[0]["msg"].removeprefix("Value error, ")
-        raise Faults((f"force_table{place}", f": {said}; e.g. {EXAMPLE}")) from None
+        first = place_faults("force_table", error).faults[0]
+        raise Faults(replace(first, remedy=f"e.g. {EXAMPLE}")) from None
     if len(rows) < 2 or rows[0][0] != 0.0:
         raise Faults(("force_table", f": must have two rows or more, the first at travel 0; e.g. {EXAMPLE}"))
     for i, (before, after) in enumerate(itertools.pairwise(rows), 2):

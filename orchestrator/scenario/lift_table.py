@@ -284,7 +284,7 @@ def insert_lift_segments(table: dict[str, Any]) -> Inserted:
     try:
         given = LiftSegments.model_validate(table["lift_segments"])
     except ValidationError as error:
-        raise place_faults("lift_segments", error) from None
+        raise place_faults("lift_segments", error, list(LiftSegments.model_fields)) from None
     rise = _scale("rise", given.rise, given.lift)
     fall = _scale("fall", given.fall, given.lift) if given.fall else rise
     try:

@@ -1,7 +1,7 @@
 """Messages about wrong scenario files, from pydantic's errors."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -35,11 +35,8 @@ FIXED = {
     "bool_type": "must be true or false",
     "float_type": "must be a number, without a unit",
     "string_pattern_mismatch": "must have a letter or digit, and only these, blanks, '_', '-' and '.'",
-    "too_short": "must have at least one entry",
     "finite_number": "must be a finite number > 0, e.g. 1e-3",  # raised for tolerances only
 }
-# What is said of keys of tables inside others.
-NO_KEY = {"missing": "missing", "extra_forbidden": "unknown key; leave it out"}
 
 
 def find_faults(
@@ -68,24 +65,21 @@ def find_faults(
 
 
 def join_keys(table: str, key: str) -> str:
-    """The place of a key of a table; "" is the table itself."""
-    return f"{table}.{key}" if key else table
+    """The place of a key, or of a row, of a table; "" is the table itself."""
+    return f"{table}.{key}" if key and not key.startswith("[") else f"{table}{key}"
 
 
-def place_faults(key: str, error: ValidationError) -> Faults:
-    """The faults of the table `key` inside another one."""
-    return Faults(*(_fault(key, fault) for fault in error.errors()))
-
-
-def _fault(key: str, fault: Any) -> tuple[str, str]:
-    place = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in fault["loc"])
-    said = NO_KEY.get(fault["type"]) or fault["msg"].removeprefix("Value error, ")
-    return f"{key}{place}", f": {said[0].lower()}{said[1:]}"
+def place_faults(key: str, error: ValidationError, known: Sequence[str] = ()) -> Faults:
+    """The faults of the table `key` inside another one, which has the keys `known`."""
+    found = find_faults(error, lambda place: list(known) if len(place) == 1 else [])
+    return Faults(*(replace(one, place=join_keys(key, one.place)) for one in found))
 
 
 def _format_path(place: Location) -> str:
-    """E.g. master.order[0]."""
-    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
+    """E.g. master.order[1]; rows count from 1."""
+    return "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(
+        "."
+    )
 
 
 def _format_value(value: object) -> str:
@@ -100,6 +94,9 @@ def _describe_allowed(fault: Any) -> str:
     kind, bound = fault["type"], fault.get("ctx", {})
     if kind == "literal_error":
         return one_of(re.findall("'(.*?)'", bound["expected"]), fault["input"])
+    if kind == "too_short":
+        least = bound["min_length"]
+        return f"must have at least {'one entry' if least == 1 else f'{least} entries'}"
     if kind in BOUNDS:
         return f"must be {BOUNDS[kind][0]} {bound[BOUNDS[kind][1]]:g}"
     if kind in FIXED:

@@ -109,7 +109,7 @@ def read_oil(written: Any) -> Oil:
     try:
         table = OilSheet.model_validate(written)
     except ValidationError as error:
-        raise place_faults("oil", error) from None
+        raise place_faults("oil", error, list(OilSheet.model_fields)) from None
     for name, factor, unit, low, high in RANGES:
         value = factor * getattr(table, name)
         if not low <= value <= high:

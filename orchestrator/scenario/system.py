@@ -14,7 +14,7 @@ from ..scenario import Line, ScenarioError
 from .checks import check_scenario
 from .component_table import ComponentTable
 from .connection import parse_line
-from .conversion import Transformations, find_transformations, replace_units, select_changing
+from .conversion import Transformations, transform_inputs
 from .scenario import Scenario
 from .side_lines import is_side_line, read_side_lines
 from .values import Value, to_numbers
@@ -72,11 +72,10 @@ def assemble(scenario: Scenario) -> Assembly:
     check_aliases(scenario.components, every)
     side_lines = read_side_lines(every, components)
     lines = [line for line in every if not is_side_line(line, components)]
-    linear = find_transformations(instances, lines)
-    seen = replace_units(instances, lines, linear)
+    seen, linear = transform_inputs(instances, lines)
     system = System(seen, [(line.source, line.target) for line in lines])
     check_scenario(scenario, system)
-    return Assembly(system, select_changing(linear), side_lines)
+    return Assembly(system, linear, side_lines)
 
 
 def build_system(scenario: Scenario) -> System:

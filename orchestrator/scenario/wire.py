@@ -115,7 +115,7 @@ def read_wire(written: Any) -> Wire:
     try:
         return Wire.model_validate(written)
     except ValidationError as error:
-        raise place_faults("wire", error) from None
+        raise place_faults("wire", error, list(Wire.model_fields)) from None
 
 
 def insert_wire(table: dict[str, Any]) -> Inserted:

@@ -76,7 +76,7 @@ BAD = {
     "components.valve_spring.structure.coil_masses=2.5": ("coil_masses", "2.5", "integer"),
     "components.contact.structure.cams=2": ("cams", "no structural sizes"),
     "macro_step": ("macro_step", "path=value"),
-    "master.order=[1]": ("--set master.order[0] = 1: must be a string",),
+    "master.order=[1]": ("--set master.order[1] = 1: must be a string",),
     "tolerance.contact.load=nan": ("--set tolerance.contact.load = nan: must be a finite number > 0",),
     "step_control.relative=nan": ("--set step_control.relative = nan: must be a finite number > 0",),
     "step_control.relative=1": ("--set step_control.relative = 1: must be < 1",),

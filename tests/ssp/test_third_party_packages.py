@@ -220,29 +220,6 @@ def test_values_come_by_every_way(tmp_path, files):
     assert tables["thru"].parameters == {"count": 3.0, "negate": True}
 
 
-def test_signals_go_by_dictionaries(tmp_path, files):
-    def reference(name, kinds):
-        return (
-            f'<ssd:SignalDictionaryReference name="{name}" dictionary="bus">{connectors(kinds)}'
-            "</ssd:SignalDictionaryReference>"
-        )
-
-    dictionary = (
-        '<ssd:SignalDictionaries><ssd:SignalDictionary name="bus"><ssb:SignalDictionary version="1.0">'
-        '<ssb:DictionaryEntry name="s"><ssc:Real/></ssb:DictionaryEntry></ssb:SignalDictionary>'
-        "</ssd:SignalDictionary></ssd:SignalDictionaries>"
-    )
-    elements = component("decay", "dahlquist", DECAY) + component("vector", "vector", VECTOR)
-    path = package(
-        tmp_path / "a.ssp",
-        elements + reference("to", {"s": "inout"}) + reference("from", {"s": "inout"}),
-        connection("decay.x", "to.s") + connection("from.s", "vector.u[1]"),
-        dictionaries=dictionary,
-        files=files,
-    )
-    assert lines(path) == ["decay.x -> vector.u[1]"]
-
-
 def test_a_package_is_written_as_a_scenario(tmp_path, files):
     path = package(tmp_path / "a.ssp", component("decay", "dahlquist", DECAY), files=files)
     done = called("ssp", "import", str(path), "--out", str(tmp_path / "folder"))

@@ -10,7 +10,7 @@ from models.core.system import suggestion
 from ...participants.description import INTEGERS
 from ...participants.third_party import ThirdPartyComponent
 from .. import Line, ScenarioError
-from ..conversion import explain_differences, find_unit
+from ..conversion import explain_differences, find_unit, get_units
 from ..side_lines import list_side_variables
 from .structure import Path as Place
 from .structure import Port, Structure, trace_back
@@ -115,8 +115,3 @@ def _build_line(
     if linear != plain and given.relative != wanted.relative:
         raise ScenarioError(f"{where}: {explain_differences(*ends, given.relative)}")
     return Line(*ends, linear.factor, linear.offset or None)
-
-
-def get_units(component: Component) -> dict[str, Any]:
-    """Those that a third-party FMU defines."""
-    return dict(component.about.units) if isinstance(component, ThirdPartyComponent) else {}

@@ -27,8 +27,9 @@ from ...texts import parse_json
 from .. import ScenarioError
 from ..arrays import check_sizes
 from ..component_table import KINDS
+from ..conversion import get_units
 from ..values import WithUnit, build_component, list_layouts
-from .lines import build_lines, get_units
+from .lines import build_lines
 from .names import NAMESPACES, OURS, STRUCTURE
 from .schema import find_schema_fault
 from .structure import Path as Place
