@@ -20,6 +20,7 @@ from models.core.system import System
 from models.monolithic.trajectory import compute_trajectory
 from orchestrator.analyses.stability.choice import LEAST, choose
 from orchestrator.engine.coupling import Coupling
+from orchestrator.engine.observer import Observer
 from orchestrator.engine.step import Step
 from orchestrator.errors import MistakeError, RunError
 from orchestrator.masters import MASTERS, Master
@@ -108,7 +109,7 @@ TOO_MANY = "more doSteps than the best"
 
 
 @dataclass
-class Trace:
+class Trace(Observer):
     """An observer that records some outputs at the end of every step, of which there are at most `most`
     calls of doStep."""
 
@@ -129,9 +130,6 @@ class Trace:
             self.rows.append(outputs()[self._columns])
         if self._calls.sum() > self.most:
             raise RunError(TOO_MANY)
-
-    def end(self, complete: bool, message: str) -> None:
-        pass
 
 
 def run(problem: Problem, name: str, master: Master, steps: Stepper, most: float = math.inf) -> Outcome:

@@ -15,6 +15,7 @@ from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, su
 from ..assessment.merits import Merit, describe_bearings, describe_trains, list_merits
 from ..errors import RunError, Set, Words, join
 from ..reporter import Reporter
+from ..scenario.capabilities import MONOLITHIC
 from ..store.result_file import ResultFile
 from .comparison import (
     WitnessComparison,
@@ -24,7 +25,7 @@ from .comparison import (
     largest_uncertainty,
     verdict,
 )
-from .plan import MONOLITHIC, Plan, ReferencePlan
+from .plan import Plan, ReferencePlan
 from .reference import Solution, solve_reference
 from .summary import ENDS, MACRO_STEPS, NOT_COMPARED, OUTSIDE, ROWS, WITHIN, Summary
 

@@ -13,11 +13,11 @@ import hashlib
 import math
 import os
 import time as clock
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 from models.core.quantities import Vector
 
@@ -28,7 +28,7 @@ from ..participants.protocol import Participant
 from ..store.atomic_write import replace
 from ..store.json_codec import Plain, from_text, to_text
 
-FORMAT = "tribocosim checkpoint 3"
+FORMAT = "tribocosim checkpoint 4"
 # With another version of these the last bits may differ.
 COMPUTING = ("tribocosim", "numpy", "scipy", "numba", "llvmlite")
 # So they may with other code for the processor, which these choose.
@@ -126,7 +126,7 @@ def fitting() -> Iterator[None]:
     """A state that does not fit what takes it is a CheckpointError."""
     try:
         yield
-    except (KeyError, ValueError, TypeError, StopIteration) as error:
+    except (LookupError, ValueError, TypeError) as error:
         if isinstance(error, MistakeError):
             raise
         remedy = "start it over with ", Command("run", (...,), (Option("overwrite", True),))
@@ -167,32 +167,9 @@ def restore_participants(participants: Mapping[str, Participant], states: Mappin
             participant.release(saved)
 
 
-@runtime_checkable
-class Continuing(Protocol):
-    """An observer with evolving data of its own."""
-
-    def state(self) -> dict[str, Plain]:
-        """The evolving data; files are on the disk up to here."""
-        ...
-
-    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
-        """In place of `begin`: go on from `state`, forgetting what came after it."""
-        ...
-
-
-@runtime_checkable
-class Keeper(Protocol):
-    """An observer that keeps the whole run."""
-
-    def attach(self, state: Callable[[], dict[str, Plain]]) -> None:
-        """Before `begin`. `state()`, called inside `observe`, is the run's evolving data; what observers
-        before this one have recorded is in it."""
-        ...
-
-
 class Checkpoints(Observer):
-    """A Keeper that writes a checkpoint to `path` at the start, every `every` seconds of wall time, when the
-    run is `asked` to stop, and at `stop_time`.
+    """Writes a checkpoint to `path` at the start, every `every` seconds of wall time, when the run is `asked`
+    to stop, and at `stop_time`.
 
     Where a participant cannot be serialised there are none, and `say` is told why, before the first step.
     """

@@ -28,7 +28,7 @@ from ..participants.wrapping import Linear
 from ..participants.wrapping import Transformed as transformed
 from ..reporter import Reporter
 from ..scenario import BUILT_KINDS, Scenario, ScenarioError
-from ..scenario.capabilities import is_refined, is_solved_by_parts, plan_proof
+from ..scenario.capabilities import choose_reference, plan_proof
 from ..scenario.checks import check_reference
 from ..scenario.conversion import Transformations
 from ..scenario.files import to_full_toml
@@ -101,10 +101,6 @@ def open_participants(
             stack.callback(participant.close)
             participants[name] = participant
         yield participants
-
-
-# Methods of the reference.
-MONOLITHIC, BY_PARTS, REFINEMENT = "monolithic", "by parts", "refinement"
 
 
 @dataclass(frozen=True)
@@ -220,12 +216,8 @@ def _assemble(scenario: Scenario) -> Assembly:
 
 
 def _plan_reference(scenario: Scenario) -> ReferencePlan:
-    table, method = scenario.reference, MONOLITHIC
-    if is_refined(scenario):
-        method = REFINEMENT
-    elif is_solved_by_parts(scenario):
-        method = BY_PARTS
-    return ReferencePlan(method, table.tolerance, table.step, table.witness != "none")
+    table = scenario.reference
+    return ReferencePlan(choose_reference(scenario), table.tolerance, table.step, table.witness != "none")
 
 
 def plan_participants(

@@ -33,7 +33,7 @@ STEP_VARIABLES = {
 }
 
 
-class ResultRecorder:
+class ResultRecorder(Observer):
     """Records all outputs of every n-th macro step and at `stop` (s), and every step's effort, in the
     journals of `folder` that become the groups /coupled and /steps of the result. Rows are in memory for
     `held_for` (s) at most."""
@@ -140,7 +140,7 @@ def list_texts(components: Mapping[str, ThirdPartyComponent]) -> dict[str, list[
     return {name: texts for name, texts in found.items() if texts}
 
 
-class TextRecorder:
+class TextRecorder(Observer):
     """Records the `texts` (by instance) in a CSV file: at the start, and where a macro step changes one.
 
     A text holds until the next line of its variable. Binary values are hexadecimal digits. A text that

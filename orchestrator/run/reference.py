@@ -33,7 +33,8 @@ from ..participants.description import MODEL_EXCHANGE
 from ..participants.model_exchange import FmuEquations, open_equations
 from ..participants.open_fmu import collect_settings
 from ..reporter import Reporter
-from .plan import BY_PARTS, MONOLITHIC, REFINEMENT, Plan, ReferencePlan, open_participants
+from ..scenario.capabilities import BY_PARTS, MONOLITHIC, REFINEMENT
+from .plan import Plan, ReferencePlan, open_participants
 from .simulation import simulate
 
 # Orders of convergence that are believed; the signals have orders 1 to 4.

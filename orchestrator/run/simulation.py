@@ -1,7 +1,7 @@
 """The coupled run: macro steps from start to stop, watched by observers."""
 
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 
@@ -12,14 +12,14 @@ from models.core.system import System
 
 from ..engine.coupling import Coupling
 from ..engine.instants import NO_SIDE_LINES, SideLines
-from ..engine.observer import Observer, Watching
+from ..engine.observer import Observer
 from ..engine.step import STOP, Step
 from ..errors import EndedError, RunError
 from ..masters import Master
 from ..participants.protocol import Participant
 from ..stepping import FixedSteps, Stepper, list_event_outputs
 from ..store.json_codec import Plain
-from .checkpoint import Continuing, Keeper, fitting, restore_participants, serialise_participants
+from .checkpoint import fitting, restore_participants, serialise_participants
 
 
 class Session:
@@ -155,7 +155,7 @@ class _Run:
             "iterations": self._iterations,
             "elapsed": clock.perf_counter() - self._began,
             "session": self.session.save(),
-            "observers": [each.state() for each in self._observers if isinstance(each, Continuing)],
+            "observers": [each.state() for each in self._observers],
         }
 
     def statistics(self) -> Statistics:
@@ -182,7 +182,7 @@ def simulate(
 
     `steps` chooses the macro steps; a number is their length (s). The last step ends at `stop_time`.
     RunError says what went wrong; observers have then seen everything up to the last good step.
-    Participants are not closed. `resumed` is the state, as a `Keeper` got it, from which such a run goes on;
+    Participants are not closed. `resumed` is the state (see `Observer.attach`) from which such a run goes on;
     CheckpointError if it does not fit. `lines` are connections of what is no number.
     """
     if isinstance(steps, (int, float)):
@@ -195,9 +195,9 @@ def simulate(
     run = _Run(session, observers)
     message, complete = "", False
     for observer in observers:
-        if isinstance(observer, Watching):
-            observer.watch(session.coupling)
-    _begin(observers, system.outputs.names, run.state, resumed)
+        observer.watch(session.coupling)
+        observer.attach(run.state)
+    _begin(observers, system.outputs.names, resumed)
     try:
         session.begin()
         run.start(resumed)
@@ -217,24 +217,16 @@ def simulate(
     return statistics
 
 
-def _begin(
-    observers: Sequence[Observer],
-    names: Sequence[str],
-    state: Callable[[], dict[str, Plain]],
-    resumed: Plain | None,
-) -> None:
+def _begin(observers: Sequence[Observer], names: Sequence[str], resumed: Plain | None) -> None:
     """Begin with every observer, or have it go on from its own state; if one cannot, end the others."""
-    own = iter(resumed["observers"]) if resumed is not None else None
     begun: list[Observer] = []
     try:
         for observer in observers:
-            if isinstance(observer, Keeper):
-                observer.attach(state)
-            if own is not None and isinstance(observer, Continuing):
-                with fitting():
-                    observer.resume(names, next(own))
-            else:
+            if resumed is None:
                 observer.begin(names)
+            else:
+                with fitting():
+                    observer.resume(names, resumed["observers"][len(begun)])
             begun.append(observer)
     except Exception as error:
         for observer in begun:

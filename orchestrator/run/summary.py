@@ -17,9 +17,10 @@ from ..assessment.merits import Merit
 from ..engine.energy.account import Account
 from ..engine.energy.account import lines as energy_lines
 from ..errors import CheckpointError, ExplainedError, RefusedError, RunError, Words, in_command_line, join
+from ..scenario.capabilities import MONOLITHIC
 from ..store import atomic_write
 from .comparison import Errors, WitnessComparison
-from .plan import MONOLITHIC, Plan
+from .plan import Plan
 
 # Exit statuses of the command line.
 WITHIN, OUTSIDE, FAILED, NOT_COMPARED, INTERRUPTED = 0, 1, 3, 4, 130

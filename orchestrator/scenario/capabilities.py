@@ -17,32 +17,35 @@ from . import Scenario, ScenarioError, parse_line
 WHOLE_STEPS = 1e-6
 
 
+# Methods of the reference.
+MONOLITHIC, BY_PARTS, REFINEMENT = "monolithic", "by parts", "refinement"
+
+
 def check_third_party(scenario: Scenario) -> None:
     """ScenarioError where a monolithic reference or an equilibrium is wanted, but equations are not known."""
     foreign = list_foreign(scenario)
     if foreign and scenario.start == "equilibrium":
         raise ScenarioError(f"start = 'equilibrium': {foreign[0]}; set start = 'given'")
-    if not scenario.reference.enabled:
-        return
-    unknown = describe_unsolvable(scenario)
-    if unknown and scenario.reference.method == "monolithic":
+    if scenario.reference.enabled:
+        choose_reference(scenario)
+
+
+def choose_reference(scenario: Scenario) -> str:
+    """How the reference is solved; `BY_PARTS` takes FMUs, and connections that change values, as they are.
+
+    ScenarioError where it cannot be solved as asked.
+    """
+    asked, unknown = scenario.reference.method, _describe_unsolvable(scenario)
+    if asked == "refinement" or (asked == "auto" and unknown):
+        return REFINEMENT
+    if unknown:
         raise ScenarioError(
             f"reference.method = 'monolithic': {unknown}; set reference.method = 'refinement'"
         )
+    return BY_PARTS if list_foreign(scenario) else MONOLITHIC
 
 
-def is_refined(scenario: Scenario) -> bool:
-    """Whether the reference is by refinement."""
-    method = scenario.reference.method
-    return method == "refinement" or (method == "auto" and bool(describe_unsolvable(scenario)))
-
-
-def is_solved_by_parts(scenario: Scenario) -> bool:
-    """Whether the monolithic reference has to take FMUs, or connections that change values, as they are."""
-    return not is_refined(scenario) and bool(list_foreign(scenario))
-
-
-def describe_unsolvable(scenario: Scenario) -> str:
+def _describe_unsolvable(scenario: Scenario) -> str:
     """Why no monolithic reference can be solved, in words; empty if one can."""
     closed = [
         name

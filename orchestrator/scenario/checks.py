@@ -9,7 +9,7 @@ from models.core.system import System, suggestion
 
 from ..engine.energy.bonds import find_exchanged_bonds
 from ..participants.capabilities import find_missing
-from .capabilities import check_capabilities, check_third_party, is_refined, is_solved_by_parts
+from .capabilities import MONOLITHIC, check_capabilities, check_third_party, choose_reference
 from .scenario import Scenario, ScenarioError
 
 
@@ -37,7 +37,7 @@ def check_scenario(scenario: Scenario, system: System) -> None:
 
 def check_reference(scenario: Scenario, system: System) -> None:
     """Raise ModelError where the scenario asks for a reference that cannot be solved."""
-    if scenario.reference.enabled and not is_refined(scenario) and not is_solved_by_parts(scenario):
+    if scenario.reference.enabled and choose_reference(scenario) == MONOLITHIC:
         from models.monolithic import check_solvable
 
         check_solvable(system)

@@ -5,10 +5,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from models.core.quantities import Vector
+from orchestrator.engine.observer import Observer
 from orchestrator.engine.step import Step
 
 
-class Recorder:
+class Recorder(Observer):
     def begin(self, names: Sequence[str]) -> None:
         self.names = list(names)
         self._times: list[float] = []

@@ -7,6 +7,7 @@ from models.core.system import System
 from models.oscillators import exact as solutions
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.engine.energy import Ledger, Trimmed, add_counting, lines
+from orchestrator.engine.observer import Observer
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
@@ -113,7 +114,7 @@ def test_a_ledger_goes_on_from_its_state(tmp_path):
     system = add_counting(two_masses(), ["first", "second"])
     whole, first = Ledger(system, folder=tmp_path), Ledger(system)
 
-    class Halves:
+    class Halves(Observer):
         """Hands the state from one ledger to the next in the middle."""
 
         now = first

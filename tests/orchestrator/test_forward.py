@@ -39,7 +39,7 @@ class OneWay:
         return getattr(self._unit, name)
 
 
-class Positions:
+class Positions(Observer):
     """Records outputs, and the steps."""
 
     def __init__(self, *outputs: str) -> None:
@@ -56,9 +56,6 @@ class Positions:
             self.times.append(time)
             self.values.append(outputs()[self._columns])
             self.steps.append(step)
-
-    def end(self, complete: bool, message: str) -> None:
-        pass
 
 
 def ride(

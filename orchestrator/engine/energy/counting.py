@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -10,6 +9,7 @@ from models.core.bonds import CountingComponent, counting
 from models.core.quantities import Vector
 from models.core.system import System
 
+from ...store.json_codec import Plain
 from ..observer import Observer
 from ..step import Step
 
@@ -39,14 +39,11 @@ def list_added_outputs(system: System) -> tuple[str, ...]:
     )
 
 
-class Trimmed:
-    """`observer` sees the outputs without the energies, bit for bit those of a run that does not count.
-
-    It continues a run as `observer` does (see `checkpoint`).
-    """
+class Trimmed(Observer):
+    """`observer` sees the outputs without the energies, bit for bit those of a run that does not count."""
 
     def __init__(self, observer: Observer, system: System) -> None:
-        self._observer: Any = observer
+        self._observer = observer
         energies = set(list_added_outputs(system))
         self._kept = np.array([i for i, n in enumerate(system.outputs.names) if n not in energies], dtype=int)
         self._number = {int(kept): i for i, kept in enumerate(self._kept)}
@@ -64,8 +61,8 @@ class Trimmed:
     def end(self, complete: bool, message: str) -> None:
         self._observer.end(complete, message)
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> Plain:
         return self._observer.state()
 
-    def resume(self, names: Sequence[str], state: Mapping[str, Any]) -> None:
+    def resume(self, names: Sequence[str], state: Plain) -> None:
         self._observer.resume(self._names(names), state)

@@ -20,7 +20,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import System
 
 from ...store.journal import SUFFIX, Journal, Mark
-from ..observer import is_recorded
+from ..observer import Observer, is_recorded
 from ..step import Step
 from .account import Account, BondAccount, ComponentAccount
 from .bonds import Bond, find_bonds
@@ -64,7 +64,7 @@ def list_received_energies(system: System, instance: str) -> list[str]:
 GROUP = "energy"
 
 
-class Ledger:
+class Ledger(Observer):
     """Books every n-th macro step, and `stop` (s); with `folder` in the journal that becomes the
     result's group /energy.
 
