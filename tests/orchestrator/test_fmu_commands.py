@@ -11,6 +11,7 @@ import tribocosim
 from fmus.native import fmu as native
 from orchestrator.scenario.files import list_shipped
 from orchestrator.store.result_file import open_result
+from tests.archives import repack, replace_text
 
 from .commands import SHORT, called, said
 
@@ -68,17 +69,14 @@ def test_the_build_of_a_native_fmu_says_what_it_waits_for(tmp_path, monkeypatch)
 
 def write_tampered(fmu: Path, target: Path, code: str) -> Path:
     """The FMU with code added to its script."""
-    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as new:
-        stem = old.read("resources/slavemodule.txt").decode().strip()
-        for name in old.namelist():
-            content = old.read(name)
-            if name == f"resources/{stem}.py":
-                name = f"resources/{stem}_{target.stem}.py"
-                content += code.encode()
-            elif name == "resources/slavemodule.txt":
-                content = f"{stem}_{target.stem}".encode()
-            new.writestr(name, content)
-    return target
+
+    def change(name: str, content: bytes) -> dict[str, bytes]:
+        if name.startswith("resources/camshaft") and name.endswith(".py"):
+            return {name.replace(".py", f"_{target.stem}.py"): content + code.encode()}
+        script = name == "resources/slavemodule.txt"
+        return {name: content.strip() + f"_{target.stem}".encode() if script else content}
+
+    return repack(fmu, target, change)
 
 
 RAISES = """
@@ -121,12 +119,7 @@ def _escaping(fmu: Path, target: Path) -> None:
 
 def _foreign(fmu: Path, target: Path) -> None:
     """Another model: its description lacks the camshaft's variables."""
-    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as new:
-        for name in old.namelist():
-            content = old.read(name)
-            if name == "modelDescription.xml":
-                content = content.replace(b'name="drive_angle"', b'name="steering_angle"')
-            new.writestr(name, content)
+    replace_text(fmu, target, 'name="drive_angle"', 'name="steering_angle"')
 
 
 def _no_description(fmu: Path, target: Path) -> None:

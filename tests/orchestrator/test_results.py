@@ -4,7 +4,9 @@ import csv
 import subprocess
 import sys
 import textwrap
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -34,29 +36,20 @@ QUANTITIES = {
 }
 
 
-def _recorded(path: Path, steps: int, every: int) -> None:
-    recorder = ResultRecorder(path.parent, QUANTITIES, every)
-    recorder.begin(list(QUANTITIES))
-    values = np.zeros(2)
-    for i in range(steps + 1):
-        values[:] = i, -i
-        recorder.observe(1e-6 * i, values.copy, Step(1e-6 * i, 1.0, 1))
+def _record(folder: Path, quantities: dict[str, Quantity], rows: Iterable[Any], every: int = 1) -> None:
+    """The journals of macro steps of 1 us with these outputs at their ends."""
+    recorder = ResultRecorder(folder, quantities, every)
+    recorder.begin(list(quantities))
+    for i, row in enumerate(rows):
+        recorder.observe(1e-6 * i, np.array(row, dtype=float).copy, Step(1e-6 * i, 1.0, 1))
     recorder.end(True, "")
-    with ResultFile(path, {"scenario": "test"}) as file:
-        for name, journal in journals(path.parent).items():
-            file.take(name, Recorded(journal))
-        file.finish(True, "")
 
 
 def test_angles_are_coordinates_of_the_result_and_last_columns_in_degrees(tmp_path):
     """Twice the first column: a crank's angle of a cam's; a group without that column has no such angle."""
     quantity = Quantity("rad", "crank angle: 2 times cam.angle", display_unit="deg")
     angles = {"crank_angle": Coordinate("cam.angle", 2.0, quantity)}
-    recorder = ResultRecorder(tmp_path, {"cam.angle": Quantity("rad", "angle")}, 1)
-    recorder.begin(["cam.angle"])
-    for i in range(3):
-        recorder.observe(0.1 * i, np.array([0.5 * np.pi * i]).copy, Step(0.1 * i, 1.0, 1))
-    recorder.end(True, "")
+    _record(tmp_path, {"cam.angle": Quantity("rad", "angle")}, [[0.5 * np.pi * i] for i in range(3)])
     found = {name: Recorded(path) for name, path in journals(tmp_path).items()}
     with ResultFile(tmp_path / "result.nc", {}, angles) as file:
         for name, recorded in found.items():
@@ -95,7 +88,11 @@ def test_a_result_is_opened_as_xarray_opens_it(tmp_path):
 @pytest.mark.parametrize("every", [1, 3])
 def test_round_trip_through_xarray(tmp_path, every):
     steps = 2 * CHUNK + 5
-    _recorded(tmp_path / "result.nc", steps, every)
+    _record(tmp_path, QUANTITIES, ([i, -i] for i in range(steps + 1)), every)
+    with ResultFile(tmp_path / "result.nc", {"scenario": "test"}) as file:
+        for name, journal in journals(tmp_path).items():
+            file.take(name, Recorded(journal))
+        file.finish(True, "")
     tree = open_result(tmp_path)
     coupled = tree["coupled"]
     expected = np.arange(0.0, steps + 1.0, every)
@@ -141,12 +138,8 @@ def test_a_result_has_any_number_of_variables(count, tmp_path):
 
 
 def test_csv_is_in_cross_check_layout_exact_and_has_its_units_beside_it(tmp_path):
-    recorder = ResultRecorder(tmp_path, QUANTITIES, every=2)
-    recorder.begin(list(QUANTITIES))
-    values = np.array([1.0 / 3.0, 1e-300])
-    for i in range(2 * ROWS + 3):
-        recorder.observe(0.1 * i, values.copy, Step(0.1 * i, 1.0, 1))
-    recorder.end(True, "")
+    values = [1.0 / 3.0, 1e-300]
+    _record(tmp_path, QUANTITIES, [values] * (2 * ROWS + 3), every=2)
     recorded = Recorded(journals(tmp_path)["coupled"])
     write_csv(tmp_path / "out.csv", recorded, {})
     write_units(tmp_path / "units.csv", recorded, {})
@@ -154,7 +147,7 @@ def test_csv_is_in_cross_check_layout_exact_and_has_its_units_beside_it(tmp_path
         first = file.readline().strip()
         rows = [[float(text) for text in row] for row in csv.reader(file)]
     assert first == '"time","contact.load","spring.coil_position[1]"'
-    assert rows == [[0.1 * i, *values] for i in range(0, 2 * ROWS + 3, 2)]
+    assert rows == [[1e-6 * i, *values] for i in range(0, 2 * ROWS + 3, 2)]
     with (tmp_path / "units.csv").open() as file:
         units = {row["variable"]: row["unit"] for row in csv.DictReader(file)}
     assert units == {"time": "s", **{name: quantity.unit for name, quantity in QUANTITIES.items()}}

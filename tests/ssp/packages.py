@@ -14,6 +14,15 @@ HEAD = (
     'xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"'
 )
 
+# What stands after a system whose values have units.
+UNITS = "".join(
+    f'<ssc:Unit name="{name}"><ssc:BaseUnit {base}/></ssc:Unit>'
+    for name, base in (
+        ("m", 'm="1"'), ("mm", 'm="1" factor="0.001"'), ("K", 'K="1"'), ("degC", 'K="1" offset="273.15"')
+    )
+)  # fmt: skip
+UNITS = f"<ssd:Units>{UNITS}</ssd:Units>"
+
 
 def package(
     path: Path, elements: str, connections: str = "", *, inside: str = "", after: str = "",
@@ -99,3 +108,11 @@ def bindings(*bound: str) -> str:
 
 def connectors(kinds: Mapping[str, str]) -> str:
     return f"<ssd:Connectors>{''.join(connector(*one) for one in kinds.items())}</ssd:Connectors>"
+
+
+def system(name: str, kinds: Mapping[str, str], elements: str, joined: str = "") -> str:
+    """A system inside another, with connectors of these kinds."""
+    return (
+        f'<ssd:System name="{name}">{connectors(kinds)}<ssd:Elements>{elements}</ssd:Elements>'
+        f"<ssd:Connections>{joined}</ssd:Connections></ssd:System>"
+    )

@@ -14,7 +14,18 @@ from tests.orchestrator.commands import called
 from tests.third_party.c_fmus import fmu
 from tests.third_party.runs import ran
 
-from .packages import binding, bindings, component, connection, connectors, linear, package, parameters
+from .packages import (
+    UNITS,
+    binding,
+    bindings,
+    component,
+    connection,
+    connectors,
+    linear,
+    package,
+    parameters,
+    system,
+)  # fmt: skip
 
 DECAY = {"x": "output", "k": "parameter"}
 VECTOR = {"u[1]": "input", "u[2]": "input", "y[1]": "output", "y[2]": "output"}
@@ -68,13 +79,11 @@ def test_a_component_for_model_exchange_is_integrated_here(tmp_path):
 
 def test_connections_pass_through_nested_systems(tmp_path, files):
     """With a transformation at each border: one after the other."""
-    inner = (
-        f'<ssd:System name="in-side">{connectors({"a": "input", "b": "output"})}<ssd:Elements>'
-        + component("thru", "feedthrough", {"real in": "input", "real out": "output"})
-        + "</ssd:Elements><ssd:Connections>"
-        + connection(".a", "thru.real in", linear(2.0, 1.0))
-        + connection("thru.real out", ".b")
-        + "</ssd:Connections></ssd:System>"
+    inner = system(
+        "in-side",
+        {"a": "input", "b": "output"},
+        component("thru", "feedthrough", {"real in": "input", "real out": "output"}),
+        connection(".a", "thru.real in", linear(2.0, 1.0)) + connection("thru.real out", ".b"),
     )
     path = package(
         tmp_path / "a.ssp",
@@ -96,13 +105,12 @@ def test_connections_pass_through_nested_systems(tmp_path, files):
 
 def test_connections_lead_where_the_kinds_of_connectors_say(tmp_path, files):
     """Start and end do not tell; an empty name is none, and is the system's. Through a nested system."""
-    nested = (
-        f'<ssd:System name="inner">{connectors({"in": "input", "out": "output"})}'
-        f"<ssd:Elements>{component('through', 'feedthrough', THROUGH)}</ssd:Elements>"
-        "<ssd:Connections>"
+    nested = system(
+        "inner",
+        {"in": "input", "out": "output"},
+        component("through", "feedthrough", THROUGH),
         '<ssd:Connection startElement="through" startConnector="real in" endElement="" endConnector="in"/>'
-        '<ssd:Connection startConnector="out" endElement="through" endConnector="real out"/>'
-        "</ssd:Connections></ssd:System>"
+        + connection(".out", "through.real out"),
     )
     parts = component("decay", "dahlquist", DECAY) + component("shaft", "shaft", SHAFT) + nested
     joined = connection("inner.in", "decay.x") + connection("shaft.height", "inner.out")
@@ -135,8 +143,7 @@ def test_a_system_may_be_in_a_file_of_its_own(kind, tmp_path, files):
         tmp_path / "inner.ssp",
         thru,
         connection(".a", "thru.real in", linear(2.0, 1.0)) + connection("thru.real out", ".b"),
-        inside=connectors({"a": "input", "b": "output"})
-        + f"<ssd:ParameterBindings>{bound}</ssd:ParameterBindings>",
+        inside=connectors({"a": "input", "b": "output"}) + bindings(bound),
         files={"resources/feedthrough.fmu": files["resources/feedthrough.fmu"]},
     )
     with zipfile.ZipFile(inner) as archive:
@@ -166,10 +173,6 @@ def test_a_system_may_be_in_a_file_of_its_own(kind, tmp_path, files):
 
 def test_units_are_converted_then_transformed(tmp_path, files):
     """m to mm, then 2 x + 1: `the value is already converted to the target unit` (SSP 1.0, factor)."""
-    units = (
-        '<ssd:Units><ssc:Unit name="m"><ssc:BaseUnit m="1"/></ssc:Unit>'
-        '<ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit></ssd:Units>'
-    )
     given = component("thru", "feedthrough", THROUGH, binding({"real in": 'Real value="0.25"'}))
     elements = given + "".join(component(f"shaft{i}", "shaft", SHAFT) for i in range(4))
     path = package(
@@ -179,7 +182,7 @@ def test_units_are_converted_then_transformed(tmp_path, files):
         + connection("thru.real out", "shaft1.height", linear(2.0, 1.0))
         + connection("thru.real out", "shaft2.height", linear(2.0, 1.0), 'suppressUnitConversion="true"')
         + connection("thru.real out", "shaft3.height", "", 'suppressUnitConversion="true"'),
-        after=units,
+        after=UNITS,
         files=files,
     )
     found = ran_here(path, tmp_path / "out")
@@ -190,7 +193,6 @@ def test_units_are_converted_then_transformed(tmp_path, files):
 def test_values_come_by_every_way(tmp_path, files):
     """Inner ones give way to outer ones; mapped with a factor; by a path; by a connector of the system; with
     a prefix; in another unit."""
-    units = '<ssd:Units><ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit></ssd:Units>'
     mapped = '<ssm:MappingEntry source="rate" target="one.k">' + linear(2.0, 0.5) + "</ssm:MappingEntry>"
     inside = connectors({"start": "parameter"}) + bindings(
         binding({"rate": 'Real value="1.5"', "unused": 'Real value="9"'}, mapped),
@@ -206,7 +208,7 @@ def test_values_come_by_every_way(tmp_path, files):
         elements + component("thru", "feedthrough", THROUGH),
         connection(".start", "two.x"),
         inside=inside,
-        after=units,
+        after=UNITS,
         files=files,
     )
     tables = load(path).components
@@ -241,7 +243,7 @@ REFUSED = {
     "outside on Windows": ({"replace": ("resources/dahlquist", r"..\dahlquist")}, "not in this package"),
     "lost": ({"replace": ("resources/dahlquist", "resources/other")}, r"other.fmu is not in the package"),
     "text": ({"bound": binding({"k": 'String value="much"'})}, "k is a String in the set, but not in"),
-    "unit": ({"bound": binding({"real in": 'Real value="1" unit="K"'}), "units": True}, "K does not fit"),
+    "unit": ({"bound": binding({"real in": 'Real value="1" unit="K"'})}, "K does not fit"),
 }  # fmt: skip
 
 
@@ -251,19 +253,11 @@ def test_what_is_not_supported_is_refused_by_name(case, tmp_path, files):
     how = dict(how)
     old, new = how.pop("replace", ("", ""))
     bound = how.pop("bound", "")
-    kelvin = '<ssd:Units><ssc:Unit name="K"><ssc:BaseUnit K="1"/></ssc:Unit></ssd:Units>'
-    after = kelvin if how.pop("units", False) else ""
     fits = "feedthrough" if case == "unit" else "dahlquist"
     element = component("decay", fits, THROUGH if case == "unit" else DECAY, bound).replace(old, new)
-    path = package(tmp_path / "a.ssp", element, files=files, after=after, **how)
+    path = package(tmp_path / "a.ssp", element, files=files, after=UNITS, **how)
     with pytest.raises(ValueError, match=said):
         load(path)
-
-
-TRANSFORMED = (
-    '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
-    "</ssc:BooleanMappingTransformation>"
-)
 
 
 LINE = r"SystemStructure\.ssd, line 1: .*"
@@ -279,11 +273,10 @@ DAMAGED = {
 
 @pytest.mark.parametrize("case", DAMAGED)
 def test_what_is_not_as_the_schema_has_it_is_refused_with_its_line(case, tmp_path, files):
-    units = '<ssd:Units><ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit></ssd:Units>'
     elements = component("decay", "dahlquist", DECAY, binding({"k": 'Real value="3"'}))
     elements += component("vector", "vector", VECTOR)
     connected = connection("decay.x", "vector.u[1]", linear(2.0))
-    path = package(tmp_path / "a.ssp", elements, connected, files=files, after=units)
+    path = package(tmp_path / "a.ssp", elements, connected, files=files, after=UNITS)
     replace_text(path, tmp_path / "b.ssp", *DAMAGED[case][:2], "SystemStructure.ssd")
     with pytest.raises(ValueError, match=rf"b\.ssp: not as SSP has it: .*{DAMAGED[case][2]}; correct"):
         load(tmp_path / "b.ssp")
@@ -298,21 +291,20 @@ def test_a_damaged_file_is_named_where_another_is_no_number(tmp_path, files):
         load(tmp_path / "b.ssp")
 
 
-VALUE = 'Real value="1"'
-
-
 def test_connections_in_a_circle_are_named(tmp_path, files):
     """Between a system inside and that around it; a value would go round without end."""
-    through = '<ssd:Connector name="{}" kind="inout"><ssc:Real/></ssd:Connector>'
-    inner = (
-        f'<ssd:System name="s"><ssd:Connectors>{through.format("a")}{through.format("b")}</ssd:Connectors>'
-        f"<ssd:Elements>{component('decay', 'dahlquist', DECAY)}</ssd:Elements>"
-        f"<ssd:Connections>{connection('.a', '.b')}</ssd:Connections></ssd:System>"
-    )
-    bound = f"<ssd:ParameterBindings>{binding({'s.a': VALUE})}</ssd:ParameterBindings>"
+    decay = component("decay", "dahlquist", DECAY)
+    inner = system("s", {"a": "inout", "b": "inout"}, decay, connection(".a", ".b"))
+    bound = bindings(binding({"s.a": 'Real value="1"'}))
     path = package(tmp_path / "a.ssp", inner, connection("s.b", "s.a"), inside=bound, files=files)
     with pytest.raises(ValueError, match=r"s\.a: its connections lead back to it; take one out"):
         load(path)
+
+
+TRANSFORMED = (
+    '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
+    "</ssc:BooleanMappingTransformation>"
+)
 
 
 @pytest.mark.parametrize(

@@ -13,19 +13,20 @@ from tests.archives import repack, replace_text
 from tests.third_party.c_fmus import fmu
 from tests.third_party.described import describe2, real2
 
-from .packages import binding, bindings, component, connection, connectors, linear, package, parameters
+from .packages import (
+    UNITS,
+    binding,
+    bindings,
+    component,
+    connection,
+    connectors,
+    linear,
+    package,
+    parameters,
+    system,
+)  # fmt: skip
 
 START = 'start="0"'
-UNITS = "<ssd:Units>" + "".join(
-    f'<ssc:Unit name="{name}"><ssc:BaseUnit {base}/></ssc:Unit>'
-    for name, base in {
-        "m": 'm="1"',
-        "mm": 'm="1" factor="0.001"',
-        "K": 'K="1"',
-        "degC": 'K="1" offset="273.15"',
-    }.items()
-)
-UNITS += "</ssd:Units>"
 SUPPRESSED = 'suppressUnitConversion="true"'
 
 
@@ -91,10 +92,7 @@ def test_two_values_of_one_name_in_a_set_are_refused(tmp_path, files):
 def test_values_pass_nested_systems_and_mappings(tmp_path, files):
     """4 mm by a mapping (2 x + 1 in mm), on from mm to m (3 x), and to a parameter in m."""
     element = component("g", "gain", {"p": "parameter m"})
-    nested = (
-        f'<ssd:System name="s">{connectors({"z": "parameter m"})}<ssd:Elements>{element}</ssd:Elements>'
-        f"<ssd:Connections>{connection('.z', 'g.p')}</ssd:Connections></ssd:System>"
-    )
+    nested = system("s", {"z": "parameter m"}, element, connection(".z", "g.p"))
     mapped = f'<ssm:MappingEntry source="a" target="x">{linear(2.0, 1.0)}</ssm:MappingEntry>'
     inside = connectors({"x": "parameter mm"}) + bindings(
         binding({"a": 'Real value="0.004" unit="m"'}, mapped)
