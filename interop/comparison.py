@@ -97,7 +97,7 @@ def compute_expected(
         reference.set_inputs(rows[i])
         reference.t = time
         reference.step(size)
-        known = dict(zip(outputs.names, reference.y, strict=True))
+        known = outputs.named(reference.y)
         known |= dict(zip(rated, reference.rates(), strict=True))
         found.append([float(known[one]) for one in case.outputs])
     return found

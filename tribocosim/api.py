@@ -142,7 +142,7 @@ def run(
     done; an error that it raises ends the run.
     MistakeError for a fault of the scenario, RunError if the run fails; its folder has what was computed.
     """
-    checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
+    checked = load(scenario).check()
     check_native(checked)
     reporter = SilentReporter(progress)
     chosen = choose_master(checked, reporter)

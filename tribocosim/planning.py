@@ -16,7 +16,7 @@ def plan(scenario: Scenario | str | Path, *, figures: bool = False, progress: Pr
     `execute` runs the plan, and `session` steps it, as often as you like. `figures` are drawn by `execute`
     into its folder. MistakeError for a fault of the scenario.
     """
-    checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
+    checked = load(scenario).check()
     check_native(checked)
     reporter = SilentReporter(progress)
     return make_plan(choose_master(checked, reporter), build_fmu, reporter, figures)

@@ -66,8 +66,11 @@ def scenarios() -> dict[str, str]:
     return {name: tomllib.loads(path.read_text("utf-8")).get("description", "") for name, path in shipped}
 
 
-def load(source: str | Path | Mapping[str, Any]) -> Scenario:
-    """A shipped scenario by its name, a .toml or .ssp file, or tables. MistakeError for a fault."""
+def load(source: Scenario | str | Path | Mapping[str, Any]) -> Scenario:
+    """A shipped scenario by its name, a .toml or .ssp file, or tables; one that is loaded stays as it is.
+    MistakeError for a fault."""
+    if isinstance(source, Scenario):
+        return source
     if isinstance(source, Mapping):
         return Scenario({"name": "scenario", **copy.deepcopy(dict(source))})
     if not isinstance(source, str | Path):

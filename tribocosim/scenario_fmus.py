@@ -46,7 +46,7 @@ def build_scenario_fmus(
     from fmus.scenario_parts import to_identifier, write_part
     from orchestrator.scenario.system import assemble, resolve_start
 
-    checked = (scenario if isinstance(scenario, Scenario) else load(scenario)).check()
+    checked = load(scenario).check()
     options = FmuOptions(None, native, platforms or None, fmi)
     check_kind(options)
     _check(checked, components, whole, outside)

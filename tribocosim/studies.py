@@ -40,7 +40,7 @@ def analyse(
     if not isinstance(subject, Scenario) and not is_scenario(str(subject)):
         analysis = load_analysis(str(subject))
         return compute_table(analysis, analysis.complete(dict(settings or {})))
-    scenario = subject if isinstance(subject, Scenario) else load(subject)
+    scenario = load(subject)
     checked = scenario.with_(settings or {}).check()
     instants = parse_instants(at, checked.stop_time)
     return build_dataset(survey_scenario(checked, instants, SilentReporter(progress)))
@@ -123,12 +123,10 @@ def speeds(
     from orchestrator.study.run import Where
     from orchestrator.study.speeds.sweep import parse_range, sweep
 
-    if not isinstance(scenario, Scenario):
-        scenario = load(scenario)
     chosen = parse_range(low, high, count)
     with _open_folder(out, "speeds") as folder:
         where, reporter = Where(workers=workers), SilentReporter(progress)
-        found = sweep(scenario.content, chosen, folder, where, reporter, overwrite, second_film)
+        found = sweep(load(scenario).content, chosen, folder, where, reporter, overwrite, second_film)
     attributes: dict[str, Any] = {}
     for name in ("separation", "second_separation"):
         stated = found.summary.get(name) or {}
@@ -185,7 +183,7 @@ def sensitivities(
     from orchestrator.study.speeds.sensitivities import find_sensitivities
     from orchestrator.study.speeds.sweep import parse_speed
 
-    content = (scenario if isinstance(scenario, Scenario) else load(scenario)).content
+    content = load(scenario).content
     with _open_folder(out, "sensitivities") as folder:
         where, reporter = Where(workers=workers), SilentReporter(progress)
         at = parse_speed("speed", speed)
@@ -218,7 +216,7 @@ def calibrate(  # noqa: PLR0913  # options of the command
     from orchestrator.study.calibration.run import calibrate as fit
     from orchestrator.study.run import Where
 
-    found = scenario if isinstance(scenario, Scenario) else load(scenario)
+    found = load(scenario)
     files = [Path(data)] if isinstance(data, str | Path) else [Path(one) for one in data]
     asked = Asked(parameters, bounds, signals, starts, profile)
     source = Source(found.content, "" if isinstance(scenario, Scenario) else str(scenario))
@@ -290,7 +288,7 @@ def tolerances(
     from orchestrator.study.tolerances.run import find_tolerances
     from orchestrator.study.tolerances.table import parse_tolerances, read_tolerances
 
-    content = (scenario if isinstance(scenario, Scenario) else load(scenario)).content
+    content = load(scenario).content
     read = parse_tolerances(dict(given)) if isinstance(given, Mapping) else read_tolerances(Path(given))
     with _open_folder(out, "tolerances") as folder:
         where, reporter = Where(workers=workers), SilentReporter(progress)
@@ -323,11 +321,9 @@ def wear(  # noqa: PLR0913  # options of the command
     from orchestrator.study.wear.run import parse_asked
     from orchestrator.study.wear.run import wear as wear_cam
 
-    if not isinstance(scenario, Scenario):
-        scenario = load(scenario)
     asked = parse_asked(until, wear_coefficient, tolerance, contact, speed, wear_follower)
     with _open_folder(out, "wear") as folder:
-        return wear_cam(scenario.content, asked, folder, SilentReporter(progress), overwrite)
+        return wear_cam(load(scenario).content, asked, folder, SilentReporter(progress), overwrite)
 
 
 @contextmanager

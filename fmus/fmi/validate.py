@@ -16,7 +16,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import fmpy
-from fmpy.model_description import read_model_description
+from fmpy.model_description import ModelDescription, read_model_description
 from fmpy.validation import validate_fmu
 from lxml import etree
 
@@ -226,19 +226,25 @@ def terminal_faults(xml: bytes, variables: Collection[str]) -> list[str]:
     return faults
 
 
-def info(path: Path | str) -> FmuInfo:
-    """What the FMU at `path` is. FmuFileError with one line if it cannot be read."""
-    path = Path(path)
+def read_sound_description(path: Path) -> ModelDescription:
+    """The model description of an FMU whose archive has no faults. FmuFileError with one line otherwise."""
     with open_archive(path) as archive:
         if faults := archive_faults(archive):
             raise FmuFileError(f"{path}: {faults[0]}")
         _fmi_version(archive)
-        parts = (PurePosixPath(name).parts for name in archive.namelist())
-        platforms = tuple(sorted({p[1] for p in parts if len(p) > 2 and p[0] == "binaries"}))
     try:
-        described = read_model_description(str(path), validate=False)
+        return read_model_description(str(path), validate=False)
     except Exception as error:  # fmpy lets through whatever its XML libraries raise
         raise FmuFileError(f"{path}: {DESCRIPTION} cannot be read: {one_line(error)}") from None
+
+
+def info(path: Path | str) -> FmuInfo:
+    """What the FMU at `path` is. FmuFileError with one line if it cannot be read."""
+    path = Path(path)
+    described = read_sound_description(path)
+    with open_archive(path) as archive:
+        parts = (PurePosixPath(name).parts for name in archive.namelist())
+        platforms = tuple(sorted({p[1] for p in parts if len(p) > 2 and p[0] == "binaries"}))
     kinds = {"co-simulation": described.coSimulation, "model exchange": described.modelExchange}
     kinds["scheduled execution"] = described.scheduledExecution
     return FmuInfo(

@@ -16,10 +16,11 @@ from xml.etree import ElementTree
 
 import fmpy
 import numpy as np
-from fmpy.model_description import ModelDescription, read_model_description
+from fmpy.model_description import ModelDescription
 from numpy.typing import NDArray
 
-from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, open_archive
+from fmus.fmi.archive import FmuFileError, one_line, open_archive
+from fmus.fmi.validate import read_sound_description
 from models.core.remedies import Option
 
 from .files import ComparisonError, Options, Table, read_csv, read_options
@@ -173,16 +174,9 @@ def compare(path: Path, tolerance: float | None = None) -> Comparison:
 
 def _read_description(path: Path) -> ModelDescription:
     try:
-        with open_archive(path) as archive:
-            faults = archive_faults(archive)
+        described = read_sound_description(path)
     except FmuFileError as error:
         raise ComparisonError(str(error)) from None
-    if faults:
-        raise ComparisonError(f"{path}: {faults[0]}")
-    try:
-        described = read_model_description(str(path), validate=False)
-    except Exception as error:  # fmpy lets through whatever its XML libraries raise
-        raise ComparisonError(f"{path}: {DESCRIPTION} cannot be read: {one_line(error)}") from None
     if described.fmiVersion == "1.0":
         raise ComparisonError(f"{path}: is of FMI 1.0, which is not run here; give one of FMI 2.0 or 3.0")
     if described.coSimulation is None:

@@ -8,23 +8,21 @@ import numpy as np
 
 from models.catalogue import find_factory
 from models.core.component import Component
+from models.core.integrator import OK
+from tests.models.stepped import Stepped
 
 COEFFICIENTS = 4
 
 
-class Reference:
-    """A component stepped directly, with the sizes that its FMU has without others."""
+class Reference(Stepped):
+    """A component of the catalogue stepped directly, with the sizes that its FMU has without others."""
 
     def __init__(self, name: str, start_time: float = 0.0, **structure: int) -> None:
-        self.component: Component = find_factory(name)(**structure)
-        c = self.component
-        self.t = start_time
-        self.x, self.p = c.state.start.copy(), c.parameters.start.copy()
-        self.U = c.input_polynomial()
-        self.u, self.y, self.e = c.inputs.start.copy(), c.outputs.start.copy(), np.zeros(3)
-        self.du, self.yd = np.zeros(c.inputs.size), np.zeros(c.outputs.size)
+        super().__init__(find_factory(name)(**structure))
+        c, self.t = self.component, start_time
+        self.du, self.yd, self.e = np.zeros(c.inputs.size), np.zeros(c.outputs.size), np.zeros(3)
         self.rated = [not f.quantity.discrete for f in c.outputs.fields]
-        self.work, self.rates_work = np.zeros(c.work_size), np.zeros(c.rates_work_size)
+        self.rates_work = np.zeros(c.rates_work_size)
 
     def set_inputs(self, values: Mapping[str, float]) -> None:
         for name, value in values.items():
@@ -33,12 +31,11 @@ class Reference:
         self.u[:], self.du[:] = self.U[0], self.U[1]
         self.component.flat_output(self.t, self.x, self.u, self.p, self.y)
 
-    def step(self, h: float) -> None:
-        c = self.component
-        status = c.step(self.t, h, self.x, self.U, self.p, c.state.nominal, self.work, self.u, self.y)
-        assert status == 0
+    def step(self, h: float) -> int:
+        status = super().step(h)
+        assert status == OK
         self.du[:] = self.U[1] + h * (self.U[2] + h * self.U[3] / 2.0)
-        self.t += h
+        return status
 
     def rates(self) -> list[float]:
         """Those of continuous outputs."""
