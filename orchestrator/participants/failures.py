@@ -65,7 +65,10 @@ class ErrorReporter:
         except Exception as error:
             self.fatal |= getattr(error, "status", None) == FATAL
             kind = LostParticipantError if self.fatal else ParticipantError
-            raise kind(f"{self.name}: {what}: {self.quote_messages() or error}") from None
+            said = self.quote_messages()
+            # What has no status of FMI says itself what failed.
+            told = said if said and hasattr(error, "status") else f"{error}: {said}" if said else error
+            raise kind(f"{self.name}: {what}: {told}") from None
 
     def quote_messages(self) -> str:
         """What the FMU said of errors; without such a word, all that it said."""

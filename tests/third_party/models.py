@@ -356,7 +356,7 @@ MODELS["uneasy"] = replace(MODELS["dahlquist"], reading="m->initialised ? WARNIN
 MODELS["starting"] = replace(MODELS["dahlquist"], leaving="WARNING")
 # Return what is no status.
 MODELS["unreadable"] = replace(MODELS["dahlquist"], reading="m->initialised ? -1 : OK")
-MODELS["unready"] = replace(MODELS["dahlquist"], leaving="-1")
+MODELS["unready"] = replace(MODELS["dahlquist"], leaving='(say(m, ERROR, "not ready"), -1)')
 MODELS["unstepped"] = replace(MODELS["dahlquist"], step=f"{EXPONENTIAL} return 7;")
 # Asks for the end of the simulation when it has come to a time.
 MODELS["landing"] = Model(

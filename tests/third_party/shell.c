@@ -115,7 +115,8 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean d, fmi2Real t, fmi2R
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return fmi2OK; }
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
-    ((Instance *)c)->initialised = true;
+    Instance *m = c;
+    m->initialised = true;
     return (fmi2Status)(LEAVING);
 }
 fmi2Status fmi2Terminate(fmi2Component c) { return fmi2OK; }
@@ -213,7 +214,8 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean d, fmi3Float6
                                        fmi3Float64 x) { return fmi3OK; }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
 {
-    ((Instance *)c)->initialised = true;
+    Instance *m = c;
+    m->initialised = true;
     return (fmi3Status)(LEAVING);
 }
 fmi3Status fmi3Terminate(fmi3Instance c) { return fmi3OK; }

@@ -63,7 +63,7 @@ def test_a_warning_at_the_end_of_initialisation_counts(process, version, tmp_pat
 UNKNOWN = {
     "unreadable": r"one: reading the outputs returned -1, which is no status of FMI",
     "unstepped": r"one: step from t = 0 s by 0.01 s returned 7, which is no status of FMI",
-    "unready": r"one: initialise: fmi[23]ExitInitializationMode returned -1, which is no status of FMI",
+    "unready": r"fmi[23]ExitInitializationMode returned -1, which is no status of FMI: not ready",
 }
 
 
