@@ -1,12 +1,11 @@
 """What a scenario gives for measured positions: a steady cycle at each speed, or its run from the start."""
 
-import hashlib
 import json
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Protocol
+from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy
@@ -64,51 +63,36 @@ def failed(message: str) -> Prediction:
     return Prediction(none, none, np.zeros(0), message)
 
 
-class Model(Protocol):
-    """Plain data, so that it can be sent to workers."""
-
-    @property
-    def outputs(self) -> Sequence[str]:
-        """The rows of `Prediction.others`."""
-        ...
-
-    @property
-    def units(self) -> Mapping[str, str]:
-        """Of all outputs."""
-        ...
-
-    def content(self) -> str:
-        """Text that determines the predictions together with values and positions."""
-        ...
-
-    def predict(
-        self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
-    ) -> Prediction:
-        """With these parameters "component.parameter"; `start` is the state of a neighbour."""
-        ...
-
-
 @dataclass(frozen=True)
-class _Tables:
-    """The tables of a scenario with all values, and the outputs that were measured."""
+class Model(ABC):
+    """A scenario with all values as a TOML text, and the outputs that were measured: workers get it."""
 
-    tables: Mapping[str, Any]
+    toml: str
     variables: tuple[str, ...]
 
     @cached_property
     def scenario(self) -> Scenario:
-        return build_scenario(self.tables)
+        return build_scenario(parse_toml(self.toml))
 
     @property
     def outputs(self) -> Sequence[str]:
+        """The rows of `Prediction.others`."""
         return list(self.units)
 
     @cached_property
     def units(self) -> dict[str, str]:
+        """Of all outputs."""
         return {name: quantity.unit for name, quantity in list_outputs(self.scenario).items()}
 
     def content(self) -> str:
-        return json.dumps([type(self).__name__, self.variables]) + to_full_toml(self.scenario)
+        """Text that determines the predictions together with values and positions."""
+        return json.dumps([type(self).__name__, self.variables]) + self.toml
+
+    @abstractmethod
+    def predict(
+        self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
+    ) -> Prediction:
+        """With these parameters "component.parameter"; `start` is the state of a neighbour."""
 
     def select(self, rows: Vector, names: Sequence[str], state: Vector) -> Prediction:
         """Of outputs `rows` (positions, outputs) called `names`."""
@@ -120,36 +104,19 @@ class _Tables:
 
 
 @dataclass(frozen=True)
-class CycleModel(_Tables):
-    """The steady cycle at the speed of an experiment; `digest` finds what a process has built."""
+class CycleModel(Model):
+    """The steady cycle at the speed of an experiment."""
 
     flywheel: str
-    digest: str
 
     def predict(
         self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
     ) -> Prediction:
-        if self.digest not in _TRAINS:
-            _TRAINS.clear()
-            _TRAINS[self.digest] = _Train(SpeedSubject(self.tables, self.flywheel))
-        return _TRAINS[self.digest].predict(self, values, experiment, start)
-
-
-class _Train:
-    """A train that is built once in a process, and where the positions of experiments are in its cycles."""
-
-    def __init__(self, subject: SpeedSubject) -> None:
-        self._finder = CycleFinder(subject, CYCLE_TOLERANCE, STEADY)
-        self._evaluation = Evaluation(self._finder.system)
-        self._shares: dict[bytes, Vector] = {}
-
-    def predict(
-        self, model: _Tables, values: Mapping[str, float], experiment: Experiment, start: Vector | None
-    ) -> Prediction:
         assert experiment.speed is not None
-        shares = self._find_shares(experiment)
+        finder = _build_finder(self.toml, self.flywheel)
+        shares = find_shares(finder, experiment)
         samples = count_samples(shares)
-        cycle = self._finder.find(values, experiment.speed, start, samples)
+        cycle = finder.find(values, experiment.speed, start, samples)
         if cycle.change > USABLE:
             return failed(f"no steady cycle: a state changes by {cycle.change:.2g} of itself over it")
         at = shares * samples
@@ -157,32 +124,30 @@ class _Train:
             rows = cycle.outputs[np.round(at).astype(int)]
         else:
             rows = scipy.interpolate.CubicSpline(np.linspace(0.0, 1.0, samples + 1), cycle.outputs)(shares)
-        return model.select(rows, cycle.system.outputs.names, cycle.end)
-
-    def _find_shares(self, experiment: Experiment) -> Vector:
-        """Where the positions are in the cycle, from 0 to 1. Cams turn once in it."""
-        key = repr((experiment.speed, experiment.shaft)).encode() + experiment.positions.tobytes()
-        if key not in self._shares:
-            self._shares[key] = self._compute_shares(experiment)
-        return self._shares[key]
-
-    def _compute_shares(self, experiment: Experiment) -> Vector:
-        assert experiment.speed is not None
-        system, evaluation, flywheel = self._finder.system, self._evaluation, self._finder.subject.flywheel
-        if experiment.shaft == TIME:
-            return np.asarray(experiment.positions / find_period(system, experiment.speed) % 1.0)
-        angles = find_angles(system)
-        angle = angles.get(experiment.shaft, next(iter(angles.values())))
-        evaluation.outputs(0.0, system.x0)
-        ports = dict(zip(system.inputs.names, evaluation.u, strict=True))
-        ports |= dict(zip(system.outputs.names, evaluation.y, strict=True))
-        turns = count_turns(system) if angle.source == f"{flywheel}.angle" else 1
-        turned = angle.factor * turns * 2.0 * math.pi
-        return np.asarray((experiment.positions - angle.factor * ports[angle.source]) / turned % 1.0)
+        return self.select(rows, cycle.system.outputs.names, cycle.end)
 
 
-# One train by its digest.
-_TRAINS: dict[str, _Train] = {}
+@lru_cache(maxsize=1)
+def _build_finder(toml: str, flywheel: str) -> CycleFinder:
+    """Once in a process."""
+    return CycleFinder(SpeedSubject(parse_toml(toml), flywheel), CYCLE_TOLERANCE, STEADY)
+
+
+def find_shares(finder: CycleFinder, experiment: Experiment) -> Vector:
+    """Where the positions are in the cycle, from 0 to 1. Cams turn once in it."""
+    assert experiment.speed is not None
+    system = finder.system
+    if experiment.shaft == TIME:
+        return np.asarray(experiment.positions / find_period(system, experiment.speed) % 1.0)
+    angles = find_angles(system)
+    angle = angles.get(experiment.shaft, next(iter(angles.values())))
+    evaluation = Evaluation(system)
+    evaluation.outputs(0.0, system.x0)
+    ports = dict(zip(system.inputs.names, evaluation.u, strict=True))
+    ports |= dict(zip(system.outputs.names, evaluation.y, strict=True))
+    turns = count_turns(system) if angle.source == f"{finder.subject.flywheel}.angle" else 1
+    turned = angle.factor * turns * 2.0 * math.pi
+    return np.asarray((experiment.positions - angle.factor * ports[angle.source]) / turned % 1.0)
 
 
 def count_samples(shares: Vector) -> int:
@@ -196,7 +161,7 @@ def count_samples(shares: Vector) -> int:
 
 
 @dataclass(frozen=True)
-class TransientModel(_Tables):
+class TransientModel(Model):
     """The scenario's run from its start: all equations as one system where they are known, else coupled."""
 
     build: Builder
@@ -207,7 +172,7 @@ class TransientModel(_Tables):
     def predict(
         self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
     ) -> Prediction:
-        scenario = build_scenario(put_parameters(self.tables, values))
+        scenario = build_scenario(put_parameters(parse_toml(self.toml), values))
         system = build_system(scenario)
         known = all(instance.component.ode for instance in system.instances.values())
         if known and not any(table.third_party for table in scenario.components.values()):
@@ -247,27 +212,24 @@ class _Rows(Observer):
         self.outputs.append(outputs().copy())
 
 
-def make_model(
-    scenario: Scenario, measured: Measured, parameters: Sequence[str], build: Builder
-) -> "CycleModel | TransientModel":
+def make_model(scenario: Scenario, measured: Measured, parameters: Sequence[str], build: Builder) -> Model:
     """For data with speeds the steady cycles, else the run; MistakeError where it ends before the data, or
     one of the `parameters` that are fitted says the speed of cycles."""
     # With the numbers that oils, tables and drawings give, so that each may vary alone.
-    tables = parse_toml(to_full_toml(scenario))
+    toml = to_full_toml(scenario)
     variables = tuple(signal.variable for signal in measured.signals)
     if measured.experiments[0].speed is not None:
-        digest = hashlib.sha256(to_full_toml(scenario).encode()).hexdigest()
         flywheel = find_flywheel(scenario)
         for name in parameters:
             check_varied(name, flywheel)
-        return CycleModel(tables, variables, flywheel, digest)
+        return CycleModel(toml, variables, flywheel)
     last = float(measured.experiments[0].positions.max())
     if measured.experiments[0].positions.min() < 0.0 or last > scenario.stop_time * (1.0 + 1e-9):
         raise MistakeError(
             f"data until {last:g} s: the scenario runs from 0 to {scenario.stop_time:g} s",
             Set("stop_time", f"{last:.6g} s"),
         )
-    return TransientModel(tables, variables, build)
+    return TransientModel(toml, variables, build)
 
 
 def predict(
