@@ -310,3 +310,9 @@ def _scale(name: str, rows: Side, lift: float) -> Rise:
         return scale_rise(angle, acceleration, lift)
     except ValueError as error:
         raise Faults((f"lift_segments.{name}", f": {error}")) from None
+
+
+def format_lifts(points: Points) -> str:
+    """A lift table, of which the lift is that of these points within 1e-10 m."""
+    rows = (f"{math.degrees(a):.9g}, {1e3 * s:.7f}\n" for a, s in zip(points.angle, points.lift, strict=True))
+    return "cam angle [deg], lift [mm]\n" + "".join(rows)

@@ -20,11 +20,11 @@ from orchestrator.assessment.trains import Angle
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.cams import read_cam
 from orchestrator.scenario.files import load, read_changed
-from orchestrator.scenario.lift_table import read_lift_table
+from orchestrator.scenario.lift_table import format_lifts, read_lift_table
 from orchestrator.scenario.system import list_parameters
 from orchestrator.study.design.answers import Answer, Column
 from orchestrator.study.design.brief import Limits, list_briefs, read_bounds, read_brief
-from orchestrator.study.design.files import format_lifts, keep, read_kept
+from orchestrator.study.design.files import keep, read_kept
 from orchestrator.study.design.limits import (
     Limit,
     Model,

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from models.core.quantities import Vector
-from models.valve_train.cams.table import Points
 
 from ...scenario.files import split_path
+from ...scenario.lift_table import format_lifts
 from ...store import atomic_write
 from ...texts import parse_value
 from .brief import Asked
@@ -87,9 +86,3 @@ def _nest(content: dict[str, Any], tables: Sequence[str]) -> dict[str, Any]:
     for key in tables:
         content = content.setdefault(key, {})
     return content
-
-
-def format_lifts(points: Points) -> str:
-    """A lift table, of which the lift is that of these points within 1e-10 m."""
-    rows = (f"{math.degrees(a):.9g}, {1e3 * s:.7f}\n" for a, s in zip(points.angle, points.lift, strict=True))
-    return "cam angle [deg], lift [mm]\n" + "".join(rows)

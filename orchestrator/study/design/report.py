@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from importlib import metadata
+from typing import NamedTuple
 
 import numpy as np
 import xarray
@@ -33,6 +34,13 @@ COMPARED = (
 OUTPUTS = {"load": "N", "maximum_pressure": "Pa", "film_ratio": "1"}
 
 
+class Check(NamedTuple):
+    """The speed of separation (rad/s; None: contact is kept), and motions at speeds (rad/s)."""
+
+    separation: float | None
+    motions: Mapping[float, Motion]
+
+
 def sample(lobe: Lobe, unknowns: Vector | None) -> Curve:
     """The lift at PLACES with three derivatives: the scenario's own cam (None), or a designed one."""
     if unknowns is None:
@@ -49,27 +57,27 @@ def tabulate(
     train: DesignedTrain,
     wanted: Wanted,
     improved: Improved,
-    separations: tuple[float | None, float | None],
-    motions: tuple[Mapping[float, Motion], Mapping[float, Motion]],
+    checks: tuple[Check, Check],
     geometries: tuple[object, object],
 ) -> xarray.Dataset:
     """Both cams over the cam angle, and their contacts at the speeds of the motions."""
     lobe, unknowns = train.lobe, improved.found.unknowns
     curves = [sample(lobe, None), sample(lobe, unknowns)]
     touches = [lobe.touch(curve, g) for curve, g in zip(curves, geometries, strict=True)]
+    motions = [one.motions for one in checks]
     speeds = list(motions[0])
-    units = ("m", "m/rad", "m/rad2", "m/rad3")
-    names = ("lift", "slope", "acceleration", "jerk")
-    table: dict[str, xarray.Variable] = {
-        name: xarray.Variable(("cam", "angle"), [c[i] for c in curves], {"units": unit})
-        for i, (name, unit) in enumerate(zip(names, units, strict=True))
+    over_angle = {
+        "lift": ([c.s for c in curves], "m"),
+        "slope": ([c.ds for c in curves], "m/rad"),
+        "acceleration": ([c.dds for c in curves], "m/rad2"),
+        "jerk": ([c.ddds for c in curves], "m/rad3"),
+        "curvature": ([t.turn / t.cam_rate for t in touches], "1/m"),
+        "pressure_angle": ([t.pressure_angle for t in touches], "rad"),
     }
-    table["curvature"] = xarray.Variable(
-        ("cam", "angle"), [t.turn / t.cam_rate for t in touches], {"units": "1/m"}
-    )
-    table["pressure_angle"] = xarray.Variable(
-        ("cam", "angle"), [t.pressure_angle for t in touches], {"units": "rad"}
-    )
+    table: dict[str, xarray.Variable] = {
+        name: xarray.Variable(("cam", "angle"), values, {"units": unit})
+        for name, (values, unit) in over_angle.items()
+    }
     for contact in train.train.contacts:
         for output, unit in OUTPUTS.items():
             rows = [
@@ -100,7 +108,7 @@ def tabulate(
         table, {"cam": list(CAMS), "angle": PLACES, "speed": speeds, "figure": common}
     ).assign_attrs(
         title=f"{train.scenario.name}: {train.cam} before and after",
-        separation=[math.nan if one is None else one for one in separations],
+        separation=[math.nan if one.separation is None else one.separation for one in checks],
         area=improved.found.area,
         reached=wanted.objective.sign * (improved.found.objective - 1.0) + 1.0,
         feasible=int(not improved.found.beyond),

@@ -1,9 +1,9 @@
 """`tribocosim design`: the scenario's own cam, the search for a better one, and a check of both."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import xarray
@@ -25,12 +25,12 @@ from ...scenario.system import Builder
 from ..speeds.finder import CycleFinder
 from ..speeds.separation import bisect_separation, is_separated
 from ..speeds.subject import SpeedSubject, describe_numbers, find_flywheel, to_motion
-from .brief import FREE, OWN, Asked, Limits, read_bounds
+from .brief import FREE, OWN, Asked, Limits, Size, read_bounds
 from .deliverables import deliver
 from .figures import find_objective, list_bounds, read_figures
 from .files import CAM, DESIGN, FIGURE, FILES, LIFTS, PROGRESS, SCENARIO, TABLE, keep, read_kept
 from .limits import find_own_sizes
-from .report import report, tabulate
+from .report import Check, report, tabulate
 from .search import Search
 from .train import DesignedTrain, open_train
 from .wanted import Wanted
@@ -45,13 +45,6 @@ KEPT, LOW, BELOW = (1.0, 0.95, 0.88), 0.5, 0.95
 AGAIN, TRIES = (0.8, 1.3), 10
 # It is found to this part of it.
 CLOSE = 1e-3
-
-
-class Check(NamedTuple):
-    """The speed of separation (rad/s; None: contact is kept), and motions at speeds (rad/s)."""
-
-    separation: float | None
-    motions: Mapping[float, Motion]
 
 
 class _Cycles:
@@ -108,13 +101,13 @@ def find_own_separation(asked: Asked, cycles: _Cycles, speed: float) -> float | 
 def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float | None) -> Wanted:
     """The limits in SI units."""
     limits = asked.brief.limits
+    free = limits.separation_speed == FREE
     target = own if limits.separation_speed == OWN else limits.separation_speed
     if target is None:
         raise MistakeError(
             "limits.separation_speed: the scenario's own cam keeps contact at all speeds that were tried; "
             "give a speed, or a highest_speed where it loses contact"
         )
-    free = limits.separation_speed == FREE
     if free and not asked.brief.speeds:
         raise MistakeError('limits.separation_speed = "free": needs speeds = [...] at which limits are kept')
     kept = () if free else tuple(float(target) * part for part in KEPT)
@@ -123,28 +116,22 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
     below = [*speeds, *(speed for speed in kept if not cycles.is_lost(speed))]
     parts = train.train.contacts
 
-    def own_most(part: str, column: str) -> float:
-        return max(float(cycles[speed].column(f"{part}.{column}").max()) for speed in below)
+    def find_pressure(part: str) -> float:
+        return max(float(cycles[speed].column(f"{part}.maximum_pressure").max()) for speed in below)
 
-    asked_for = limits.peak_pressure
-    pressures = {
-        part: own_most(part, "maximum_pressure") if asked_for == OWN else float(asked_for)
-        for part in parts
-        if asked_for != FREE
-    }
-    gaps: dict[str, float] = {}
-    if limits.least_gap != FREE:
-        for part in train.springs:
-            least = min(float(cycles[speed].column(f"{part}.least_gap").min()) for speed in below)
-            gaps[part] = least if limits.least_gap == OWN else float(limits.least_gap)
-    loads = [CONTACT["least_load"][1](Part(cycles[s], p)).value for p in parts for s in below]
-    least_load = {FREE: 0.0, OWN: min(filter(math.isfinite, loads), default=0.0)}.get(str(limits.least_load))
-    sizes = find_own_limits(train, limits, top * train.ratio)
-    load = float(limits.least_load) if least_load is None else least_load
-    film = 0.0
-    if limits.least_film_ratio != FREE and train.film(0.0, top):
-        own_film = min(float(np.nanmin(train.film_ratios(cycles[speed].column))) for speed in below)
-        film = own_film if limits.least_film_ratio == OWN else float(limits.least_film_ratio)
+    def find_gap(part: str) -> float:
+        return min(float(cycles[speed].column(f"{part}.least_gap").min()) for speed in below)
+
+    def find_load() -> float:
+        loads = (CONTACT["least_load"][1](Part(cycles[s], p)).value for p in parts for s in below)
+        return min(filter(math.isfinite, loads), default=0.0)
+
+    def find_film() -> float:
+        return min(float(np.nanmin(train.film_ratios(cycles[speed].column))) for speed in below)
+
+    pressures = {part: _choose(limits.peak_pressure, partial(find_pressure, part)) for part in parts}
+    gaps = {part: _choose(limits.least_gap, partial(find_gap, part)) for part in train.springs}
+    film = _choose(limits.least_film_ratio, find_film) if train.film(0.0, top) else None
 
     def figure(name: str, speed: float) -> float:
         return read_figures(cycles[speed], [name])[name].value
@@ -156,9 +143,20 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
     asked_area = limits.least_lift_area
     area = asked_area if isinstance(asked_area, float) else float(asked_area == OWN)
     return Wanted(
-        sizes, pressures, gaps, load, speeds, kept, film, list(list_bounds(asked.brief, known, worst)),
-        area, find_objective(asked.brief, known, figure, speeds),
+        find_own_limits(train, limits, top * train.ratio),
+        {part: size for part, size in pressures.items() if size is not None},
+        {part: size for part, size in gaps.items() if size is not None},
+        _choose(limits.least_load, find_load) or 0.0, speeds, kept, film or 0.0,
+        list(list_bounds(asked.brief, known, worst)), area,
+        find_objective(asked.brief, known, figure, speeds),
     )  # fmt: skip
+
+
+def _choose(asked: Size, own: Callable[[], float]) -> float | None:
+    """The size of a limit; None where there is none."""
+    if asked == FREE:
+        return None
+    return own() if asked == OWN else float(asked)
 
 
 def design(
@@ -207,9 +205,7 @@ def design(
         with reporter.stage("coupled run of the designed cam"):
             said = [*deliver(out, train, improved.found.unknowns), *couple(out, train.own_speed, build)]
         geometries = train.lobe.kind.geometry, search.geometry(improved.found.unknowns)
-        separations = before.separation, after.separation
-        motions = before.motions, after.motions
-        table = tabulate(train, wanted, improved, separations, motions, geometries)
+        table = tabulate(train, wanted, improved, (before, after), geometries)
         table.to_netcdf(out / TABLE, engine="h5netcdf")
         save_figure(lambda: draw_design(table), out / FIGURE)
         (out / PROGRESS).unlink()

@@ -11,6 +11,8 @@ import numpy as np
 import xarray
 from rich.table import Table
 
+from models.core.system import System
+
 from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
 from ...errors import Command, MistakeError, Option
@@ -68,10 +70,11 @@ def compare(
     by design its separation, and the one with a second film formula.
     """
     choice = choice or Choice()
-    tables = dict(zip(label(first, second), map(read_sweep, (first, second)), strict=True))
-    common = select_speeds(list(tables.values()), choice)
+    sweeps = dict(zip(label(first, second), map(read_sweep, (first, second)), strict=True))
+    tables = [sweep.table for sweep in sweeps.values()]
+    common = select_speeds(tables, choice)
     if not all(table.sizes["speed"] for table in common):
-        with_lost = select_speeds(list(tables.values()), replace(choice, lost=True))
+        with_lost = select_speeds(tables, replace(choice, lost=True))
         only_lost = all(table.sizes["speed"] for table in with_lost)
         kept = " at which both keep contact" if only_lost else " there"
         add = (("add ", Option("lost", True), " for the others"),) if only_lost else ()
@@ -79,10 +82,10 @@ def compare(
     ends = [f"{RPM * float(pick(table['speed'])):.0f}" for pick in (np.min, np.max) for table in common]
     title = f"{min(ends[:2], key=float)} to {max(ends[2:], key=float)} r/min"
     title = f"{ends[0]} r/min" if len(set(ends)) == 1 else title
-    left_out = sum(table.sizes["speed"] for table in tables.values()) - sum(t.sizes["speed"] for t in common)
+    left_out = sum(table.sizes["speed"] for table in tables) - sum(t.sizes["speed"] for t in common)
     if left_out and not choice.lost and choice.at is None:
         title += ", where both keep contact"
-    shown = Table("worst", "unit", *tables, title=title, title_justify="left")
+    shown = Table("worst", "unit", *sweeps, title=title, title_justify="left")
     numbers: dict[str, Any] = {}
     every = dict.fromkeys(str(name) for table in common for name in table.data_vars)
     for name in every:
@@ -96,35 +99,38 @@ def compare(
             continue
         shown.add_row(name, unit, *(str(w) if w else "–" for w in worst))
         plain = [w and asdict(w) for w in worst]
-        numbers[name] = {"unit": unit, **dict(zip(tables, plain, strict=True))}
+        numbers[name] = {"unit": unit, **dict(zip(sweeps, plain, strict=True))}
     reporter.console.print(shown)
-    summaries = {
-        name: json.loads((folder / SUMMARY).read_text("utf-8"))
-        for name, folder in zip(tables, (first, second), strict=True)
-    }
     found: dict[str, Any] = {"worst": numbers}
     for kind in ("separation", "second_separation"):
-        found[kind] = {name: summary.get(kind) for name, summary in summaries.items()}
+        found[kind] = {name: sweep.summary.get(kind) for name, sweep in sweeps.items()}
         for name, separation in found[kind].items():
             if separation:
                 reporter.line(f"{name}: {separation['text']}")
     if out is not None:
         separations = {name: one and one["speed"] for name, one in found["separation"].items()}
-        scenarios = (tomllib.loads(one["scenario_toml"]) for one in summaries.values())
-        whole = {
-            name: add_losses(table, build_system(build_scenario(scenario)))
-            for (name, table), scenario in zip(tables.items(), scenarios, strict=True)
-        }
+        whole = {name: add_losses(sweep.table, sweep.build_system()) for name, sweep in sweeps.items()}
         reporter.line(f"figure: {save_figure(lambda: draw_summary(whole, separations), out)}")
     return found
 
 
-def read_sweep(folder: Path) -> xarray.Dataset:
-    """The table of a sweep; MistakeError if there is none."""
+@dataclass(frozen=True)
+class Sweep:
+    """A finished sweep: its cycles by speed, and its summary."""
+
+    table: xarray.Dataset
+    summary: dict[str, Any]
+
+    def build_system(self) -> System:
+        return build_system(build_scenario(tomllib.loads(self.summary["scenario_toml"])))
+
+
+def read_sweep(folder: Path) -> Sweep:
+    """MistakeError if there is none."""
     if not (folder / STORE).exists() or not (folder / SUMMARY).exists():
         remedy = Command("speeds", (...,), (Option("out", folder),))
         raise MistakeError(f"{folder}: holds no finished sweep", ("make one with ", remedy))
-    return read_table(folder)
+    return Sweep(read_table(folder), json.loads((folder / SUMMARY).read_text("utf-8")))
 
 
 def label(first: Path, second: Path) -> tuple[str, str]:

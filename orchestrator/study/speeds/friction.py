@@ -1,8 +1,6 @@
 """Friction of whole trains over speed by shares, of a sweep or of several designs such as temperatures."""
 
-import json
 import math
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,9 +15,7 @@ from models.monolithic.cycle import STEADY
 
 from ...assessment.friction.shares import SHARES, list_losses
 from ...errors import MistakeError
-from ...scenario import build_scenario
 from ...scenario.display import format_number
-from ...scenario.system import build_system
 from ...store.csv_file import write_rows
 from ...store.output_folder import STORE, SUMMARY
 from .compare import read_sweep
@@ -56,12 +52,12 @@ def list_sweeps(folder: Path) -> list[Path]:
 
 def read_sheet(folder: Path) -> Sheet:
     """MistakeError if the folder holds no finished sweep, or none with a steady cycle."""
-    every, summary = read_sweep(folder), json.loads((folder / SUMMARY).read_text("utf-8"))
+    sweep = read_sweep(folder)
+    every, system = sweep.table, sweep.build_system()
     steady = every["change"].values <= STEADY
     if not steady.any():
         raise MistakeError(f"{folder}: has no steady cycle, at none of its speeds; its friction has no mean")
     table = every.isel(speed=np.flatnonzero(steady))
-    system = build_system(build_scenario(tomllib.loads(summary["scenario_toml"])))
     speed = table["speed"].values
     torques: dict[str, Vector] = {}
     for loss in list_losses(system):

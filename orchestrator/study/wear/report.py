@@ -16,6 +16,7 @@ from models.valve_train.worn_cam import FINEST, PLACES
 from ...assessment.figures_of_merit import CONTACT
 from ...errors import Option, Words
 from ...scenario.files import to_full_toml
+from ...scenario.lift_table import format_lifts
 from .history import MOST, History, deepest
 from .train import CAM, FIGURES, LOSS
 
@@ -174,6 +175,5 @@ def write(history: History, table: xarray.Dataset, folder: Path) -> list[Path]:
     ages.columns = [f"{name} [{table[name].attrs['units']}]" for name in ages.columns]
     ages.to_csv(files[1], index_label="age")
     points = history.train.fresh.wear_off(history.ages[-1].state[LOSS])
-    rows = (f"{math.degrees(a):.9g}, {1e3 * s:.7f}\n" for a, s in zip(points.angle, points.lift, strict=True))
-    files[2].write_text("cam angle [deg], lift [mm]\n" + "".join(rows), "utf-8")
+    files[2].write_text(format_lifts(points), "utf-8")
     return files
