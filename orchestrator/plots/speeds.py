@@ -1,4 +1,4 @@
-"""A train over speed: summary, map of a load over angle and speed, and its orders."""
+"""A train over speed: summary, map of a load over angle and speed, and its Campbell diagram."""
 
 import math
 from collections.abc import Mapping
@@ -179,29 +179,6 @@ def draw_map(cycles: xarray.Dataset, name: str, lost: NDArray[np.bool_]) -> Figu
     axes.set_xlabel("Cam angle (°)")
     axes.set_ylabel("Speed (r/min)")
     axes.set_ylim(rpm.min(), rpm.max())
-    axes.grid(visible=False)
-    return figure
-
-
-def draw_orders(cycles: xarray.Dataset, name: str) -> Figure:
-    """Amplitudes of a load's orders over speed, with the order that meets the spring's surge."""
-    figure, axes = create_subplots(1, 1, f"Orders of {name}: amplitude (N)", (7.6, 5.0))
-    orders, amplitude = find_orders(cycles[name])
-    rpm = RPM * cycles["speed"].values
-    every = np.linspace(rpm[0], rpm[-1], 200)  # the curve is a hyperbola, between few speeds a polygon
-    drawn = axes.pcolormesh(
-        rpm, orders, amplitude.T, shading="nearest", cmap="viridis", norm=_scale(amplitude)
-    )
-    figure.colorbar(drawn, ax=axes, extend="min")
-    for kind, frequency in list_frequencies(cycles):
-        if kind == "surge":
-            turning = cycles.attrs["cam_ratio"] * every
-            axes.plot(every, 60.0 * frequency / turning, color=REFERENCE, label=kind)
-    _add_legend(axes)
-    axes.set_xlim(rpm[0], rpm[-1])
-    axes.set_ylim(0.5, MOST_ORDERS + 0.5)
-    axes.set_xlabel("Speed (r/min)")
-    axes.set_ylabel("Order of the cam")
     axes.grid(visible=False)
     return figure
 

@@ -112,6 +112,29 @@ def test_refusals(arguments, key, tmp_path):
     assert not list(tmp_path.rglob("*.*"))
 
 
+@pytest.mark.parametrize(
+    ("name", "values", "message"),
+    [
+        ("cam", {"follower": "roller", "offset": 0.1}, "offset"),
+        ("cam", {"follower": "finger_pad", "valve_arm": 5e-3}, "cannot lift the valve"),
+        ("cam", {"follower": "finger_pad", "cam_arm": 0.0}, "must not be zero"),
+        ("cam", {"lift_table": "absent.csv"}, "cannot be read"),
+        ("clearance", {"rod_length": 0.04}, "crank_radius = 0.043 m: must be less than rod_length = 0.04 m"),
+        ("clearance", {"pin_offset": 0.12}, "pin_offset = 0.12 m: .* rod_length - crank_radius = 0.1 m"),
+        ("clearance", {"advance": -0.2}, "advance = -11.4592 deg: must be at least -retard, 0 deg"),
+        ("spring", {"travel": 0.011}, "lift 11 mm: must be less than 10 mm, where all coils touch"),
+        ("spring", {"low": 400.0}, "low = 3819.72 r/min: must be less than high"),
+        ("spring", {"mean_diameter": "26"}, "= 26000 mm: must be 2 to 50 times the wire's 4 mm"),
+        ("spring", {"pitch": "8 mm, six"}, r"wire.pitch\[2\]"),
+        ("spring", {"pitch": "8 mm", "free_length": 0.05}, "free_length: follows from the pitch"),
+    ],
+)
+def test_what_an_analysis_cannot_take_is_named(name, values, message):
+    analysis = load(name)
+    with pytest.raises(MistakeError, match=message):
+        analysis.evaluate(analysis.complete(values))
+
+
 def test_a_result_is_not_overwritten_unasked(tmp_path):
     (tmp_path / "exponents.nc").write_text("mine")
     with pytest.raises(MistakeError, match="overwrite=True"):

@@ -26,7 +26,7 @@ from orchestrator.study.speeds import subject as speeds
 from tribocosim.reporting import SilentReporter
 
 from ..third_party.c_fmus import fmu
-from .commands import called, said
+from .commands import called
 
 TIMES = np.linspace(0.0, 2.0, 200)
 
@@ -324,12 +324,6 @@ def test_too_few_data_are_refused_before_anything_is_written(tmp_path):
     with pytest.raises(MistakeError, match="2 measured numbers cannot give 2 unknowns"):
         tribocosim.calibrate("two-masses", tmp_path / "data.csv", wanted, out=tmp_path / "out")
     assert not (tmp_path / "out").exists()
-
-
-def test_a_mistake_is_one_sentence(tmp_path):
-    done = called("calibrate", "valve-train", str(tmp_path / "none.csv"), "--parameters", "contact.viscosity")
-    assert done.returncode == 2
-    assert "none.csv: cannot be read" in said(done)
 
 
 def test_samples_of_a_cycle_fall_on_the_data():

@@ -256,21 +256,6 @@ def test_the_analysis_of_a_cam_agrees_with_the_closed_forms_of_the_default(recor
     assert found["shape"] == "convex"
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"follower": "roller", "offset": 0.1}, "offset"),
-        ({"follower": "finger_pad", "valve_arm": 5e-3}, "cannot lift the valve"),
-        ({"follower": "finger_pad", "cam_arm": 0.0}, "must not be zero"),
-        ({"lift_table": "absent.csv"}, "cannot be read"),
-    ],
-)
-def test_the_analysis_of_a_cam_names_what_it_cannot_take(values, message):
-    analysis = load("cam")
-    with pytest.raises(MistakeError, match=message):
-        analysis.evaluate(analysis.complete(values))
-
-
 def test_a_table_without_lift_is_named(tmp_path):
     table = tmp_path / "flat.csv"
     table.write_text("angle [deg], lift [mm]\n" + "".join(f"{a}, -1.0\n" for a in range(0, 360)))

@@ -9,13 +9,11 @@ import pytest
 
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
-from orchestrator.analyses import load
 from orchestrator.analyses._cam_profile import build_profile
 from orchestrator.analyses._evaluate import compute_table
 from orchestrator.analyses.clearance import ANALYSIS
 from orchestrator.assessment.figures_of_merit import measure
 from orchestrator.assessment.motion import Motion
-from orchestrator.errors import MistakeError
 
 from .commands import called
 
@@ -51,19 +49,6 @@ def test_an_advanced_intake_and_a_retarded_exhaust_come_closer():
     assert exhaust["clearance"].values[::-1] == pytest.approx(intake["clearance"].values, abs=1e-9)
     advanced = compute(lobe_centre=98.0 * DEGREE)
     assert intake["least_over_phases"].item() == pytest.approx(advanced["least_clearance"].item())
-
-
-@pytest.mark.parametrize(
-    ("values", "said"),
-    [
-        ({"rod_length": 0.04}, r"crank_radius = 0.043 m: must be less than rod_length = 0.04 m"),
-        ({"pin_offset": 0.12}, r"pin_offset = 0.12 m: must be less than rod_length - crank_radius = 0.1 m"),
-        ({"advance": -0.2}, r"advance = -11.4592 deg: must be at least -retard, 0 deg"),
-    ],
-)
-def test_cranks_and_phases_that_are_none(values, said):
-    with pytest.raises(MistakeError, match=said):
-        load("clearance").evaluate(ANALYSIS.complete(values))
 
 
 def test_the_command_says_where_a_shipped_cam_comes_closest(tmp_path: Path):

@@ -32,7 +32,7 @@ from orchestrator.study.store import DONE
 from orchestrator.texts import parse_toml
 from tribocosim.reporting import SilentReporter
 
-from .commands import called, said
+from .commands import called
 
 DRY = ("components.contact.parameters.film_model=dry",)
 
@@ -162,12 +162,6 @@ def test_the_command_prints_what_moves_a_train_and_leaves_table_and_figure(tmp_p
     assert unit == "N"
     assert float(elasticity) == pytest.approx(330.0 / float(force), rel=1e-4)
     assert (tmp_path / "found" / "sensitivities.png").stat().st_size > 10_000
-
-
-def test_a_mistake_is_one_sentence():
-    done = called("sensitivities", "valve-train", "--speed", "2000")
-    assert done.returncode == 2
-    assert "speed" in said(done)
 
 
 def test_each_number_that_an_oil_gives_varies_alone(monkeypatch, tmp_path):

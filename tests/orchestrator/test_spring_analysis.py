@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.analyses import load
 from orchestrator.analyses._cam_source import find_spring_settings
 from orchestrator.analyses._evaluate import compute_table
 from orchestrator.analyses.spring import ANALYSIS, find_orders, write_orders
@@ -89,18 +88,3 @@ def test_a_scenario_gives_wire_and_cam(tmp_path: Path):
     )
     made = sorted(path.name for path in (tmp_path / "results" / "wound-spring").iterdir())
     assert made == ["spring.nc", "spring.orders.csv", "spring.png"]
-
-
-@pytest.mark.parametrize(
-    ("settings", "said"),
-    [
-        ({"travel": 0.011}, "the valve's lift 11 mm: must be less than 10 mm, where all coils touch"),
-        ({"low": 400.0}, "low = 3819.72 r/min: must be less than high"),
-        ({"mean_diameter": "26"}, "mean_diameter = 26000 mm: must be 2 to 50 times the wire's 4 mm"),
-        ({"pitch": "8 mm, six"}, r"wire.pitch\[2\]"),
-        ({"pitch": "8 mm", "free_length": 0.05}, "free_length: follows from the pitch"),
-    ],
-)
-def test_springs_that_are_none(settings, said):
-    with pytest.raises(MistakeError, match=said):
-        load("spring").evaluate(ANALYSIS.complete(settings))

@@ -9,19 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
-import zarr
 from scipy import stats
 
 from models.valve_train.worn_cam import PLACES, sample_cam
 from orchestrator.errors import MistakeError, RunError
 from orchestrator.scenario.cams import read_cam
 from orchestrator.scenario.files import load, read_changed
-from orchestrator.study.files import Plan, plan_axis
-from orchestrator.study.run import Where, run
+from orchestrator.study.files import Plan
+from orchestrator.study.run import Where
 from orchestrator.study.source import compute_fingerprint
 from orchestrator.study.speeds import finder
 from orchestrator.study.speeds.subject import describe_numbers
-from orchestrator.study.store import DONE, FAILED, PENDING, open_store
+from orchestrator.study.store import DONE, FAILED, open_store
 from orchestrator.study.task import Outcome, evaluate
 from orchestrator.study.tolerances import run as study
 from orchestrator.study.tolerances.design import BESIDE, SAMPLE, Design, GrindingError, Parameters
@@ -39,7 +38,7 @@ from orchestrator.study.tolerances.statistics import (
 from orchestrator.study.tolerances.table import Correlation, parse_tolerances
 from tribocosim.reporting import SilentReporter
 
-from .commands import called, said
+from .commands import called
 
 DRY = ("components.contact.parameters.film_model=dry",)
 NORMAL = {"kind": "normal", "deviation": "5 %"}
@@ -232,6 +231,7 @@ def test_trains_without_a_cycle_keep_no_limit_and_are_named(monkeypatch):
         ({"grinding": {"camshafts": {"amplitudes": {3: "1 um"}}}}, "camshaft"),
         ({"grinding": {"camshaft": {"amplitudes": {300: "1 um"}}}}, "from 1 to 90"),
         ({"parameters": {}}, "missing"),
+        ({"sped": 4}, "sped: unknown key; did you mean speed"),
     ],
 )  # fmt: skip
 def test_a_mistake_is_named_with_its_remedy(changes, why):
@@ -315,32 +315,3 @@ def test_the_command_continues_what_was_interrupted_and_finds_percentiles_and_yi
         spread = float(force.sel(percent=99.0) - force.sel(percent=50.0))
     assert spread == pytest.approx(0.05 * 330.0 * stats.norm.ppf(0.99), rel=1e-3)
     assert (out / "tolerances.png").stat().st_size > 10_000
-
-
-@pytest.mark.long
-def test_any_number_of_workers_finds_the_same_also_after_an_interruption(tmp_path):
-    subject, _ = make_subject(read_changed("valve-train", DRY), parse_tolerances({**GIVEN, "indices": True}))
-    count, found = len(subject.design), []
-    plan = plan_axis("trains", "trains", subject, "train", (0.0, count - 1.0), count)
-    for workers, store in (
-        (1, tmp_path / "one.zarr"),
-        (3, tmp_path / "more.zarr"),
-        (2, tmp_path / "more.zarr"),
-    ):
-        if store.exists():
-            group: Any = zarr.open_group(store, mode="r+")
-            group["status"][5:9] = PENDING
-            group["contact.least_load"][5:9] = np.nan
-        assert run(plan, store, Where(workers=workers), SilentReporter()) == 0
-        with xarray.open_zarr(store) as stored:
-            found.append(stored.load())
-    assert found[0].equals(found[1])
-    assert found[0].equals(found[2])
-
-
-def test_a_mistake_of_the_file_is_one_sentence(tmp_path):
-    file = tmp_path / "given.toml"
-    file.write_text("speed = 3\nsped = 4")
-    done = called("tolerances", "valve-train", str(file))
-    assert done.returncode == 2
-    assert "sped" in said(done)

@@ -89,9 +89,8 @@ def lowest(page: Any, title: str) -> float:
 
 def test_the_valve_stands_where_its_lift_says(browser, result):
     """At three instants; the page rounds to a thousandth of a millimetre, and values to five digits."""
-    assert result.folder is not None
     lift = result.coupled["valve_spring.position"]
-    with opened(browser, result.folder / "report.html") as page:
+    with opened(browser, Path(result.folder, "report.html")) as page:
         page.evaluate("report.setTime(0)")
         settle(page)
         closed = lowest(page, "valve_spring") - 1e3 * float(lift[0])
@@ -103,8 +102,7 @@ def test_the_valve_stands_where_its_lift_says(browser, result):
 
 
 def test_zoom_move_and_instant_go_through_all_plots(browser, result):
-    assert result.folder is not None
-    with opened(browser, result.folder / "report.html") as page:
+    with opened(browser, Path(result.folder, "report.html")) as page:
         canvas = page.locator(".panel canvas").first
         canvas.scroll_into_view_if_needed()
         box = canvas.bounding_box()
@@ -128,8 +126,7 @@ def test_zoom_move_and_instant_go_through_all_plots(browser, result):
 
 
 def test_keys_play_and_step(browser, result):
-    assert result.folder is not None
-    with opened(browser, result.folder / "report.html") as page:
+    with opened(browser, Path(result.folder, "report.html")) as page:
         page.keyboard.press("ArrowRight")
         assert page.evaluate("report.now") == pytest.approx(2e-5)
         page.keyboard.press(" ")
@@ -140,8 +137,7 @@ def test_keys_play_and_step(browser, result):
 
 
 def test_what_is_shown_is_saved_as_csv(browser, result):
-    assert result.folder is not None
-    with opened(browser, result.folder / "report.html") as page:
+    with opened(browser, Path(result.folder, "report.html")) as page:
         with page.expect_download() as download:
             page.click("#csv")
         header, *rows = Path(download.value.path()).read_text().splitlines()
@@ -154,8 +150,7 @@ def test_what_is_shown_is_saved_as_csv(browser, result):
 
 
 def test_angles_take_the_place_of_time(browser, result):
-    assert result.folder is not None
-    with opened(browser, result.folder / "report.html", color_scheme="dark") as page:
+    with opened(browser, Path(result.folder, "report.html"), color_scheme="dark") as page:
         assert page.evaluate("report.view.name") == "cam_angle"
         page.select_option("#abscissa", "camshaft.cam_angle")
         page.wait_for_timeout(300)
@@ -165,8 +160,7 @@ def test_angles_take_the_place_of_time(browser, result):
 
 def test_keys_work_after_a_click_on_a_button(browser, result):
     """What was reached by the keyboard keeps its keys: there, space presses a button."""
-    assert result.folder is not None
-    with opened(browser, result.folder / "report.html") as page:
+    with opened(browser, Path(result.folder, "report.html")) as page:
         page.click("#whole")
         page.keyboard.press("ArrowRight")
         assert page.evaluate("report.now") == pytest.approx(2e-5)
@@ -297,8 +291,7 @@ def test_speeds_without_contact_are_pale(browser, tmp_path):
 
 def test_everything_has_a_name_for_screen_readers(browser, result):
     """Every control and every picture."""
-    assert result.folder is not None
-    with opened(browser, result.folder / "report.html") as page:
+    with opened(browser, Path(result.folder, "report.html")) as page:
         nameless = page.evaluate(
             "[...document.querySelectorAll('canvas, svg, select, input, button')].filter((one) =>"
             " !one.getAttribute('aria-label') && !one.closest('label') && !one.textContent.trim())"
@@ -309,8 +302,7 @@ def test_everything_has_a_name_for_screen_readers(browser, result):
 
 def test_paper_is_white(browser, result):
     """A page in dark colours is drawn in light ones for the printer, and back."""
-    assert result.folder is not None
-    with opened(browser, result.folder / "report.html", color_scheme="dark") as page:
+    with opened(browser, Path(result.folder, "report.html"), color_scheme="dark") as page:
         dark = page.evaluate("color('paper')")
         page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
         assert page.evaluate("color('paper')") == "#ffffff"

@@ -23,7 +23,7 @@ from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
 from ...assessment.trains import list_contacts, parameter_of
 from ...errors import MistakeError, Option
-from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
+from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_summary
 from ...plots.style import save_figure
 from ...reporter import Reporter
 from ...run.interruption import tell_interruption
@@ -290,7 +290,6 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path, separation:
     for load_name in [f"{name}.load" for name in contacts[:2]]:
         stem = load_name.replace(".", "-")
         files.append(save_figure(partial(draw_map, joined, load_name, lost), out / f"{stem}-map.png"))
-        files.append(save_figure(partial(draw_orders, joined, load_name), out / f"{stem}-orders.png"))
         files.append(save_figure(partial(draw_campbell, joined, load_name), out / f"{stem}-campbell.png"))
     return files
 
