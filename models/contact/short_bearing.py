@@ -45,14 +45,6 @@ class Impedance(NamedTuple):
     mixed: float
 
 
-class Turned(NamedTuple):
-    """The impedance in the direction of u, and that direction's cosine and sine with the force."""
-
-    impedance: Impedance
-    cos: float
-    sin: float
-
-
 @kernel
 def find_impedance(xi: float, zeta: float) -> Impedance:
     """int (cos^2, sin^2, sin cos)/(1 - xi cos - zeta sin)^3 over |angle| < pi/2, for xi^2 + zeta^2 < 1."""
@@ -79,13 +71,6 @@ def find_force(squeeze: Squeeze, eps: Squeeze) -> Squeeze:
 
 
 @kernel
-def turn(angle: float, along: float, across: float) -> Turned:
-    """The impedance for a u at this angle from the force, with eps along and across the latter."""
-    c, s = math.cos(angle), math.sin(angle)
-    return Turned(find_impedance(c * along + s * across, c * across - s * along), c, s)
-
-
-@kernel
 def find_squeeze(force: Squeeze, eps: Squeeze) -> Squeeze:
     """The u with A u = force, the inverse of `find_force` for |eps| < 1.
 
@@ -101,7 +86,8 @@ def find_squeeze(force: Squeeze, eps: Squeeze) -> Squeeze:
     low = -0.5 * math.pi if across > 0.0 else 0.0
     high, angle = low + 0.5 * math.pi, 0.0
     for _ in range(STEPS):
-        k = turn(angle, along, across).impedance
+        cos, sin = math.cos(angle), math.sin(angle)
+        k = find_impedance(cos * along + sin * across, cos * across - sin * along)
         ahead = angle + math.atan2(k.mixed, k.along)
         if ahead > 0.0:
             high = angle
@@ -113,9 +99,10 @@ def find_squeeze(force: Squeeze, eps: Squeeze) -> Squeeze:
             angle = 0.5 * (low + high)
         if abs(angle - before) <= CLOSE:
             break
-    found = turn(angle, along, across)
-    speed = size / math.sqrt(found.impedance.along**2 + found.impedance.mixed**2)
-    return Squeeze(speed * (found.cos * c - found.sin * s), speed * (found.cos * s + found.sin * c))
+    cos, sin = math.cos(angle), math.sin(angle)
+    k = find_impedance(cos * along + sin * across, cos * across - sin * along)
+    speed = size / math.sqrt(k.along**2 + k.mixed**2)
+    return Squeeze(speed * (cos * c - sin * s), speed * (cos * s + sin * c))
 
 
 @kernel

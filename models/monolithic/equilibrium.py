@@ -7,6 +7,7 @@ from scipy.optimize import least_squares, root
 from ..core.evaluation import Evaluation, Interpreted
 from ..core.quantities import Vector
 from ..core.system import ModelError, System
+from .problem import find_jacobian
 
 # The Newton step that remains, in nominal sizes, at which an equilibrium counts as found.
 CLOSE = 1e-9
@@ -223,13 +224,7 @@ class _Rest:
         return np.asarray(np.nan_to_num(rate, nan=1e30, posinf=1e30, neginf=-1e30))
 
     def jacobian(self, scaled: Vector) -> Vector:
-        base = self.residual(scaled)
-        columns = []
-        for j in range(scaled.size):
-            moved = scaled.copy()
-            moved[j] += 1e-7 * max(1.0, abs(scaled[j]))
-            columns.append((self.residual(moved) - base) / (moved[j] - scaled[j]))
-        return np.column_stack(columns)
+        return find_jacobian(self.residual, scaled, np.ones(scaled.size))
 
     def newton_step(self, scaled: Vector) -> Vector:
         return np.asarray(np.linalg.lstsq(self.jacobian(scaled), self.residual(scaled), rcond=None)[0])

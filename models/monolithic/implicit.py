@@ -21,7 +21,7 @@ from ..core.integrator import FAILURES, OK
 from ..core.quantities import Vector
 from ..core.system import System
 from .energy import QUADRATURES, Energies
-from .problem import check_solvable
+from .problem import check_solvable, find_jacobian
 
 # Newton's corrections of the states that are no field's end below this of nominal + |value|: a few roundings,
 # as a contact's deflection is a small difference of large positions.
@@ -168,15 +168,13 @@ class ImplicitProblem:
     def _invert(self, t: float, x: Vector, interval: float, anew: bool) -> Vector:
         """The inverse of 1 - interval * Jacobian, by differences at some earlier state."""
         if self._jacobian is None or anew:
-            base = self.evaluation.derivative(t, x)[self.others].copy()
-            columns = []
-            for j, k in enumerate(self.others):
-                moved = x.copy()
-                moved[k] += 1e-7 * max(self._nominal[j], abs(x[k]))
-                rate = self.evaluation.derivative(t, moved)[self.others]
-                columns.append((rate - base) / (moved[k] - x[k]))
-            size = self.others.size
-            self._jacobian = np.column_stack(columns) if columns else np.zeros((size, size))
+            whole = x.copy()
+
+            def rate(others: Vector) -> Vector:
+                whole[self.others] = others
+                return self.evaluation.derivative(t, whole)[self.others]
+
+            self._jacobian = find_jacobian(rate, x[self.others], self._nominal)
             self._inverse = None
         if self._inverse is None or abs(self._inverse[0] - interval) > SAME_INTERVAL * interval:
             inverse = np.linalg.inv(np.eye(self.others.size) - interval * self._jacobian)

@@ -1,6 +1,7 @@
 """What the two methods integrate: an initial value problem with events, and a System as one."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -60,6 +61,16 @@ class CompiledProblem(Problem, Protocol):
 
     flat_rate: Any
     memory: tuple[Any, Any]
+
+
+def find_jacobian(rate: Callable[[Vector], Vector], x: Vector, sizes: Vector) -> Vector:
+    """d(rate)/dx by differences over 1e-7 of x or of its size."""
+    base, columns = rate(x).copy(), []
+    for j in range(x.size):
+        moved = x.copy()
+        moved[j] += 1e-7 * max(sizes[j], abs(x[j]))
+        columns.append((rate(moved) - base) / (moved[j] - x[j]))
+    return np.column_stack(columns) if columns else np.zeros((0, 0))
 
 
 def check_ode(system: System) -> None:

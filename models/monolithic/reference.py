@@ -20,7 +20,7 @@ from .energy import EnergyBalance
 from .implicit import ImplicitProblem
 from .implicit_methods import Bdf3, ImplicitMethod, Sdirk4, march_implicit
 from .march import Method, march
-from .problem import Event, Problem, SystemProblem
+from .problem import Event, Problem, SystemProblem, find_jacobian
 from .runge_kutta import RungeKutta
 
 # The integrators' tolerance per step and unit of nominal, over the tolerance that the user asks for: a
@@ -217,12 +217,7 @@ def stiffness(problem: Problem, t0: float, z: Vector, times: Vector) -> tuple[bo
     eigenvalue of the Jacobian (by differences) at the start. The limit, of an explicit method the one that
     stability sets as soon as anything moves, keeps a method from leaping from rest over a whole lift.
     """
-    base = problem.rate(t0, z).copy()
-    jacobian = np.empty((z.size, z.size))
-    for j in range(z.size):
-        moved = z.copy()
-        moved[j] += 1e-7 * max(problem.nominal[j], abs(z[j]))
-        jacobian[:, j] = (problem.rate(t0, moved) - base) / (moved[j] - z[j])
+    jacobian = find_jacobian(lambda state: problem.rate(t0, state), z, problem.nominal)
     if not np.all(np.isfinite(jacobian)):
         raise ModelError(f"the system's rates are not finite at its start, t = {t0:g} s: check start values")
     fastest = float(np.max(np.abs(np.linalg.eigvals(jacobian)), initial=0.0))

@@ -6,8 +6,7 @@ from typing import Any
 from ..compile.kernel import kernel
 from ..core.quantities import Vector
 from .constraints import Curve, constrain, find_cam_angle, follow_cam, lift_end
-from .loads import load_field, load_spring, press, push
-from .lubrication import lubricate
+from .loads import load_field, load_spring, lubricate, press, push
 from .tables import FLAT_CAM, Evaluation, Tables
 from .vectors import Arrow, add, cross, fill_rotation, pick, scale, to_body, to_ground, turn_angles
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from models.core.component import Component
 from models.core.integrator import OK
+from models.core.quantities import Vector
 
 Values = Mapping[str, float]
 
@@ -44,6 +45,13 @@ class Stepped:
     def input(self, name: str, *coefficients: float) -> None:
         """The Taylor coefficients of an input, value first."""
         self.U[: len(coefficients), self.component.inputs.index(name)] = coefficients
+
+    def rates(self, du: Vector | None = None) -> dict[str, float]:
+        """Of the outputs, with rates `du` of the inputs (default: at rest)."""
+        c, yd = self.component, np.zeros(self.component.outputs.size)
+        du = np.zeros(c.inputs.size) if du is None else du
+        c.flat_rates(self.t, self.x, self.u, du, self.p, np.zeros(c.rates_work_size), yd)
+        return c.outputs.named(yd)
 
     def __getitem__(self, output: str) -> float:
         return float(self.y[self.component.outputs.index(output)])

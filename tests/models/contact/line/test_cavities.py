@@ -191,10 +191,7 @@ def test_what_enters_is_stored(record) -> None:
     for _ in range(30):
         assert contact.step(5e-5, **drive) == OK
     assert contact["oil_volume"] == pytest.approx(contact.volume() * LENGTH, rel=1e-12)
-    component, rates, still = contact.component, np.zeros(contact.y.size), np.zeros(contact.u.size)
-    work = np.zeros(component.rates_work_size)
-    component.flat_rates(contact.t, contact.x, contact.u, still, contact.p, work, rates)
-    rate = rates[component.outputs.index("oil_volume")]
+    rate = contact.rates()["oil_volume"]
     assert rate == pytest.approx(layer * 0.5 * LENGTH, rel=1e-6)
     entered, source = layer * 0.5 * (contact.t - begun), "u m t enters"
     record("Field", "oil that a layer brings (m²)", contact.volume() - empty, entered, source, relative=1e-10)

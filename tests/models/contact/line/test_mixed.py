@@ -22,7 +22,6 @@ from models.contact.line.mixed import (
     TOUCHING,
     Bodies,
     couple_asperities,
-    fill_total,
     mean_plane_gap,
     touch,
 )
@@ -231,28 +230,6 @@ def test_approach_given_is_the_inverse_of_load_given():
         assert back["load"] == pytest.approx(given["load"], rel=1e-4)
     assert given["load"] > 1.02 * LOAD
     assert back["asperity_load"] == pytest.approx(given["asperity_load"], rel=1e-4)
-
-
-@pytest.mark.long
-def test_a_mixed_film_is_of_order_two_in_time():
-    """Errors of film and share against steps sixteen times smaller fall by four with halved steps."""
-
-    def end(steps: int) -> Vector:
-        times = np.linspace(0.0, 1e-3, steps + 1)
-        wave = 1.0 + 0.3 * np.sin(2.0 * math.pi * times / 1e-3)
-        film = film_history(
-            times, 400.0 * wave, wave, np.full_like(times, 0.02), NODES,
-            {"field_tolerance": 0.1, "roughness": COARSE.roughness},
-        )  # fmt: skip
-        total = np.empty(NODES)
-        fill_total(film.pressure[-1], film.film[-1], bodies(COARSE), total)
-        share = np.trapezoid(total - film.pressure[-1], film.x[-1]) / np.trapezoid(total, film.x[-1])
-        return np.array([film.film_thickness[-1], share])
-
-    exact = end(1600)
-    assert 0.1 < exact[1] < 0.9
-    first, second = (np.abs(end(steps) - exact) for steps in (50, 100))
-    assert np.all(np.log2(first / second) > 1.7)
 
 
 @pytest.mark.long
