@@ -13,7 +13,7 @@ from models.core.quantities import Vector
 
 from ..errors import ParticipantError
 from .description import EXACT, INTEGERS, REALS, Variable, find_range
-from .fmi_instance import ArrayLayout, Fail, FmiInstance, Transfer
+from .fmi_instance import Fail, FmiInstance, Transfer
 
 # Whole numbers that factors made are off by no more than this, or this part.
 WHOLE, ROUNDED = 1e-6, 1e-15
@@ -28,6 +28,34 @@ def find_array(known: Mapping[str, Variable], variable: Variable) -> list[Variab
         if v.memory[:2] == variable.memory[:2]:
             found.setdefault(v.place, v)
     return [found[place] for place in range(variable.size)]
+
+
+class _Group:
+    """Variables of one type in the memory of a call, with all elements of their arrays: these, their values
+    at rest, the unique references, and at which place is the variable of which number."""
+
+    def __init__(self) -> None:
+        self.whole: list[Variable] = []
+        self.rest: list[float] = []
+        self.numbers: list[int] = []
+        self.places: list[int] = []
+        self._begins: dict[int, int] = {}
+
+    def add(
+        self, number: int, v: Variable, known: Mapping[str, Variable], given: Mapping[Any, float]
+    ) -> None:
+        """`given` has values at rest, by what variables stand for; others are start values."""
+        if v.reference not in self._begins:
+            self._begins[v.reference] = len(self.whole)
+            array = find_array(known, v)
+            self.whole += array
+            self.rest += [given.get(one.memory, one.start or 0.0) for one in array]
+        self.numbers.append(number)
+        self.places.append(self._begins[v.reference] + v.place)
+
+    @property
+    def references(self) -> Any:
+        return np.array(list(self._begins), dtype=np.uintc)
 
 
 class VariableBinding:
@@ -47,97 +75,68 @@ class VariableBinding:
     ) -> None:
         self.fmi = fmi
         self._make_whole = partial(_to_whole, owner)
-        self.count = len(found := list(variables))
         given = {known[name].memory: value for name, value in (fixed or {}).items()}
-        doubles = [(i, v) for i, v in enumerate(found) if v.type in fmi.real_types]
-        # Where the doubles of each reference begin in the memory.
-        first: dict[int, int] = {}
-        rest: list[float] = []
-        for _, v in doubles:
-            if v.reference not in first:
-                first[v.reference] = len(rest)
-                rest += [_get_rest(one, given) for one in find_array(known, v)]
-        self.references = np.array(list(first), dtype=np.uintc)
-        self.rest = np.array(rest, dtype=float)
-        self.fast = np.array([i for i, _ in doubles], dtype=np.int64)
-        self.places = np.array([first[v.reference] + v.place for _, v in doubles], dtype=np.int64)
-        self.plain = len(doubles) == len(first) == len(rest) == self.count
-        # Other types: all elements of the variables of one type, their values at rest, and which go where.
-        self.slow: dict[str, tuple[list[Variable], list[float], list[tuple[int, int]]]] = {}
-        begins: dict[tuple[int, str], int] = {}
-        for i, v in enumerate(found):
-            if v.type not in fmi.real_types:
-                whole, values, wanted = self.slow.setdefault(v.type, ([], [], []))
-                key = (v.reference, v.type)
-                if key not in begins:
-                    begins[key] = len(whole)
-                    array = find_array(known, v)
-                    whole += array
-                    values += [_get_rest(one, given) for one in array]
-                wanted.append((i, begins[key] + v.place))
+        doubles, self._others, count = _Group(), dict[str, _Group](), 0
+        for count, v in enumerate(variables, 1):
+            double = v.type in fmi.real_types
+            group = doubles if double else self._others.setdefault(v.type, _Group())
+            group.add(count - 1, v, known, given)
+        self.references = doubles.references
+        self._rest = np.array(doubles.rest, dtype=float)
+        self._numbers = np.array(doubles.numbers, dtype=np.int64)
+        self._places = np.array(doubles.places, dtype=np.int64)
+        self._values = np.zeros(count)
+        self.plain = len(self._numbers) == len(self.references) == len(self._rest) == count
 
     def bind_set(self, fail: Fail, memory: Vector | None = None) -> None:
         """Prepare to set them; `memory` holds their values if they are plain."""
-        self._bind(self.fmi.bind_setter, fail, memory, self._set_slow)
+        self._bind(self.fmi.bind_setter, fail, memory, self._set_others)
 
     def bind_get(self, fail: Fail, memory: Vector | None = None) -> None:
         """Prepare to get them, as `bind_set`."""
         self._getters = [
-            self._bind_slow(kind, whole, wanted, fail) for kind, (whole, _, wanted) in self.slow.items()
+            (group, *self.fmi.bind_typed_getter(kind, group.references, len(group.whole), fail))
+            for kind, group in self._others.items()
         ]
-        self._bind(self.fmi.bind_getter, fail, memory, self._get_slow)
+        self._bind(self.fmi.bind_getter, fail, memory, self._get_others)
 
     def _bind(
-        self,
-        bind: Callable[..., Transfer],
-        fail: Fail,
-        memory: Vector | None,
-        slow: Callable[[Vector], None],
+        self, bind: Callable[..., Transfer], fail: Fail, memory: Vector | None, others: Callable[[], None]
     ) -> None:
-        self._memory = self.rest.copy() if memory is None else memory
-        self._values = np.zeros(self.count)
-        self._transfer_fast, self._transfer_slow = bind(self.references, self._memory, fail), slow
-        # The FMU's function itself where that transfers all: it runs in every step.
-        self.transfer = self._transfer_all if self.slow else self._transfer_fast
+        self._memory = self._rest.copy() if memory is None else memory
+        transfer = bind(self.references, self._memory, fail)
 
-    def _transfer_all(self) -> None:
-        self._transfer_fast()
-        self._transfer_slow(self._values)
+        def transfer_all() -> None:
+            transfer()
+            others()
+
+        # The FMU's function itself where that transfers all: it runs in every step.
+        self.transfer = transfer_all if self._others else transfer
 
     def set_values(self, values: Vector) -> None:
-        self._memory[self.places] = values[self.fast]
-        if self.slow:
+        self._memory[self._places] = values[self._numbers]
+        if self._others:
             self._values[:] = values
         self.transfer()
 
     def get_values(self) -> Vector:
         """Their values, in memory that the next call uses again."""
         self.transfer()
-        self._values[self.fast] = self._memory[self.places]
+        self._values[self._numbers] = self._memory[self._places]
         return self._values
 
-    def _set_slow(self, values: Vector) -> None:
-        for whole, rest, wanted in self.slow.values():
-            own = rest.copy()
-            for i, place in wanted:
-                own[place] = (
-                    values[i] if whole[0].type in REALS else self._make_whole(whole[place], values[i])
-                )
-            self.fmi.set(whole, own)
+    def _set_others(self) -> None:
+        for group in self._others.values():
+            own, real = group.rest.copy(), group.whole[0].type in REALS
+            for number, place in zip(group.numbers, group.places, strict=True):
+                value = self._values[number]
+                own[place] = value if real else self._make_whole(group.whole[place], value)
+            self.fmi.set(group.whole, own)
 
-    def _bind_slow(
-        self, kind: str, whole: list[Variable], wanted: list[tuple[int, int]], fail: Fail
-    ) -> tuple[Transfer, Any, list[int], list[int]]:
-        """How to get variables of that type: the call, its memory, where values go to, and where they are."""
-        layout = ArrayLayout(whole)
-        references = np.array(layout.references, dtype=np.uintc)
-        memory, get = self.fmi.bind_typed_getter(kind, references, layout.size, fail)
-        return get, memory, [i for i, _ in wanted], [layout.places[place] for _, place in wanted]
-
-    def _get_slow(self, values: Vector) -> None:
-        for get, memory, targets, places in self._getters:
+    def _get_others(self) -> None:
+        for group, memory, get in self._getters:
             get()
-            values[targets] = memory[places]
+            self._values[group.numbers] = memory[group.places]
 
 
 def _to_whole(end: str, variable: Variable, value: float) -> int:
@@ -149,7 +148,3 @@ def _to_whole(end: str, variable: Variable, value: float) -> int:
             "the factor of its connection"
         )
     return round(value)
-
-
-def _get_rest(variable: Variable, given: Mapping[Any, float]) -> float:
-    return given.get(variable.memory, variable.start or 0.0)
