@@ -32,10 +32,8 @@ class CouplingState:
 
     def copy(self) -> CouplingState:
         """An independent copy, between steps."""
-        twin = CouplingState.__new__(CouplingState)
-        twin.arrived, twin.history = self.arrived.copy(), self.history.copy()
-        twin.values, twin.rates = twin.arrived
-        twin.warm_starts = dict(self.warm_starts)
+        twin = CouplingState(len(self.values), self.history.rated, self.history.degrees)
+        twin.assign(self)
         return twin
 
     def assign(self, other: CouplingState) -> None:
@@ -46,26 +44,20 @@ class CouplingState:
 
     def snapshot(self) -> dict[str, Any]:
         """Everything as plain numbers and arrays."""
-        h = self.history
-        return {
-            "values": self.values.copy(),
-            "rates": self.rates.copy(),
-            "times": h.times.copy(),
-            "past_values": h.values.copy(),
-            "past_rates": h.rates.copy(),
-            "known": h.count,
-            "smooth": h.smooth.copy(),
-            "warm_starts": dict(self.warm_starts),
-        }
+        found: dict[str, Any] = {name: array.copy() for name, array in self._arrays().items()}
+        return found | {"known": self.history.count, "warm_starts": dict(self.warm_starts)}
 
     def resume(self, snapshot: Mapping[str, Any]) -> None:
         """Continue from a snapshot."""
-        self.values[:], self.rates[:] = snapshot["values"], snapshot["rates"]
-        h = self.history
-        h.times[:], h.values[:] = snapshot["times"], snapshot["past_values"]
-        h.rates[:], h.smooth[:] = snapshot["past_rates"], snapshot["smooth"]
-        h.count = int(snapshot["known"])
+        for name, array in self._arrays().items():
+            array[:] = snapshot[name]
+        self.history.count = int(snapshot["known"])
         self.warm_starts = dict(snapshot["warm_starts"])
+
+    def _arrays(self) -> dict[str, Any]:
+        h = self.history
+        past = {"times": h.times, "past_values": h.values, "past_rates": h.rates, "smooth": h.smooth}
+        return {"values": self.values, "rates": self.rates} | past
 
 
 @dataclass(frozen=True)

@@ -105,10 +105,9 @@ class History:
 
     def copy(self) -> History:
         """An independent copy, between steps."""
-        twin = History.__new__(History)
-        twin.times, twin.values, twin.rates = self.times.copy(), self.values.copy(), self.rates.copy()
-        twin.smooth, twin.end_smooth = self.smooth.copy(), np.ones_like(self.end_smooth)
-        twin.rated, twin.degrees, twin.count = self.rated, self.degrees, self.count
+        twin = History(0.0, self.values[0], rated=self.rated)
+        twin.degrees = self.degrees
+        twin.put(self)
         return twin
 
     def put(self, other: History) -> None:
