@@ -1,6 +1,5 @@
 """The profile and the followers that the analysis of a cam is asked for, from its parameters."""
 
-import functools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields
@@ -25,7 +24,7 @@ from models.valve_train.followers.shape import FOLLOWERS, CamShape, Follower
 from ..errors import MistakeError
 from ..scenario.angle_table import AngleTableError
 from ..scenario.cam_files import read_contour
-from ..scenario.lift_table import LiftTable, read_lift_table
+from ..scenario.lift_table import LiftTable, smooth_file
 from .protocol import Parameter
 
 # Of a follower: the geometry's field, and the parameter with its default.
@@ -127,9 +126,8 @@ def build_profile(values: Mapping[str, Any]) -> Profile:
 
 
 def _build_table_profile(values: Mapping[str, Any]) -> Profile:
-    path = Path(values["lift_table"]).expanduser()
     try:
-        table, smoothed = _smooth(path, path.stat().st_mtime_ns if path.exists() else 0)
+        table, smoothed = smooth_file(Path(values["lift_table"]).expanduser())
     except AngleTableError as error:
         raise MistakeError(f"lift_table: {error}") from None
     points = smoothed.points
@@ -141,13 +139,6 @@ def _build_table_profile(values: Mapping[str, Any]) -> Profile:
     return Profile(
         lambda angle: table_lift(angle, record), event, _list_breaks(TABLE, record), table, smoothed
     )
-
-
-@functools.lru_cache(maxsize=4)
-def _smooth(path: Path, changed: int) -> tuple[LiftTable, SmoothedLift]:
-    """Of a file that was changed at this time (ns)."""
-    table = read_lift_table(path)
-    return table, table.smooth()
 
 
 def _build_contour_profile(values: Mapping[str, Any]) -> Profile:

@@ -72,27 +72,21 @@ class Identity:
 
     def check(self, found: Identity, out: Path) -> None:
         """CheckpointError unless `found`, of the checkpoint in `out`, is the same."""
+        said = remedy = ""
         if found.scenario != self.scenario:
-            raise CheckpointError(
-                f"{out / 'scenario.toml'}: is not what the run was begun with",
-                "undo the change",
-                start_over(out),
+            said, remedy = f"{out / 'scenario.toml'}: is not what the run was begun with", "undo the change"
+        elif differ := [name for name, own in self.versions.items() if found.versions.get(name) != own]:
+            name, remedy = differ[0], "install that version"
+            theirs = found.versions.get(name)
+            said = f"{out}: the run was begun with {name} {theirs}, this is {self.versions[name]}"
+        elif differ := [name for name, own in self.fmus.items() if found.fmus.get(name) != own]:
+            name, remedy = differ[0], "give it that file"
+            said = (
+                f"components.{name}.participant: the FMU is not the one that the run was begun with "
+                f"(SHA-256 {self.fmus[name][:16]}..., was {str(found.fmus.get(name))[:16]}...)"
             )
-        for name, own in self.versions.items():
-            if (theirs := found.versions.get(name)) != own:
-                raise CheckpointError(
-                    f"{out}: the run was begun with {name} {theirs}, this is {own}",
-                    "install that version",
-                    start_over(out),
-                )
-        for name, own in self.fmus.items():
-            if (theirs := found.fmus.get(name)) != own:
-                raise CheckpointError(
-                    f"components.{name}.participant: the FMU is not the one that the run was begun with "
-                    f"(SHA-256 {own[:16]}..., was {str(theirs)[:16]}...)",
-                    "give it that file",
-                    start_over(out),
-                )
+        if said:
+            raise CheckpointError(said, remedy, start_over(out))
 
 
 def write(path: Path, identity: Identity, state: Plain) -> None:

@@ -5,7 +5,7 @@ kernels. At an event of any part all FMUs go to event mode and iterate until no 
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -36,15 +36,19 @@ Open = Callable[[], Mapping[str, FmuEquations]]
 Transformations = Mapping[str, Mapping[str, Linear]]
 
 
+def _transform(names: Sequence[str], linear: Mapping[str, Linear]) -> tuple[Vector, Vector]:
+    """Factors and offsets of these inputs."""
+    own = [linear.get(name, Linear()) for name in names]
+    return np.array([one.factor for one in own]), np.array([one.offset for one in own])
+
+
 class ComponentPart:
     """A component of ours, whose inputs are `linear` functions of what they are connected to."""
 
     def __init__(self, instance: Instance, p: Vector, linear: Mapping[str, Linear]) -> None:
         component = instance.component
         self.component, self._p = component, p
-        own = [linear.get(name, Linear()) for name in component.inputs.names]
-        self._factors = np.array([one.factor for one in own])
-        self._offsets = np.array([one.offset for one in own])
+        self._factors, self._offsets = _transform(component.inputs.names, linear)
         self.guard_count = component.events.count if component.events else 0
 
     def outputs(self, t: float, x: Vector, u: Vector, y: Vector) -> None:
@@ -73,9 +77,7 @@ class FmuPart:
         self.guard_count = equations.indicators
         names = instance.component.inputs.names
         self._driven = [i for i, name in enumerate(names) if name not in instance.inputs]
-        own = [linear.get(names[i], Linear()) for i in self._driven]
-        self._factors = np.array([one.factor for one in own])
-        self._offsets = np.array([one.offset for one in own])
+        self._factors, self._offsets = _transform([names[i] for i in self._driven], linear)
         self._given: Vector | None = None
 
     def outputs(self, t: float, x: Vector, u: Vector, y: Vector) -> None:

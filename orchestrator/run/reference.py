@@ -37,6 +37,9 @@ from ..scenario.capabilities import BY_PARTS, MONOLITHIC, REFINEMENT
 from .plan import Plan, ReferencePlan, open_participants
 from .simulation import simulate
 
+if TYPE_CHECKING:
+    from models.monolithic import Reference
+
 # Orders of convergence that are believed; the signals have orders 1 to 4.
 LOWEST, HIGHEST = 0.5, 6.0
 # Share of a step by which an event just before its end may take its place.
@@ -44,23 +47,29 @@ SLACK = 1e-6
 
 
 @dataclass(frozen=True)
-class Refined:
-    """The limit of all outputs (rows x outputs) at the records' times, the uncertainty of each output and the
-    order with which it converges; NaN where there is none."""
+class Solution:
+    """All outputs (rows x outputs) at `times`, and the uncertainty of each.
 
+    `orders` are those of convergence, by refinement; NaN where there is none. `doubts` ends the verdict.
+    `reference` is that of `models.monolithic`, where all components are ours.
+    """
+
+    times: Vector
     outputs: Vector
     uncertainty: Mapping[str, Difference]
-    orders: Mapping[str, float]
+    wall_time_s: float = 0.0
+    method: str = MONOLITHIC
+    orders: Mapping[str, float] | None = None
+    doubts: str = ""
+    reference: Reference | None = None
 
 
-def refine(
+def _refine(
     plan: Plan, ends: Vector, times: Vector, coarse: Mapping[str, Vector], reporter: Reporter
-) -> Refined:
+) -> Solution:
     """Repeat the run, whose steps, or parts of them, have these `ends`, with each halved and quartered.
 
     `ends` has the start too. The `coarse` outputs are those at `times`, which are some of them.
-
-    RunError if one of these runs fails.
     """
     half, quarter = (_repeat(plan, ends, parts, times, reporter) for parts in (2, 4))
     names, weights = plan.system.outputs.names, time_weights(times)
@@ -69,7 +78,8 @@ def refine(
         extrapolated = extrapolate(coarse[name], half[:, i], quarter[:, i], weights)
         limit[:, i], other, orders[name] = extrapolated
         uncertainty[name] = difference(other, limit[:, i], nominal, weights)
-    return Refined(limit, uncertainty, orders)
+    doubts = _describe_doubts(uncertainty, orders, plan.tolerance)
+    return Solution(times, limit, uncertainty, method=REFINEMENT, orders=orders, doubts=doubts)
 
 
 def extrapolate(
@@ -96,7 +106,9 @@ def extrapolate(
     )
 
 
-def describe_doubts(refined: Refined, tolerance: Mapping[str, float]) -> str:
+def _describe_doubts(
+    uncertainty: Mapping[str, Difference], orders: Mapping[str, float], tolerance: Mapping[str, float]
+) -> str:
     """The end of a verdict: what such a reference does not see, and variables without a clear order.
 
     These are named if their runs differ by more than a tenth of what is allowed.
@@ -104,7 +116,7 @@ def describe_doubts(refined: Refined, tolerance: Mapping[str, float]) -> str:
     doubtful = [
         name
         for name, allowed in tolerance.items()
-        if math.isnan(refined.orders[name]) and refined.uncertainty[name].relative_rms > 0.1 * allowed
+        if math.isnan(orders[name]) and uncertainty[name].relative_rms > 0.1 * allowed
     ]
     unseen = "; the errors of the FMUs' own solvers are in all runs and not seen"
     if not doubtful:
@@ -140,28 +152,6 @@ class _Samples(Observer):
             self.rows.append(outputs().copy())
 
 
-if TYPE_CHECKING:
-    from models.monolithic import Reference
-
-
-@dataclass(frozen=True)
-class Solution:
-    """All outputs (rows x outputs) at `times`, and the uncertainty of each.
-
-    `orders` are those of convergence, by refinement; `doubts` ends the verdict. `reference` is that of
-    `models.monolithic`, where all components are ours.
-    """
-
-    times: Vector
-    outputs: Vector
-    uncertainty: Mapping[str, Difference]
-    wall_time_s: float
-    method: str = MONOLITHIC
-    orders: Mapping[str, float] | None = None
-    doubts: str = ""
-    reference: Reference | None = None
-
-
 def solve_reference(
     plan: Plan,
     wanted: ReferencePlan,
@@ -176,36 +166,30 @@ def solve_reference(
     """
     began = clock.perf_counter()
     if wanted.method == REFINEMENT:
-        refined = refine(plan, ends, times, coupled, reporter)
-        return Solution(
-            times,
-            refined.outputs,
-            refined.uncertainty,
-            clock.perf_counter() - began,
-            REFINEMENT,
-            refined.orders,
-            describe_doubts(refined, plan.tolerance),
-        )
-    if wanted.method == BY_PARTS:
-        return _solve_by_parts(plan, wanted.tolerance, times, reporter, began)
+        found = _refine(plan, ends, times, coupled, reporter)
+    elif wanted.method == BY_PARTS:
+        found = _solve_by_parts(plan, wanted.tolerance, times, reporter)
+    else:
+        found = _solve_whole(plan, wanted, times, reporter)
+    return replace(found, wall_time_s=found.wall_time_s or clock.perf_counter() - began)
+
+
+def _solve_whole(plan: Plan, wanted: ReferencePlan, times: Vector, reporter: Reporter) -> Solution:
     from models.monolithic import LONGEST_STEP, solve
 
-    system = plan.system
     with reporter.stage("monolithic reference", plan.stop_time) as bar:
         found = solve(
-            system,
+            plan.system,
             times,
             tolerance=wanted.tolerance,
-            x0=system.x0,
+            x0=plan.system.x0,
             progress=bar.show,
             longest_step=wanted.step or LONGEST_STEP,
         )
     return Solution(found.times, found.outputs, found.uncertainty, found.wall_time_s, reference=found)
 
 
-def _solve_by_parts(
-    plan: Plan, tolerance: float, times: Vector, reporter: Reporter, began: float
-) -> Solution:
+def _solve_by_parts(plan: Plan, tolerance: float, times: Vector, reporter: Reporter) -> Solution:
     from models.monolithic.reference import uncertainties
 
     from .equations import solve_equations
@@ -232,8 +216,7 @@ def _solve_by_parts(
     with reporter.stage("monolithic reference", plan.stop_time) as bar:
         found = solve_equations(system, open_fmus, linear, times, plan.stop_time, tolerance, bar.show)
     uncertainty = uncertainties(system, times, found.outputs, found.others)
-    seconds = clock.perf_counter() - began
-    return Solution(times, found.outputs, uncertainty, seconds, doubts=_describe_solvers(plan))
+    return Solution(times, found.outputs, uncertainty, doubts=_describe_solvers(plan))
 
 
 def _describe_solvers(plan: Plan) -> str:

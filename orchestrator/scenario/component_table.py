@@ -129,25 +129,19 @@ class ComponentTable(Table):
 
     _notes: list[str] = PrivateAttr([])
 
-    @model_validator(mode="before")
-    @classmethod
-    def _check_file(cls, table: Any) -> Any:
-        """Read a third-party FMU first: the other keys depend on its variables."""
-        if isinstance(table, dict) and table.get("component") is None:
-            file = table.get("participant")
-            if isinstance(file, str) and file.endswith(".fmu"):
-                try:
-                    read_component(Path(file), str(table.get("interface", CO_SIMULATION)))
-                except ValueError as error:
-                    raise Faults(("participant", f": {error}")) from None
-        return table
-
     @model_validator(mode="wrap")
     @classmethod
     def _insert_tables(cls, table: Any, build: ModelWrapValidatorHandler[ComponentTable]) -> ComponentTable:
-        """Replace tables, drawings and oils by what they become."""
+        """Replace tables, drawings and oils by what they become. A third-party FMU is read first: the other
+        keys depend on its variables."""
         if not isinstance(table, dict):
             return build(table)
+        file = table.get("participant")
+        if table.get("component") is None and isinstance(file, str) and file.endswith(".fmu"):
+            try:
+                read_component(Path(file), str(table.get("interface", CO_SIMULATION)))
+            except ValueError as error:
+                raise Faults(("participant", f": {error}")) from None
         table, notes = insert_all(table)
         made = build(table)
         made._notes = notes

@@ -202,13 +202,16 @@ def read_lift_table(path: Path) -> LiftTable:
     return LiftTable(angle, lift, found.rounding, found.notes, found.named)
 
 
+def smooth_file(path: Path) -> tuple[LiftTable, SmoothedLift]:
+    """The table of a file, and it smoothed, which is kept as long as the file is not changed."""
+    return _smooth_file(path, path.stat().st_mtime_ns if path.exists() else 0)
+
+
 @functools.lru_cache(maxsize=16)
-def smooth_file(path: Path, changed: int) -> tuple[SmoothedLift, list[str]]:
-    """The smoothed table of a file that was changed at this time (ns); choices made and doubts."""
+def _smooth_file(path: Path, changed: int) -> tuple[LiftTable, SmoothedLift]:
     table = read_lift_table(path)
     try:
-        smoothed = table.smooth()
-        return smoothed, [*table.list_notes(), *table.list_doubts(smoothed)]
+        return table, table.smooth()
     except AngleTableError as error:
         raise AngleTableError(f"{path}: {error}") from None
 
@@ -220,9 +223,8 @@ OF_LAWS = {field.name for field in fields(LawParameters)} - {field.name for fiel
 def insert_lift_table(table: dict[str, Any]) -> Inserted:
     """The points of the table's `lift_table`."""
     check_no_law(table, "lift_table")
-    path = Path(table["lift_table"])
-    changed = path.stat().st_mtime_ns if path.exists() else 0
-    smoothed, notes = smooth_file(path, changed)
+    read, smoothed = smooth_file(Path(table["lift_table"]))
+    notes = [*read.list_notes(), *read.list_doubts(smoothed)]
     return _insert_points(smoothed.points, smoothed.event, notes)
 
 
