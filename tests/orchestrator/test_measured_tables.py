@@ -161,13 +161,6 @@ def test_rows_may_be_closer_about_the_dead_centre(tmp_path: Path) -> None:
         assert len(notes) == count, notes
 
 
-def test_only_a_gas_has_a_pressure_table(tmp_path: Path) -> None:
-    file = tmp_path / "gas.toml"
-    file.write_text('extends = "exhaust-valve"\n[components.contact]\npressure_table = "p.csv"\n')
-    with pytest.raises(ScenarioError, match="ehl_contact has none"):
-        load(str(file))
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("participant", ["native", "fmu"])
 def test_an_exhaust_valve_opens_against_a_table(tmp_path: Path, participant: str) -> None:
@@ -236,11 +229,11 @@ def test_noise_that_softens_the_spring_is_averaged() -> None:
     assert find_travel(spring, force[-1]) == pytest.approx(8e-3)
 
 
-def write_spring(folder: Path, rows: str, more: str = "", component: str = "coil_spring") -> Path:
+def write_spring(folder: Path, rows: str, more: str = "") -> Path:
     file = folder / "spring.toml"
     file.write_text(
         'stop_time = "1 ms"\nmacro_step = "10 us"\nconnections = []\n[tolerance]\n"spring.force" = 1e-3\n'
-        f'[components.spring]\ncomponent = "{component}"\nforce_table = {rows}\n{more}'
+        f'[components.spring]\ncomponent = "coil_spring"\nforce_table = {rows}\n{more}'
     )
     return file
 
@@ -261,22 +254,16 @@ def test_the_component_has_the_measured_force(tmp_path: Path) -> None:
     assert y["force"] == pytest.approx(640.0)
 
 
-@pytest.mark.parametrize(
-    ("rows", "more", "component", "message"),
-    [
-        ('[["0 mm", "330 N"]]', "", "coil_spring", "force_table: must have two rows"),
-        ('[["1 mm", "330 N"], ["2 mm", "340 N"]]', "", "coil_spring", "the first at travel 0"),
-        ('[["0 mm", "330 N"], ["2 mm", "320 N"]]', "", "coil_spring", r"force_table\[2\]: travel and force"),
-        ('[["0 mm", "330 N"], ["2 N", "340 N"]]', "", "coil_spring", r"force_table\[2\]\[1\]: .*'2 N'"),
-        (
-            '[["0 mm", "330 N"], ["4 mm", "340 N"], ["5 mm", "4 kN"]]',
-            "",
-            "coil_spring",
-            "give a stop_stiffness",
-        ),
-        ('[["0 mm", 330], [0.002, 340]]', "", "valve_spring", "valve_spring has none"),
-    ],
-)
-def test_tables_that_are_none(tmp_path: Path, rows: str, more: str, component: str, message: str) -> None:
-    with pytest.raises(ScenarioError, match=message):
-        load(write_spring(tmp_path, rows, more, component))
+TABLES = {
+    '[["0 mm", "330 N"]]': "force_table: must have two rows",
+    '[["1 mm", "330 N"], ["2 mm", "340 N"]]': "the first at travel 0",
+    '[["0 mm", "330 N"], ["2 mm", "320 N"]]': r"force_table\[2\]: travel and force",
+    '[["0 mm", "330 N"], ["2 N", "340 N"]]': r"force_table\[2\]\[1\]: .*'2 N'",
+    '[["0 mm", "330 N"], ["4 mm", "340 N"], ["5 mm", "4 kN"]]': "give a stop_stiffness",
+}
+
+
+@pytest.mark.parametrize("rows", TABLES)
+def test_tables_that_are_none(tmp_path: Path, rows: str) -> None:
+    with pytest.raises(ScenarioError, match=TABLES[rows]):
+        load(write_spring(tmp_path, rows))

@@ -123,7 +123,9 @@ REFUSED = {
     by_sheet(f"{VISCOSITIES}, density_15 = 855, colour = 3"): r"oil.colour: unknown key",
     '[components.contact]\noil = "SAE 30"\n': r"temperature: missing beside oil",
     '[components.contact]\ntemperature = "90 degC"\n': r"oil: missing beside temperature",
-    '[components.camshaft]\noil = "SAE 30"\n': r"camshaft has none; .* take journal_bearing, .* or",
+    'oil = "SAE 5W-30"\n': r"temperature: missing beside oil",
+    'oil = "SAE 5W-3"\ntemperature = "90 degC"\n': r"oil = 'SAE 5W-3': no such grade",
+    'oil = "SAE 30"\ntemperature = 90\n': r"temperature = -183.15 degC: must be -20 to 200 degC",
 }
 
 
@@ -207,19 +209,6 @@ def test_parts_that_no_temperature_of_one_oil_explains_are_doubted(tmp_path, bas
     found = [line for line in list_warnings(load(write(tmp_path, text, base))) if "no oil has" in line]
     assert len(found) == doubted
     assert not found or ("0.036 Pa.s in" in found[0] and 'temperature = "100 degC"' in found[0])
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ('oil = "SAE 5W-30"\n', r"temperature: missing beside oil"),
-        ('oil = "SAE 5W-3"\ntemperature = "90 degC"\n', r"oil = 'SAE 5W-3': no such grade"),
-        ('oil = "SAE 30"\ntemperature = 90\n', r"temperature = -183.15 degC: must be -20 to 200 degC"),
-    ],
-)
-def test_a_scenarios_oil_is_refused_as_a_parts(tmp_path, text, said):
-    with pytest.raises(ScenarioError, match=said):
-        load(write(tmp_path, text))
 
 
 @pytest.mark.parametrize("name", list_shipped())

@@ -91,6 +91,12 @@ BAD = {
     "relative=1e-6": ("--set relative: unknown key 'relative'; did you mean step_control.relative?",),
     "order=['contact']": ("--set order: unknown key 'order'; did you mean master.order?",),
     "energy=true": ("--set energy = true: must be a table",),
+    "components.contact.lift_table=a.csv": ("ehl_contact has none; leave it out, or take camshaft, ",),
+    "components.contact.pressure_table=a.csv": ("pressure_table: ehl_contact has none",),
+    "components.flywheel.drawing={}": ("drawing: flywheel has none",),
+    "components.camshaft.wire={}": ("wire: camshaft has none; leave it out, or take",),
+    "components.valve_spring.force_table=[]": ("force_table: valve_spring has none",),
+    "components.camshaft.oil=SAE 30": ("oil: camshaft has none", "take journal_bearing,", " or "),
 }
 
 
@@ -203,11 +209,7 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path):
     ("content", "place", "remedy"),
     [
         ("[components.contact]\nmacro_step = 1", "components.contact.macro_step", "put macro_step"),
-        (
-            "[components.contact.parameters]\nstop_time = 1",
-            "components.contact.parameters.stop_time",
-            "put stop",
-        ),
+        ("[components.contact]\nparameters.stop_time = 1", "components.contact.parameters.stop_time", "put"),
         ("[master]\nname = 'iterated'\nstop_time = 1", "master.stop_time", "put stop_time"),
         ("ledger = true", "ledger", "did you mean energy.ledger?"),
     ],

@@ -11,7 +11,6 @@ from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from orchestrator.assessment.figures_of_merit import measure
 from orchestrator.assessment.motion import Motion
-from orchestrator.errors import MistakeError
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.values import to_numbers
@@ -100,8 +99,6 @@ def test_what_stands_beside_a_wire_and_is_no_value_is_named(tmp_path: Path, more
 def test_what_follows_from_the_wire_is_not_given_beside_it(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"parameters.spring_rate: follows from the wire; leave one"):
         read_spring(tmp_path, more="[components.spring.parameters]\nspring_rate = 3e4\n")
-    with pytest.raises(MistakeError, match="camshaft has none; leave it out, or take"):
-        read_spring(tmp_path, name="camshaft")
 
 
 def test_stress_and_safety_of_a_motion_are_those_of_its_forces() -> None:
