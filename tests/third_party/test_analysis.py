@@ -83,14 +83,17 @@ def test_fresh_instances_give_the_analysis_that_saved_states_give(tmp_path: Path
 
 
 @pytest.mark.long
-def test_the_error_of_a_third_party_fmu_without_states_is_predicted(tmp_path: Path, record: Any) -> None:
-    """Against that of the run, by refinement."""
-    one = masses("stateless_mass", tmp_path, reference={"enabled": True})
+@pytest.mark.parametrize(("second", "within"), [("stateless_mass", 0.1), ("held_mass", 0.05)])
+def test_the_error_of_a_third_party_fmu_that_holds_its_inputs_is_predicted(
+    second: str, within: float, tmp_path: Path, record: Any
+) -> None:
+    """Against that of the run, by refinement; with and without saved states."""
+    one = masses(second, tmp_path, reference={"enabled": True})
     estimated = surveyed(one).own.errors[one.macro_step]["second.position"]
     summary = run(one, tmp_path / "out", never, Reporter(), figures=False)
     measured = summary.errors["second.position"].relative_rms
-    case = "two masses, one an FMU that holds its inputs and saves no state: predicted error"
-    record("Coupling", case, estimated, measured, "error of the run", tolerance=0.1 * measured)
+    case = f"two masses, {second}, an FMU that holds its inputs: predicted error"
+    record("Coupling", case, estimated, measured, "error of the run", tolerance=within * measured)
 
 
 @pytest.mark.long

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from models.core.system import Port
-from orchestrator.analyses.stability.analyse import survey_scenario
 from orchestrator.assessment.diagnosis.facts import Facts
 from orchestrator.assessment.diagnosis.suggestions import suggest_held_inputs
 from orchestrator.engine.coupling import Coupling
@@ -16,15 +15,13 @@ from orchestrator.masters import MASTERS
 from orchestrator.participants.fmu import FmuParticipant, FmuSettings
 from orchestrator.participants.protocol import BoundVariables
 from orchestrator.participants.third_party import read_component
-from orchestrator.reporter import Reporter
-from orchestrator.run.pipeline import run
 from orchestrator.scenario.fmu_limits import FmuLimits
 from orchestrator.scenario.warnings import list_warnings
 from tests.fmus.names import mark_long
 
 from .c_fmus import fmu
 from .masses import exact_position, masses
-from .runs import CASES, never, ran, recorded, scenario
+from .runs import CASES, ran, recorded, scenario
 
 HELD = Port("second", "force")
 # Iterations as exact as their numbers: what is left is the error of the step.
@@ -109,17 +106,6 @@ def test_signals_are_advised_for_held_inputs_by_what_they_give(tmp_path):
     assert (limits.held_inputs, limits.restorable, limits.controllable) == ([HELD], True, True)
     facts = Facts(summary.steps, None, one)  # type: ignore[arg-type]
     assert 'extrapolation = "quadratic"' in (suggest_held_inputs(facts) or "")
-
-
-@pytest.mark.long
-def test_the_estimated_error_has_that_of_held_inputs(tmp_path):
-    """Within 5 % of that of a run."""
-    more: dict[str, Any] = {"tolerance": {"second.position": 0.3}, "reference": {"enabled": True}}
-    one = masses("held_mass", tmp_path, "sprung_mass", **more)
-    found = survey_scenario(one, [], Reporter())
-    summary = run(one, tmp_path / "out", never, Reporter(), figures=False)
-    measured = summary.errors["second.position"].relative_rms
-    assert found.own.errors[one.macro_step]["second.position"] == pytest.approx(measured, rel=0.05)
 
 
 def test_a_derivative_of_a_held_input_is_named_before_the_run(tmp_path):
