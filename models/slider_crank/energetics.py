@@ -15,6 +15,7 @@ O(2). F's error is a term of B (its phi' + psi'), so `as_published` balances wit
 
 from ..compile.kernel import kernel
 from .equations import (
+    Crank,
     Mechanism,
     cosine_of_sum,
     coupling,
@@ -57,20 +58,14 @@ def kinetic_energy(theta: float, speed: float, psi: float, rate: float, m: Mecha
 
 @kernel
 def crank_torque(
-    theta: float,
-    speed: float,
-    acceleration: float,
-    psi: float,
-    rate: float,
-    rate_change: float,
-    wall_force: float,
-    m: Mechanism,
+    at: Crank, psi: float, rate: float, rate_change: float, wall_force: float, m: Mechanism
 ) -> float:
     """Torque that the mechanism takes from the crank (over M l^2); `rate_change` is psi''.
 
     A theta'' + B psi'' + A_theta theta'^2/2 + A_psi theta' psi' + B_psi psi'^2, the friction moment of
     the joint (also through phi), and the reaction of the wall force (over M l, towards -psi).
     """
+    theta, speed, acceleration = at
     slope, curvature = rod_slope(theta, m.xi), rod_curvature(theta, m.xi)
     cosine, sine = cosine_of_sum(theta, m.xi), sine_of_sum(theta, m.xi)
     k = coupling(m)

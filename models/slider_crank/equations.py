@@ -25,6 +25,14 @@ class Mechanism(NamedTuple):
     damping: float  # c2 / (M l^2): F's lambda at unit speed
 
 
+class Crank(NamedTuple):
+    """The crank at an instant."""
+
+    theta: float
+    speed: float
+    acceleration: float
+
+
 # F section 4.1.
 THESIS_XI, THESIS_ALPHA, THESIS_BETA = 0.3030, 1.9000, 0.4719
 
@@ -114,10 +122,9 @@ def joint_rate(theta: float, speed: float, rate: float, m: Mechanism) -> float:
 
 
 @kernel
-def free_moment(
-    theta: float, speed: float, acceleration: float, psi: float, rate: float, m: Mechanism
-) -> float:
+def free_moment(at: Crank, psi: float, rate: float, m: Mechanism) -> float:
     """What turns the rod when no wall touches: f - lambda psi' - c psi of F (2.13)."""
+    theta, speed, acceleration = at
     return (
         speed**2 * (forcing(theta, m) - stiffness(theta, m) * psi)
         + acceleration * (speed_up_forcing(theta, m) - speed_up_stiffness(theta, m) * psi)
@@ -126,11 +133,9 @@ def free_moment(
 
 
 @kernel
-def flight_acceleration(
-    theta: float, speed: float, acceleration: float, psi: float, rate: float, m: Mechanism
-) -> float:
+def flight_acceleration(at: Crank, psi: float, rate: float, m: Mechanism) -> float:
     """psi'' in free flight, F (2.13)."""
-    return free_moment(theta, speed, acceleration, psi, rate, m) / inertia(m)
+    return free_moment(at, psi, rate, m) / inertia(m)
 
 
 @kernel
@@ -159,8 +164,9 @@ def wall_rate(theta: float, speed: float, psi: float, xi: float) -> float:
 
 
 @kernel
-def wall_acceleration(theta: float, speed: float, acceleration: float, psi: float, xi: float) -> float:
+def wall_acceleration(at: Crank, psi: float, xi: float) -> float:
     """psi'' of a slider that keeps its distance from the centre line."""
+    theta, speed, acceleration = at
     first = narrowing(theta, xi)
     return psi * (speed**2 * (first**2 - narrowing_slope(theta, xi)) - acceleration * first)
 

@@ -6,27 +6,23 @@ moments over M l^2, forces over M l, distances over l.
 
 from ..compile.kernel import kernel
 from . import energetics, equations, nonlinear
-from .equations import Mechanism, inertia
+from .equations import Crank, Mechanism, inertia
 
 AS_PUBLISHED, CORRECTED, NONLINEAR = 0.0, 1.0, 2.0
 
 
 @kernel
-def free_moment(
-    form: float, theta: float, speed: float, acceleration: float, psi: float, rate: float, m: Mechanism
-) -> float:
+def free_moment(form: float, at: Crank, psi: float, rate: float, m: Mechanism) -> float:
     """a psi'' when no wall touches."""
     if form == NONLINEAR:
-        return nonlinear.free_moment(theta, speed, acceleration, psi, rate, m)
-    return equations.free_moment(theta, speed, acceleration, psi, rate, m)
+        return nonlinear.free_moment(at, psi, rate, m)
+    return equations.free_moment(at, psi, rate, m)
 
 
 @kernel
-def flight_acceleration(
-    form: float, theta: float, speed: float, acceleration: float, psi: float, rate: float, m: Mechanism
-) -> float:
+def flight_acceleration(form: float, at: Crank, psi: float, rate: float, m: Mechanism) -> float:
     """psi'' in free flight."""
-    return free_moment(form, theta, speed, acceleration, psi, rate, m) / inertia(m)
+    return free_moment(form, at, psi, rate, m) / inertia(m)
 
 
 @kernel
@@ -78,13 +74,11 @@ def wall_rate_slope(form: float, theta: float, speed: float, psi: float, m: Mech
 
 
 @kernel
-def wall_acceleration(
-    form: float, theta: float, speed: float, acceleration: float, psi: float, m: Mechanism
-) -> float:
+def wall_acceleration(form: float, at: Crank, psi: float, m: Mechanism) -> float:
     """psi'' of a slider that keeps its distance from the centre line."""
     if form == NONLINEAR:
-        return nonlinear.wall_acceleration(theta, speed, acceleration, psi, m.xi)
-    return equations.wall_acceleration(theta, speed, acceleration, psi, m.xi)
+        return nonlinear.wall_acceleration(at, psi, m.xi)
+    return equations.wall_acceleration(at, psi, m.xi)
 
 
 @kernel
@@ -97,14 +91,7 @@ def moving_wall_rate(
 
 @kernel
 def moving_wall_acceleration(
-    form: float,
-    theta: float,
-    speed: float,
-    acceleration: float,
-    psi: float,
-    wall_velocity: float,
-    wall_change: float,
-    m: Mechanism,
+    form: float, at: Crank, psi: float, wall_velocity: float, wall_change: float, m: Mechanism
 ) -> float:
     """psi'' of a slider whose distance y from the centre line has the rates y' and y'' = `wall_change`.
 
@@ -112,43 +99,32 @@ def moving_wall_acceleration(
     S' = -S dR/dpsi + dS/dpsi y'/S, is A + 2 dR/dpsi y'/S + y''/S - dS/dpsi (y'/S)^2/S, A the
     wall_acceleration.
     """
-    slope = offset_slope(form, theta, psi, m)
+    slope = offset_slope(form, at.theta, psi, m)
     push = wall_velocity / slope
-    bend = offset_bend(form, theta, psi, m)
+    bend = offset_bend(form, at.theta, psi, m)
     return (
-        wall_acceleration(form, theta, speed, acceleration, psi, m)
-        + 2.0 * wall_rate_slope(form, theta, speed, psi, m) * push
+        wall_acceleration(form, at, psi, m)
+        + 2.0 * wall_rate_slope(form, at.theta, at.speed, psi, m) * push
         + (wall_change - bend * push**2) / slope
     )
 
 
 @kernel
-def holding_force(
-    form: float,
-    theta: float,
-    speed: float,
-    acceleration: float,
-    psi: float,
-    rate: float,
-    rate_change: float,
-    m: Mechanism,
-) -> float:
+def holding_force(form: float, at: Crank, psi: float, rate: float, rate_change: float, m: Mechanism) -> float:
     """Force towards -psi under which psi'' is `rate_change` (F 2.29, upper wall).
 
     The lower wall's force is its negative; a wall can only push.
     """
-    moment = free_moment(form, theta, speed, acceleration, psi, rate, m)
-    return (moment - inertia(m) * rate_change) / offset_slope(form, theta, psi, m)
+    moment = free_moment(form, at, psi, rate, m)
+    return (moment - inertia(m) * rate_change) / offset_slope(form, at.theta, psi, m)
 
 
 @kernel
-def constraint_force(
-    form: float, theta: float, speed: float, acceleration: float, psi: float, m: Mechanism
-) -> float:
+def constraint_force(form: float, at: Crank, psi: float, m: Mechanism) -> float:
     """The holding force of a wall that stands still."""
-    rate = wall_rate(form, theta, speed, psi, m)
-    change = wall_acceleration(form, theta, speed, acceleration, psi, m)
-    return holding_force(form, theta, speed, acceleration, psi, rate, change, m)
+    rate = wall_rate(form, at.theta, at.speed, psi, m)
+    change = wall_acceleration(form, at, psi, m)
+    return holding_force(form, at, psi, rate, change, m)
 
 
 @kernel
@@ -161,20 +137,12 @@ def kinetic_energy(form: float, theta: float, speed: float, psi: float, rate: fl
 
 @kernel
 def crank_torque(
-    form: float,
-    theta: float,
-    speed: float,
-    acceleration: float,
-    psi: float,
-    rate: float,
-    rate_change: float,
-    wall_force: float,
-    m: Mechanism,
+    form: float, at: Crank, psi: float, rate: float, rate_change: float, wall_force: float, m: Mechanism
 ) -> float:
     """Torque that the mechanism takes from the crank, at psi'' = `rate_change`."""
     if form == NONLINEAR:
-        return nonlinear.crank_torque(theta, speed, acceleration, psi, rate, rate_change, wall_force, m)
-    return energetics.crank_torque(theta, speed, acceleration, psi, rate, rate_change, wall_force, m)
+        return nonlinear.crank_torque(at, psi, rate, rate_change, wall_force, m)
+    return energetics.crank_torque(at, psi, rate, rate_change, wall_force, m)
 
 
 @kernel

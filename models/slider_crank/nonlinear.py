@@ -16,7 +16,7 @@ sigma = 0 per radian of crank.
 import math
 
 from ..compile.kernel import kernel
-from .equations import Mechanism, coupling, inertia, joint_rate, rod_cosine, rod_curvature, rod_slope
+from .equations import Crank, Mechanism, coupling, inertia, joint_rate, rod_cosine, rod_curvature, rod_slope
 
 
 @kernel
@@ -32,10 +32,9 @@ def rod_rate(theta: float, speed: float, rate: float, xi: float) -> float:
 
 
 @kernel
-def free_moment(
-    theta: float, speed: float, acceleration: float, psi: float, rate: float, m: Mechanism
-) -> float:
+def free_moment(at: Crank, psi: float, rate: float, m: Mechanism) -> float:
     """a psi'' when no wall touches."""
+    theta, speed, acceleration = at
     sigma = theta + rod_angle(theta, psi, m.xi)
     nominal = rod_slope(theta, m.xi) * acceleration + rod_curvature(theta, m.xi) * speed**2
     pin = acceleration * math.cos(sigma) - speed**2 * math.sin(sigma)
@@ -84,8 +83,9 @@ def wall_rate_slope(theta: float, speed: float, psi: float, xi: float) -> float:
 
 
 @kernel
-def wall_acceleration(theta: float, speed: float, acceleration: float, psi: float, xi: float) -> float:
+def wall_acceleration(at: Crank, psi: float, xi: float) -> float:
     """psi'' of a slider that keeps its y, from (sin phi)'' = (sin eta)''."""
+    theta, speed, acceleration = at
     eta = rod_angle(theta, psi, xi)
     eta_rate = rod_rate(theta, speed, wall_rate(theta, speed, psi, xi), xi)
     pin = xi * (math.cos(theta) * acceleration - math.sin(theta) * speed**2)
@@ -107,20 +107,14 @@ def kinetic_energy(theta: float, speed: float, psi: float, rate: float, m: Mecha
 
 @kernel
 def crank_torque(
-    theta: float,
-    speed: float,
-    acceleration: float,
-    psi: float,
-    rate: float,
-    rate_change: float,
-    wall_force: float,
-    m: Mechanism,
+    at: Crank, psi: float, rate: float, rate_change: float, wall_force: float, m: Mechanism
 ) -> float:
     """Torque that the mechanism takes from the crank (over M l^2); `rate_change` is psi''.
 
     (1+alpha) xi^2 theta'' - k eta'' cos(theta+eta) + k eta'^2 sin(theta+eta) + lambda (theta'+eta')
     + F xi cos theta: the Lagrange equation for theta at fixed eta.
     """
+    theta, speed, acceleration = at
     sigma = theta + rod_angle(theta, psi, m.xi)
     eta_rate = rod_rate(theta, speed, rate, m.xi)
     nominal = rod_slope(theta, m.xi) * acceleration + rod_curvature(theta, m.xi) * speed**2

@@ -8,7 +8,7 @@ from .. import kinds
 from ..compile.kernel import kernel
 from ..plausible import PLAY
 from .crank import CrankAcceleration, CrankImpulse, CrankSpeed
-from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Mechanism
+from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Crank, Mechanism
 from .forms import AS_PUBLISHED, CORRECTED
 
 # F section 4.1 gives M = 0.00210 lbf s^2/in and l = 5.4570 in (exact conversions: 4.4482216152605 N/lbf,
@@ -144,6 +144,11 @@ class Outputs:
     last_impact_velocity: float = kinds.VELOCITY("velocity towards the wall just before the last impact")
     event_count: float = kinds.COUNT("impacts and releases")
     last_event_time: float = kinds.TIME("time of the last impact or release")
+
+
+@kernel
+def crank(u: Inputs) -> Crank:
+    return Crank(u.crank_angle, u.crank_speed, u.crank_acceleration)
 
 
 @kernel

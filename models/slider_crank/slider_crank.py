@@ -23,6 +23,7 @@ from .records import (
     Outputs,
     Parameters,
     State,
+    crank,
     mechanism,
 )
 from .steady import EXTRA_WORK, make_advance
@@ -48,8 +49,7 @@ def motion(x: State, u: Inputs, p: Parameters) -> Motion:
     """By F (2.13) in flight, the wall's while sliding."""
     if x.mode != FREE:
         return wall_motion(x.mode, x, u, p)
-    theta, speed, acceleration = u.crank_angle, u.crank_speed, u.crank_acceleration
-    change = flight_acceleration(p.form, theta, speed, acceleration, x.psi, x.psi_rate, mechanism(p))
+    change = flight_acceleration(p.form, crank(u), x.psi, x.psi_rate, mechanism(p))
     return Motion(x.psi, x.psi_rate, change)
 
 
@@ -186,7 +186,7 @@ def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     y.lower_wall_force = wall_force(LOWER, now, u, p) if x.mode == LOWER else 0.0
     scale = p.piston_mass * p.rod_length
     force = (y.upper_wall_force - y.lower_wall_force) / scale
-    torque = crank_torque(p.form, theta, speed, u.crank_acceleration, now.psi, now.rate, now.change, force, m)
+    torque = crank_torque(p.form, crank(u), now.psi, now.rate, now.change, force, m)
     y.crank_torque = scale * p.rod_length * torque
     # The roller does not turn: its surface moves with the piston, the liner stands still.
     y.wall_entraining_velocity = 0.5 * y.piston_velocity

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from ..compile.kernel import kernel
 from .flight.bouncing import CHATTER_LEFT, UPPER
 from .forms import holding_force, moving_wall_acceleration, moving_wall_rate, wall_angle
-from .records import Inputs, Parameters, State, mechanism
+from .records import Inputs, Parameters, State, crank, mechanism
 
 # Bounces lower than this fraction of the wall's psi are rounding, and end there at the latest (at
 # a restitution of 0.9 some 1e-7 rad before the end of the chatter).
@@ -51,15 +51,12 @@ def wall_motion(side: float, x: State, u: Inputs, p: Parameters) -> Motion:
     else:
         velocity = x.lower_wall_film_rate
         change = film_change(x.lower_wall_film, velocity, u.lower_film_thickness, p)
-    theta, speed, m = u.crank_angle, u.crank_speed, mechanism(p)
-    inwards = -side / p.rod_length
+    m, inwards = mechanism(p), -side / p.rod_length
     psi = wall_psi(side, x, u, p)
     return Motion(
         psi,
-        moving_wall_rate(p.form, theta, speed, psi, inwards * velocity, m),
-        moving_wall_acceleration(
-            p.form, theta, speed, u.crank_acceleration, psi, inwards * velocity, inwards * change, m
-        ),
+        moving_wall_rate(p.form, u.crank_angle, u.crank_speed, psi, inwards * velocity, m),
+        moving_wall_acceleration(p.form, crank(u), psi, inwards * velocity, inwards * change, m),
     )
 
 
@@ -69,9 +66,7 @@ def wall_force(side: float, on: Motion, u: Inputs, p: Parameters) -> float:
 
     Negative: it would have to pull.
     """
-    force = holding_force(
-        p.form, u.crank_angle, u.crank_speed, u.crank_acceleration, on.psi, on.rate, on.change, mechanism(p)
-    )
+    force = holding_force(p.form, crank(u), on.psi, on.rate, on.change, mechanism(p))
     return side * p.piston_mass * p.rod_length * force
 
 

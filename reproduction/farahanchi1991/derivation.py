@@ -18,6 +18,7 @@ from models.slider_crank.equations import (
     THESIS_ALPHA,
     THESIS_BETA,
     THESIS_XI,
+    Crank,
     Mechanism,
     free_moment,
     inertia,
@@ -149,7 +150,7 @@ def _find_linear_fault(psi: float) -> float:
     """Largest difference of (2.13) and (2.10)."""
     return max(
         abs(
-            inertia(M) * bend - free_moment(theta, 1.0, 0.0, psi, 0.0, M)
+            inertia(M) * bend - free_moment(Crank(theta, 1.0, 0.0), psi, 0.0, M)
             - evaluate_printed(theta, psi, bend, M) + M.damping * joint_rate(theta, 1.0, 0.0, M)
         )
         for theta in ANGLES
@@ -162,8 +163,8 @@ def _find_speed_fault(speed: float) -> float:
     in_seconds, psi, rate = M._replace(damping=M.damping * speed), 0.01, 0.03
     return max(
         abs(
-            free_moment(theta, speed, 0.0, psi, rate * speed, in_seconds) / speed**2
-            - free_moment(theta, 1.0, 0.0, psi, rate, M)
+            free_moment(Crank(theta, speed, 0.0), psi, rate * speed, in_seconds) / speed**2
+            - free_moment(Crank(theta, 1.0, 0.0), psi, rate, M)
         )
         for theta in ANGLES
     )

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from models.core.quantities import Vector
 from models.slider_crank.equations import (
+    Crank,
     joint_rate,
     thesis_mechanism,
     wall_acceleration,
@@ -154,7 +155,7 @@ def _find_mixed_interval() -> tuple[float, float]:
     def compute_moment(theta: float) -> float:
         psi = wall_angle(theta, -0.02, m.xi)
         rate = wall_rate(theta, 1.0, psi, m.xi)
-        bend = wall_acceleration(theta, 1.0, 0.0, psi, m.xi)
+        bend = wall_acceleration(Crank(theta, 1.0, 0.0), psi, m.xi)
         return evaluate_printed(theta, psi, bend, m) - m.damping * joint_rate(theta, 1.0, rate, m)
 
     return float(brentq(compute_moment, 4.85, 5.05)), float(brentq(compute_moment, 5.05, 5.25))

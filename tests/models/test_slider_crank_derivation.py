@@ -13,7 +13,7 @@ import sympy as sp
 
 from models.slider_crank import energetics, nonlinear
 from models.slider_crank import equations as eq
-from models.slider_crank.equations import Mechanism
+from models.slider_crank.equations import Crank, Mechanism
 
 THETA, PSI, SPEED, RATE, ACCELERATION, CHANGE = sp.symbols("theta psi theta' psi' theta'' psi''")
 XI, ALPHA, BETA, DAMPING = sp.symbols("xi alpha beta lambda", positive=True)
@@ -114,8 +114,8 @@ def residuals(corrected: bool, turning: sp.Expr, size: float, state: Values) -> 
     theta, speed, acceleration = state
     m = eq.thesis_mechanism(0.07, corrected)
     psi, rate = 0.8 * size, -0.6 * size
-    change = eq.flight_acceleration(theta, speed, acceleration, psi, rate, m)
-    torque = energetics.crank_torque(theta, speed, acceleration, psi, rate, change, 0.0, m)
+    change = eq.flight_acceleration(Crank(theta, speed, acceleration), psi, rate, m)
+    torque = energetics.crank_torque(Crank(theta, speed, acceleration), psi, rate, change, 0.0, m)
     values = theta, psi, speed, rate, acceleration, change
     left = [evaluate(left_side(kinetic_energy(turning), i), values, m) for i in range(2)]
     return np.array(left) - np.array([torque, 0.0])
@@ -153,7 +153,7 @@ def test_nonlinear_motion_and_energy_are_the_exact_ones_at_any_speed():
     """a psi'' - (free moment) = dT/dpsi's Lagrange equation; a wall's force F has the moment -F dy/dpsi."""
     for random, m in mechanisms():
         values = theta, psi, speed, rate, acceleration, change = states(random)
-        moment = nonlinear.free_moment(theta, speed, acceleration, psi, rate, m)
+        moment = nonlinear.free_moment(Crank(theta, speed, acceleration), psi, rate, m)
         left = evaluate(LEFT[TRUE_TURNING], values, m)
         assert eq.inertia(m) * change - moment == pytest.approx(left, abs=10.0 * ROUNDING)
         slope = nonlinear.offset_slope(theta, psi, m.xi)
@@ -168,11 +168,11 @@ def test_nonlinear_torque_is_the_exact_generalised_force():
     for random, m in mechanisms():
         theta, psi, speed, rate, acceleration, _ = states(random)
         force = random.uniform(-3.0, 3.0)
-        moment = nonlinear.free_moment(theta, speed, acceleration, psi, rate, m)
+        moment = nonlinear.free_moment(Crank(theta, speed, acceleration), psi, rate, m)
         change = (moment - force * nonlinear.offset_slope(theta, psi, m.xi)) / eq.inertia(m)
         values = theta, psi, speed, rate, acceleration, change
         exact = evaluate(crank, values, m) + force * evaluate(sp.diff(OFFSET, THETA), values, m)
-        torque = nonlinear.crank_torque(theta, speed, acceleration, psi, rate, change, force, m)
+        torque = nonlinear.crank_torque(Crank(theta, speed, acceleration), psi, rate, change, force, m)
         assert torque == pytest.approx(exact, abs=20.0 * ROUNDING)
 
 
@@ -202,7 +202,7 @@ def test_nonlinear_walls_are_lines_along_the_cylinder():
         gap = random.uniform(-0.35, 0.35)
         psi = nonlinear.wall_angle(theta, gap, m.xi)
         rate = nonlinear.wall_rate(theta, speed, psi, m.xi)
-        change = nonlinear.wall_acceleration(theta, speed, acceleration, psi, m.xi)
+        change = nonlinear.wall_acceleration(Crank(theta, speed, acceleration), psi, m.xi)
         values = theta, psi, speed, rate, acceleration, change
         assert evaluate(OFFSET, values, m) == pytest.approx(gap, abs=ROUNDING)
         assert nonlinear.offset(theta, psi, m.xi) == pytest.approx(gap, rel=ROUNDING)

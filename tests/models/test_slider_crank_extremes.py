@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from models.core.quantities import Vector
 from models.slider_crank import forms
-from models.slider_crank.equations import inertia
+from models.slider_crank.equations import Crank, inertia
 from models.slider_crank.flight.bouncing import CHATTER_LEFT
 from models.slider_crank.flight.flow import UnresolvedError
 from models.slider_crank.motions.histories import ONSET
@@ -40,7 +40,7 @@ def test_fast_rod_reaches_the_wall_when_its_free_flight_does(rate: float) -> Non
     m = machine.mechanism
 
     def flight(theta: float, state: np.ndarray) -> list[float]:
-        return [state[1], free_moment(theta, 1.0, 0.0, state[0], state[1], m) / inertia(m)]
+        return [state[1], free_moment(Crank(theta, 1.0, 0.0), state[0], state[1], m) / inertia(m)]
 
     def reach(theta: float, state: np.ndarray) -> float:
         return offset(theta, state[0], m.xi) - machine.gap
@@ -147,8 +147,8 @@ def follow_chatter(p: Vector, restitution: float) -> tuple[Vector, Vector]:
         time, approach = x[10], x[11]
         psi = forms.wall_angle(form, time, GAP, m)
         rate = forms.wall_rate(form, time, 1.0, psi, m)
-        pressing = forms.wall_acceleration(form, time, 1.0, 0.0, psi, m)
-        pressing -= forms.flight_acceleration(form, time, 1.0, 0.0, psi, rate, m)
+        pressing = forms.wall_acceleration(form, Crank(time, 1.0, 0.0), psi, m)
+        pressing -= forms.flight_acceleration(form, Crank(time, 1.0, 0.0), psi, rate, m)
         parting = restitution * approach / forms.offset_slope(form, time, psi, m)
         times.append(time)
         left.append(2.0 * parting / ((1.0 - restitution) * abs(pressing)))

@@ -11,7 +11,7 @@ from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from models.monolithic import equilibrium, solve
 from models.slider_crank import forms
-from models.slider_crank.equations import thesis_mechanism
+from models.slider_crank.equations import Crank, thesis_mechanism
 
 from .slider_cranks import CRANK, FILMS, FORMS, LAG, STATE, advance, thesis_parameters, turn
 
@@ -34,7 +34,9 @@ def test_slider_on_a_moving_wall_has_its_velocity_and_acceleration(form: float) 
         second = (-p[0] + 16.0 * p[1] - 30.0 * p[2] + 16.0 * p[3] - p[4]) / (12.0 * d**2)
         found = forms.moving_wall_rate(form, theta, speed, p[2], velocity, m)
         assert found == pytest.approx(rate, abs=1e-9)
-        found = forms.moving_wall_acceleration(form, theta, speed, acceleration, p[2], velocity, change, m)
+        found = forms.moving_wall_acceleration(
+            form, Crank(theta, speed, acceleration), p[2], velocity, change, m
+        )
         assert found == pytest.approx(second, abs=1e-8)
 
 

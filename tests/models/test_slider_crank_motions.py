@@ -8,6 +8,7 @@ import pytest
 
 from models.core.quantities import Vector
 from models.slider_crank import equations as eq
+from models.slider_crank.equations import Crank
 from models.slider_crank.forms import wall_rate
 from models.slider_crank.motions.classification import CHAOTIC, TRANSIENT_CHAOS, classify
 from models.slider_crank.motions.machine import FORMS, Machine, Motion
@@ -176,6 +177,6 @@ def test_constant_speed_form_is_f_2_13(sign: float, record) -> None:
     )
     a = ALPHA / 4 + 1 + BETA
     expected = (f - c * psi - LAMBDA * rate) / a
-    found = eq.flight_acceleration(tau, 1.0, 0.0, psi, rate, m)
+    found = eq.flight_acceleration(Crank(tau, 1.0, 0.0), psi, rate, m)
     quantity = "acceleration of the rod at constant speed"
     record("Slider-crank", quantity, found, expected, "Farahanchi (1991), (2.13)", relative=1e-14)

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from models.core.quantities import Vector
 from models.slider_crank import forms
-from models.slider_crank.equations import coupling, inertia, thesis_mechanism
+from models.slider_crank.equations import Crank, coupling, inertia, thesis_mechanism
 
 from .slider_cranks import CRANK, FORMS, INPUTS, STATE, advance, energies, thesis_parameters
 
@@ -70,15 +70,15 @@ def test_linear_form_is_the_limit_of_small_clearance(name, theta, record):
         if name == "wall":
             return psi
         if name == "force":
-            return forms.constraint_force(form, theta, speed, acceleration, psi, m)
+            return forms.constraint_force(form, Crank(theta, speed, acceleration), psi, m)
         # The same psi for both, away from the walls.
         psi = 0.7 * gap
         if name == "energy":
             return forms.kinetic_energy(form, theta, speed, psi, rate, m)
-        change = forms.flight_acceleration(form, theta, speed, acceleration, psi, rate, m)
+        change = forms.flight_acceleration(form, Crank(theta, speed, acceleration), psi, rate, m)
         if name == "acceleration":
             return change
-        return forms.crank_torque(form, theta, speed, acceleration, psi, rate, change, 0.0, m)
+        return forms.crank_torque(form, Crank(theta, speed, acceleration), psi, rate, change, 0.0, m)
 
     def error(gap):
         return abs(value(forms.NONLINEAR, gap) - value(forms.CORRECTED, gap))
@@ -176,5 +176,5 @@ def test_reflected_machine_moves_as_the_mirror_image(damping, gap, restitution, 
 def test_a_wall_loads_a_crank_at_rest_by_its_virtual_work(theta, psi):
     """The slider is y = xi sin(theta) - sin(eta) above the axis: F downwards takes the torque F dy/dtheta."""
     m = thesis_mechanism(0.0, corrected=True)
-    found = forms.crank_torque(forms.NONLINEAR, theta, 0.0, 0.0, psi, 0.0, 0.0, 3.0, m)
+    found = forms.crank_torque(forms.NONLINEAR, Crank(theta, 0.0, 0.0), psi, 0.0, 0.0, 3.0, m)
     assert found == pytest.approx(3.0 * XI * math.cos(theta), rel=1e-12)

@@ -11,7 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
-from ..equations import Mechanism, coupling, inertia, rod_curvature, rod_slope
+from ..equations import Crank, Mechanism, coupling, inertia, rod_curvature, rod_slope
 from ..nonlinear import free_moment
 from .bouncing import CELL, FLIGHT, FRACTION, OWN, RATE_OF_Y, Walls, Y, phase
 from .series import DEGREE, TERMS, value_and_slope
@@ -155,7 +155,7 @@ def offset_acceleration(theta: float, y: float, rate: float, m: Mechanism) -> fl
     eta, eta_rate = rod_state(theta, y, rate, m.xi)
     psi = math.asin(m.xi * math.sin(theta)) - eta
     psi_rate = rod_slope(theta, m.xi) - eta_rate
-    bend = rod_curvature(theta, m.xi) - free_moment(theta, 1.0, 0.0, psi, psi_rate, m) / inertia(m)
+    bend = rod_curvature(theta, m.xi) - free_moment(Crank(theta, 1.0, 0.0), psi, psi_rate, m) / inertia(m)
     return -m.xi * math.sin(theta) + math.sin(eta) * eta_rate**2 - math.cos(eta) * bend
 
 

@@ -4,7 +4,7 @@ import math
 
 from ...compile.kernel import kernel
 from ...core.quantities import Vector
-from ..equations import Mechanism, flight_acceleration, inertia, narrowing, narrowing_slope, rod_cosine
+from ..equations import Crank, Mechanism, flight_acceleration, inertia, narrowing, narrowing_slope, rod_cosine
 from ..forms import NONLINEAR, constraint_force, offset_slope, wall_angle
 from .flow import DAMPING, FORCING, PRESSING_LOWER, PRESSING_UPPER, STIFFNESS
 
@@ -15,7 +15,7 @@ def offset_acceleration(theta: float, y: float, rate: float, m: Mechanism) -> fl
     cosine, first = rod_cosine(theta, m.xi), narrowing(theta, m.xi)
     psi = y / cosine
     psi_rate = rate / cosine - first * psi
-    bend = flight_acceleration(theta, 1.0, 0.0, psi, psi_rate, m)
+    bend = flight_acceleration(Crank(theta, 1.0, 0.0), psi, psi_rate, m)
     return cosine * (bend + 2.0 * first * psi_rate + (narrowing_slope(theta, m.xi) + first**2) * psi)
 
 
@@ -48,5 +48,5 @@ def sample_pressing(form: float, m: Mechanism, gap: float, samples: Vector) -> N
 def pressing(form: float, side: float, theta: float, gap: float, m: Mechanism) -> float:
     """Acceleration in y towards the wall on that side of a slider that rests on it: F dy/dpsi^2 / a."""
     psi = wall_angle(form, theta, side * gap, m)
-    force = constraint_force(form, theta, 1.0, 0.0, psi, m)
+    force = constraint_force(form, Crank(theta, 1.0, 0.0), psi, m)
     return side * force * offset_slope(form, theta, psi, m) ** 2 / inertia(m)

@@ -15,7 +15,7 @@ from scipy.optimize import minimize_scalar
 
 from ...compile.kernel import kernel
 from ...core.quantities import Vector
-from ..equations import Mechanism
+from ..equations import Crank, Mechanism
 from ..flight.bouncing import LOWER, PAST_ZERO, UPPER
 from ..flight.series import bounds_of_bend, first_fall, move_origin
 from ..forms import constraint_force, wall_angle
@@ -46,7 +46,7 @@ class Interval(NamedTuple):
 @kernel
 def wall_force(form: float, side: float, theta: float, gap: float, m: Mechanism) -> float:
     """F's f_u (side 1) or f_l (side -1) of (2.29): force of a wall on a slider that rests on it, over M l."""
-    return side * constraint_force(form, theta, 1.0, 0.0, wall_angle(form, theta, side * gap, m), m)
+    return side * constraint_force(form, Crank(theta, 1.0, 0.0), wall_angle(form, theta, side * gap, m), m)
 
 
 def wall_forces(machine: Machine, side: float, theta: Vector) -> Vector:
