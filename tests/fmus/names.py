@@ -10,6 +10,9 @@ from fmus.declared import find_extra
 # Those with impacts, vectors, events in time and plain motion among them.
 ALWAYS = ("valve_spring", "slider_crank", "flywheel")
 
+# With internal states, from a file of its own.
+LAYER = "tests.models.fluid_layer:fluid_layer"
+
 # Those with reference results.
 REFERENCED = tuple(name for name in NAMES if find_extra(name, "STIMULUS", None) is not None)
 

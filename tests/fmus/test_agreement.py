@@ -9,7 +9,7 @@ from fmus.build import NAMES, build
 
 from .conftest import Isolated
 from .kinds import FILES, HOSTS, every_fmu
-from .names import mark_long
+from .names import LAYER, mark_long
 from .reference import Reference, held, schedule, split, wave
 
 STEPS, STEP = 300, 1e-5
@@ -58,7 +58,12 @@ def expected_of(reference: Reference, plan: list) -> list[list[float]]:
 
 @pytest.mark.parametrize(
     ("kind", "name"),
-    every_fmu(python=("valve_spring", "flywheel"), native=("valve_spring",), native3=("valve_spring",)),
+    every_fmu(
+        [*NAMES, LAYER],
+        python=("valve_spring", "flywheel", LAYER),
+        native=("valve_spring",),
+        native3=("valve_spring",),
+    ),
 )
 def test_an_fmu_equals_its_component(kind, name, isolated, tmp_path, record):
     """Outputs, their rates and energies, also between steps, where outputs follow inputs at once, and with

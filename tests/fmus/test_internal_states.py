@@ -1,13 +1,11 @@
 """States that are evolving data but no variables: not in the FMU's description, and yet saved with it."""
 
-import numpy as np
 import pytest
 
 from fmus.build import build
 from fmus.documentation import variables_table
 from fmus.fmi.validate import info, validate
 from fmus.variable_layout import Memory
-from models.core.integrator import OK
 from tests.fmus.instance import Instance
 from tests.models.fluid_layer import fluid_layer
 
@@ -49,39 +47,6 @@ def test_a_start_value_behind_internal_states_is_that_of_its_state(slave):
     slave.step(0.0, STEP)
     assert slave.get(["impulse"])[0] == pytest.approx(0.25, abs=1e-3)
     assert slave.get(["impulse"])[0] != 0.25
-
-
-def test_the_fmu_moves_as_the_component_to_the_last_bit(slave):
-    slave.initialize(velocity=0.3)
-    x, U, p = LAYER.state.vector(), LAYER.input_polynomial(), LAYER.parameters.vector()
-    U[0] = 0.3
-    work, u, y = np.zeros(LAYER.work_size), np.zeros(1), np.zeros(LAYER.outputs.size)
-    for k in range(20):
-        slave.step(k * STEP, STEP)
-        assert LAYER.step(k * STEP, STEP, x, U, p, LAYER.state.nominal, work, u, y) == OK
-        assert slave.get(list(LAYER.outputs.names)) == y.tolist()
-
-
-def test_internal_states_are_saved_and_restored_to_the_last_bit(slave):
-    """The same steps after a rollback, in memory and through bytes, give the same bits."""
-
-    def onwards():
-        found = []
-        for k in range(10, 20):
-            slave.step(k * STEP, STEP)
-            found.append(slave.outputs())
-        return found
-
-    slave.initialize(velocity=0.3)
-    for k in range(10):
-        slave.step(k * STEP, STEP)
-    data, state = slave.saved_bytes(), slave.save()
-    first = onwards()
-    slave.restore(state)
-    assert onwards() == first
-    slave.restore_bytes(data)
-    assert onwards() == first
-    slave.fmu.freeFMUstate(state)
 
 
 def test_start_values_of_other_states_are_still_checked(slave):

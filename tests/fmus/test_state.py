@@ -9,7 +9,7 @@ from fmus.build import NAMES
 
 from .instance import Instance
 from .kinds import FILES, HOSTS, every_fmu
-from .names import ALWAYS
+from .names import ALWAYS, LAYER
 from .reference import Reference, held, wave
 
 STEP = 1e-5
@@ -28,12 +28,13 @@ def drive(slave: Instance, name: str, t: float, steps: int, curved: bool = True,
     return results
 
 
-COMPONENTS = {name: Reference(name).component for name in NAMES}
+COMPONENTS = {name: Reference(name).component for name in (*NAMES, LAYER)}
 
 
 FAST = ("valve_spring",)
 PAIRS = [
-    pytest.param(one.values, marks=one.marks) for one in every_fmu(python=ALWAYS, native=FAST, native3=FAST)
+    pytest.param(one.values, marks=one.marks)
+    for one in every_fmu([*NAMES, LAYER], python=[*ALWAYS, LAYER], native=FAST, native3=FAST)
 ]
 
 
@@ -107,7 +108,7 @@ def test_rollback_at_any_moment(fresh, before, between, curved, size, through_by
     slave.release(state)
 
 
-@pytest.mark.parametrize("pair", PAIRS[: len(NAMES)], indirect=True)
+@pytest.mark.parametrize("pair", PAIRS[: len(NAMES) + 1], indirect=True)
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
