@@ -4,6 +4,7 @@ The same sources give the same bytes. `sources` collects the code, `description`
 the texts. A build does not run the code that it packs.
 """
 
+import functools
 import importlib
 import inspect
 import io
@@ -11,7 +12,7 @@ import os
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib import metadata
 from pathlib import Path
 
@@ -77,22 +78,47 @@ def build(
     component's own are the default. Existing files are replaced atomically.
     KeyError for an unknown name; ValueError for sizes that the component refuses.
     """
-    if destination is not None:
-        files = collect_files(name, structure)
-        if references:
-            files |= compute_references(name, structure)
-        return write_fmu(pack_files(files), identify(name), Path(destination))
+    files = functools.cache(lambda: collect_files(name, structure))
+    choice = f"{structure} {metadata.version('pythonfmu')} {describe_own(name)}"
+    return provide(
+        identify(name), choice, lambda: compute_digest(files()), lambda: pack_files(files()), destination,
+        lambda: compute_references(name, structure) if references else {},
+    )  # fmt: skip
+
+
+def provide(
+    label: str,
+    choice: str,
+    digest: Callable[[], str],
+    pack: Callable[[], bytes],
+    destination: Path | None,
+    add: Callable[[], Mapping[str, bytes]],
+) -> Path:
+    """The FMU called `label` in the user's cache folder, or at the `destination`, where it has what `add()`
+    gives.
+
+    `choice` has everything that it depends on besides the sources, `digest()` identifies what it is made of;
+    `pack()` makes its bytes. OSError without a destination and a cache folder that can be used.
+    """
+    pack = functools.cache(pack)
 
     def find() -> Path:
-        files = collect_files(name, structure)
-        target = cache_path(identify(name), compute_digest(files))
+        target = cache_path(label, digest())
         if not use_cached(target):
-            write_fmu(pack_files(files), identify(name), target)
+            write_fmu(pack(), label, target)
             tidy(target.parent)
         return target
 
-    choice = f"{structure} {metadata.version('pythonfmu')} {digest_own(name)}"
-    return recall(identify(name), choice, find)
+    try:
+        target = recall(label, choice, find)
+        if destination is None:
+            return target
+        content = target.read_bytes()
+    except OSError:  # the cache cannot be used
+        if destination is None:
+            raise
+        content = pack()
+    return write_fmu(pack_files(unpack_files(content) | dict(add())), label, Path(destination))
 
 
 def write_fmu(content: bytes, name: str, destination: Path) -> Path:
@@ -177,12 +203,12 @@ def compute_references(name: str, structure: Mapping[str, int] | None) -> dict[s
     return build_references(name)
 
 
-def digest_own(name: str) -> str:
-    """A digest of the code of a user's own component; "" for ours."""
+def describe_own(name: str) -> str:
+    """The code of a user's own component by its digest, and its default experiment; "" for ours."""
     if not is_own(name):
         return ""
     file = Path(inspect.getfile(inspect.unwrap(find_factory(name))))
-    return compute_digest({file.name: file.read_bytes()})
+    return f"{compute_digest({file.name: file.read_bytes()})} {experiment(name)}"
 
 
 def origin(tool: str) -> Origin:

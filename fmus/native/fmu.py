@@ -18,7 +18,6 @@ from .. import declared
 from ..extras import tell_install
 from ..fmi import description3
 from ..fmi.description import EXCHANGE, GUID_PLACE, NATIVE, model_description
-from ..fmu_cache import cache_path, recall, tidy, use_cached
 from ..sources import collect_sources
 from .machine_code import FMI_HEADERS, PLATFORMS, RUNTIME, NativeBuildError, shared_library, this_platform
 from .tables import tables
@@ -45,30 +44,14 @@ def build(
     check_component(name)
     label = f"{identify(name)}-native" if fmi == 2 else f"{identify(name)}-native-fmi{fmi}"
 
-    @cache
     def pack() -> bytes:
         return python_build.pack_files(collect_files(name, component, sizes, platforms, fmi, progress))
 
-    def find() -> Path:
-        target = cache_path(label, _digest_inputs(name, sizes, platforms))
-        if not use_cached(target):
-            python_build.write_fmu(pack(), label, target)
-            tidy(target.parent)
-        return target
-
-    try:
-        choice = f"{sizes} {sorted(platforms)} {_versions()} {python_build.digest_own(name)}"
-        target = recall(label, choice, find)
-        if destination is None:
-            return target
-        content = target.read_bytes()
-    except OSError:  # the cache cannot be used
-        if destination is None:
-            raise
-        content = pack()
-    references = python_build.compute_references(name, structure)
-    content = python_build.pack_files(python_build.unpack_files(content) | references)
-    return python_build.write_fmu(content, label, Path(destination))
+    choice = f"{sizes} {sorted(platforms)} {_versions()} {python_build.describe_own(name)}"
+    return python_build.provide(
+        label, choice, lambda: _digest_inputs(name, sizes, platforms), pack, destination,
+        lambda: python_build.compute_references(name, structure),
+    )  # fmt: skip
 
 
 def collect_files(
@@ -127,7 +110,8 @@ def _digest_inputs(name: str, sizes: Mapping[str, int], platforms: Sequence[str]
     if not is_own(name):
         folder = here.parent / name
         documents = {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
-    said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {_versions()}"
+    own = python_build.describe_own(name)
+    said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {_versions()} {own}"
     return compute_digest(files | documents | dict(_runtime()) | {"said": said.encode()})
 
 

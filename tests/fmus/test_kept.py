@@ -111,6 +111,7 @@ def test_two_versions_in_one_process(fmu_files, isolated, tmp_path, monkeypatch)
     assert line in text
     file.write_text(text.replace(line, "y.valve_lift = 2.0 * (x.position - p.lash)"))
     monkeypatch.setattr(models, "__file__", str(changed / "__init__.py"))
+    monkeypatch.setattr("fmus.fmu_cache._sources", lambda: "changed")
     second = build("valve_spring", tmp_path / "second.fmu")
     code = f"""
     one, two = Instance({str(first)!r}, "one"), Instance({str(second)!r}, "two")

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import tribocosim
+from fmus.native.machine_code import this_platform
 from models.core.composite import compose, with_values
 from models.core.errors import ModelError
 from models.core.evaluation import Interpreted
@@ -162,6 +163,17 @@ def test_a_component_has_the_scenario_s_values_as_defaults(tmp_path):
     assert described.modelName == "valve_spring"
     assert float(start["valve_mass"]) == 0.2
     assert described.defaultExperiment.stopTime == "0.12"
+
+
+@pytest.mark.parametrize("native", [False, True])
+def test_another_stop_time_is_the_default_of_the_next_build(native, tmp_path):
+    """The code is the same, and so is the file in which it stands."""
+    for stop in (1.0, 2.0):
+        scenario, options = tribocosim.load("two-masses").with_(stop_time=stop), {"native": native}
+        options |= {"platforms": [this_platform()]} if native else {}
+        folder = tmp_path / str(stop)
+        (path,) = tribocosim.build_scenario_fmus(scenario, folder, components=["second"], **options)
+        assert float(fmpy.read_model_description(str(path)).defaultExperiment.stopTime) == stop
 
 
 @pytest.mark.parametrize(

@@ -189,9 +189,21 @@ def test_derivatives_by_inputs_and_parameters(name, native_files):
         derivatives.check()
 
 
+def check_states(slave: Instance, point: Point, host: Any) -> None:
+    """Outputs, energies, rates and the states' derivatives by each state, as `host` has them."""
+    state = point.component.state
+    names = known_by(slave.variables, point.names())
+    unknown = [slave.variables[n].valueReference for n in names]
+    for variable in (u.variable.derivative for u in slave.description.derivatives):
+        place = state.index(variable.name.removeprefix("state."))
+        found = host.getDirectionalDerivative(unknown, [variable.valueReference], [1.0])
+        size = float(state.nominal[place])
+        Derivatives(point, names, "x", place, size, np.array(found)).check()
+
+
 @pytest.mark.parametrize("name", EVERY)
 def test_derivatives_by_states(name, native_files):
-    """In model exchange, off the start: of outputs, energies, rates and the states' derivatives."""
+    """In model exchange, off the start."""
     slave, reference = Instance(native_files[name]), started(name)
     c = reference.component
     states = [u.variable.derivative.name for u in slave.description.derivatives]
@@ -199,20 +211,13 @@ def test_derivatives_by_states(name, native_files):
     for i, place in enumerate(places):
         reference.x[place] += 0.1 * c.state.nominal[place] * math.sin(i + 1.0)
     reference.set_inputs(wave(c, 0.0))
-    point = point_of(reference)
-    names = known_by(slave.variables, point.names())
-    unknown = [slave.variables[n].valueReference for n in names]
     with slave.exchanging(**GIVEN.get(name, {})) as model:
         model.fmi2SetContinuousStates(
             model.component, (c_double * len(places))(*reference.x[places]), len(places)
         )
         for given, value in wave(c, 0.0).items():
             model.setReal([slave.variables[given].valueReference], [value])
-        for state, place in zip(states, places, strict=True):
-            known = [slave.variables[state].valueReference]
-            found = model.getDirectionalDerivative(unknown, known, [1.0])
-            size = float(c.state.nominal[place])
-            Derivatives(point, names, "x", place, size, np.array(found)).check()
+        check_states(slave, point_of(reference), model)
     slave.free()
 
 
@@ -220,14 +225,7 @@ def test_derivatives_by_states(name, native_files):
 def test_derivatives_by_states_between_steps(name, native_files):
     """In co-simulation, at a communication point."""
     reference, slave = moving(name, native_files[name])
-    point, c = point_of(reference), reference.component
-    names = known_by(slave.variables, point.names())
-    unknown = [slave.variables[n].valueReference for n in names]
-    for state in (u.variable.derivative for u in slave.description.derivatives):
-        place = c.state.index(state.name.removeprefix("state."))
-        found = slave.fmu.getDirectionalDerivative(unknown, [state.valueReference], [1.0])
-        size = float(c.state.nominal[place])
-        Derivatives(point, names, "x", place, size, np.array(found)).check()
+    check_states(slave, point_of(reference), slave.fmu)
     slave.free()
 
 
