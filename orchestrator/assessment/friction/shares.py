@@ -192,9 +192,9 @@ def remark_losses(found: Losses, motion: Motion) -> Iterator[Words]:
                 f"{loss.part}: pure rolling is assumed, so that it has no friction of sliding; a roller that "
                 "may slip finds its spin from traction and the pin's friction"
             )
-    share = found.rest / found.drive if found.drive else 0.0
     if found.drive > 0.0:
+        share = format_number(100.0 * found.rest / found.drive, 3)
         yield (
-            f"the drive gives {format_number(found.drive)} W; the rest, {100.0 * share:.2g} %, goes to the "
-            "dampers of springs, seats and contacts, and into motion that is not yet steady"
+            f"the drive gives {format_number(found.drive)} W; {share} % of it go not into friction but to "
+            "the dampers of springs, seats and contacts, and into motion that is not yet steady"
         )
