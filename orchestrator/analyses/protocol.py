@@ -36,8 +36,8 @@ class Parameter:
     default: Value
     unit: str
     description: str
-    minimum: float | None = None
-    maximum: float | None = None
+    minimum: float = -math.inf
+    maximum: float = math.inf
     choices: tuple[str, ...] = ()
     integer: bool = False
     positive: bool = False
@@ -48,8 +48,8 @@ class Parameter:
         return Quantity(
             self.unit,
             self.description,
-            minimum=-math.inf if self.minimum is None else self.minimum,
-            maximum=math.inf if self.maximum is None else self.maximum,
+            minimum=self.minimum,
+            maximum=self.maximum,
             positive=self.positive,
             choices=self.choices,
             boolean=isinstance(self.default, bool),

@@ -12,7 +12,7 @@ from models.core.evaluation import Interpreted
 from models.core.quantities import Vector
 from models.core.system import Connection, Port, System
 
-from .trains import Train, find_trains, parameter_of
+from .trains import Train, find_trains, list_parts, parameter_of
 
 # Degrees of the crank after firing between which valves of four-stroke engines begin to open: 90 deg before
 # the dead centre to 10 deg after it (exhaust), 70 deg before it to 60 deg after it (intake).
@@ -26,7 +26,7 @@ LIFTED = 0.02
 def list_doubtful_gas(system: System) -> list[str]:
     """A line for each valve that its cam opens against gas at a phase that engines do not have."""
     lines = [line for line in system.connections if _is_gas_force(system, line)]
-    drives = [name for name, one in system.instances.items() if one.component.has_role(roles.Drive)]
+    drives = list_parts(system, roles.Drive)
     if len(drives) != 1 or not lines or "angle" not in system.instances[drives[0]].component.state:
         return []
     place = system.state.index(Port(drives[0], "angle"))

@@ -19,7 +19,7 @@ from .contacts import ContactSummaries, ContactSummary
 from .figures_of_merit import measure
 from .friction.shares import list_losses
 from .motion import Motion
-from .trains import Angle, Train, find_angle, find_drive_angle, find_trains
+from .trains import Angle, Train, find_angle, find_drive_angle, find_trains, list_parts
 
 # A column of the coupled run, by "instance.variable", or "time".
 Read = Callable[[str], Vector]
@@ -121,9 +121,8 @@ def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
 
 def describe_bearings(system: System, merits: Sequence[Merit]) -> list[str]:
     """A line for each bearing, of many those with the thinnest films."""
-    names = [name for name, one in system.instances.items() if one.component.has_role(roles.Bearing)]
-    found = {(merit.part, merit.figure): merit for merit in merits}
-    films = {name: found[name, "least_film"] for name in names if (name, "least_film") in found}
+    found, bearings = {(m.part, m.figure): m for m in merits}, list_parts(system, roles.Bearing)
+    films = {name: found[name, "least_film"] for name in bearings if (name, "least_film") in found}
     told = []
     for name in sorted(films, key=lambda name: films[name].value)[:SHOWN]:
         far, pressure = found[name, "largest_eccentricity"], found[name, "peak_pressure"]

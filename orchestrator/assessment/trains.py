@@ -80,9 +80,9 @@ class Train:
 def find_trains(system: System) -> tuple[Train, ...]:
     """The trains of the system, in the order of their cams."""
     near = _list_neighbours(system)
-    cams = _list(system, roles.Cam)
+    cams = list_parts(system, roles.Cam)
     ends = {name for name, others in near.items() if len(others & set(cams)) > 1}
-    ends |= set(chain.from_iterable(_list(system, role) for role in ENDS))
+    ends |= set(chain.from_iterable(list_parts(system, role) for role in ENDS))
     return tuple(Train(system, cam, tuple(_reach(cam, near, ends))) for cam in cams)
 
 
@@ -104,10 +104,10 @@ def find_angles(system: System) -> dict[str, Angle]:
 def find_drive_angle(system: System) -> Angle | None:
     """The angle of the drive: the crank's where there is a crank or cams turn with another speed, the
     camshaft's where they turn with it, else a shaft's."""
-    for drive in _list(system, roles.Drive):
-        cranked = any(_list(system, role) for role in CRANKS)
+    for drive in list_parts(system, roles.Drive):
+        cranked = any(list_parts(system, role) for role in CRANKS)
         turned = cranked or any(ratio != 1.0 for ratio in list_ratios(system))
-        name = "crank_angle" if turned else "cam_angle" if _list(system, roles.Cam) else "shaft_angle"
+        name = "crank_angle" if turned else "cam_angle" if list_parts(system, roles.Cam) else "shaft_angle"
         return Angle(name, f"{drive}.angle")
     return None
 
@@ -133,7 +133,8 @@ def parameter_of(instance: Instance, name: str) -> float:
     return instance.parameters.get(name, instance.component.parameters.field(name).start)
 
 
-def _list(system: System, role: type[roles.Role]) -> list[str]:
+def list_parts(system: System, role: type[roles.Role]) -> list[str]:
+    """The parts in this role."""
     return [name for name, instance in system.instances.items() if instance.component.has_role(role)]
 
 
@@ -154,11 +155,6 @@ def _reach(cam: str, near: dict[str, set[str]], ends: set[str]) -> Iterator[str]
         found = sorted(near[at] - seen - ends, key=order.index)
         seen.update(found)
         waiting += found
-
-
-def list_contacts(system: System) -> list[str]:
-    """The lubricated contacts."""
-    return [name for name, instance in system.instances.items() if instance.component.has_role(roles.Contact)]
 
 
 # Knots at most of the spline through a lift that was recorded: closer ones show the rounding of its values in

@@ -3,24 +3,20 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from models.core import roles
+from models.core.roles import PistonClearance
 
-from ..assessment.trains import find_kinematics, find_trains
+from ..assessment.trains import find_kinematics, find_trains, list_parts
 from .data import FigureData
 from .style import ACCENT, MUTED, create_panels, plot_both
 
 
 def applies(data: FigureData) -> bool:
-    return bool(_list(data))
-
-
-def _list(data: FigureData) -> list[str]:
-    parts = data.system.instances.items() if data.system else ()
-    return [name for name, one in parts if one.component.has_role(roles.PistonClearance)]
+    return bool(data.system and list_parts(data.system, PistonClearance))
 
 
 def draw(data: FigureData) -> Figure:
-    names = _list(data)
+    assert data.system
+    names = list_parts(data.system, PistonClearance)
     figure, axes = create_panels(len(names), data, f"{data.title}: clearance of valves and pistons", 2.6)
     for ax, name in zip(axes, names, strict=True):
         clearance = data.coupled[f"{name}.clearance"]

@@ -149,6 +149,12 @@ def list_files(out: Path) -> list[Path]:
     return [path for path in [*(out / name for name in WRITTEN), *_figures(out)] if path.exists()]
 
 
+def find_remedy(path: Path, otherwise: str) -> str:
+    """Whether another run's output folder was meant by `path`, in words; `otherwise` where there is none."""
+    close = suggest_folder(path)
+    return f"did you mean {close}?" if close else otherwise
+
+
 def suggest_folder(path: Path) -> str | None:
     """The run's output folder that was probably meant by `path`, a file in it or the scenario's name."""
     beside = {

@@ -102,14 +102,11 @@ def test_a_straight_line_has_the_closed_form_of_values_and_covariance():
 def test_the_profile_of_a_linear_fit_is_its_interval():
     """Where the likelihood is a parabola; lmfit's profile asks the F distribution, as Student's t squared."""
     data = 3.0 * TIMES - 0.7 + np.random.default_rng(3).normal(0.0, 0.2, TIMES.size)
-    objective, found = fit_line(Signal("y", "line.height"), data)
-    (ends,) = profile(objective, found, [0]).values()
-    width = half_width(TIMES.size - 2) * found.deviations[0]
-    assert ends == pytest.approx((found.x[0] - width, found.x[0] + width), abs=2e-3 * width)
-    objective, found = fit_line(Signal("y", "line.height"), data, fixed=True)
-    (ends,) = profile(objective, found, [0]).values()
-    width = half_width(TIMES.size - 1) * found.deviations[0]
-    assert ends == pytest.approx((found.x[0] - width, found.x[0] + width), abs=2e-3 * width)
+    for fixed, unknowns in ((False, 2), (True, 1)):
+        objective, found = fit_line(Signal("y", "line.height"), data, fixed=fixed)
+        (ends,) = profile(objective, found, [0]).values()
+        width = half_width(TIMES.size - unknowns) * found.deviations[0]
+        assert ends == pytest.approx((found.x[0] - width, found.x[0] + width), abs=2e-3 * width)
 
 
 @pytest.mark.parametrize(("gain", "offset"), [(True, False), (False, True), (True, True)])

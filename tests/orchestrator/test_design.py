@@ -231,54 +231,31 @@ def write_brief(folder: Path, text: str) -> Path:
     ("text", "words"),
     [
         ('scenario = "valve-tran"', "did you mean valve-train"),
-        ('scenario = "valve-train"\ncoeficients = 30', "did you mean coefficients"),
-        ('scenario = "valve-train"\ncoefficients = 60', "must be <= 40"),
-        ('scenario = "valve-train"\n[limits]\nleast_radios = "4 mm"', "did you mean least_radius"),
-        ('scenario = "valve-train"\n[limits]\nlargest_lift = "4 kg"', "limits.largest_lift"),
-        ('scenario = "valve-train"\n[limits]\nlargest_lift = "-4 mm"', "must be > 0"),
-        ('scenario = "valve-train"\nspeeds = ["fast"]', "not a number with a unit"),
-        (
-            'scenario = "valve-train"\n[parameters]\n"camshaft.base_radios" = ["18 mm", "24 mm"]',
-            "did you mean camshaft.base_radius",
-        ),
-        (
-            'scenario = "valve-train"\n[parameters]\n"camshaft.base_radius" = ["23 mm", "24 mm"]',
-            "must be between them",
-        ),
-        ('scenario = "valve-train"\ncam = "camshaf"', "did you mean camshaft"),
-    ],
-)
-def test_mistakes_in_a_brief_are_named(tmp_path: Path, text: str, words: str) -> None:
-    path = write_brief(tmp_path, text)
-    asked = called("design", str(path), "--out", str(tmp_path / "out"))
-    assert asked.returncode == 2
-    assert words in said(asked)
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
+        ("coeficients = 30", "did you mean coefficients"),
+        ("coefficients = 60", "must be <= 40"),
+        ('[limits]\nleast_radios = "4 mm"', "did you mean least_radius"),
+        ('[limits]\nlargest_lift = "4 kg"', "limits.largest_lift"),
+        ('[limits]\nlargest_lift = "-4 mm"', "must be > 0"),
+        ('speeds = ["fast"]', "not a number with a unit"),
+        ('[parameters]\n"camshaft.base_radios" = ["18 mm", "24 mm"]', "did you mean camshaft.base_radius"),
+        ('[parameters]\n"camshaft.base_radius" = ["23 mm", "24 mm"]', "must be between them"),
+        ('cam = "camshaf"', "did you mean camshaft"),
         ("speeds = [1600]", '1600: write the number with its unit, such as "1000 rpm"'),
         ("speeds = [[1]]", "write the number with its unit"),
         ('highest_speed = "4000"', "4000: write the number with its unit"),
         ("[limits]\nlargest_pressure_angle = 22", 'such as "22 deg"'),
         ('event = ["250 deg", "110 deg"]', "must end after its begin"),
         ('event = ["0 deg", "400 deg"]', "within a turn"),
-        ("event = [110, 250]", 'such as "110 deg"'),
+        ('event = ["110 deg", 250]', 'such as "110 deg"'),
         ('[parameters]\n"flywheel.initial_speed" = ["500 rpm", "3000 rpm"]', "is the speed of the cycle"),
     ],
 )
-def test_numbers_that_would_be_misread_are_refused(tmp_path: Path, text: str, words: str) -> None:
-    path = write_brief(tmp_path, f'scenario = "valve-train"\n{text}')
-
-    def read() -> None:
-        asked = read_brief(str(path))
-        train = open_train(asked.tables, 24, event=asked.brief.event)
-        read_bounds(asked.brief, train.scenario, "flywheel")
-
-    with pytest.raises(MistakeError, match=re.escape(words)):
-        read()
+def test_mistakes_in_a_brief_are_named(tmp_path: Path, text: str, words: str) -> None:
+    path = write_brief(tmp_path, text if "scenario" in text else f'scenario = "valve-train"\n{text}')
+    asked = called("design", str(path), "--out", str(tmp_path / "out"))
+    assert asked.returncode == 2
+    assert words in said(asked)
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_cam_that_has_lost_contact_at_its_own_speed_gives_no_limit() -> None:

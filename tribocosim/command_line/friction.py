@@ -21,7 +21,7 @@ COEFFICIENT = 1e-17
 # Of the cam.
 CYCLES = 1e8
 # Endings of the files.
-TABLES, FIGURES = (".csv", ".json", ".nc"), (".png", ".svg", ".pdf")
+TABLES, FIGURES = (".csv", ".nc"), (".png", ".svg", ".pdf")
 
 
 @report_errors
@@ -39,7 +39,7 @@ def print_friction(
         typer.Option(help="Revolutions over which the wear is extrapolated.", show_default=f"{CYCLES:g}"),
     ] = None,
     table: Annotated[
-        Path | None, typer.Option(help="Write the revolution to this file (.csv, .json or .nc).")
+        Path | None, typer.Option(help="Write the revolution to this file (.csv or .nc).")
     ] = None,
     figure: Annotated[
         Path | None, typer.Option(help="Draw the revolution to this file (.png, .svg or .pdf).")

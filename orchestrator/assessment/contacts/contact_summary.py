@@ -16,6 +16,7 @@ from models.core import roles
 from models.core.quantities import Vector
 from models.core.system import System
 
+from ..trains import list_parts
 from .accumulation import (
     INPUTS,
     OUTPUTS,
@@ -129,11 +130,11 @@ ContactSummaries = dict[str, ContactSummary]
 
 def contacts(system: System) -> dict[str, dict[str, float]]:
     """The parameters of all lubricated contacts."""
-    return {
-        name: instance.component.parameters.named(instance.component.parameters.vector(instance.parameters))
-        for name, instance in system.instances.items()
-        if instance.component.has_role(roles.Contact)
-    }
+    found = {}
+    for name in list_parts(system, roles.Contact):
+        layout = system.instances[name].component.parameters
+        found[name] = layout.named(layout.vector(system.instances[name].parameters))
+    return found
 
 
 class Accumulator:

@@ -13,7 +13,7 @@ from models.core.quantities import Vector
 
 from ...errors import MistakeError
 from ...store.journal import Recorded, journals
-from ...store.output_folder import find_run_state, suggest_folder
+from ...store.output_folder import find_remedy, find_run_state
 from ...store.result_file import ResultFile
 
 # Columns of /steps, and what a value of each needs: there may be many millions of steps.
@@ -95,9 +95,7 @@ def read_steps(out: Path) -> tuple[Steps, str]:
         return _read_file(out / "result.nc")
     found = journals(find_run_state(out)) if find_run_state(out).is_dir() else {}
     if "steps" not in found:
-        remedy = (
-            f"did you mean {folder}?" if (folder := suggest_folder(out)) else "give a run's output folder"
-        )
+        remedy = find_remedy(out, "give a run's output folder")
         raise MistakeError(f"{out}: holds no result and no unfinished run; {remedy}")
     return _read_journal(found["steps"]), "incomplete: the run goes on, or was killed"
 

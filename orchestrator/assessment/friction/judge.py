@@ -12,7 +12,7 @@ from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, ScenarioError, parse_ends
 from ...scenario.files import load
 from ...scenario.system import build_system, list_parameters
-from ...store.output_folder import RESULT, SCENARIO, suggest_folder
+from ...store.output_folder import RESULT, SCENARIO, find_remedy
 from ...store.result_file import open_result
 from ..merits import read_motion
 from ..motion import Motion
@@ -65,8 +65,7 @@ def judge_losses(folder: Path, scenario: Scenario) -> tuple[Losses, Motion]:
 def _load_scenario(folder: Path) -> Scenario:
     for name in (RESULT, SCENARIO):
         if not (folder / name).is_file():
-            close = suggest_folder(folder)
-            remedy = f"did you mean {close}?" if close else "give the output folder of a finished run"
+            remedy = find_remedy(folder, "give the output folder of a finished run")
             raise MistakeError(f"{folder}: there is no {name}; {remedy}")
     try:
         return load(folder / SCENARIO)

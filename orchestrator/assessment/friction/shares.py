@@ -16,6 +16,7 @@ from ...errors import Words
 from ...scenario.display import format_number
 from ..figures_of_merit import measure
 from ..motion import Motion, Part
+from ..trains import list_parts
 
 POWER, ROLLING_POWER = "friction_power", "rolling_power"
 CONTACT, ROLLING, SLIP, TIP = "cam contact", "rolling", "roller slip", "valve tip"
@@ -145,11 +146,7 @@ class Losses:
 def measure_losses(motion: Motion) -> Losses:
     """Means over the rows of a motion."""
     powers = {(part, figure): found.value for part, figure, _, found in measure(motion)}
-    drives = [
-        Part(motion, name)
-        for name, instance in motion.system.instances.items()
-        if instance.component.has_role(roles.Drive)
-    ]
+    drives = [Part(motion, name) for name in list_parts(motion.system, roles.Drive)]
     return Losses(
         list_losses(motion.system),
         powers,

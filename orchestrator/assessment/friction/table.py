@@ -1,6 +1,5 @@
-"""The table of a revolution as netCDF, JSON or CSV."""
+"""The table of a revolution as netCDF or CSV."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -58,14 +57,11 @@ def of(cycle: Cycle, worn: Wear, coefficient: float) -> xarray.Dataset:
 
 
 def write(cycle: Cycle, worn: Wear, coefficient: float, path: Path) -> list[Path]:
-    """One file as netCDF or JSON, as CSV one for each dimension; OSError if one cannot be written."""
+    """One file as netCDF, as CSV one for each dimension; OSError if one cannot be written."""
     path.parent.mkdir(parents=True, exist_ok=True)
     found = of(cycle, worn, coefficient)
     if path.suffix == ".nc":
         found.to_netcdf(path, engine="h5netcdf")
-        return [path]
-    if path.suffix == ".json":
-        path.write_text(json.dumps(found.to_dict(), indent=1) + "\n", "utf-8")
         return [path]
     files = {"cam_angle": path} | {
         dimension: path.with_stem(f"{path.stem}-{words}") for dimension, words in WEAR_TABLES.items()

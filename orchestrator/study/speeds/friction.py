@@ -9,11 +9,12 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from models.core import roles
 from models.core.quantities import Vector
+from models.core.roles import Drive
 from models.monolithic.cycle import STEADY
 
 from ...assessment.friction.shares import SHARES, list_losses
+from ...assessment.trains import list_parts
 from ...errors import MistakeError
 from ...scenario.display import format_number
 from ...store.csv_file import write_rows
@@ -63,8 +64,7 @@ def read_sheet(folder: Path) -> Sheet:
     for loss in list_losses(system):
         power = table[f"{loss.part}.{loss.figure}"].values
         torques[loss.share] = torques.get(loss.share, 0.0) + power / speed
-    drives = [name for name, one in system.instances.items() if one.component.has_role(roles.Drive)]
-    given = np.sum([table[f"{name}.mean_torque"].values for name in drives], axis=0)
+    given = np.sum([table[f"{name}.mean_torque"].values for name in list_parts(system, Drive)], axis=0)
     return Sheet(folder.name, RPM * speed, torques, given, RPM * every["speed"].values[~steady])
 
 

@@ -13,12 +13,13 @@ import xarray
 
 from models.contact.films import FILMS
 from models.core.quantities import Vector
+from models.core.roles import Contact
 from models.core.system import ModelError
 
 from ...assessment.figures_of_merit import CONTACT
 from ...assessment.lost_contact import find_lost, list_shares
 from ...assessment.motion import Motion, Part
-from ...assessment.trains import list_contacts, parameter_of
+from ...assessment.trains import list_parts, parameter_of
 from ...errors import MistakeError, Option, one_of
 from ...reporter import Reporter
 from ...scenario.files import put_parameters
@@ -89,7 +90,7 @@ def bisect_separation(
 def is_separated(motion: Motion, number: str) -> bool:
     """Whether a contact is lost while the cam lifts; `lost_on_nose`: where it slows the valve."""
     share = CONTACT[number][1]
-    return any(share(Part(motion, name)).value > 0.0 for name in list_contacts(motion.system))
+    return any(share(Part(motion, name)).value > 0.0 for name in list_parts(motion.system, Contact))
 
 
 @contextmanager

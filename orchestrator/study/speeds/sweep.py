@@ -15,13 +15,14 @@ import xarray
 from rich.table import Table
 
 from models.contact.films import GROWING
+from models.core.roles import Contact
 from models.core.system import System
 from models.monolithic.cycle import STEADY
 
 from ...assessment.contacts.lines import FED
 from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
-from ...assessment.trains import list_contacts, parameter_of
+from ...assessment.trains import list_parts, parameter_of
 from ...errors import MistakeError, Option
 from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_summary
 from ...plots.style import save_figure
@@ -285,9 +286,8 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path, separation:
     )
     joined.to_netcdf(out / CYCLES, engine="h5netcdf")
     files.append(out / CYCLES)
-    contacts = list_contacts(system)
     lost = find_lost(table.sel(speed=joined["speed"].values))
-    for load_name in [f"{name}.load" for name in contacts[:2]]:
+    for load_name in [f"{name}.load" for name in list_parts(system, Contact)[:2]]:
         stem = load_name.replace(".", "-")
         files.append(save_figure(partial(draw_map, joined, load_name, lost), out / f"{stem}-map.png"))
         files.append(save_figure(partial(draw_campbell, joined, load_name), out / f"{stem}-campbell.png"))
