@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.many_valves import ENGINE, FILE, FIRING_ORDER, build_content, build_engine, list_phases
+from benchmarks.engines import FIRING_ORDER, build_engine, build_valve_train, list_phases
 from models.core.difference import difference, time_weights
 from models.core.system import System
 from models.monolithic import equilibrium, solve
@@ -71,9 +71,10 @@ def test_the_file_is_what_the_script_writes():
         for key, value in table.items():
             yield from flat(value, f"{path}{key}.") if isinstance(value, dict) else [(path + key, value)]
 
-    written, made = dict(flat(tomllib.loads(FILE.read_text("utf-8")))), dict(flat(build_content()))
+    text = list_shipped()["valve-train-16v"].read_text("utf-8")
+    written, made = dict(flat(tomllib.loads(text))), dict(flat(build_valve_train()))
     assert written.keys() == made.keys()
-    layout, close = build_system(load(str(FILE))).state, 100.0 * TOLERANCE
+    layout, close = build_system(load("valve-train-16v")).state, 100.0 * TOLERANCE
     nominal = dict(zip(layout.names, layout.nominal, strict=True))
     for key, value in made.items():
         size = nominal.get(key.removeprefix("components.").replace(".start.", "."), 0.0)
@@ -100,7 +101,7 @@ def test_cylinders_turn_in_firing_order_and_as_they_do_alone(steps):
 
 
 def test_the_engine_file_is_what_the_script_writes():
-    assert tomllib.loads(ENGINE.read_text("utf-8")) == build_engine()
+    assert tomllib.loads(list_shipped()["engine-16v"].read_text("utf-8")) == build_engine()
 
 
 # Those with solved films or sixteen valves and pistons take many minutes.

@@ -1,38 +1,97 @@
-"""Sixteen valve trains on two elastic camshafts; `python -m benchmarks.many_valves` writes scenario
-`valve-train-16v`, and `engine-16v`, which has four cylinders as well.
+"""Shipped scenarios of engines: `python -m benchmarks.engines` writes `valve-train-16v`, `engine-16v` and
+`pushrod-engine`.
 
-Four cylinders that fire in the order 1-3-4-2 with four valves each. Each valve starts in the steady cycle
-that it has alone on a rigid shaft.
+Sixteen valve trains on two elastic camshafts, of four cylinders that fire in the order 1-3-4-2, without and
+with the cylinders; and eight pushrod trains on one camshaft. Each train starts in the steady cycle that it
+has alone on a rigid shaft, at its cam's angle. The comments at the beginning of the files stay.
 """
 
+import copy
 import math
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 import tomli_w
 
-from orchestrator.scenario.files import SHIPPED
+from models.monolithic.cycle import find_cycle
+from orchestrator.scenario import build_scenario
+from orchestrator.scenario.files import SHIPPED, load
+from orchestrator.scenario.system import build_system, resolve_start
 
-from .trains_on_shafts import BENDING, DRIVE, connect_train, place_train, start_train
+BENDING = (
+    *(f"SHAFT.{port}[N] -> tappet.{port}" for port in ("axis_x", "axis_y")),
+    *(f"SHAFT.{port}[N] -> tappet.{port}" for port in ("axis_velocity_x", "axis_velocity_y")),
+    *(f"tappet.{port} -> SHAFT.{port}[N]" for port in ("cam_force_x", "cam_force_y")),
+)
+DRIVE = (
+    "flywheel.angle -> SHAFT.drive_angle",
+    "flywheel.speed -> SHAFT.drive_speed",
+    "flywheel.acceleration -> SHAFT.drive_acceleration",
+)
+_ON_THE_SHAFT = {
+    "flywheel.angle": "SHAFT.cam_angle[N]",
+    "flywheel.speed": "SHAFT.cam_speed[N]",
+    "flywheel.load_torque[1]": "SHAFT.cam_torque[N]",
+}
+
+
+def start_train(train: dict[str, Any], phase: float, cam_speed: float) -> dict[str, dict[str, float]]:
+    """Start values by instance of a train alone on a rigid shaft, in its cycle at this cam angle (deg).
+
+    The flywheel of the train turns with the cam, at `cam_speed` (rad/s).
+    """
+    content = copy.deepcopy(train)
+    content["components"]["tappet"].setdefault("parameters", {})["phase"] = f"{phase} deg"
+    flywheel = content["components"]["flywheel"]
+    flywheel["parameters"] = {"motion": "prescribed", "initial_speed": cam_speed}
+    # A cam that lifts at time zero has no equilibrium that its contacts feel: begin on the base circle.
+    flywheel["start"] = {"angle": f"{-phase} deg"}
+    scenario = build_scenario(content)
+    resting = resolve_start(scenario, build_system(scenario))
+    start = resting.x0.copy()
+    start[resting.state.names.index("flywheel.angle")] = 0.0
+    flywheel["start"] = {"angle": 0.0}
+    system = build_system(build_scenario(content))
+    end = find_cycle(system, 2.0 * math.pi / cam_speed, ["flywheel.angle"], start=start).end
+    return {
+        name: {
+            variable: float(value)
+            for variable, value in instance.component.state.named(end[system.state.of(name)]).items()
+            if abs(value) > 1e-15
+        }
+        for name, instance in system.instances.items()
+    }
+
+
+def place_train(
+    train: dict[str, Any], phase: float, starts: dict[str, dict[str, float]], suffix: str
+) -> dict[str, Any]:
+    """The components of a train for one of many, without its flywheel."""
+    placed = {}
+    for part, table in train["components"].items():
+        if part != "flywheel":
+            kept = {key: table[key] for key in ("component", "structure", "parameters") if table.get(key)}
+            placed[f"{part}_{suffix}"] = kept | {"start": starts[part]}
+    tappet = placed[f"tappet_{suffix}"]
+    tappet["parameters"] = tappet.get("parameters", {}) | {"phase": f"{phase:g} deg"}
+    return placed
+
+
+def connect_train(lines: Sequence[str], shaft: str, number: int, suffix: str) -> list[str]:
+    """Connections of a train on its own flywheel for cam `number` of a shaft."""
+
+    def rename(port: str) -> str:
+        port = _ON_THE_SHAFT.get(port, port)
+        if port.startswith("SHAFT."):
+            return port.replace("SHAFT", shaft).replace("[N]", f"[{number}]")
+        return port.replace(".", f"_{suffix}.", 1)
+
+    return [" -> ".join(map(rename, line.split(" -> "))) for line in lines]
+
 
 FIRING_ORDER = (1, 3, 4, 2)
 # Crank angles from a cylinder's firing dead centre to the noses of its cams (deg), chosen here.
 NOSES = {"intake": 470.0, "exhaust": 250.0}
-FILE = SHIPPED / "valve-train-16v.toml"
-ENGINE = SHIPPED / "engine-16v.toml"
-HEADER = """\
-# The valve trains of a four-cylinder engine with 16 valves, firing 1-3-4-2, on a crankshaft at 2000 r/min:
-# two camshafts that twist and bend in five bearings, driven by a chain; 51 instances. Bucket and valve are
-# one body without lash and seat: contacts are kept, so that fixed steps show the error of a large coupling;
-# `seat-and-lash` is one train with both. Written by `python -m benchmarks.many_valves`; each valve starts in
-# the steady cycle that it has alone on a rigid shaft. The reference takes two minutes.
-
-"""
-ENGINE_HEADER = """\
-# `valve-train-16v` with its four cylinders: pistons that tilt in their bores, under gas pressure. Written by
-# `python -m benchmarks.many_valves`.
-
-"""
 SPEED = {"motion": "prescribed", "initial_speed": "2000 rpm"}
 CAM_SPEED = 1000.0 * math.pi / 30.0
 OIL = {"oil": "SAE 5W-30", "temperature": "100 degC"}
@@ -93,7 +152,7 @@ def list_phases() -> dict[str, float]:
     return found
 
 
-def build_content() -> dict[str, Any]:
+def build_valve_train() -> dict[str, Any]:
     """The scenario as plain data."""
     phases = list_phases()
     starts = {phase: start_train(TRAIN, phase, CAM_SPEED) for phase in sorted(set(phases.values()))}
@@ -163,12 +222,52 @@ def build_engine() -> dict[str, Any]:
     }
 
 
-def write() -> list[Path]:
-    """The scenario files."""
-    FILE.write_text(HEADER + tomli_w.dumps(build_content()), "utf-8")
-    ENGINE.write_text(ENGINE_HEADER + tomli_w.dumps(build_engine()), "utf-8")
-    return [FILE, ENGINE]
+# Distances from the driven end (mm) and cam angles at shaft angle zero (deg) of the cams.
+PLACES = (30, 60, 120, 150, 210, 240, 300, 330)
+PHASES = (305, 305, 35, 35, 215, 215, 125, 125)
+PUSHROD_SPEED = 1000.0 * math.pi / 30.0
+PUSHROD_SHAFT = {
+    "length": "350 mm",
+    "diameter": "20 mm",
+    "damping_time": 1.370291042e-5,
+    "damping_ratio": 0.0,
+    "cams": [{"place": f"{place} mm", "inertia": 1.2e-4} for place in PLACES],
+}
 
+
+def build_pushrod_engine() -> dict[str, Any]:
+    """The scenario as plain data."""
+    train = load("qin2000-train").model_dump(exclude_none=True)
+    starts = {phase: start_train(train, phase, PUSHROD_SPEED) for phase in sorted(set(PHASES))}
+    components: dict[str, Any] = {
+        "flywheel": {"component": "flywheel", "parameters": {"initial_speed": "1000 rpm"}},
+        "shaft": {"component": "shaft", "drawing": PUSHROD_SHAFT},
+    }
+    connections = [line.replace("SHAFT", "shaft") for line in DRIVE]
+    connections.append("shaft.drive_torque -> flywheel.load_torque[1]")
+    for k, phase in enumerate(PHASES, 1):
+        components |= place_train(train, phase, starts[phase], str(k))
+        connections += connect_train(train["connections"], "shaft", k, str(k))
+    return {
+        "description": "Eight pushrod trains on one camshaft at 1000 r/min, 50 instances",
+        "stop_time": "60 ms",
+        "macro_step": "5 us",
+        "output_step": "50 us",
+        "start": "given",
+        "master": {"name": "gauss_seidel", "extrapolation": "quadratic"},
+        "tolerance": {"cam_contact_1.load": 1e-3, "cam_contact_8.load": 1e-3, "shaft.drive_torque": 1e-3},
+        "connections": connections,
+        "components": components,
+    }
+
+
+BUILDERS = {
+    "valve-train-16v": build_valve_train, "engine-16v": build_engine, "pushrod-engine": build_pushrod_engine,
+}  # fmt: skip
 
 if __name__ == "__main__":
-    print(*write(), sep="\n")
+    for name, build in BUILDERS.items():
+        file = SHIPPED / f"{name}.toml"
+        begin = [line for line in file.read_text("utf-8").splitlines() if line.startswith("#")]
+        file.write_text("\n".join([*begin, "", tomli_w.dumps(build())]), "utf-8")
+        print(file)
