@@ -95,11 +95,6 @@ class Event(NamedTuple):
     later: Vector
 
 
-class Crossing(NamedTuple):
-    event: Event
-    tangents: Vector
-
-
 class Flow(NamedTuple):
     """The steps of a motion, and its events."""
 
@@ -251,7 +246,9 @@ class Variation:
                 found = min(found, (at, k))
         return found
 
-    def _cross(self, t: float, x: Vector, tangents: Vector, indicator: int, instant: float) -> Crossing:
+    def _cross(
+        self, t: float, x: Vector, tangents: Vector, indicator: int, instant: float
+    ) -> tuple[Event, Vector]:
         """The event and the tangents behind it: where rates jump, S+ = S- + (f- - f+) dt."""
         rate = self._slopes.rates(np.array([t]), x[None])[0]
         near = NEAR * instant
@@ -265,7 +262,7 @@ class Variation:
         jump = before - after
         if np.max(np.abs(jump) / self._nominal) > JUMP * np.max(np.abs(rate) / self._nominal):
             tangents = tangents + np.outer(jump, later)
-        return Crossing(Event(t, near, later), tangents)
+        return Event(t, near, later), tangents
 
 
 def _error(h: float, coefficients: Vector, sizes: Vector) -> float:

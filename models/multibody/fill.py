@@ -65,11 +65,14 @@ def _list_rows(joints: Sequence[Joint], find: Find, cam: int) -> Any:
 
 
 def _list_elements(elements: Sequence[SpringDamper | ElasticField], dtype: Any, find: Find) -> Any:
-    """Springs or fields in a table of that type, which has short names for their points and axes."""
-    attributes = {"p_i": "at_i", "p_j": "at_j", "e_i": "axes_i", "e_j": "axes_j"}
-    found = [{name: getattr(s, attributes.get(name, name)) for name in dtype.names} for s in elements]
-    ends = [{"i": find(s.i), "j": find(s.j)} for s in elements]
-    return _make_records([{**own, **pair} for own, pair in zip(found, ends, strict=True)], dtype)
+    """Springs or fields in a table of that type."""
+    return _make_records(
+        [
+            {name: getattr(s, name) for name in dtype.names} | {"i": find(s.i), "j": find(s.j)}
+            for s in elements
+        ],
+        dtype,
+    )
 
 
 def _make_records(found: Sequence[dict[str, Any]], dtype: Any) -> Any:

@@ -26,7 +26,7 @@ def push(e: Evaluation, body: int, force: Arrow, moment: Arrow) -> None:
 @kernel
 def load_spring(e: Evaluation, s: Any) -> None:
     """F = -k (L - L0) - c L' along the line from P_i to P_j; positive drives the points apart."""
-    arm_i, arm_j = carry(e, s.i, s.p_i), carry(e, s.j, s.p_j)
+    arm_i, arm_j = carry(e, s.i, s.at_i), carry(e, s.j, s.at_j)
     d = differ(point_at(e, s.j, arm_j), point_at(e, s.i, arm_i))
     length = math.sqrt(dot(d.value, d.value))
     direction = scale(1.0 / length, d.value)
@@ -180,15 +180,15 @@ def bend_field(e: Evaluation, s: Any) -> Bent:
     A twist, and the slopes of j's first axis: turning j about that axis bends nothing. The turn's rate is
     G w at the relative angular velocity w.
     """
-    arm_i, arm_j = carry(e, s.i, s.p_i), carry(e, s.j, s.p_j)
+    arm_i, arm_j = carry(e, s.i, s.at_i), carry(e, s.j, s.at_j)
     d = differ(point_at(e, s.j, arm_j), point_at(e, s.i, arm_i))
     omega = pick(e.omega[s.i])
-    shift = subtract(ground_to_frame(e, s.i, s.e_i, d.value), pick(s.rest))
-    shift_rate = ground_to_frame(e, s.i, s.e_i, subtract(d.rate, cross(omega, d.value)))
-    a = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(1.0, 0.0, 0.0)))
-    b = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(0.0, 1.0, 0.0)))
-    c = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(0.0, 0.0, 1.0)))
-    w = ground_to_frame(e, s.i, s.e_i, subtract(pick(e.omega[s.j]), omega))
+    shift = subtract(ground_to_frame(e, s.i, s.axes_i, d.value), pick(s.rest))
+    shift_rate = ground_to_frame(e, s.i, s.axes_i, subtract(d.rate, cross(omega, d.value)))
+    a = ground_to_frame(e, s.i, s.axes_i, frame_to_ground(e, s.j, s.axes_j, Arrow(1.0, 0.0, 0.0)))
+    b = ground_to_frame(e, s.i, s.axes_i, frame_to_ground(e, s.j, s.axes_j, Arrow(0.0, 1.0, 0.0)))
+    c = ground_to_frame(e, s.i, s.axes_i, frame_to_ground(e, s.j, s.axes_j, Arrow(0.0, 0.0, 1.0)))
+    w = ground_to_frame(e, s.i, s.axes_i, subtract(pick(e.omega[s.j]), omega))
     twisting = 0.5 * ((b.y + c.z) * w.x - b.x * w.y - c.x * w.z)
     turn = Arrow(0.5 * (b.z - c.y), -a.z, a.y)
     turn_rate = Arrow(twisting, a.x * w.y - a.y * w.x, a.x * w.z - a.z * w.x)
@@ -211,9 +211,9 @@ def load_field(e: Evaluation, s: Any) -> None:
         -1.0,
         add(multiply_field(s.stiffness, shift, turn, 3), multiply_field(s.damping, shift_rate, turn_rate, 3)),
     )
-    moment = frame_to_ground(e, s.i, s.e_i, turn_with(bent, torque))
-    force = frame_to_ground(e, s.i, s.e_i, force)
-    arm_j = carry(e, s.j, s.p_j).value
+    moment = frame_to_ground(e, s.i, s.axes_i, turn_with(bent, torque))
+    force = frame_to_ground(e, s.i, s.axes_i, force)
+    arm_j = carry(e, s.j, s.at_j).value
     reach = subtract(add(pick(e.position[s.j]), arm_j), pick(e.position[s.i]))
     push(e, s.j, force, add(moment, cross(arm_j, force)))
     push(e, s.i, scale(-1.0, force), scale(-1.0, add(moment, cross(reach, force))))

@@ -43,22 +43,22 @@ SPRING = np.dtype(
     [
         ("i", "i8"),
         ("j", "i8"),
-        ("p_i", "f8", 3),
-        ("p_j", "f8", 3),
+        ("at_i", "f8", 3),
+        ("at_j", "f8", 3),
         ("length", "f8"),  # without force
         ("stiffness", "f8"),
         ("damping", "f8"),
     ]
 )
-# An elastic field between a frame of i and one of j, whose axes are the columns of e_i and e_j.
+# An elastic field between a frame of i and one of j, whose axes are the columns of axes_i and axes_j.
 FIELD = np.dtype(
     [
         ("i", "i8"),
         ("j", "i8"),
-        ("p_i", "f8", 3),
-        ("p_j", "f8", 3),
-        ("e_i", "f8", (3, 3)),
-        ("e_j", "f8", (3, 3)),
+        ("at_i", "f8", 3),
+        ("at_j", "f8", 3),
+        ("axes_i", "f8", (3, 3)),
+        ("axes_j", "f8", (3, 3)),
         ("rest", "f8", 3),  # of the displacement
         ("stiffness", "f8", (6, 6)),
         ("damping", "f8", (6, 6)),

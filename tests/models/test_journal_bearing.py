@@ -201,16 +201,6 @@ def test_threshold_of_whirl(eps, record):
     record("Film", f"{quantity}: whirl over speed", whirl, ratio, source, relative=2e-5)
 
 
-def test_a_light_load_whirls_at_half_the_speed(record):
-    """kappa -> 6/pi and a ratio of 1/2 give sqrt(24/pi) = 2.764 as eps -> 0."""
-    threshold, ratio = published_threshold(1e-4)
-    assert ratio == pytest.approx(0.5, rel=1e-6)
-    assert threshold == pytest.approx(math.sqrt(24.0 / math.pi), rel=1e-6)
-    found = brentq(lambda p: float(whirl_roots(2e-3, p).real.max()), 2.5, 3.0, xtol=1e-8)
-    quantity = "rigid rotor in a journal bearing, eps -> 0: threshold omega sqrt(m c/W)"
-    record("Film", quantity, found, math.sqrt(24.0 / math.pi), "closed form", relative=1e-3)
-
-
 def test_a_heavy_load_never_whirls():
     """Above eps = 0.756, at any speed."""
     assert math.isfinite(published_threshold(0.75)[0])

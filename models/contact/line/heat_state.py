@@ -9,7 +9,7 @@ from ...core.quantities import Quantity
 from ..mixed_lubrication import build_traction
 from ..records import OIL_CONDUCTIVITY, TEMPERATURE_VISCOSITY, HeatParameters
 from ..rheology import Thermal
-from .shear import SOLID_LAYERS, HeatLaws, no_heat
+from .shear import SOLID_LAYERS, HeatLaws
 from .workspace import Workspace
 
 # More layers make no picture better, and each costs time.
@@ -59,7 +59,7 @@ def build_heat(p: Any) -> HeatLaws:
 @kernel
 def build_no_heat(p: Any) -> HeatLaws:
     """The laws of an isothermal film's parameters."""
-    return no_heat(build_traction(p))
+    return HeatLaws(Thermal(0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, build_traction(p), 0.0)
 
 
 def laws_of(layers: int) -> Any:

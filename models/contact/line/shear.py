@@ -103,12 +103,6 @@ class Heat(NamedTuple):
 
 
 @kernel
-def no_heat(traction: Traction) -> HeatLaws:
-    """Laws of an isothermal film."""
-    return HeatLaws(Thermal(0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, traction, 0.0)
-
-
-@kernel
 def depth(layer: int) -> float:
     """Thickness (m) of a body's layer, counted from the surface."""
     return float(LEAST_DEPTH * 2.0**layer)

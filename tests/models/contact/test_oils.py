@@ -9,12 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.contact.fluid import Lubricant, viscosity_at
 from models.contact.oil_grades import ENGINE_OILS, GRADES, INDUSTRIAL_OILS, SAE_J300, SHEARED_40
 from models.contact.oils import (
     COLDEST,
     HOTTEST,
-    ROELANDS_PRESSURE,
     SLOPES,
     Oil,
     density,
@@ -66,21 +64,6 @@ def test_the_temperature_coefficient_is_the_slope_of_the_viscosity(oil, temperat
     steps = (temperature + 0.05, temperature - 0.05)
     up, down = (math.log(kinematic_viscosity(oil, t) * density(oil, t)) for t in steps)
     assert temperature_viscosity(oil, temperature) == pytest.approx((down - up) / 0.1, rel=1e-4)
-
-
-@given(OILS, st.floats(celsius(40.0), celsius(100.0)), st.floats(0.0, 1.5e9))
-def test_the_exponent_makes_roelands_law_of_the_contact_the_one_of_roelands(oil, temperature, pressure):
-    """ln eta = ln(6.31e-5) + (ln eta0 + 9.67) (1 + p/p_r)^z, with 9.67 = -ln(6.31e-5) to 1e-3."""
-    state = evaluate_oil(oil, temperature)
-    fluid = Lubricant(
-        state.viscosity,
-        state.pressure_viscosity,
-        roelands_exponent=state.roelands_exponent,
-        roelands_pressure=ROELANDS_PRESSURE,
-    )
-    power = (1.0 + pressure / ROELANDS_PRESSURE) ** state.roelands_exponent
-    expected = (math.log(state.viscosity) + 9.67) * power - 9.67
-    assert math.log(viscosity_at(pressure, fluid)) == pytest.approx(expected, rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.parametrize("name", ENGINE_OILS)

@@ -55,7 +55,7 @@ def film_history(
     ModelError for parameters out of range and where a step does not converge.
     """
     component = ehl_line_contact(nodes=nodes, **structure)
-    given = _name_inputs(load, entraining_velocity, radius_of_curvature)
+    given = dict(zip(_MOTION, (load, entraining_velocity, radius_of_curvature), strict=True))
     if sliding_velocity is not None:
         given["sliding_velocity"] = sliding_velocity
     chosen = {"roughness": 0.0, **(parameters or {})}
@@ -74,19 +74,14 @@ def formula_history(
 ) -> Vector:
     """As `film_history`, the film (m) of one of FILMS with its squeeze term: the contact's relaxation."""
     component = ehl_contact()
-    given = _name_inputs(load, entraining_velocity, radius_of_curvature)
+    given = dict(zip(_MOTION, (load, entraining_velocity, radius_of_curvature), strict=True))
     chosen = {**(parameters or {}), "film_model": float(list(FILMS).index(formula))}
     states = _step_through(component, times, given, chosen, film_thickness)
     return np.asarray(states[:, component.state.index("film_thickness")])
 
 
-def _name_inputs(load: Vector, entraining_velocity: Vector, radius_of_curvature: Vector) -> dict[str, Vector]:
-    """By the contact's names for them."""
-    return {
-        "applied_load": load,
-        "entraining_velocity": entraining_velocity,
-        "radius_of_curvature": radius_of_curvature,
-    }
+# The contact's names for load, entraining velocity and radius.
+_MOTION = ("applied_load", "entraining_velocity", "radius_of_curvature")
 
 
 def _step_through(
@@ -117,27 +112,22 @@ def _step_through(
 
 
 def _collect_fields(times: Vector, states: Vector, component: Component) -> FilmHistory:
-    layout = component.state
-    nodes = component.structure["nodes"]
+    rows = [component.state.view(state) for state in states]
 
-    def column(name: str) -> Vector:
-        return np.asarray(states[:, layout.index(name)])
+    def along(name: str) -> Vector:
+        return np.array([getattr(row, name) for row in rows])
 
-    def field(name: str, size: int = nodes) -> Vector:
-        first = layout.index(f"{name}[1]") if size else 0
-        return np.asarray(states[:, first : first + size])
-
-    scale = column("grid_scale")
+    scale = along("grid_scale")
     return FilmHistory(
         times=times,
-        film_thickness=column("film_thickness"),
-        minimum_film_thickness=column("least_film"),
-        maximum_pressure=column("highest_pressure"),
-        load=column("field_load"),
-        asperity_load=column("field_asperity_load"),
+        film_thickness=along("film_thickness"),
+        minimum_film_thickness=along("least_film"),
+        maximum_pressure=along("highest_pressure"),
+        load=along("field_load"),
+        asperity_load=along("field_asperity_load"),
         grid_scale=scale,
-        x=scale[:, None] * node_positions(nodes)[None, :],
-        pressure=field("pressure"),
-        film=field("film"),
-        filling=field("filling", layout.sizes["filled"]),
+        x=scale[:, None] * node_positions(component.structure["nodes"])[None, :],
+        pressure=along("pressure"),
+        film=along("film"),
+        filling=along("filling"),
     )
