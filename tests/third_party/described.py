@@ -19,12 +19,11 @@ def describe2(
     head: str = "",
     types: str = "",
     structure: str = "",
-    guid: str = 'guid="g"',
 ) -> Path:
     """An FMU of FMI 2.0 with these elements."""
     return _write(
         path,
-        f'<fmiModelDescription fmiVersion="2.0" modelName="{path.stem}" {guid}>'
+        f'<fmiModelDescription fmiVersion="2.0" modelName="{path.stem}" guid="g">'
         f'<CoSimulation modelIdentifier="m" {ABLE}/>{UNITS}<TypeDefinitions>{types}</TypeDefinitions>{head}'
         f"<ModelVariables>{variables}</ModelVariables><ModelStructure>{structure}</ModelStructure>",
     )
