@@ -108,30 +108,40 @@ class Fmi3(FmiInstance):
         found = self.slave.getDirectionalDerivative(references, [known.reference], seed, whole.size)
         return [found[place] for place in whole.places]
 
-    def bind_step(self, fail: FailStep) -> Step:
-        call, handle = self._function("fmi3DoStep"), self._handle
-        yes, begin, duration = ctypes.c_bool(True), ctypes.c_double(), ctypes.c_double()
-        outcome, at, ended_in = self._outcome, self._outcome.ctypes.data, self.ended_in
+    def _bind_do_step(self) -> tuple[Callable[[float, float], int], Any]:
+        """A call of fmi3DoStep from a time by a length, which returns the status, and its flags."""
+        call, handle, yes = self._function("fmi3DoStep"), self._handle, ctypes.c_bool(True)
+        begin, duration, at = ctypes.c_double(), ctypes.c_double(), self._outcome.ctypes.data
         places = [ctypes.c_void_p(at + offset) for offset in (0, 1, 2, 8)]
-        marks = outcome[:1].view(np.uint8)
+
+        def do_step(time: float, step: float) -> int:
+            begin.value, duration.value = time, step
+            status: int = call(handle, begin, duration, yes, *places)
+            if status == WARNING:
+                self.warned += 1
+            return status
+
+        return do_step, self._outcome[:1].view(np.uint8)
+
+    def bind_step(self, fail: FailStep) -> Step:
+        do_step, marks = self._bind_do_step()
+        outcome, ended_in = self._outcome, self.ended_in
 
         def advance(time: float, step: float) -> None:
             if ended_in and time > ended_in.pop():
                 return fail(DISCARD, time, step)
-            end = time + step
-            begin.value, duration.value = time, step
+            begin, end = time, time + step
+            left = step
             for _ in range(MAXIMUM_RETURNS):
-                status = call(handle, begin, duration, yes, *places)
-                if status == WARNING:
-                    self.warned += 1
+                status = do_step(begin, left)
                 if status <= WARNING and not (marks[ENDED] or marks[EARLY]):
                     return
                 if status > WARNING or marks[ENDED]:
                     break
-                if not begin.value <= outcome[1] <= end + abs(end) * ROUNDING:
-                    self.refuse_reached(begin.value, end)
-                begin.value, duration.value = outcome[1], end - outcome[1]
-                if duration.value <= 0.0:
+                if not begin <= outcome[1] <= end + abs(end) * ROUNDING:
+                    self.refuse_reached(begin, end)
+                begin, left = float(outcome[1]), float(end - outcome[1])
+                if left <= 0.0:
                     return
             else:
                 self.refuse_returns(time, step)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterable, Sequence
-from ctypes import c_bool, c_double, c_int, c_uint, c_void_p
+from ctypes import c_double, c_int, c_uint, c_void_p
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -272,10 +272,7 @@ class Fmi3WithEvents(Fmi3):
     def bind_step(self, fail: FailStep) -> Step:
         if not self.used:
             return super().bind_step(fail)
-        call, handle = self._function("fmi3DoStep"), self._handle
-        yes, begin, duration = c_bool(True), c_double(), c_double()
-        places = [c_void_p(self._outcome.ctypes.data + offset) for offset in (0, 1, 2, 8)]
-        marks = self._outcome[:1].view(np.uint8)
+        do_step, marks = self._bind_do_step()
 
         def advance(time: float, step: float) -> None:
             if self.ended_in and time > self.ended_in.pop():
@@ -294,15 +291,12 @@ class Fmi3WithEvents(Fmi3):
                 target = min(end, self.next_event()) if self._variable_step else end
                 if target > end - slack:
                     target = end
-                begin.value, duration.value = self._time, target - self._time
-                status = call(handle, begin, duration, yes, *places)
-                if status == WARNING:
-                    self.warned += 1
+                status = do_step(self._time, target - self._time)
                 if status > WARNING or marks[ENDED]:
                     return fail(max(status, DISCARD), time, step)
                 reached = float(self._outcome[1]) if marks[EARLY] else target
-                if not begin.value <= reached <= end + slack:
-                    self.refuse_reached(begin.value, end)
+                if not self._time <= reached <= end + slack:
+                    self.refuse_reached(self._time, end)
                 self._time = end if reached > end - slack else reached
                 self._memory_of_events.needed = bool(marks[EVENT])
                 if self._time == end:

@@ -134,31 +134,21 @@ class Behaviour:
         self._last: tuple[float, MacroStep | None, float] | None = None
 
     @property
-    def coupling(self) -> Coupling:
-        """The coupling of one copy."""
-        return self._couplings.get(self.point, self.master, 1).coupling
+    def single(self) -> LinearCoupling:
+        """The coupling of one copy, with this master about this point."""
+        return self._couplings.get(self.point, self.master, 1)
 
     @property
     def sources(self) -> Sequence[Port]:
         """The exchanged values."""
-        return self.coupling.wiring.sources
-
-    @property
-    def nominal(self) -> Vector:
-        """Nominal sizes of the exchanged values."""
-        return self._couplings.get(self.point, self.master, 1).nominal
-
-    @property
-    def degrees(self) -> Vector:
-        """Degrees of the signals, limited to what participants follow."""
-        return self._couplings.get(self.point, self.master, 1).degrees
+        return self.single.coupling.wiring.sources
 
     @property
     def order(self) -> int:
         """Order of the error of the signals: the second at most where a participant holds inputs."""
-        lowest = int(min(self.degrees))
+        lowest = int(min(self.single.degrees))
         order = 4 if lowest == HERMITE else lowest + 1
-        return min(order, 2) if self._couplings.get(self.point, self.master, 1).holds else order
+        return min(order, 2) if self.single.holds else order
 
     def macro_step(self, step: float) -> MacroStep | None:
         """The macro step; None if the master's iteration does not converge."""
@@ -187,7 +177,7 @@ class Behaviour:
 
     def _converges(self, step: float) -> bool:
         """Whether the master's own iteration converges from random data."""
-        single = self._couplings.get(self.point, self.master, 1)
+        single = self.single
         single.set_state(np.random.default_rng(1).standard_normal((single.size, 1)), step)
         try:
             single.step(self.master, step)
@@ -206,7 +196,7 @@ class Behaviour:
 
     def count_participant_steps(self, step: float, amounts: Vector) -> float:
         """Count the participants' steps in one macro step with these extrapolation errors."""
-        single = self._couplings.get(self.point, self.master, 1)
+        single = self.single
         before = sum(single.coupling.calls)
         single.set_state(np.zeros((single.size, 1)), step)
         single.add_extrapolation_error(amounts[:, None], step)

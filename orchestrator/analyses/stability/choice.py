@@ -127,7 +127,7 @@ class _Defect:
     def __init__(self, found: Survey, method: AssessedMethod) -> None:
         self._surveyor, self._method = found.surveyor, method
         self._behaviour: Behaviour = found.surveyor.behave(method.master)
-        coupling = self._behaviour.coupling
+        coupling = self._behaviour.single.coupling
         extrapolated = find_extrapolated(coupling, method.master)
         self._seen = np.flatnonzero(extrapolated[coupling.wiring.connected])
         self._columns = coupling.wiring.connected[self._seen]
@@ -152,8 +152,8 @@ class _Defect:
     def _measure_defects(self, factor: int) -> Vector:
         """The defect at the end of each of the trajectory's steps, over what a tolerance of one allows."""
         sampled = self._surveyor.sampled
-        missed = np.abs(sampled.compute_extrapolation_errors(factor, self._behaviour.degrees)[:, 1])
-        sizes = self._behaviour.nominal + np.abs(sampled.values[::factor])
+        missed = np.abs(sampled.compute_extrapolation_errors(factor, self._behaviour.single.degrees)[:, 1])
+        sizes = self._behaviour.single.nominal + np.abs(sampled.values[::factor])
         parts = (missed / sizes)[:, self._columns]
         rms = np.sqrt(np.sum(parts**2, axis=1) / max(1, self._count))
         return np.asarray(maximum_filter1d(rms, REMEMBERED))

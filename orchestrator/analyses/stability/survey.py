@@ -323,7 +323,7 @@ class Surveyor:
         operator = behaviour.macro_step(factor * self.sampled.interval)
         if operator is None:
             return dict.fromkeys(self._names, math.inf)
-        found = predict_errors(operator, self.sampled, factor, behaviour.nominal, weights)
+        found = predict_errors(operator, self.sampled, factor, behaviour.single.nominal, weights)
         return {name: float(found[i]) for name, i in self._names.items()}
 
     def predict_excess(self, behaviour: Behaviour, factor: int, weights: Vector | None = None) -> float:
@@ -364,8 +364,8 @@ class Surveyor:
         interval = self.sampled.interval
         factor = max(1, round(found.advised_step / interval))
         behaviour = self.behave(found.master)
-        per_step = self.sampled.compute_extrapolation_errors(factor, behaviour.degrees)
-        amounts = (np.sqrt(np.mean(per_step**2, axis=0)) / behaviour.nominal).ravel()
+        per_step = self.sampled.compute_extrapolation_errors(factor, behaviour.single.degrees)
+        amounts = (np.sqrt(np.mean(per_step**2, axis=0)) / behaviour.single.nominal).ravel()
         found.cost = behaviour.count_participant_steps(found.advised_step, amounts) / found.advised_step
         if not math.isfinite(found.cost):
             found.advised_step = 0.0
