@@ -1,17 +1,18 @@
-"""A co-simulation FMU of FMI 1.0, 2.0 or 3.0 as participant."""
+"""A co-simulation FMU of FMI 1.0, 2.0 or 3.0 as participant, and how any FMU is opened in this process."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from models.core.quantities import Vector
 
+from ..errors import ParticipantError
 from .bound_variables import BoundInputs, BoundOutputs
 from .capabilities import signal_degrees
 from .compiled_calls import SET, STEP, CompiledCalls, NotCompiledError
-from .description import Description
+from .description import Description, DescriptionError, read_description
 from .fmi1 import Fmi1
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
@@ -19,6 +20,9 @@ from .fmi3_events import Fmi3WithEvents
 from .opened_fmu import FmuSettings, OpenedFmu
 from .protocol import Abilities, BoundVariables
 from .side_channel import FmuSideChannel, has_side_channel, uses_event_mode
+
+if TYPE_CHECKING:
+    from .model_exchange.integrated import IntegratedFmu
 
 
 def _open_fmi3(name: str, description: Description, folder: str) -> Fmi3:
@@ -138,3 +142,21 @@ class FmuParticipant(OpenedFmu):
         """How many there were, by status or by message, and the first message."""
         calls = self._fmi.warned + sum(int(record["warned"]) for record in self._records)
         return max(calls, self._errors.warnings), self._errors.first_warning
+
+
+def open_here(
+    name: str, path: Path, settings: FmuSettings, folder: Path | None = None
+) -> "FmuParticipant | IntegratedFmu":
+    """The FMU at `path` in this process, to be unpacked into `folder`.
+
+    ParticipantError if it cannot be used.
+    """
+    try:
+        about = read_description(path, settings.interface, settings.sizes)
+    except DescriptionError as error:
+        raise ParticipantError(f"{name}: {path} {error}") from None
+    if not about.integrated:
+        return FmuParticipant(name, path, settings, folder)
+    from .model_exchange.integrated import IntegratedFmu  # with its solver, which takes long to import
+
+    return IntegratedFmu(name, path, settings, folder)

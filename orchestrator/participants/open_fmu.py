@@ -6,9 +6,9 @@ from pathlib import Path
 from models.core.system import Instance
 
 from .description import CO_SIMULATION, MODEL_EXCHANGE
+from .fmu import open_here
 from .in_own_process import InOwnProcess
 from .opened_fmu import FmuSettings
-from .opening import open_here
 from .own_process import Limits
 from .protocol import Participant
 from .third_party import ThirdPartyComponent

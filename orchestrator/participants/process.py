@@ -19,13 +19,12 @@ from models.core.quantities import Vector
 
 from .. import c_output
 from ..errors import RunError
+from .fmu import FmuParticipant, open_here
 from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
 from .opened_fmu import FmuSettings
-from .opening import open_here
 from .protocol import BoundVariables
 
 if TYPE_CHECKING:
-    from .fmu import FmuParticipant
     from .model_exchange.integrated import IntegratedFmu
 
 
