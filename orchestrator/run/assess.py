@@ -25,7 +25,7 @@ from .comparison import (
     largest_uncertainty,
     verdict,
 )
-from .plan import Plan, ReferencePlan
+from .plan import Plan
 from .reference import Solution, solve_reference
 from .summary import ENDS, MACRO_STEPS, NOT_COMPARED, OUTSIDE, ROWS, WITHIN, Summary
 
@@ -58,7 +58,7 @@ def _judge(plan: Plan, summary: Summary, result: ResultFile, reporter: Reporter)
         verdict = "not compared: the reference is switched off (reference.enabled)"
         return _conclude(summary, WITHIN, verdict)
     try:
-        return _compare(plan, plan.reference, result, reporter, summary)
+        return _compare(plan, result, reporter, summary)
     except ENDS as error:
         return summary.end_by(error, result.path.parent)
 
@@ -90,21 +90,19 @@ def _diagnose(plan: Plan, summary: Summary, result: ResultFile) -> Summary:
     return replace(summary, steps=diagnosis, rejected_steps=diagnosis.rejected, suggestions=remedies)
 
 
-def _compare(
-    plan: Plan, wanted: ReferencePlan, result: ResultFile, reporter: Reporter, summary: Summary
-) -> Summary:
+def _compare(plan: Plan, result: ResultFile, reporter: Reporter, summary: Summary) -> Summary:
     """Solve the reference, add it to the result, and compare."""
     system = plan.system
     every = -(-result.length("coupled") // COMPARED_RECORDS)
     coupled = result.read("coupled", ["time", *system.outputs.names], slice(None, None, every))
     try:
         ends = read_written_steps(result).inner_ends
-        solution = solve_reference(plan, wanted, ends, coupled.pop("time"), coupled, reporter)
+        solution = solve_reference(plan, ends, coupled.pop("time"), coupled, reporter)
     except RunError as failure:
         return _conclude(summary, NOT_COMPARED, join("not compared: the reference failed: ", failure))
     result.write("reference", solution.times, plan.quantities, solution.outputs)
     if solution.method == MONOLITHIC:
-        result.attribute("reference", "tolerance", wanted.tolerance)
+        result.attribute("reference", "tolerance", plan.scenario.reference.tolerance)
     if solution.reference is not None:
         _write_profiles(solution.reference, result)
     errors = compare(plan, _select_compared(plan), coupled, solution)
@@ -112,7 +110,7 @@ def _compare(
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
     within, text = verdict(errors)
     advice = "" if within else _advise_on_events(plan, summary.contacts)
-    witness = _hear_witness(plan, coupled, solution, reporter) if wanted.witness else None
+    witness = _hear_witness(plan, coupled, solution, reporter)
     agreed = within and (witness is None or witness.agrees)
     said = join(text, advice, witness.judge() if witness else "", solution.doubts)
     return replace(
@@ -150,7 +148,7 @@ def _write_profiles(reference: Reference, result: ResultFile) -> None:
 def _hear_witness(
     plan: Plan, coupled: Mapping[str, Vector], solution: Solution, reporter: Reporter
 ) -> WitnessComparison | None:
-    if solution.reference is None:
+    if solution.reference is None or plan.scenario.reference.witness == "none":
         return None
     with reporter.stage("multibody witness"):
         return compare_witness(plan.system, solution.reference, coupled)

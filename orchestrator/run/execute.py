@@ -22,7 +22,7 @@ from ..store.output_folder import SCENARIO, SUMMARY, TEXTS, OutputFolder, format
 from .checkpoint import Checkpoints, Identity
 from .interruption import Interruption
 from .plan import Plan, open_participants
-from .record import NotFinite, ResultRecorder, TextRecorder, list_texts
+from .record import ResultRecorder, TextRecorder, list_texts
 from .simulation import Statistics, simulate
 from .summary import ENDS, Summary, Warnings, begin_summary
 
@@ -70,18 +70,18 @@ class _Observation:
     def __init__(self, plan: Plan, folder: OutputFolder) -> None:
         system, every, stop = plan.system, plan.scenario.record_every, plan.stop_time
         held_for = 0.0 if plan.scenario.exposed else FLUSH_SECONDS  # a process that ends takes no rows along
-        self.not_finite, self.contacts = NotFinite(every, stop), ContactObserver(system)
+        self.contacts = ContactObserver(system)
         self.counter = _Counter(folder.backup.delete)
         self.warnings: dict[str, Warnings] = {}
-        recorder = ResultRecorder(folder.unfinished, plan.quantities, every, held_for, stop)
-        recorders: list[Observer] = [recorder, self.not_finite]
+        self.recorder = ResultRecorder(folder.unfinished, plan.quantities, every, held_for, stop)
+        recorders: list[Observer] = [self.recorder]
         texts = list_texts(plan.third_party)
         text_recorders = [TextRecorder(folder.path / TEXTS, texts)] if texts else []
         self._ledger = None
         if plan.counted is not None:
             system = plan.counted
             self._ledger = Ledger(system, every, folder.unfinished, stop)
-            recorders = [*(Trimmed(recorder, system) for recorder in recorders), self._ledger]
+            recorders = [Trimmed(self.recorder, system), self._ledger]
         self.system = system
         self.observers = [*recorders, *text_recorders, self.contacts, self.counter]
 
@@ -97,7 +97,7 @@ class _Observation:
             contacts=self.contacts.summaries(),
             energy=self._ledger.account() if self._ledger else None,
             warnings=self.warnings,
-            not_finite=self.not_finite.since,
+            not_finite=self.recorder.not_finite,
         )
 
 

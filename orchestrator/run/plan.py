@@ -104,22 +104,13 @@ def open_participants(
 
 
 @dataclass(frozen=True)
-class ReferencePlan:
-    """How the reference is solved, to what tolerance, with what longest step (s), and who is a witness."""
-
-    method: str
-    tolerance: float
-    step: float | None
-    witness: bool
-
-
-@dataclass(frozen=True)
 class Plan:
     """All that a run needs, resolved once; what comes after asks the plan.
 
     `system` has the start values of the run, and `counted`, with the energy ledger, outputs for its energies
     too. `make_steps` gives a new stepper, `refine_steps` one that divides the steps of a run that ended at
-    given times. `toml` is the scenario with all its values; assessments of the steps read `scenario` itself.
+    given times. `reference` is the method of the reference, if there is one. `toml` is the scenario with all
+    its values; assessments of the steps read `scenario` itself.
     """
 
     scenario: Scenario
@@ -131,7 +122,7 @@ class Plan:
     master: Master
     make_steps: Callable[[], Stepper]
     refine_steps: Callable[[Vector, int], RefinedSteps]
-    reference: ReferencePlan | None
+    reference: str | None
     figures: bool
     notices: Sequence[str] = ()
 
@@ -200,7 +191,7 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
         master=scenario.build_master(),
         make_steps=scenario.build_steps,
         refine_steps=scenario.refine_steps,
-        reference=_plan_reference(scenario) if scenario.reference.enabled else None,
+        reference=choose_reference(scenario) if scenario.reference.enabled else None,
         figures=figures,
         notices=notices,
     )
@@ -213,11 +204,6 @@ def _assemble(scenario: Scenario) -> Assembly:
         return assemble(scenario)
     except ModelError as error:
         raise ModelError("\n".join([*list_doubtful(scenario), str(error)])) from None
-
-
-def _plan_reference(scenario: Scenario) -> ReferencePlan:
-    table = scenario.reference
-    return ReferencePlan(choose_reference(scenario), table.tolerance, table.step, table.witness != "none")
 
 
 def plan_participants(

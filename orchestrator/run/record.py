@@ -36,7 +36,11 @@ STEP_VARIABLES = {
 class ResultRecorder(Observer):
     """Records all outputs of every n-th macro step and at `stop` (s), and every step's effort, in the
     journals of `folder` that become the groups /coupled and /steps of the result. Rows are in memory for
-    `held_for` (s) at most."""
+    `held_for` (s) at most.
+
+    `not_finite` has, by output, the first recorded time (s) at which it was not finite. NaN in what is
+    connected ends a run at once (`coupling`); what is only recorded is told at the end.
+    """
 
     def __init__(
         self,
@@ -52,11 +56,13 @@ class ResultRecorder(Observer):
         self._held_for = held_for
         self._count = 0
         self._step = np.zeros(len(STEP_VARIABLES))
+        self.not_finite: dict[str, float] = {}
 
     def begin(self, names: Sequence[str]) -> None:
         self._open(names, None, None)
 
     def _open(self, names: Sequence[str], coupled: Mark | None, steps: Mark | None) -> None:
+        self._names = list(names)
         variables = {name: self._quantities[name] for name in names}
         self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled, self._held_for)
         # With the names, so that a journal alone says which variable a number is.
@@ -69,7 +75,10 @@ class ResultRecorder(Observer):
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if is_recorded(self._count, time, self._every, self._stop):
-            self._coupled.append(time, outputs())
+            values = outputs()
+            self._coupled.append(time, values)
+            for i in np.flatnonzero(~np.isfinite(values)):
+                self.not_finite.setdefault(self._names[i], time)
         if self._count:
             self._step[:] = (
                 step.length, step.iterations, step.rejected, step.error, step.source, step.reason, step.parts,
@@ -82,10 +91,11 @@ class ResultRecorder(Observer):
             self._steps.flush()
 
     def state(self) -> dict[str, Plain]:
-        return {"count": self._count, "coupled": self._coupled.mark(), "steps": self._steps.mark()}
+        marks = {"coupled": self._coupled.mark(), "steps": self._steps.mark()}
+        return {"count": self._count, "not_finite": dict(self.not_finite), **marks}
 
     def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
-        self._count = state["count"]
+        self._count, self.not_finite = state["count"], dict(state["not_finite"])
         self._open(names, state["coupled"], state["steps"])
 
     def end(self, complete: bool, message: str) -> None:
@@ -93,37 +103,6 @@ class ResultRecorder(Observer):
             self._coupled.close()
         finally:
             self._steps.close()
-
-
-class NotFinite(Observer):
-    """Outputs that were not finite. NaN in what is connected ends a run at once (`coupling`); what is only
-    recorded does not, and is told at the end.
-
-    Observer of every n-th macro step and of `stop` (s): `since` has, by output, the first time (s) at
-    which it was not finite."""
-
-    def __init__(self, every: int, stop: float) -> None:
-        self._every, self._stop = every, stop
-        self._count = 0
-        self.since: dict[str, float] = {}
-
-    def begin(self, names: Sequence[str]) -> None:
-        self._names = list(names)
-
-    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if is_recorded(self._count, time, self._every, self._stop):
-            bad = ~np.isfinite(outputs())
-            if bad.any():
-                for i in np.flatnonzero(bad):
-                    self.since.setdefault(self._names[i], time)
-        self._count += 1
-
-    def state(self) -> dict[str, Plain]:
-        return {"count": self._count, "since": dict(self.since)}
-
-    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
-        self.begin(names)
-        self._count, self.since = state["count"], dict(state["since"])
 
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")

@@ -34,7 +34,7 @@ from ..participants.model_exchange import FmuEquations, open_equations
 from ..participants.open_fmu import collect_settings
 from ..reporter import Reporter
 from ..scenario.capabilities import BY_PARTS, MONOLITHIC, REFINEMENT
-from .plan import Plan, ReferencePlan, open_participants
+from .plan import Plan, open_participants
 from .simulation import simulate
 
 if TYPE_CHECKING:
@@ -154,7 +154,6 @@ class _Samples(Observer):
 
 def solve_reference(
     plan: Plan,
-    wanted: ReferencePlan,
     ends: Vector,
     times: Vector,
     coupled: Mapping[str, Vector],
@@ -165,31 +164,31 @@ def solve_reference(
     The run began, and parts of its steps ended, at `ends`.
     """
     began = clock.perf_counter()
-    if wanted.method == REFINEMENT:
+    if plan.reference == REFINEMENT:
         found = _refine(plan, ends, times, coupled, reporter)
-    elif wanted.method == BY_PARTS:
-        found = _solve_by_parts(plan, wanted.tolerance, times, reporter)
+    elif plan.reference == BY_PARTS:
+        found = _solve_by_parts(plan, times, reporter)
     else:
-        found = _solve_whole(plan, wanted, times, reporter)
+        found = _solve_whole(plan, times, reporter)
     return replace(found, wall_time_s=found.wall_time_s or clock.perf_counter() - began)
 
 
-def _solve_whole(plan: Plan, wanted: ReferencePlan, times: Vector, reporter: Reporter) -> Solution:
+def _solve_whole(plan: Plan, times: Vector, reporter: Reporter) -> Solution:
     from models.monolithic import LONGEST_STEP, solve
 
     with reporter.stage("monolithic reference", plan.stop_time) as bar:
         found = solve(
             plan.system,
             times,
-            tolerance=wanted.tolerance,
+            tolerance=plan.scenario.reference.tolerance,
             x0=plan.system.x0,
             progress=bar.show,
-            longest_step=wanted.step or LONGEST_STEP,
+            longest_step=plan.scenario.reference.step or LONGEST_STEP,
         )
     return Solution(found.times, found.outputs, found.uncertainty, found.wall_time_s, reference=found)
 
 
-def _solve_by_parts(plan: Plan, tolerance: float, times: Vector, reporter: Reporter) -> Solution:
+def _solve_by_parts(plan: Plan, times: Vector, reporter: Reporter) -> Solution:
     from models.monolithic.reference import uncertainties
 
     from .equations import solve_equations
@@ -213,6 +212,7 @@ def _solve_by_parts(plan: Plan, tolerance: float, times: Vector, reporter: Repor
         return opened
 
     linear = {name: how.linear for name, how in plan.participants.items()}
+    tolerance = plan.scenario.reference.tolerance
     with reporter.stage("monolithic reference", plan.stop_time) as bar:
         found = solve_equations(system, open_fmus, linear, times, plan.stop_time, tolerance, bar.show)
     uncertainty = uncertainties(system, times, found.outputs, found.others)

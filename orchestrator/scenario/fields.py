@@ -20,28 +20,21 @@ from .values import Faults, Value, WithUnit
 FolderName = Annotated[str, Field(pattern=r"^[ .-]*\w[\w .-]*$", max_length=200)]
 
 
-def _parse_time(value: Any) -> float:
-    """A time in seconds, from a number or a string with a unit."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        shown = str(value).lower() if isinstance(value, bool) else repr(value)
-        raise Faults(("", f" = {shown}: must be a time: a number of seconds, or a string such as '2 us'"))
-    return to_unit(value, "s") if isinstance(value, str) else float(value)
+def _in_seconds(zero: bool = False) -> BeforeValidator:
+    """A finite time in seconds, or a string with a unit; > 0, or with `zero` >= 0."""
 
+    def parse(value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+            shown = str(value).lower() if isinstance(value, bool) else repr(value)
+            said = "must be a time: a number of seconds, or a string such as '2 us'"
+            raise Faults(("", f" = {shown}: {said}"))
+        number = to_unit(value, "s") if isinstance(value, str) else float(value)
+        if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
+            allowed = "finite and >= 0 s" if zero else "a finite number > 0 s"
+            raise Faults(("", f" = {value}: must be {allowed}"))
+        return number
 
-def _parse_positive_time(value: Any) -> Any:
-    """A time in seconds; ValueError unless it is positive and finite."""
-    number = _parse_time(value)
-    if not (math.isfinite(number) and number > 0.0):
-        raise Faults(("", f" = {value}: must be a finite number > 0 s"))
-    return number
-
-
-def _parse_time_or_0(value: Any) -> Any:
-    """A time in seconds; ValueError unless it is finite and not negative."""
-    number = _parse_time(value)
-    if not (math.isfinite(number) and number >= 0.0):
-        raise Faults(("", f" = {value}: must be >= 0 s"))
-    return number
+    return BeforeValidator(parse, json_schema_input_type=float | str)
 
 
 def _check_scalar(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
@@ -50,8 +43,8 @@ def _check_scalar(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
     return value if isinstance(value, WithUnit) else validate(value)
 
 
-Seconds = Annotated[float, BeforeValidator(_parse_positive_time, json_schema_input_type=float | str)]
-SecondsOr0 = Annotated[float, BeforeValidator(_parse_time_or_0, json_schema_input_type=float | str)]
+Seconds = Annotated[float, _in_seconds()]
+SecondsOr0 = Annotated[float, _in_seconds(zero=True)]
 # Written files state plain numbers.
 _Plain = PlainSerializer(lambda value: float(value) if isinstance(value, WithUnit) else value)
 Written = Annotated[Value, WrapValidator(_check_scalar), _Plain]

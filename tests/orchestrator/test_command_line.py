@@ -196,7 +196,6 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path):
 
 SHIPPED = ", ".join(list_shipped())
 MISTAKES = {
-    ("run", "valve-trian"): "did you mean valve-train?",
     ("run", "none.toml"): f"no such scenario file; shipped scenarios: {SHIPPED}",
     ("run", "."): f"is a folder; give the path of a .toml file, or a shipped scenario: {SHIPPED}",
     ("run", "valve-train", "--master", "jacob"): "did you mean jacobi?",

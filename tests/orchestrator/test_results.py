@@ -76,6 +76,7 @@ def test_a_result_is_opened_as_xarray_opens_it(tmp_path):
         quantities = {"a.x": Quantity("m", "x"), "a/y": Quantity("1", "kind", choices=("one", "two"))}
         file.write("coupled", np.arange(3.0), quantities, np.arange(6.0).reshape(3, 2))
         file.write("steps", np.zeros(0), {"a.x": Quantity("m", "x")}, np.zeros((0, 1)))
+        assert (file.has("coupled"), file.has("steps")) == (True, False)
         file.attribute("coupled", "tolerance", 1e-6)
         file.write_profiles("contact", np.arange(2.0), {"film": ("m", np.ones((2, 4)))})
         file.finish(True, "")
@@ -105,15 +106,6 @@ def test_round_trip_through_xarray(tmp_path, every):
     assert np.all(tree["steps"]["iterations"] == 1)
     assert (tree.attrs["complete"], tree.attrs["scenario"]) == (1, "test")
     tree.close()
-
-
-def test_no_rows_are_no_rows(tmp_path):
-    with ResultFile(tmp_path / "result.nc", {}) as file:
-        file.write("coupled", np.zeros(0), QUANTITIES, np.zeros((0, 2)))
-        assert not file.has("coupled")
-        file.finish(True, "")
-    with open_result(tmp_path) as tree:
-        assert tree["coupled"]["contact.load"].shape == (0,)
 
 
 @pytest.mark.parametrize("count", [3, 5500])
