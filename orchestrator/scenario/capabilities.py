@@ -4,6 +4,7 @@ import select
 import sys
 import zipfile
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 import fmpy
@@ -190,35 +191,31 @@ def plan_proof(scenario: Scenario, name: str) -> Proof | None:
     return Proof(scenario.macro_step / table.substeps, required and f"but {required}")
 
 
-def list_renamed_libraries(scenario: Scenario) -> list[str]:
-    """A warning for each FMU whose library is called otherwise than its model identifier says."""
-    found = []
-    for name, table in scenario.components.items():
-        if table.file:
-            about = table.describe()
-            with zipfile.ZipFile(table.file) as archive:
-                library = find_library(archive.namelist(), about)
-            if Path(library).stem != about.identifier:
-                found.append(
-                    f"components.{name}: takes {library}, the only library for this machine, though its "
-                    f"modelIdentifier is {about.identifier}"
-                )
-    return found
-
-
-def list_unsynchronised(scenario: Scenario) -> list[str]:
-    """A warning for each FMU whose internal steps (fixedInternalStepSize) do not fit into macro steps."""
-    found = []
+def list_file_warnings(scenario: Scenario) -> Iterator[str]:
+    """Warn of FMUs whose library is called otherwise than the model identifier says, whose internal steps do
+    not fit into macro steps, and whose default experiment begins later, or earlier, than runs do."""
     for name, table in scenario.components.items():
         if not table.file:
             continue
-        own, step = table.describe().fixed_step, scenario.macro_step / table.substeps
+        about, step = table.describe(), scenario.macro_step / table.substeps
+        with zipfile.ZipFile(table.file) as archive:
+            library = find_library(archive.namelist(), about)
+        if Path(library).stem != about.identifier:
+            yield (
+                f"components.{name}: takes {library}, the only library for this machine, though its "
+                f"modelIdentifier is {about.identifier}"
+            )
+        own = about.fixed_step
         if own and (scenario.step_control or _leaves_remainder(step, own)):
-            found.append(
+            yield (
                 f"components.{name}: its internal steps of {own:g} s (fixedInternalStepSize) do not fit into "
                 "macro steps, so its outputs may lag behind; take a macro_step that is a multiple of them"
             )
-    return found
+        if table.third_party and about.start:
+            yield (
+                f"components.{name}: its default experiment begins at t = {about.start:g} s, the run at 0, "
+                "which the FMU is told; shift the times in its parameters if it needs the other"
+            )
 
 
 def _leaves_remainder(length: float, part: float) -> bool:

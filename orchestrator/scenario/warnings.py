@@ -7,7 +7,7 @@ from models.core import roles
 from ..errors import Fault, in_command_line
 from ..participants.third_party import ThirdPartyComponent
 from . import Scenario, ScenarioError, parse_line
-from .capabilities import list_renamed_libraries, list_unsynchronised
+from .capabilities import list_file_warnings
 from .fmu_limits import list_limit_warnings
 from .oil_notices import doubt_oils
 from .third_party_values import list_bare_numbers
@@ -36,9 +36,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
         *doubt_oils(scenario),
         *_list_unloaded(scenario),
         *_list_other_units(scenario),
-        *_list_late_starts(scenario),
-        *list_renamed_libraries(scenario),
-        *list_unsynchronised(scenario),
+        *list_file_warnings(scenario),
         *list_limit_warnings(scenario),
     ]
 
@@ -101,16 +99,6 @@ def _list_other_units(scenario: Scenario) -> list[str]:
     if not found:
         return []
     return [f"{', '.join(found)}: numbers without a unit are in the FMU's unit, which is not SI"]
-
-
-def _list_late_starts(scenario: Scenario) -> list[str]:
-    """Tell of FMUs whose default experiment begins later, or earlier, than runs do."""
-    return [
-        f"components.{name}: its default experiment begins at t = {start:g} s, the run at 0, which the FMU "
-        "is told; shift the times in its parameters if it needs the other"
-        for name, table in scenario.components.items()
-        if table.third_party and (start := table.describe().start)
-    ]
 
 
 def _check_records(scenario: Scenario, asked: float) -> list[str]:
