@@ -28,7 +28,7 @@ from orchestrator.store.journal import HELD, Journal, JournalError, Mark, Record
 from orchestrator.store.result_file import CHUNK, ResultFile, open_result
 from tribocosim.cached_fmus import build_fmu
 
-from .commands import IN_PROCESS
+from .commands import HERE
 
 QUANTITIES = {
     "contact.load": Quantity("N", "contact load W", display_unit="kN"),
@@ -302,12 +302,9 @@ def test_memory_does_not_grow_with_the_steps(tmp_path):
     assert float(done.stdout) < 20.0
 
 
-OVERRIDES = [item.removeprefix("--set=") for item in IN_PROCESS]
-
-
 def _run(out: Path, *changes: str, scenario: str = "valve-train") -> Summary:
     quiet = Reporter(Console(quiet=True))
-    overrides = [*changes, *(OVERRIDES if scenario == "valve-train" else [])]
+    overrides = [*changes, *(HERE if scenario == "valve-train" else [])]
     return run(load(scenario, overrides), out, build_fmu, quiet, figures=False)
 
 

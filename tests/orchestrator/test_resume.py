@@ -22,13 +22,14 @@ from orchestrator.store.output_folder import OutputFolderError
 from orchestrator.store.result_file import open_result
 from tribocosim.cached_fmus import build_fmu
 
+from .commands import HERE, ROOT
 from .killed import EVERY
-from .whole_runs import IN_PROCESS, NO_REFERENCE, ROOT, SHORT, assert_same_run, quiet, run_whole
+from .whole_runs import NO_REFERENCE, SHORT, assert_same_run, quiet, run_whole
 
-UNSTABLE = ["master.name=jacobi", "macro_step=100 us", "stop_time=50 ms", *IN_PROCESS]
+UNSTABLE = ["master.name=jacobi", "macro_step=100 us", "stop_time=50 ms", *HERE]
 # Runs to be killed: scenario and changes.
 RUNS = {
-    "gauss_seidel in-process": ("valve-train", ["stop_time=60 ms", *IN_PROCESS, *NO_REFERENCE]),
+    "gauss_seidel in-process": ("valve-train", ["stop_time=60 ms", *HERE, *NO_REFERENCE]),
     "gauss_seidel with FMUs": ("valve-train", ["stop_time=60 ms", *NO_REFERENCE]),
     "iterated with step control and events": (
         "bouncing-mass",

@@ -26,7 +26,7 @@ from orchestrator.study.store import CHUNK, choose_chunks
 from orchestrator.study.subjects import AnalysisSubject
 from orchestrator.study.task import evaluate
 
-from .commands import IN_PROCESS
+from .commands import HERE
 from .studies import PLAIN, plan_scenario, plan_study, refuse_build
 
 NUMBERS = st.lists(st.floats(-10.0, 10.0), min_size=1, max_size=4, unique=True)
@@ -211,7 +211,6 @@ def test_every_shipped_study_and_analysis_is_whole():
             assert parameter.check_value(key, parameter.default) == parameter.default
 
 
-HERE = [text.removeprefix("--set=") for text in IN_PROCESS]
 LIFT = "components.camshaft.parameters.lift"
 
 

@@ -13,11 +13,12 @@ from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 
-from .whole_runs import IN_PROCESS, run_whole
+from .commands import HERE
+from .whole_runs import run_whole
 
 WITNESS = "reference.witness=multibody"
 # One revolution, and the widest steps of the reference's comparison.
-RUN = [*IN_PROCESS, WITNESS, "stop_time=1 revolution", "output_step=50 us"]
+RUN = [*HERE, WITNESS, "stop_time=1 revolution", "output_step=50 us"]
 QUANTITIES = {
     "contact.load": 5e-5,
     "contact.film_thickness": 5e-6,

@@ -13,15 +13,11 @@ from orchestrator.scenario.files import load
 from orchestrator.store.result_file import open_result
 from tribocosim.cached_fmus import build_fmu
 
+from .commands import HERE
 from .killed import EVERY
 
-ROOT = Path(__file__).parents[2]
-IN_PROCESS = [
-    f"components.{name}.participant=in-process"
-    for name in ("flywheel", "camshaft", "valve_spring", "contact")
-]
 NO_REFERENCE = ["reference.enabled=false"]
-SHORT = ["stop_time=4 ms", *IN_PROCESS, *NO_REFERENCE]
+SHORT = ["stop_time=4 ms", *HERE, *NO_REFERENCE]
 WALL_TIMES = ("wall_time_s", "coupled_time_s", "reference_time_s")
 
 
