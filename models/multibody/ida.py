@@ -7,7 +7,7 @@ from sksundae.ida import IDA
 
 from ..core.quantities import Vector
 from .equations import FILM, make_matrix, make_residual
-from .mechanism import Mechanism, Start
+from .mechanism import Mechanism
 from .motion import Motion, check_request, complete, explain_failure
 from .tables import make_evaluation
 
@@ -21,15 +21,13 @@ LEAST = (1e-9, 1e-13, 1.0)
 STEP_LIMIT = 1_000_000
 
 
-def solve_ida(
-    mechanism: Mechanism, times: Vector, tolerance: float = 1e-9, start: Start | None = None
-) -> Motion:
+def solve_ida(mechanism: Mechanism, times: Vector, tolerance: float = 1e-9) -> Motion:
     """Motion at `times` (s, ascending) from the start at the first of them.
 
     `tolerance` is relative for each step. Raises ModelError, with the joint, where a mechanism locks.
     """
     times = check_request(times, tolerance)
-    start = start or mechanism.start(float(times[0]))
+    start = mechanism.start(float(times[0]))
     size, m = start.q.size, start.multipliers.size
     films = start.film.size
     first = 2 * size + films

@@ -170,18 +170,16 @@ def flat_cam(
     *,
     at_cam: Point = ORIGIN,
     at_follower: Point = ORIGIN,
-    axis: Point = Z,
-    normal: Point = Y,
     foot: Point = Y,
 ) -> Joint:
     """A flat face stays on a cam: 1 constraint, R0 + s(psi) = n d. Its multiplier is the load W.
 
-    `profile` is the record of the cam's parameters. `axis` and `foot` belong to the cam: its profile
-    touches at psi = 0 where `foot` points along `normal`, the face's away from the cam, and psi grows as
-    the cam turns about `axis`. `at_follower` is a point of the face.
+    `profile` is the record of the cam's parameters. It touches at psi = 0 where `foot`, of the cam, points
+    along the face's normal y away from the cam, and psi grows as the cam turns about z. `at_follower` is a
+    point of the face.
     """
     fields = {
-        "kind": FLAT_CAM, **_lie_across(axis, foot), "b": find_direction(normal),
+        "kind": FLAT_CAM, **_lie_across(Z, foot), "b": find_direction(Y),
         "p_i": at_cam, "p_j": at_follower,
     }  # fmt: skip
     return Joint(name, cam, follower, [Constraint("contact", fields)], at_cam, at_follower, cam=profile)

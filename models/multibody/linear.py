@@ -20,27 +20,27 @@ def move(q: Vector, change: Vector) -> Vector:
     return q + rate
 
 
-def find_stiffness(mechanism: Mechanism, t: float, start: Start) -> Vector:
+def find_stiffness(mechanism: Mechanism, start: Start) -> Vector:
     """That of f - J^T lambda with lambda held, by small moves and turns of the bodies, (6 n, 6 n)."""
     size = start.q.size
     still, columns = np.zeros(size), []
     for change in DIFFERENCE * np.eye(size):
         left = []
         for sign in (1.0, -1.0):
-            e = mechanism.evaluate(t, move(start.q, sign * change), still)
+            e = mechanism.evaluate(0.0, move(start.q, sign * change), still)
             left.append(e.force - e.held.jacobian.T @ start.multipliers)
         columns.append((left[1] - left[0]) / (2.0 * DIFFERENCE))
     return np.array(columns).T
 
 
-def find_frequencies(mechanism: Mechanism, start: Start, t: float = 0.0) -> Vector:
+def find_frequencies(mechanism: Mechanism, start: Start) -> Vector:
     """Natural frequencies (Hz, ascending) of M q'' + K q + J^T lambda = 0 with J q = 0, Q (4).
 
     K includes the stiffness that loads of joints make as they turn, such as W s'' of a cam. An unstable
     motion has a negative frequency.
     """
-    stiffness = find_stiffness(mechanism, t, start)
-    e = mechanism.evaluate(t, start.q, np.zeros_like(start.q))
+    stiffness = find_stiffness(mechanism, start)
+    e = mechanism.evaluate(0.0, start.q, np.zeros_like(start.q))
     free = null_space(e.held.jacobian)
     left = free.T @ stiffness @ free
     squares = eigh(0.5 * (left + left.T), free.T @ e.mass @ free, eigvals_only=True)

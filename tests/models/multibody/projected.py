@@ -12,7 +12,7 @@ from scipy.integrate import DOP853
 from models.core.quantities import Vector
 from models.multibody.equations import FILM, turn_coordinates
 from models.multibody.ida import COORDINATE, VELOCITY
-from models.multibody.mechanism import Mechanism, Start
+from models.multibody.mechanism import Mechanism
 from models.multibody.motion import Motion, check_request, complete, explain_failure, explain_singular
 
 Flow = Callable[[float, Vector], Vector]
@@ -40,12 +40,10 @@ def make_flow(mechanism: Mechanism, size: int) -> tuple[Flow, Flow]:
     return rate, project
 
 
-def solve_projected(
-    mechanism: Mechanism, times: Vector, tolerance: float = 1e-9, start: Start | None = None
-) -> Motion:
+def solve_projected(mechanism: Mechanism, times: Vector, tolerance: float = 1e-9) -> Motion:
     """Motion at `times` (s, ascending) from the start at the first of them; see `solve_ida`."""
     times = check_request(times, tolerance)
-    start = start or mechanism.start(float(times[0]))
+    start = mechanism.start(float(times[0]))
     size = start.q.size
 
     rate, project = make_flow(mechanism, size)

@@ -13,6 +13,8 @@ from .reynolds import ACROSS, AROUND, Array, Grid, Solution, apply, solve, sprea
 WEDGE = -0.5 * math.pi
 # Of axial grooves on both sides of the load.
 SIDES = (-0.5 * math.pi, 0.5 * math.pi)
+# Their width (rad).
+GROOVE = math.radians(20.0)
 
 
 @dataclass(frozen=True)
@@ -35,14 +37,13 @@ def solve_steady(
     eps: float,
     ratio: float,
     grooves: Sequence[float] = (),
-    width: float = math.radians(20.0),
     around: int = AROUND,
     across: int = ACROSS,
 ) -> Steady:
-    """Of a bearing with grooves of a width (rad) at angles from the load, none by default; ratio = L/D."""
+    """Of a bearing with grooves at angles (rad) from the load, none by default; ratio = L/D."""
 
     def at(attitude: float) -> Solution:
-        return solve(Grid(eps, ratio, spread(-attitude, grooves, width), around, across), WEDGE)
+        return solve(Grid(eps, ratio, spread(-attitude, grooves, GROOVE), around, across), WEDGE)
 
     def turned(attitude: float) -> float:
         x, y = at(attitude).force

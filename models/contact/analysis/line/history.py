@@ -69,13 +69,12 @@ def formula_history(
     load: Vector,
     entraining_velocity: Vector,
     radius_of_curvature: Vector,
-    parameters: Mapping[str, float] | None = None,
     film_thickness: float = 1e-6,
 ) -> Vector:
     """As `film_history`, the film (m) of one of FILMS with its squeeze term: the contact's relaxation."""
     component = ehl_contact()
     given = dict(zip(_MOTION, (load, entraining_velocity, radius_of_curvature), strict=True))
-    chosen = {**(parameters or {}), "film_model": float(list(FILMS).index(formula))}
+    chosen = {"film_model": float(list(FILMS).index(formula))}
     states = _step_through(component, times, given, chosen, film_thickness)
     return np.asarray(states[:, component.state.index("film_thickness")])
 

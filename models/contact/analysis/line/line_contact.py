@@ -138,32 +138,20 @@ def _numbers_of(part: LineContact | Lubricant | Asperities | None) -> Iterator[t
         yield from part._asdict().items()
 
 
-def moes_contact(
-    M: float, L: float, viscosity_law: str = "roelands", density_law: str = "dowson_higginson",
-    pressure_viscosity: float = ALPHA,
-) -> LineContact:  # fmt: skip
+def moes_contact(M: float, L: float, pressure_viscosity: float = ALPHA) -> LineContact:
     """Some line contact with these groups; L = 0: constant viscosity and density.
 
-    Its bodies are made up and never yield. The laws of viscosity and density know pressures in Pa, so that
-    alpha (1/Pa) counts beside M and L.
+    Its bodies are made up and never yield. Roelands' law and that of the density know pressures in Pa, so
+    that alpha (1/Pa) counts beside M and L.
     """
-    for name, value in (("M", M), ("L", L), ("pressure_viscosity", pressure_viscosity)):
+    for name, value, allowed in (
+        ("M", M, _POSITIVE), ("L", L, _NOT_NEGATIVE), ("pressure_viscosity", pressure_viscosity, _POSITIVE),
+    ):  # fmt: skip
         real(name, value)
-    for name, value, allowed in (("M", M, M > 0.0), ("L", L, L >= 0.0)):
-        if not (math.isfinite(value) and allowed):
-            raise ValueError(f"{name} = {value:g}: must be finite and {'> 0' if name == 'M' else '>= 0'}")
-    for name, law, laws in (
-        ("viscosity_law", viscosity_law, VISCOSITY_LAWS),
-        ("density_law", density_law, DENSITY_LAWS),
-    ):
-        if law not in laws:
-            raise ValueError(f"{name} = {law!r}: must be one of {', '.join(laws)}")
-    if not (math.isfinite(pressure_viscosity) and pressure_viscosity > 0.0):
-        raise ValueError(f"pressure_viscosity = {pressure_viscosity:g} 1/Pa: must be finite and > 0")
-    if L == 0.0:
-        viscosity_law, density_law, speed_group = "constant", "constant", _SPEED_GROUP
-    else:
-        speed_group = (L / (pressure_viscosity * _MODULUS)) ** 4
+        if not (math.isfinite(value) and _HOLDS[allowed](value)):
+            raise ValueError(f"{name} = {value:g}: must be {allowed}")
+    constant = L == 0.0
+    speed_group = _SPEED_GROUP if constant else (L / (pressure_viscosity * _MODULUS)) ** 4
     return LineContact(
         load=M * math.sqrt(speed_group) * _MODULUS * _RADIUS * _LENGTH,
         velocity=0.5 * speed_group * _MODULUS * _RADIUS / _VISCOSITY,
@@ -173,8 +161,8 @@ def moes_contact(
         lubricant=Lubricant(
             _VISCOSITY,
             pressure_viscosity,
-            float(VISCOSITY_LAWS.index(viscosity_law)),
-            float(DENSITY_LAWS.index(density_law)),
+            float(VISCOSITY_LAWS.index("constant" if constant else "roelands")),
+            float(DENSITY_LAWS.index("constant" if constant else "dowson_higginson")),
         ),
         elastic_limit=math.inf,
     )

@@ -316,7 +316,6 @@ def test_what_is_no_contact_is_refused(change, words):
 @pytest.mark.parametrize(
     ("call", "words"),
     [(lambda: moes_contact(1.0, -1.0), "L = -1"),
-     (lambda: moes_contact(1.0, 1.0, "water"), "viscosity_law = 'water': must be one of roelands"),
      (lambda: moes_contact(1.0, 1.0, pressure_viscosity=0.0), "pressure_viscosity = 0"),
      (lambda: solve_steady(CAM, tolerance=0.0), "tolerance = 0"),
      (lambda: solve_steady(CAM, nodes=300), "nodes = 300: must be odd, a whole number and from 51 to 4801"),
