@@ -260,35 +260,33 @@ def assert_same_matrices(found, expected, system, name, tolerance):
         np.testing.assert_allclose(one, other, rtol=0.0, atol=tolerance * np.abs(other).max(initial=0.0))
 
 
-def build_native(component, fmi):
-    return build(component.name, structure=component.structure, platforms=[this_platform()], fmi=fmi)
+# What is linear is differenced to 1e-9; over 1e-8 m of approach, a thousandth of the contact's deflection, of
+# which the load is a power, 1e-6 is left.
+NATIVES = {
+    "quarter_car": (2, {"wheel": 1e-8, "chassis": 1e-8}),
+    "two_masses": (3, {"first": 1e-8, "second": 1e-8}),
+    "camshaft and contact": (2, {"camshaft": 1e-8, "contact": 1e-6}),
+    "valve_spring": (3, {"valve_spring": 1e-8}),
+}
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("system", "fmi"), [(quarter_car(), 2), (two_masses(damping=2.0), 3)], ids=["quarter car", "two masses"]
-)
-def test_native_fmus_have_the_matrices_of_their_equations(system, fmi):
-    """Equations are differenced, to 1e-9 of what is linear."""
-    where = solve_trajectory(system, 0.2, SPACING)
-    for name, instance in system.instances.items():
-        found, expected = derive_twice(system, name, where, 40, build_native(instance.component, fmi))
-        assert_same_matrices(found, expected, system, name, 1e-8)
-        fed_to = instance.component.inputs.index(list_connected_inputs(name, system)[0])
+@pytest.mark.parametrize("case", NATIVES)
+def test_native_fmus_have_the_matrices_of_their_equations(case):
+    """To differences of the equations. All derivatives of their inputs are followed."""
+    fmi, tolerances = NATIVES[case]
+    row, small = 40, {"quarter_car": quarter_car, "two_masses": lambda: two_masses(damping=2.0)}
+    if case in small:
+        where = solve_trajectory(system := small[case](), 0.2, SPACING)
+    else:
+        row, (system, where) = 3000, load_flexible()
+    for name, tolerance in tolerances.items():
+        component = system.instances[name].component
+        file = build(component.name, structure=component.structure, platforms=[this_platform()], fmi=fmi)
+        found, expected = derive_twice(system, name, where, row, file)
+        assert_same_matrices(found, expected, system, name, tolerance)
+        fed_to = component.inputs.index(list_connected_inputs(name, system)[0])
         np.testing.assert_array_equal(found.followed[:, fed_to], 1.0)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("name", "fmi", "tolerance"), [("camshaft", 2, 1e-8), ("valve_spring", 3, 1e-8), ("contact", 2, 1e-6)]
-)
-def test_native_fmus_of_a_loaded_valve_train_do(name, fmi, tolerance):
-    """To differences of the equations: over 1e-8 m of approach, a thousandth of the contact's deflection, of
-    which the load is a power, 1e-6 is left."""
-    system, where = load_flexible()
-    path = build_native(system.instances[name].component, fmi)
-    found, expected = derive_twice(system, name, where, 3000, path)
-    assert_same_matrices(found, expected, system, name, tolerance)
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -157,23 +157,6 @@ def test_a_resumed_run_has_the_same_bits(tmp_path):
     np.testing.assert_array_equal(found[1], found[0])
 
 
-REFUSED = [
-    ("one.fired -> two.tick", "a clock of intervalVariability constant ticks by time"),
-    ("one.fired -> two.gain", "a value of type Clock does not fit a value of type Float64"),
-    ("one.fired * 2 -> two.poke", "has no factor"),
-    ("one.poke -> two.poke", "one.poke is no output"),
-    ("one.fierd -> two.poke", "no variable 'fierd'; did you mean fired"),
-]
-
-
-@pytest.mark.parametrize(("line", "said"), REFUSED)
-def test_clocks_that_do_not_fit_are_refused(line, said, tmp_path):
-    path = sampler(tmp_path)
-    one = scenario({"one": {"participant": path}, "two": {"participant": path}}, connections=[line])
-    with pytest.raises(ScenarioError, match=said):
-        build_system(one)
-
-
 @pytest.mark.parametrize("name", mark_long(["BouncingBall", "Stair", "Feedthrough"], ["Stair"]))
 def test_event_mode_gives_what_fmpys_importer_finds(name, tmp_path):
     """Of Reference-FMUs, at the times of the macro steps: an independent importer in event mode."""
