@@ -16,8 +16,9 @@ AT_REST = 1e-3
 
 
 def has_film(variable: str, load: Vector) -> NDArray[np.bool_]:
-    """Rows in which one of FILMS has a meaning: under load; film_ratio under more than a LIGHT one."""
-    light = LIGHT * float(np.max(load, initial=0.0)) if variable == "film_ratio" else 0.0
+    """Rows in which one of FILMS has a meaning: under load; film_ratio under more than a LIGHT one of its
+    cycle, the last axis."""
+    light = LIGHT * np.max(load, axis=-1, keepdims=True, initial=0.0) if variable == "film_ratio" else 0.0
     return np.asarray(load > light)
 
 

@@ -1,7 +1,7 @@
 """What the scripts of a run's page need, as plain JSON values: times, packed variables, drawings, marks."""
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -221,11 +221,15 @@ def _name_connections(output: str, scenario: Scenario | None) -> str:
 
 
 def _read(group: Group, name: str) -> Vector:
+    return read_film(name, group.stored, group.read)
+
+
+def read_film(name: str, stored: Container[str], read: Callable[[str], Vector]) -> Vector:
     """The values of a variable; of a film where it has a meaning."""
     part, _, ending = name.rpartition(".")
-    if ending not in FILMS or f"{part}.load" not in group.stored:
-        return group.read(name)
-    return np.where(has_film(ending, group.read(f"{part}.load")), group.read(name), np.nan)
+    if ending not in FILMS or f"{part}.load" not in stored:
+        return read(name)
+    return np.where(has_film(ending, read(f"{part}.load")), read(name), np.nan)
 
 
 class _Base:

@@ -16,7 +16,7 @@ from ..assessment.lost_contact import find_lost
 from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError, build_scenario
 from ..store.output_folder import CYCLES, STORE, SUMMARY
-from .content import describe, list_marks
+from .content import describe, list_marks, read_film
 from .mechanism import list_sketches
 from .packing import pack
 
@@ -78,7 +78,10 @@ def _collect(cycles: xarray.Dataset, numbers: xarray.Dataset, scenario: Scenario
     # Every cycle begins within the first turn.
     turned = turned - 2.0 * math.pi * np.floor(turned[:, :1] / (2.0 * math.pi) + 1e-9)
     names = [str(name) for name in cycles.data_vars if name != ANGLE]
-    variables = [_pack(name, cycles[name]) for name in names]
+    filmed = (
+        cycles[name].copy(data=read_film(name, names, lambda one: cycles[one].values)) for name in names
+    )
+    variables = [_pack(name, values) for name, values in zip(names, filmed, strict=True)]
     variables.insert(0, _pack(ANGLE, cycles[ANGLE].copy(data=turned)))
     sketches = list_sketches(scenario, names) if scenario else []
     return {

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray
 
 import tribocosim
 from models.core.quantities import Quantity
@@ -287,6 +288,25 @@ def test_speeds_without_contact_are_pale(browser, tmp_path):
             float(load_of(SPEEDS[1], np.array(0.0))), rel=1e-6
         )
         assert page.locator("#pale").is_visible()
+
+
+def test_an_open_contact_of_a_sweep_has_no_film(browser, tmp_path):
+    """Neither in the plot nor in the map; plots off the screen follow the chosen speed too."""
+    write_sweep(tmp_path)
+    with xarray.open_dataset(tmp_path / "cycles.nc", engine="h5netcdf") as stored:
+        cycles = stored.load()
+    cycles["contact.load"][:, -1] = 0.0
+    cycles.to_netcdf(tmp_path / "cycles.nc", engine="h5netcdf")
+    with opened(browser, write_report(tmp_path)) as page:
+        page.set_viewport_size({"width": 1200, "height": 100})
+        page.locator("#speeds").select_option("2")
+        wait(page, "report.records.chosen === 2 && report.panels.every((one) => one.key !== null)")
+        page.evaluate("report.setTime(report.base.end)")
+        wait(page, "report.panels[1].reading.textContent === 'no contact'")
+        film = "report.drawings.at(-1).views[1]"
+        assert page.evaluate(f"{film}.reading.textContent") == "no contact"
+        last = f"{film}.picture.getContext('2d').getImageData({film}.picture.width - 1, 1, 1, 1).data[3]"
+        assert (page.evaluate(last), page.evaluate(f"{film}.range.every(Number.isFinite)")) == (0, True)
 
 
 def test_everything_has_a_name_for_screen_readers(browser, result):

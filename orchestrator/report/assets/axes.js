@@ -36,8 +36,9 @@ function prepare(canvas, box = canvas.getBoundingClientRect()) {
   return { g, width, height };
 }
 
-// Whether a box is on the screen, or about to be; on paper all are.
-function isSeen(box) { return document.documentElement.classList.contains("light") || (box.bottom > -200 && box.top < window.innerHeight + 200); }
+// Whether a box is on the screen, or about to be; on paper, and once nothing changes, all are.
+let drawsAll = false;
+function isSeen(box) { return drawsAll || document.documentElement.classList.contains("light") || (box.bottom > -200 && box.top < window.innerHeight + 200); }
 
 function drawAxes(g, frame, x, y, label, upright) {
   g.strokeStyle = color("line"); g.fillStyle = color("soft"); g.lineWidth = 1;

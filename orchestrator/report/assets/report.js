@@ -11,7 +11,7 @@ class ReportPage {
     this.view = new View(this.records);
     this.marks = new Marks(this.records, content.marks || []);
     this.panels = []; this.drawings = []; this.values = new Map();
-    this.now = 0; this.playing = false; this.edition = 0;
+    this.now = 0; this.playing = false; this.edition = 0; this.rest = 0;
   }
 
   async start() {
@@ -176,7 +176,10 @@ class ReportPage {
     this.refresh();
   }
 
+  // What is off the screen follows once nothing changes: a picture of the whole page has it.
   refresh() {
+    clearTimeout(this.rest);
+    this.rest = setTimeout(() => { drawsAll = !this.playing; this.draw(); drawsAll = false; }, 200);
     if (this.waiting) return;
     this.waiting = true;
     requestAnimationFrame(() => { this.waiting = false; this.draw(); });

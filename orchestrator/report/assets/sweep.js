@@ -80,9 +80,9 @@ class Sweep {
 const SCALE = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"]
   .map((hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16)));
 
-// Red, green, blue of a share of the scale.
+// Red, green, blue of a share of the scale; NaN is its begin.
 function shade(share) {
-  const at = Math.min(Math.max(share, 0), 1) * (SCALE.length - 1), k = Math.min(Math.floor(at), SCALE.length - 2);
+  const at = Math.min(Math.max(share || 0, 0), 1) * (SCALE.length - 1), k = Math.min(Math.floor(at), SCALE.length - 2);
   return SCALE[k].map((c, i) => c + (at - k) * (SCALE[k + 1][i] - c));
 }
 
@@ -125,14 +125,14 @@ class AngleSpeedMap extends Chart {
   async load() {
     this.variable = this.records.variables.get(this.choice.value);
     this.values = await this.records.whole(this.choice.value);
-    const sorted = this.sweep.kept(this.values, this.records.bases[0].rows).sort();
+    const sorted = this.sweep.kept(this.values, this.records.bases[0].rows).filter((v) => v === v).sort();
     this.range = [sorted[0], sorted[sorted.length - 1]].map((v) => v * this.variable.factor);
     if (!(this.range[1] > this.range[0])) this.range[1] = this.range[0] + 1e-12;
     this.paint();
     this.sweep.report.refresh();
   }
 
-  // One pixel for each value; where a load is zero, none, and faint at speeds at which contact is lost.
+  // One pixel for each value; where a load is zero or there is no film, none, and faint at speeds at which contact is lost.
   paint() {
     const n = this.records.bases[0].rows, rows = this.sweep.rpm.length, [least, most] = this.range, isLoad = /\.load$/.test(this.variable.name);
     this.picture = document.createElement("canvas");
@@ -141,7 +141,7 @@ class AngleSpeedMap extends Chart {
     this.values.forEach((value, at) => {
       const k = Math.floor(at / n), place = 4 * ((rows - 1 - k) * n + at % n);
       const [red, green, blue] = shade((value * this.variable.factor - least) / (most - least));
-      image.data.set([red, green, blue, isLoad && value <= 0 ? 0 : this.sweep.told.lost[k] ? 70 : 255], place);
+      image.data.set([red, green, blue, (isLoad && value <= 0) || value !== value ? 0 : this.sweep.told.lost[k] ? 70 : 255], place);
     });
     g.putImageData(image, 0, 0);
   }
@@ -160,7 +160,8 @@ class AngleSpeedMap extends Chart {
     drawUpright(g, f, this.sweep.angle(k, row), "now");
     g.strokeStyle = color("now");
     g.beginPath(); g.moveTo(f.left, f.y(rpm[k])); g.lineTo(f.right, f.y(rpm[k])); g.stroke();
-    const value = readable(this.values[k * n + row] * this.variable.factor) + (this.variable.unit ? " " + this.variable.unit : "");
+    const here = this.values[k * n + row] * this.variable.factor;
+    const value = Number.isNaN(here) ? "no contact" : readable(here) + (this.variable.unit ? " " + this.variable.unit : "");
     this.reading.textContent = value;
     this.canvas.setAttribute("aria-label", "Map of " + this.choice.value + " over angle and speed; at the chosen speed and angle " + value);
   }
