@@ -1,6 +1,7 @@
 """The cam that is designed: bumps on the scenario's ramps, and how its follower touches it."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -70,9 +71,7 @@ class Lobe:
     @cached_property
     def ramps(self) -> Curve:
         """Those of the scenario's cam, at `angles`."""
-        s, ds, dds = np.array([self.ramp(a) for a in self.angles]).T
-        later, earlier = (np.array([self.ramp(a + d).dds for a in self.angles]) for d in (STEP, -STEP))
-        return Curve(s, ds, dds, (later - earlier) / (2.0 * STEP))
+        return self._trace(self.ramp)
 
     def ramp(self, angle: float) -> Lift:
         """Ramps alone, as a table's profile adds them."""
@@ -95,8 +94,11 @@ class Lobe:
     @cached_property
     def own(self) -> Curve:
         """The scenario's cam, at `angles`."""
-        s, ds, dds = np.array([self.kind.lift(a) for a in self.angles]).T
-        later, earlier = (np.array([self.kind.lift(a + d).dds for a in self.angles]) for d in (STEP, -STEP))
+        return self._trace(self.kind.lift)
+
+    def _trace(self, lift: Callable[[float], Lift]) -> Curve:
+        s, ds, dds = np.array([lift(a) for a in self.angles]).T
+        later, earlier = (np.array([lift(a + d).dds for a in self.angles]) for d in (STEP, -STEP))
         return Curve(s, ds, dds, (later - earlier) / (2.0 * STEP))
 
     def curve(self, coefficients: Vector) -> Curve:

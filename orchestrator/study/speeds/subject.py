@@ -182,14 +182,7 @@ def save_cycle(cycle: Cycle, angle: Vector, path: Path) -> None:
         if field.name.partition("[")[0] in KEPT
     }
     data = xarray.Dataset(
-        {
-            name: (
-                "time",
-                cycle[name][::KEPT_EVERY],
-                _describe(quantity),
-            )
-            for name, quantity in fields.items()
-        },
+        {name: ("time", cycle[name][::KEPT_EVERY], _describe(quantity)) for name, quantity in fields.items()},
         {
             "time": ("time", cycle.times[::KEPT_EVERY], {"units": "s"}),
             "cam_angle": ("time", angle[::KEPT_EVERY], {"units": "rad"}),

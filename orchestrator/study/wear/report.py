@@ -146,13 +146,10 @@ def tabulate(history: History, interval: Interval) -> xarray.Dataset:
         "loss": along("angle", [age.state[LOSS] for age in ages], "lift lost"),
         "follower_depth": along("along", [age.follower for age in ages], "depth of the follower"),
     }
+    middle = 0.5 * (train.along[1:] + train.along[:-1])
     places = {
         "angle": xarray.Variable("angle", PLACES, {"units": "rad", "long_name": "cam angle"}),
-        "along": xarray.Variable(
-            "along",
-            0.5 * (train.along[1:] + train.along[:-1]),
-            {"units": "m", "long_name": "along the follower"},
-        ),
+        "along": xarray.Variable("along", middle, {"units": "m", "long_name": "along the follower"}),
     }
     return xarray.Dataset(found, places).assign_attrs(
         title=f"{train.scenario.name}: wear of {train.cam} under {train.contact}",
