@@ -211,24 +211,29 @@ def unit_attributes(variable: Variable) -> dict[str, str]:
 
 
 def _scalar(parent: Element, variable: Variable, index: Mapping[int, int]) -> None:
-    element = SubElement(
-        parent,
-        "ScalarVariable",
-        name=variable.name,
-        valueReference=str(variable.reference),
-        description=variable.description,
-        causality=variable.causality,
-        variability=variable.variability,
-        initial="calculated" if variable.causality in ("output", "local") else "exact",
-    )
-    if variable.causality == "input":
-        del element.attrib["initial"]  # the standard leaves it out for inputs
+    element = SubElement(parent, "ScalarVariable", naming_attributes(variable, variable.name))
     attributes = value_attributes(variable)
     if variable.rate_of is not None:
         attributes["derivative"] = str(index[variable.rate_of])
     if variable.jumps:
         attributes["reinit"] = "true"
     SubElement(element, variable.kind, attributes)
+
+
+def naming_attributes(variable: Variable, name: str) -> dict[str, str]:
+    """What both versions say of a variable of this name before its values."""
+    attributes = {
+        "name": name,
+        "valueReference": str(variable.reference),
+        "description": variable.description,
+        "causality": variable.causality,
+        "variability": variable.variability,
+    }
+    if variable.causality in ("output", "local"):
+        attributes["initial"] = "calculated"
+    elif variable.causality == "parameter":
+        attributes["initial"] = "exact"
+    return attributes
 
 
 def value_attributes(variable: Variable) -> dict[str, str]:

@@ -16,6 +16,7 @@ from .description import (
     about,
     dependencies,
     items,
+    naming_attributes,
     running,
     structure,
     to_xml,
@@ -101,17 +102,7 @@ def _types(parent: Element, examples: Mapping[str, Variable]) -> None:
 
 def _variable(parent: Element, declared: ArrayVariable) -> None:
     variable = declared.first
-    attributes = {
-        "name": declared.name,
-        "valueReference": str(variable.reference),
-        "description": variable.description,
-        "causality": variable.causality,
-        "variability": variable.variability,
-    }
-    if variable.causality in ("output", "local"):
-        attributes["initial"] = "calculated"
-    elif variable.causality == "parameter":
-        attributes["initial"] = "exact"
+    attributes = naming_attributes(variable, declared.name)
     if variable.variability == "continuous" and variable.causality != "independent":
         attributes["intermediateUpdate"] = "true"  # what a host may set or read in the course of a step
     attributes |= value_attributes(variable)

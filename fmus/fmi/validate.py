@@ -10,7 +10,7 @@ import shutil
 import textwrap
 import zipfile
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 from xml.etree import ElementTree
@@ -135,9 +135,7 @@ def _list_rows(variables: Sequence[VariableInfo]) -> list[tuple[str, ...]]:
     rounded = (
         v if v.kind == "String" else replace(v, start=_round(v.start), range=_round(v.range)) for v in shown
     )
-    return [
-        (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.range, v.description) for v in rounded
-    ]
+    return [astuple(v) for v in rounded]
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from ..kushwaha2000.runs import NOSE_DEG
 from ..kushwaha2000.runs import Cycle as Turn
 from ..kushwaha2000.runs import Runs as ValveTrain
 from .formulas import CENTRAL, FORMULAS, MINIMUM, is_in_table_3
-from .numerical import list_heights, solve_films_beside
+from .numerical import list_heights, solve_films
 
 Flags = NDArray[np.bool_]
 # The cam's event; before and after it lies the base circle, whose film is that at its ends.
@@ -131,7 +131,7 @@ def solve_cycle(train: ValveTrain, speed_rpm: float, step_deg: float, nodes: int
     given = select_trajectory(turn)
     fine = np.interp(given[0][1:], turn.time, turn.angle_deg)
     found, p = list_contacts(train, turn, at), train.parameters("contact")
-    films, history = solve_films_beside(found, lambda: film_history(*given, nodes))
+    films, history = solve_films(found), film_history(*given, nodes)
     steady = {CENTRAL: list_heights(films, "central_film"), MINIMUM: list_heights(films, "minimum_film")}
     return CamCycle(
         speed_rpm,

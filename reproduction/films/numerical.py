@@ -1,9 +1,8 @@
 """Steady numerical films of many line contacts, side by side on the machine's cores."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
 
 import numpy as np
 
@@ -14,26 +13,16 @@ from models.core.quantities import Vector
 # Relative error of the films: far below what formulas are off.
 TOLERANCE = 2e-3
 
-Result = TypeVar("Result")
-
 
 def solve_films(contacts: Sequence[LineContact | None]) -> list[SteadyFilm | None]:
     """Their films; None where there is no contact, or no film to the TOLERANCE."""
-    return solve_films_beside(contacts, lambda: None)[0]
-
-
-def solve_films_beside(
-    contacts: Sequence[LineContact | None], work: Callable[[], Result]
-) -> tuple[list[SteadyFilm | None], Result]:
-    """As `solve_films`, and the result of `work`, which this thread does meanwhile."""
     # Compiled in this thread, the only one that Ctrl-C reaches.
     solve_film(next((contact for contact in contacts if contact is not None), None))
     # The kernels release the interpreter's lock.
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         solving = [pool.submit(solve_film, contact) for contact in contacts]
         try:
-            result = work()
-            return [one.result() for one in solving], result
+            return [one.result() for one in solving]
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
