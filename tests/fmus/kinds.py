@@ -13,6 +13,7 @@ from fmus.native.machine_code import this_platform
 from tests.shared import made_once
 
 from .instance import Instance, Instance3
+from .names import mark_long
 
 
 class Made(dict[str, Path]):
@@ -57,3 +58,9 @@ def every_fmu(
         pytest.param(kind, name, marks=() if name in always.get(kind, ()) else pytest.mark.long)
         for kind, name in pairs
     ]
+
+
+# Native FMUs that are made in every run of the tests, with vectors and rates; machine code of impacts and of
+# the contact takes long.
+FAST = ("valve_spring",)
+EVERY_NATIVE = mark_long(NATIVE_NAMES, FAST)

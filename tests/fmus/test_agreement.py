@@ -8,7 +8,7 @@ from fmpy import read_model_description
 from fmus.build import NAMES, build
 
 from .conftest import Isolated
-from .kinds import FILES, HOSTS, every_fmu
+from .kinds import FAST, FILES, HOSTS, every_fmu
 from .names import LAYER, mark_long
 from .reference import Reference, held, schedule, split, wave
 
@@ -61,8 +61,8 @@ def expected_of(reference: Reference, plan: list) -> list[list[float]]:
     every_fmu(
         [*NAMES, LAYER],
         python=("valve_spring", "flywheel", LAYER),
-        native=("valve_spring",),
-        native3=("valve_spring",),
+        native=FAST,
+        native3=FAST,
     ),
 )
 def test_an_fmu_equals_its_component(kind, name, isolated, tmp_path, record):

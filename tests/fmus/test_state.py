@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from fmus.build import NAMES
 
 from .instance import Instance
-from .kinds import FILES, HOSTS, every_fmu
+from .kinds import FAST, FILES, HOSTS, every_fmu
 from .names import ALWAYS, LAYER
 from .reference import Reference, held, wave
 
@@ -31,7 +31,6 @@ def drive(slave: Instance, name: str, t: float, steps: int, curved: bool = True,
 COMPONENTS = {name: Reference(name).component for name in (*NAMES, LAYER)}
 
 
-FAST = ("valve_spring",)
 PAIRS = [
     pytest.param(one.values, marks=one.marks)
     for one in every_fmu([*NAMES, LAYER], python=[*ALWAYS, LAYER], native=FAST, native3=FAST)

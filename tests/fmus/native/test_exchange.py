@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from ..instance import Instance, Instance3
+from ..kinds import EVERY_NATIVE, FAST
 from ..names import mark_long
 from ..reference import Reference, joined, wave
-from .names import EVERY, FAST
 
 # What the host's integrator is asked for; errors of many steps add up.
 TOLERANCE = 1e-9
@@ -55,7 +55,7 @@ def test_the_hosts_integrator_finds_the_same_motion(name, fmi, native_files, fmi
         assert differences[-1].max() <= 1e5 * TOLERANCE * size, output
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", EVERY_NATIVE)
 def test_states_and_their_derivatives_are_shown(name, native_files):
     """To the last bit those of the component after a step."""
     reference = Reference(name)
@@ -117,7 +117,7 @@ def by_calls(slave: Instance, values: dict[str, float], names: list[str]) -> Non
         assert status == 0
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", EVERY_NATIVE)
 def test_inputs_by_calls_and_by_variables_give_the_same_motion(name, native_files):
     component = Reference(name).component
     one, other = (Instance(native_files[name]).initialize() for _ in range(2))
@@ -133,7 +133,7 @@ def test_inputs_by_calls_and_by_variables_give_the_same_motion(name, native_file
         slave.free()
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", EVERY_NATIVE)
 def test_derivatives_of_outputs_are_their_rates(name, native_files):
     component = Reference(name).component
     slave = Instance(native_files[name]).initialize()

@@ -15,10 +15,10 @@ from fmus.fmi.validate import validate
 from tests.third_party.runs import ran, scenario
 
 from ..instance import Instance, Instance3
-from .names import EVERY
+from ..kinds import EVERY_NATIVE
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", EVERY_NATIVE)
 def test_variables_are_those_of_fmi_2(name, native_files, fmi3_files):
     """And besides them time and what indicates events, which FMI 3.0 has as variables. Vectors are arrays.
     Validators find no fault with either."""

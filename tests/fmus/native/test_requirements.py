@@ -18,7 +18,7 @@ from models.core.component import Component
 from models.core.quantities import Field, Layout
 
 from ..instance import Instance, Instance3
-from .names import FAST
+from ..kinds import FAST
 
 COMPONENTS = {name: CATALOGUE[name]() for name in NAMES}
 REQUIRING = [name for name, c in COMPONENTS.items() if c.requirements or c.start_requirements]

@@ -18,8 +18,8 @@ from models.core.component import Component
 from models.native.differentiate import DifferentiationError, differentiate
 
 from ..instance import Instance
+from ..kinds import EVERY_NATIVE
 from ..reference import Reference, joined, wave
-from .names import EVERY
 
 # Half steps of the differences, in nominal sizes: the best of several, as outputs are bent differently.
 STEPS = (1e-1, 1e-2, 1e-3, 1e-4)
@@ -183,7 +183,7 @@ def in_motion(name: str, fmu: Path) -> Iterator[Derivatives]:
     slave.free()
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", EVERY_NATIVE)
 def test_derivatives_by_inputs_and_parameters(name, native_files):
     for derivatives in in_motion(name, native_files[name]):
         derivatives.check()
@@ -201,7 +201,7 @@ def check_states(slave: Instance, point: Point, host: Any) -> None:
         Derivatives(point, names, "x", place, size, np.array(found)).check()
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", EVERY_NATIVE)
 def test_derivatives_by_states(name, native_files):
     """In model exchange, off the start."""
     slave, reference = Instance(native_files[name]), started(name)
@@ -221,7 +221,7 @@ def test_derivatives_by_states(name, native_files):
     slave.free()
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", EVERY_NATIVE)
 def test_derivatives_by_states_between_steps(name, native_files):
     """In co-simulation, at a communication point."""
     reference, slave = moving(name, native_files[name])

@@ -19,7 +19,7 @@ from fmus.reference_results.files import ComparisonError, Options, csv_text, rea
 from fmus.reference_results.inside import FOLDER, MANIFEST
 from fmus.reference_results.results import compute_results
 from tests.archives import repack, replace_text
-from tests.fmus.kinds import WITH_REFERENCES, every_fmu
+from tests.fmus.kinds import FAST, WITH_REFERENCES, every_fmu
 from tests.fmus.names import REFERENCED, mark_long
 from tests.third_party.c_fmus import fmu
 from tests.third_party.c_fmus import fmu as third_party
@@ -28,9 +28,7 @@ from tests.third_party.public import public
 
 @pytest.mark.parametrize(
     ("kind", "name"),
-    every_fmu(
-        REFERENCED, python=("valve_spring", "flywheel"), native=("valve_spring",), native3=("valve_spring",)
-    ),
+    every_fmu(REFERENCED, python=("valve_spring", "flywheel"), native=FAST, native3=FAST),
 )
 def test_fmus_reproduce_their_references(kind, name, record):
     """To the tolerance that ships with each: that of the component's own steps, as the FMU adds nothing.
