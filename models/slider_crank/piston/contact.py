@@ -15,17 +15,8 @@ import math
 from typing import NamedTuple
 
 from ...compile.kernel import kernel
-from .mechanics import (
-    Coordinates,
-    Machine,
-    Symmetric,
-    across_row,
-    across_turning,
-    add,
-    along_row,
-    dot,
-    multiply,
-)
+from . import mechanics as me
+from .mechanics import Coordinates, Machine, Symmetric
 
 CORNERS = 4
 UPPER, LOWER = 1.0, -1.0
@@ -106,19 +97,19 @@ def gap_rate(corner: int, offset_rate: float, tilt: float, tilt_rate: float, m: 
 @kernel
 def normal(corner: int, q: Coordinates, m: Machine) -> Coordinates:
     """Derivatives of the gap by the coordinates."""
-    row = across_row(corner_along(corner, m), corner_across(corner, m), q, m)
+    row = me.across_row(corner_along(corner, m), corner_across(corner, m), q, m)
     return Coordinates(-side(corner) * row.theta, -side(corner) * row.eta, -side(corner) * row.chi)
 
 
 @kernel
 def tangent(corner: int, q: Coordinates, m: Machine) -> Coordinates:
     """Derivatives of the corner's place along the wall by the coordinates."""
-    return along_row(corner_along(corner, m), corner_across(corner, m), q, m)
+    return me.along_row(corner_along(corner, m), corner_across(corner, m), q, m)
 
 
 @kernel
 def sliding_velocity(corner: int, q: Coordinates, v: Coordinates, m: Machine) -> float:
-    return dot(tangent(corner, q, m), v)
+    return me.dot(tangent(corner, q, m), v)
 
 
 @kernel
@@ -126,7 +117,7 @@ def wall_push(corner: int, ratio: float, q: Coordinates, m: Machine) -> Coordina
     """Generalised force of a unit wall force with friction `ratio` times it, towards -x."""
     if corner < 0:
         return Coordinates(0.0, 0.0, 0.0)
-    return add(normal(corner, q, m), -ratio, tangent(corner, q, m))
+    return me.add(normal(corner, q, m), -ratio, tangent(corner, q, m))
 
 
 @kernel
@@ -134,7 +125,7 @@ def coupling(corner: int, other: int, ratio: float, s: Motion, m: Machine) -> fl
     """Gap acceleration of `corner` per unit wall force on `other`."""
     if corner < 0 or other < 0:
         return 0.0
-    return dot(normal(corner, s.q, m), multiply(s.inverse, wall_push(other, ratio, s.q, m)))
+    return me.dot(normal(corner, s.q, m), me.multiply(s.inverse, wall_push(other, ratio, s.q, m)))
 
 
 @kernel
@@ -142,8 +133,8 @@ def gap_acceleration(corner: int, acceleration: Coordinates, s: Motion, m: Machi
     """gap''; 1 for corner -1, so that it needs no force."""
     if corner < 0:
         return 1.0
-    turning = across_turning(corner_along(corner, m), corner_across(corner, m), s.q, s.v, m)
-    return dot(normal(corner, s.q, m), acceleration) - side(corner) * turning
+    turning = me.across_turning(corner_along(corner, m), corner_across(corner, m), s.q, s.v, m)
+    return me.dot(normal(corner, s.q, m), acceleration) - side(corner) * turning
 
 
 @kernel
@@ -202,14 +193,14 @@ def force_on(corner: int, push: Push) -> float:
 def reaction(push: Push, s: Motion, m: Machine) -> Coordinates:
     """Generalised force (impulse) of the walls with their friction."""
     touching, forces, ratios = push
-    total = add(Coordinates(0.0, 0.0, 0.0), forces.first, wall_push(touching.first, ratios.first, s.q, m))
-    return add(total, forces.second, wall_push(touching.second, ratios.second, s.q, m))
+    total = me.add(Coordinates(0.0, 0.0, 0.0), forces.first, wall_push(touching.first, ratios.first, s.q, m))
+    return me.add(total, forces.second, wall_push(touching.second, ratios.second, s.q, m))
 
 
 @kernel
 def add_reaction(push: Push, start: Coordinates, s: Motion, m: Machine) -> Coordinates:
     """Accelerations (rates) after wall forces (impulses), from those without."""
-    return add(start, 1.0, multiply(s.inverse, reaction(push, s, m)))
+    return me.add(start, 1.0, me.multiply(s.inverse, reaction(push, s, m)))
 
 
 @kernel

@@ -5,25 +5,8 @@ from typing import Any, NamedTuple
 from ...compile.kernel import kernel
 from ...core.component import Events
 from ...core.quantities import Vector
-from .contact import (
-    CORNERS,
-    Motion,
-    Pair,
-    Push,
-    Touching,
-    add_reaction,
-    exists,
-    force_on,
-    free_gap_accelerations,
-    gap,
-    gap_acceleration,
-    gap_rate,
-    hold,
-    reaction,
-    side,
-    solve_impulses,
-    solve_push,
-)
+from . import contact as co
+from .contact import CORNERS, Motion, Pair, Push, Touching
 from .mechanics import Coordinates, Machine, across_row, add, dot
 from .motion import Place, find_closed_corners, find_place, friction_ratios, hold_closed, machine
 
@@ -42,8 +25,8 @@ STILL = 1e-13
 def find_touching(corner: int, x: Any, place: Place, m: Machine) -> Touching:
     """The corner, and another one that is closed or at its wall at the same instant."""
     for i in range(CORNERS):
-        near = gap(i, place.offset, place.tilt, m) <= TOGETHER * INSIDE * m.clearance
-        if i != corner and exists(i, m) and (x.closed[i] != 0.0 or near):
+        near = co.gap(i, place.offset, place.tilt, m) <= TOGETHER * INSIDE * m.clearance
+        if i != corner and co.exists(i, m) and (x.closed[i] != 0.0 or near):
             return Touching(corner, i)
     return Touching(corner, -1)
 
@@ -51,7 +34,7 @@ def find_touching(corner: int, x: Any, place: Place, m: Machine) -> Touching:
 @kernel
 def corner_gap_rate(corner: int, place: Place, m: Machine) -> float:
     """Gap rate of a corner; 1 for corner -1, so that it gets no impulse."""
-    return 1.0 if corner < 0 else gap_rate(corner, place.offset_rate, place.tilt, place.tilt_rate, m)
+    return 1.0 if corner < 0 else co.gap_rate(corner, place.offset_rate, place.tilt, place.tilt_rate, m)
 
 
 @kernel
@@ -72,7 +55,7 @@ def pressing_acceleration(corner: int, other: int, s: Motion, p: Any, m: Machine
     partner = Touching(-1, other)
     held = hold_closed(partner, s, p, m)
     pushed = Push(partner, Pair(0.0, max(0.0, held.forces.second)), held.ratios)
-    return -gap_acceleration(corner, add_reaction(pushed, s.free, s, m), s, m)
+    return -co.gap_acceleration(corner, co.add_reaction(pushed, s.free, s, m), s, m)
 
 
 @kernel
@@ -99,23 +82,24 @@ def move_inside(x: Any, touching: Touching, m: Machine) -> None:
     x.tilt = place.tilt
     i, j = touching.first, touching.second
     if i >= 0 and x.closed[i] == 0.0:
-        short = margin - gap(i, x.offset, x.tilt, m)
+        short = margin - co.gap(i, x.offset, x.tilt, m)
         if short > 0.0:
-            x.offset -= side(i) * short
+            x.offset -= co.side(i) * short
     if j >= 0 and x.closed[j] == 0.0:
-        short = margin - gap(j, x.offset, x.tilt, m)
+        short = margin - co.gap(j, x.offset, x.tilt, m)
         if short > 0.0:
             turn_by = short / (
-                gap_rate(j, 0.0, x.tilt, 1.0, m) - side(i) * side(j) * gap_rate(i, 0.0, x.tilt, 1.0, m)
+                co.gap_rate(j, 0.0, x.tilt, 1.0, m)
+                - co.side(i) * co.side(j) * co.gap_rate(i, 0.0, x.tilt, 1.0, m)
             )
             x.tilt += turn_by
-            x.offset += side(i) * gap_rate(i, 0.0, x.tilt, 1.0, m) * turn_by
+            x.offset += co.side(i) * co.gap_rate(i, 0.0, x.tilt, 1.0, m) * turn_by
 
 
 @kernel
 def rate_after(corner: int, push: Push, s: Motion, m: Machine) -> float:
     """Gap rate of a corner after an impact."""
-    v = add_reaction(push, s.v, s, m)
+    v = co.add_reaction(push, s.v, s, m)
     place = Place(0.0, dot(across_row(0.0, 0.0, s.q, m), v), s.q.chi, v.chi)
     return corner_gap_rate(corner, place, m)
 
@@ -149,7 +133,7 @@ def open_all(x: Any, m: Machine) -> None:
 def close_pressed(x: Any, s: Motion, p: Any, touching: Touching, m: Machine) -> None:
     """Close the touching corners whose walls push them."""
     ratios = friction_ratios(touching, s, p, m)
-    forces = solve_push(touching, ratios, free_gap_accelerations(touching, s, m), s, m).forces
+    forces = co.solve_push(touching, ratios, co.free_gap_accelerations(touching, s, m), s, m).forces
     if forces.first > 0.0:
         x.closed[touching.first] = 1.0
     if forces.second > 0.0:
@@ -188,7 +172,7 @@ def solve_impact(
     i, j = touching.first, touching.second
     e = p.restitution
     w = Pair(add_restitution(rates.first, e), add_restitution(rates.second, e))
-    push = solve_impulses(touching, w, p.wall_friction, s, m)
+    push = co.solve_impulses(touching, w, p.wall_friction, s, m)
     still = STILL * speed_scale(s.v, m)
     after_i = rate_after(i, push, s, m)
     after_j = rate_after(j, push, s, m) if j >= 0 else 1.0
@@ -201,23 +185,23 @@ def solve_impact(
             add_restitution(rates.first, 0.0 if i_ends else e),
             add_restitution(rates.second, 0.0 if j_ends else e),
         )
-        push = solve_impulses(touching, w, p.wall_friction, s, m)
+        push = co.solve_impulses(touching, w, p.wall_friction, s, m)
     if i_ends and j_ends and parting_rate(push, s, m) > still:
         # One corner would lift the other. The limit of bounces that rock between them holds both.
-        push = hold(touching, friction_ratios(touching, s, p, m), rates, s, m)
+        push = co.hold(touching, friction_ratios(touching, s, p, m), rates, s, m)
     return Impact(push, i_ends, j_ends)
 
 
 @kernel
 def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tuple[Coordinates, Coordinates]:
     """Give the piston its jump of the rates and count it; returns the jump and the walls' impulse."""
-    jump = add(add_reaction(impact.push, s.v, s, m), -1.0, s.v)
+    jump = add(co.add_reaction(impact.push, s.v, s, m), -1.0, s.v)
     mean = add(s.v, 0.5, jump)
-    walls = reaction(impact.push, s, m)
+    walls = co.reaction(impact.push, s, m)
     place = find_place(x, m)
     fastest = 0.0
     for i in range(CORNERS):
-        impulse = force_on(i, impact.push)
+        impulse = co.force_on(i, impact.push)
         if impulse != 0.0:
             towards = -corner_gap_rate(i, place, m)
             x.impact_impulse[i] += impulse
@@ -259,7 +243,7 @@ def contact_events(motion: Any, apply_to_crank: Any) -> Events:
         m = machine(p)
         place, touching = find_place(x, m), find_closed_corners(x)
         for i in range(CORNERS):
-            g[i] = gap(i, place.offset, place.tilt, m) if exists(i, m) else 1.0
+            g[i] = co.gap(i, place.offset, place.tilt, m) if co.exists(i, m) else 1.0
         if touching.first >= 0:
             forces = hold_closed(touching, motion(x, u, p), p, m).forces
             g[touching.first] = forces.first

@@ -9,36 +9,10 @@ from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
 from ...core.quantities import Vector
-from .contact import (
-    CORNERS,
-    Motion,
-    Pair,
-    Push,
-    Touching,
-    add_reaction,
-    corner_along,
-    force_on,
-    free_gap_accelerations,
-    gap,
-    hold,
-    side,
-    sliding_ratio,
-    sliding_velocity,
-)
-from .mechanics import (
-    Coordinates,
-    Machine,
-    across_row,
-    across_turning,
-    along_row,
-    along_turning,
-    dot,
-    gas_power,
-    joint_loss,
-    kinetic_energy,
-    position_along,
-    potential_energy,
-)
+from . import contact as co
+from . import mechanics as me
+from .contact import CORNERS, Motion, Pair, Push, Touching
+from .mechanics import Coordinates, Machine
 
 # Outputs that depend on all inputs that set forces in motion.
 FORCED_OUTPUTS = (
@@ -111,13 +85,13 @@ def find_place(x: Any, m: Machine) -> Place:
     if i < 0:
         return Place(x.offset, x.offset_rate, x.tilt, x.tilt_rate)
     if j < 0:
-        sine, k = math.sin(x.tilt), corner_along(i, m)
+        sine, k = math.sin(x.tilt), co.corner_along(i, m)
         lift = m.clearance + 2.0 * m.half_height * math.sin(0.5 * x.tilt) ** 2
-        slope = side(i) * m.half_height * sine - k * math.cos(x.tilt)
-        return Place(side(i) * lift - k * sine, slope * x.tilt_rate, x.tilt, x.tilt_rate)
-    if side(i) == side(j):
-        return Place(side(i) * m.clearance, 0.0, 0.0, 0.0)
-    return Place(0.0, 0.0, math.copysign(jammed_tilt(m), corner_along(i, m)), 0.0)
+        slope = co.side(i) * m.half_height * sine - k * math.cos(x.tilt)
+        return Place(co.side(i) * lift - k * sine, slope * x.tilt_rate, x.tilt, x.tilt_rate)
+    if co.side(i) == co.side(j):
+        return Place(co.side(i) * m.clearance, 0.0, 0.0, 0.0)
+    return Place(0.0, 0.0, math.copysign(jammed_tilt(m), co.corner_along(i, m)), 0.0)
 
 
 @kernel
@@ -141,31 +115,33 @@ def rates(speed: float, q: Coordinates, place: Place, m: Machine) -> Coordinates
 def friction_ratios(touching: Touching, s: Motion, p: Any, m: Machine) -> Pair:
     """Friction over wall force in lasting contact."""
     return Pair(
-        sliding_ratio(touching.first, s, p.wall_friction, p.creep_velocity, m),
-        sliding_ratio(touching.second, s, p.wall_friction, p.creep_velocity, m),
+        co.sliding_ratio(touching.first, s, p.wall_friction, p.creep_velocity, m),
+        co.sliding_ratio(touching.second, s, p.wall_friction, p.creep_velocity, m),
     )
 
 
 @kernel
 def hold_closed(touching: Touching, s: Motion, p: Any, m: Machine) -> Push:
     """What keeps the corners closed."""
-    return hold(touching, friction_ratios(touching, s, p, m), free_gap_accelerations(touching, s, m), s, m)
+    return co.hold(
+        touching, friction_ratios(touching, s, p, m), co.free_gap_accelerations(touching, s, m), s, m
+    )
 
 
 @kernel
 def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> Coordinates:
     """The derivatives of the shared states; returns q'' with the forces of closed corners."""
     place, push = find_place(x, m), hold_closed(find_closed_corners(x), s, p, m)
-    q2 = add_reaction(push, s.free, s, m)
+    q2 = co.add_reaction(push, s.free, s, m)
     dx.offset = place.offset_rate
-    dx.offset_rate = dot(across_row(0.0, 0.0, s.q, m), q2) + across_turning(0.0, 0.0, s.q, s.v, m)
+    dx.offset_rate = me.dot(me.across_row(0.0, 0.0, s.q, m), q2) + me.across_turning(0.0, 0.0, s.q, s.v, m)
     dx.tilt = place.tilt_rate
     dx.tilt_rate = q2.chi
     for i in range(CORNERS):
         dx.closed[i] = 0.0
         dx.impact_count[i] = 0.0
         dx.impact_impulse[i] = 0.0
-        dx.force_integral[i] = force_on(i, push)
+        dx.force_integral[i] = co.force_on(i, push)
     dx.last_impact_time = 0.0
     dx.last_impact_velocity = 0.0
     dx.event_count = 0.0
@@ -180,16 +156,16 @@ def wall_loss(push: Push, s: Motion, m: Machine) -> float:
     touching, forces, ratios = push
     total = 0.0
     if touching.first >= 0:
-        total += ratios.first * forces.first * sliding_velocity(touching.first, s.q, s.v, m)
+        total += ratios.first * forces.first * co.sliding_velocity(touching.first, s.q, s.v, m)
     if touching.second >= 0:
-        total += ratios.second * forces.second * sliding_velocity(touching.second, s.q, s.v, m)
+        total += ratios.second * forces.second * co.sliding_velocity(touching.second, s.q, s.v, m)
     return total
 
 
 @kernel
 def friction_power(x: Any, s: Motion, p: Any, m: Machine) -> float:
     """Power (W) that all friction takes between impacts."""
-    return joint_loss(s.v, m) + wall_loss(hold_closed(find_closed_corners(x), s, p, m), s, m)
+    return me.joint_loss(s.v, m) + wall_loss(hold_closed(find_closed_corners(x), s, p, m), s, m)
 
 
 def make_energy(motion: Any) -> Any:
@@ -201,9 +177,9 @@ def make_energy(motion: Any) -> Any:
     @kernel
     def energy(t: float, x: Any, u: Any, p: Any, e: Vector) -> None:
         m, s = machine(p), motion(x, u, p)
-        e[0] = kinetic_energy(s.q, s.v, m) + potential_energy(s.q, m)
+        e[0] = me.kinetic_energy(s.q, s.v, m) + me.potential_energy(s.q, m)
         e[1] = friction_power(x, s, p, m)
-        e[2] = gas_power(s.q, s.v, u.gas_pressure, m)
+        e[2] = me.gas_power(s.q, s.v, u.gas_pressure, m)
 
     return energy
 
@@ -212,26 +188,26 @@ def make_energy(motion: Any) -> Any:
 def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) -> None:
     """The shared outputs."""
     place, push = find_place(x, m), hold_closed(find_closed_corners(x), s, p, m)
-    q2 = add_reaction(push, s.free, s, m)
+    q2 = co.add_reaction(push, s.free, s, m)
     a, b = m.mass_along, m.mass_across
-    y.piston_position = position_along(0.0, 0.0, s.q, m)
-    y.piston_velocity = dot(along_row(0.0, 0.0, s.q, m), s.v)
+    y.piston_position = me.position_along(0.0, 0.0, s.q, m)
+    y.piston_velocity = me.dot(me.along_row(0.0, 0.0, s.q, m), s.v)
     y.piston_offset = place.offset
     y.piston_offset_rate = place.offset_rate
     y.piston_tilt = place.tilt
     y.piston_tilt_rate = place.tilt_rate
     y.rod_angle = s.q.eta
-    y.upper_front_gap = gap(0, place.offset, place.tilt, m)
-    y.upper_rear_gap = gap(1, place.offset, place.tilt, m)
-    y.lower_front_gap = gap(2, place.offset, place.tilt, m)
-    y.lower_rear_gap = gap(3, place.offset, place.tilt, m)
-    y.upper_front_force = force_on(0, push)
-    y.upper_rear_force = force_on(1, push)
-    y.lower_front_force = force_on(2, push)
-    y.lower_rear_force = force_on(3, push)
+    y.upper_front_gap = co.gap(0, place.offset, place.tilt, m)
+    y.upper_rear_gap = co.gap(1, place.offset, place.tilt, m)
+    y.lower_front_gap = co.gap(2, place.offset, place.tilt, m)
+    y.lower_rear_gap = co.gap(3, place.offset, place.tilt, m)
+    y.upper_front_force = co.force_on(0, push)
+    y.upper_rear_force = co.force_on(1, push)
+    y.lower_front_force = co.force_on(2, push)
+    y.lower_rear_force = co.force_on(3, push)
     y.wall_friction_force = -push.ratios.first * push.forces.first - push.ratios.second * push.forces.second
-    x2 = dot(along_row(a, b, s.q, m), q2) + along_turning(a, b, s.q, s.v, m)
-    y2 = dot(across_row(a, b, s.q, m), q2) + across_turning(a, b, s.q, s.v, m)
+    x2 = me.dot(me.along_row(a, b, s.q, m), q2) + me.along_turning(a, b, s.q, s.v, m)
+    y2 = me.dot(me.across_row(a, b, s.q, m), q2) + me.across_turning(a, b, s.q, s.v, m)
     gas = -gas_pressure * m.bore_area
     y.pin_force_along = m.piston_mass * (x2 - m.gravity_along) - y.wall_friction_force - gas
     upper = y.upper_front_force + y.upper_rear_force
@@ -251,5 +227,5 @@ def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) 
     y.last_impact_velocity = x.last_impact_velocity
     y.event_count = x.event_count
     y.last_event_time = x.last_event_time
-    y.friction_power = joint_loss(s.v, m) + wall_loss(push, s, m)
+    y.friction_power = me.joint_loss(s.v, m) + wall_loss(push, s, m)
     y.impact_loss = x.impact_loss

@@ -5,32 +5,13 @@ from ...core import roles
 from ...core.bonds import counts_energies
 from ...core.component import Component, PowerBond
 from ...core.quantities import layouts
+from . import mechanics as me
+from . import motion as mo
 from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .contact import CORNERS, Motion, add_reaction, reaction
 from .events import contact_events
-from .mechanics import (
-    Coordinates,
-    Machine,
-    add,
-    applied_forces,
-    free_inverse,
-    mass_matrix,
-    multiply,
-    prescribed_inverse,
-    turning_forces,
-)
-from .motion import (
-    FORCED_OUTPUTS,
-    coordinates,
-    differentiate,
-    find_closed_corners,
-    find_place,
-    hold_closed,
-    machine,
-    make_energy,
-    observe,
-    rates,
-)
+from .mechanics import Coordinates, Machine
+from .motion import FORCED_OUTPUTS
 from .records import (
     DrivenInputs,
     DrivenOutputs,
@@ -48,30 +29,30 @@ SIZES = {"corners": CORNERS}
 @kernel
 def driven_motion(x: DrivenState, u: DrivenInputs, p: DrivenParameters) -> Motion:
     """Rod and piston under their forces, the crank's acceleration given."""
-    m = machine(p)
-    place = find_place(x, m)
-    q = coordinates(u.crank_angle, place, m)
-    v = rates(u.crank_speed, q, place, m)
-    matrix = mass_matrix(q, m)
-    inverse = prescribed_inverse(matrix)
-    forces = add(applied_forces(q, v, u.gas_pressure, m), -1.0, turning_forces(q, v, m))
+    m = mo.machine(p)
+    place = mo.find_place(x, m)
+    q = mo.coordinates(u.crank_angle, place, m)
+    v = mo.rates(u.crank_speed, q, place, m)
+    matrix = me.mass_matrix(q, m)
+    inverse = me.prescribed_inverse(matrix)
+    forces = me.add(me.applied_forces(q, v, u.gas_pressure, m), -1.0, me.turning_forces(q, v, m))
     driven = Coordinates(
         0.0,
         forces.eta - matrix.theta_eta * u.crank_acceleration,
         forces.chi - matrix.theta_chi * u.crank_acceleration,
     )
-    response = multiply(inverse, driven)
+    response = me.multiply(inverse, driven)
     return Motion(q, v, inverse, Coordinates(u.crank_acceleration, response.eta, response.chi))
 
 
 @kernel
 def crank_torque(x: DrivenState, u: DrivenInputs, p: DrivenParameters) -> float:
     """Torque that the mechanism takes: theta's row of the equation of motion."""
-    m, s = machine(p), driven_motion(x, u, p)
-    push = hold_closed(find_closed_corners(x), s, p, m)
+    m, s = mo.machine(p), driven_motion(x, u, p)
+    push = mo.hold_closed(mo.find_closed_corners(x), s, p, m)
     q2 = add_reaction(push, s.free, s, m)
-    inertial = multiply(mass_matrix(s.q, m), q2).theta + turning_forces(s.q, s.v, m).theta
-    return inertial - applied_forces(s.q, s.v, u.gas_pressure, m).theta - reaction(push, s, m).theta
+    inertial = me.multiply(me.mass_matrix(s.q, m), q2).theta + me.turning_forces(s.q, s.v, m).theta
+    return inertial - me.applied_forces(s.q, s.v, u.gas_pressure, m).theta - reaction(push, s, m).theta
 
 
 @kernel
@@ -79,7 +60,7 @@ def keep_speed(
     x: DrivenState, u: DrivenInputs, s: Motion, jump: Coordinates, walls: Coordinates, m: Machine
 ) -> None:
     """The crank keeps its speed and gives the angular impulse that this takes."""
-    impulse = multiply(mass_matrix(s.q, m), jump).theta - walls.theta
+    impulse = me.multiply(me.mass_matrix(s.q, m), jump).theta - walls.theta
     x.crank_impact_impulse += impulse
     x.impact_work += impulse * u.crank_speed
 
@@ -88,14 +69,14 @@ def keep_speed(
 def driven_derivative(
     t: float, x: DrivenState, u: DrivenInputs, p: DrivenParameters, dx: DrivenState
 ) -> None:
-    differentiate(x, driven_motion(x, u, p), p, machine(p), dx)
+    mo.differentiate(x, driven_motion(x, u, p), p, mo.machine(p), dx)
     dx.crank_impact_impulse = 0.0
     dx.impact_work = 0.0
 
 
 @kernel
 def driven_output(t: float, x: DrivenState, u: DrivenInputs, p: DrivenParameters, y: DrivenOutputs) -> None:
-    observe(x, driven_motion(x, u, p), u.gas_pressure, p, machine(p), y)
+    mo.observe(x, driven_motion(x, u, p), u.gas_pressure, p, mo.machine(p), y)
     y.crank_torque = crank_torque(x, u, p)
     y.crank_impact_impulse = x.crank_impact_impulse
 
@@ -112,7 +93,7 @@ def piston_crank() -> Component:
         **layouts(DrivenParameters, DrivenState, DrivenInputs, DrivenOutputs, SIZES),
         derivative=driven_derivative,
         output=driven_output,
-        energy=make_energy(driven_motion),
+        energy=mo.make_energy(driven_motion),
         feedthrough={
             "piston_position": ("crank_angle",),
             "piston_velocity": turning,
@@ -133,14 +114,14 @@ def piston_crank() -> Component:
 @kernel
 def free_motion(x: FreeState, u: FreeInputs, p: FreeParameters) -> Motion:
     """Crank, rod and piston under their forces."""
-    m = machine(p)
-    place = find_place(x, m)
-    q = coordinates(x.crank_angle, place, m)
-    v = rates(x.crank_speed, q, place, m)
-    inverse = free_inverse(mass_matrix(q, m))
-    forces = add(applied_forces(q, v, u.gas_pressure, m), -1.0, turning_forces(q, v, m))
+    m = mo.machine(p)
+    place = mo.find_place(x, m)
+    q = mo.coordinates(x.crank_angle, place, m)
+    v = mo.rates(x.crank_speed, q, place, m)
+    inverse = me.free_inverse(me.mass_matrix(q, m))
+    forces = me.add(me.applied_forces(q, v, u.gas_pressure, m), -1.0, me.turning_forces(q, v, m))
     driven = Coordinates(forces.theta + u.crank_drive, forces.eta, forces.chi)
-    return Motion(q, v, inverse, multiply(inverse, driven))
+    return Motion(q, v, inverse, me.multiply(inverse, driven))
 
 
 @kernel
@@ -154,12 +135,12 @@ def take_jump(
 @kernel
 def free_derivative(t: float, x: FreeState, u: FreeInputs, p: FreeParameters, dx: FreeState) -> None:
     dx.crank_angle = x.crank_speed
-    dx.crank_speed = differentiate(x, free_motion(x, u, p), p, machine(p), dx).theta
+    dx.crank_speed = mo.differentiate(x, free_motion(x, u, p), p, mo.machine(p), dx).theta
 
 
 @kernel
 def free_output(t: float, x: FreeState, u: FreeInputs, p: FreeParameters, y: FreeOutputs) -> None:
-    observe(x, free_motion(x, u, p), u.gas_pressure, p, machine(p), y)
+    mo.observe(x, free_motion(x, u, p), u.gas_pressure, p, mo.machine(p), y)
     y.crank_angle = x.crank_angle
     y.crank_speed = x.crank_speed
 
@@ -174,7 +155,7 @@ def free_piston_crank() -> Component:
         **layouts(FreeParameters, FreeState, FreeInputs, FreeOutputs, SIZES),
         derivative=free_derivative,
         output=free_output,
-        energy=make_energy(free_motion),
+        energy=mo.make_energy(free_motion),
         feedthrough=dict.fromkeys(FORCED_OUTPUTS, forced),
         bonds=(PowerBond("crank_drive", "crank_speed", +1),),
         events=contact_events(free_motion, take_jump),
