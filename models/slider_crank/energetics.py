@@ -14,36 +14,24 @@ O(2). F's error is a term of B (its phi' + psi'), so `as_published` balances wit
 """
 
 from ..compile.kernel import kernel
-from .equations import (
-    Crank,
-    Mechanism,
-    cosine_of_sum,
-    coupling,
-    forcing_inertia,
-    inertia,
-    joint_rate,
-    narrowing,
-    rod_cosine,
-    rod_curvature,
-    rod_slope,
-    sine_of_sum,
-)
+from . import equations as eq
+from .equations import Crank, Mechanism
 
 
 @kernel
 def crank_inertia(theta: float, psi: float, m: Mechanism) -> float:
     """A: inertia of the mechanism seen by the crank."""
-    slope = rod_slope(theta, m.xi)
-    cosine, sine = cosine_of_sum(theta, m.xi), sine_of_sum(theta, m.xi)
+    slope = eq.rod_slope(theta, m.xi)
+    cosine, sine = eq.cosine_of_sum(theta, m.xi), eq.sine_of_sum(theta, m.xi)
     turned = cosine * (1.0 - 0.5 * psi**2) + sine * psi
-    return (1.0 + m.alpha) * m.xi**2 + inertia(m) * slope**2 - 2.0 * coupling(m) * turned * slope
+    return (1.0 + m.alpha) * m.xi**2 + eq.inertia(m) * slope**2 - 2.0 * eq.coupling(m) * turned * slope
 
 
 @kernel
 def mixed_inertia(theta: float, psi: float, m: Mechanism) -> float:
     """B: inertia that couples crank and psi."""
-    turned = cosine_of_sum(theta, m.xi) + sine_of_sum(theta, m.xi) * psi
-    return -forcing_inertia(m) * rod_slope(theta, m.xi) + coupling(m) * turned
+    turned = eq.cosine_of_sum(theta, m.xi) + eq.sine_of_sum(theta, m.xi) * psi
+    return -eq.forcing_inertia(m) * eq.rod_slope(theta, m.xi) + eq.coupling(m) * turned
 
 
 @kernel
@@ -52,7 +40,7 @@ def kinetic_energy(theta: float, speed: float, psi: float, rate: float, m: Mecha
     return (
         0.5 * crank_inertia(theta, psi, m) * speed**2
         + mixed_inertia(theta, psi, m) * speed * rate
-        + 0.5 * inertia(m) * rate**2
+        + 0.5 * eq.inertia(m) * rate**2
     )
 
 
@@ -66,12 +54,12 @@ def crank_torque(
     the joint (also through phi), and the reaction of the wall force (over M l, towards -psi).
     """
     theta, speed, acceleration = at
-    slope, curvature = rod_slope(theta, m.xi), rod_curvature(theta, m.xi)
-    cosine, sine = cosine_of_sum(theta, m.xi), sine_of_sum(theta, m.xi)
-    k = coupling(m)
+    slope, curvature = eq.rod_slope(theta, m.xi), eq.rod_curvature(theta, m.xi)
+    cosine, sine = eq.cosine_of_sum(theta, m.xi), eq.sine_of_sum(theta, m.xi)
+    k = eq.coupling(m)
     turned = cosine * (1.0 - 0.5 * psi**2) + sine * psi
     turned_slope = (1.0 + slope) * (cosine * psi - sine * (1.0 - 0.5 * psi**2))
-    half_a_theta = inertia(m) * slope * curvature - k * (turned_slope * slope + turned * curvature)
+    half_a_theta = eq.inertia(m) * slope * curvature - k * (turned_slope * slope + turned * curvature)
     a_psi = -2.0 * k * (sine - cosine * psi) * slope
     return (
         crank_inertia(theta, psi, m) * acceleration
@@ -79,7 +67,7 @@ def crank_torque(
         + half_a_theta * speed**2
         + a_psi * speed * rate
         + k * sine * rate**2
-        + m.damping * joint_rate(theta, speed, rate, m) * (1.0 + slope)
+        + m.damping * eq.joint_rate(theta, speed, rate, m) * (1.0 + slope)
         + wall_force * wall_lever(theta, psi, m)
     )
 
@@ -87,7 +75,7 @@ def crank_torque(
 @kernel
 def wall_lever(theta: float, psi: float, m: Mechanism) -> float:
     """d(y/l)/d theta at fixed psi, with y = l Lambda psi: the wall force's lever on the crank."""
-    return psi * rod_cosine(theta, m.xi) * narrowing(theta, m.xi)
+    return psi * eq.rod_cosine(theta, m.xi) * eq.narrowing(theta, m.xi)
 
 
 @kernel
@@ -96,5 +84,5 @@ def crank_impulse(theta: float, psi: float, rate_jump: float, m: Mechanism) -> f
 
     At a crank of given speed: B jump, and the reaction of the wall's impulse -a jump / Lambda.
     """
-    reaction = -inertia(m) * rate_jump / rod_cosine(theta, m.xi) * wall_lever(theta, psi, m)
+    reaction = -eq.inertia(m) * rate_jump / eq.rod_cosine(theta, m.xi) * wall_lever(theta, psi, m)
     return mixed_inertia(theta, psi, m) * rate_jump + reaction

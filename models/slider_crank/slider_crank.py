@@ -17,15 +17,7 @@ from .equations import inertia, joint_rate, rebound
 from .flight.bouncing import FREE, LOWER, UPPER
 from .forms import crank_impulse, crank_torque, flight_acceleration, kinetic_energy, offset, offset_slope
 from .nonlinear import rod_angle, rod_rate
-from .records import (
-    WALL_FILMS,
-    Inputs,
-    Outputs,
-    Parameters,
-    State,
-    crank,
-    mechanism,
-)
+from .records import WALL_FILMS, Inputs, Outputs, Parameters, State, crank, mechanism
 from .steady import EXTRA_WORK, make_advance
 from .walls import (
     UNRESOLVED,

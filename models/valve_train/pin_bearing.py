@@ -25,18 +25,8 @@ from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
 from ..core.requirements import require
-from .journal_bearing import (
-    REQUIREMENTS,
-    Film,
-    Place,
-    PlainBearingParameters,
-    film_impedance,
-    find_film,
-    is_inside,
-    press_film,
-    shear_film,
-    squeeze_film,
-)
+from . import journal_bearing as journal
+from .journal_bearing import REQUIREMENTS, Film, Place, PlainBearingParameters
 from .pivot_friction import RelaxationTime, TwistStiffness
 from .slider import Slip, find_slip, lost_power
 
@@ -98,7 +88,7 @@ def shear_oil(film: Film, p: Parameters) -> float:
     faces = 0.0
     if p.face_gap > 0.0:
         faces = math.pi * p.viscosity * (p.face_radius**4 - (0.5 * p.diameter) ** 4) / p.face_gap
-    return shear_film(film, p) + faces
+    return journal.shear_film(film, p) + faces
 
 
 @kernel
@@ -106,7 +96,7 @@ def move_film(film: Film, x: State, u: Inputs, p: Parameters) -> Motion:
     load = film.asperities.load
     pressed = load / film.eccentricity if load > 0.0 else 0.0
     force = Squeeze(u.applied_load - pressed * x.eccentricity_x, -pressed * x.eccentricity_y)
-    unit, impedance = squeeze_film(force, film, p), film_impedance(p)
+    unit, impedance = journal.squeeze_film(force, film, p), journal.film_impedance(p)
     limit = p.boundary_friction_coefficient * load * 0.5 * p.diameter
     rubbed = find_slip(x.twist, u.rotation_rate, limit, p.sticking_stiffness, p.relaxation_time)
     by_pressure = 0.5 * (force.x * x.eccentricity_y - force.y * x.eccentricity_x)
@@ -116,7 +106,7 @@ def move_film(film: Film, x: State, u: Inputs, p: Parameters) -> Motion:
 
 @kernel
 def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
-    motion = move_film(find_film(x, p), x, u, p)
+    motion = move_film(journal.find_film(x, p), x, u, p)
     dx.eccentricity_x = motion.squeeze.x - 0.5 * u.rotation_rate * x.eccentricity_y
     dx.eccentricity_y = motion.squeeze.y + 0.5 * u.rotation_rate * x.eccentricity_x
     dx.twist = motion.rubbed.rate
@@ -124,14 +114,14 @@ def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
 
 @kernel
 def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
-    film = find_film(x, p)
+    film = journal.find_film(x, p)
     motion = move_film(film, x, u, p)
     y.friction_torque = motion.torque
     y.load = u.applied_load
     y.eccentricity_ratio = film.eccentricity / p.radial_clearance
     y.minimum_film_thickness = film.thinnest
     y.film_ratio = film.thinnest / p.roughness
-    y.maximum_pressure = press_film(motion.force, film, p)
+    y.maximum_pressure = journal.press_film(motion.force, film, p)
     y.asperity_load = film.asperities.load
     y.asperity_torque = motion.rubbed.transmitted
     limit = p.boundary_friction_coefficient * film.asperities.load * 0.5 * p.diameter
@@ -142,7 +132,7 @@ def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
 @kernel
 def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     """Source: the load on the sinking pin."""
-    film = find_film(x, p)
+    film = journal.find_film(x, p)
     motion = move_film(film, x, u, p)
     e[0] = film.asperities.energy + 0.5 * p.sticking_stiffness * x.twist**2
     e[1] = motion.force.x * motion.squeeze.x + motion.force.y * motion.squeeze.y
@@ -180,6 +170,6 @@ def pin_bearing() -> Component:
         },
         bonds=(PowerBond("friction_torque", "rotation_rate", +1),),
         requirements=(*REQUIREMENTS, faces_are_outside),
-        start_requirements=(is_inside,),
+        start_requirements=(journal.is_inside,),
         event_indicators=("sticking_margin",),
     )
