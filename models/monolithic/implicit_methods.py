@@ -6,7 +6,7 @@ error of 8 us (the one-step method here) or 2 us (the multistep one).
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -31,25 +31,16 @@ FIRST_SHARE = 1e-3
 GROWTH = 1.3
 
 
-@dataclass
-class Past:
-    """Instants and states behind the present one, the latest last."""
-
-    points: list[tuple[float, Vector]] = field(default_factory=list)
-
-    def add(self, t: float, x: Vector) -> None:
-        self.points = [*self.points[1 - GUESS_POINTS :], (t, x)]
-
-    def guess(self, t: float) -> Vector:
-        """The polynomial through the points, at t."""
-        result = np.zeros_like(self.points[0][1])
-        for i, (at, x) in enumerate(self.points):
-            weight = 1.0
-            for k, (other, _) in enumerate(self.points):
-                if k != i:
-                    weight *= (t - other) / (at - other)
-            result += weight * x
-        return result
+def extrapolate(points: Sequence[tuple[float, Vector]], t: float) -> Vector:
+    """The polynomial through instants and states, at t."""
+    result = np.zeros_like(points[0][1])
+    for i, (at, x) in enumerate(points):
+        weight = 1.0
+        for k, (other, _) in enumerate(points):
+            if k != i:
+                weight *= (t - other) / (at - other)
+        result += weight * x
+    return result
 
 
 class ImplicitMethod(Protocol):
@@ -74,19 +65,18 @@ class _Stages:
 
     def begin(self, t: float, x: Vector, carried: Vector) -> None:
         self.t, self.x, self.carried = t, x, carried
-        self.past = Past()
-        self.past.add(t, x)
+        self.past = [(t, x)]  # the latest last
 
     def solve(self, t: float, base: Vector, interval: float) -> tuple[Vector, Vector]:
         """From the extrapolated guess, or, where that leads astray, the present state."""
         try:
-            return self.problem.solve(t, self.past.guess(t), base, interval)
+            return self.problem.solve(t, extrapolate(self.past, t), base, interval)
         except NotSolvedError:
             return self.problem.solve(t, self.x, base, interval)
 
     def accept(self, h: float, x: Vector, carried: Vector) -> Vector:
         self.t, self.x, self.carried = self.t + h, x, carried
-        self.past.add(self.t, x)
+        self.past = [*self.past[1 - GUESS_POINTS :], (self.t, x)]
         return x
 
 

@@ -25,19 +25,10 @@ INDEPENDENT = 1e-9
 
 def find_dependent(jacobian: Vector) -> list[int]:
     """The rows that depend on those before them."""
-    basis: list[Vector] = []
-    found = []
-    for k, row in enumerate(jacobian):
-        left = row / np.linalg.norm(row) if np.any(row) else row
-        for _ in range(2):  # twice is enough
-            for direction in basis:
-                left = left - (direction @ left) * direction
-        size = float(np.linalg.norm(left))
-        if size < INDEPENDENT:
-            found.append(k)
-        else:
-            basis.append(left / size)
-    return found
+    sizes = np.linalg.norm(jacobian, axis=1, keepdims=True)
+    rows = jacobian / np.where(sizes > 0.0, sizes, 1.0)
+    ranks = [0, *(np.linalg.matrix_rank(rows[: k + 1], tol=INDEPENDENT) for k in range(len(rows)))]
+    return [k for k in range(len(rows)) if ranks[k + 1] == ranks[k]]
 
 
 # Newton's steps to put a mechanism together, and the violation (m, 1) to which they go.
