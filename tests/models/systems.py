@@ -32,6 +32,12 @@ VALVE_TRAIN = (
 DRY = {"film_model": 7.0}
 
 
+def wheel(speed: float, angle: float = 0.0, **more: float) -> Instance:
+    """A flywheel that turns at a constant speed (rad/s)."""
+    parameters = {"initial_speed": speed, "final_speed": speed, **more}
+    return Instance(CATALOGUE["flywheel"](), parameters, start={"angle": angle, "speed": speed})
+
+
 def valve_train(
     speed_rpm: float = 1000.0,
     *,
@@ -42,13 +48,9 @@ def valve_train(
     coil_masses: int = 2,
 ) -> System:
     """The valve train of the set `kushwaha2000` at a constant cam speed, with changed parameters."""
-    speed = speed_rpm * math.pi / 30.0
-    turning = {"initial_speed": speed, "final_speed": speed}
     return System(
         {
-            "flywheel": Instance(
-                CATALOGUE["flywheel"](), {**turning, **(flywheel or {})}, start={"speed": speed}
-            ),
+            "flywheel": wheel(speed_rpm * math.pi / 30.0, **(flywheel or {})),
             "camshaft": Instance(CATALOGUE["camshaft"](), camshaft or {}),
             "valve_spring": Instance(CATALOGUE["valve_spring"](coil_masses=coil_masses), valve_spring or {}),
             "contact": Instance(CATALOGUE["ehl_contact"](), contact or {}),

@@ -24,7 +24,7 @@ from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
 from orchestrator.study.speeds.separation import CLOSE, _count_halvings, bisect_separation
 
-from .systems import DRY, column, run, turn, valve_train
+from .systems import DRY, column, run, turn, valve_train, wheel
 
 TURNING = ["flywheel.angle"]
 # A dry contact of thirty times the modulus of steel, damped: nearly one without elasticity.
@@ -163,8 +163,7 @@ def test_where_extrapolation_leads_to_no_motion_the_search_goes_on_without(misle
 def test_a_search_that_makes_no_progress_ends_early():
     """The angle of a shaft grows by the same in each turn: relative to the angle that is 1 / n after n turns,
     which PATIENCE more turns halve only in the beginning."""
-    speed = {"initial_speed": 100.0, "final_speed": 100.0}
-    system = System({"flywheel": Instance(CATALOGUE["flywheel"](), speed, {"speed": 100.0})}, [])
+    system = System({"flywheel": wheel(100.0)}, [])
     cycle = find_cycle(system, turn(100.0 * 30.0 / math.pi), [], samples=2)
     assert not cycle.steady
     assert PATIENCE + SETTLING < cycle.periods < MOST_PERIODS
@@ -197,10 +196,9 @@ def test_halvings_between_speeds():
 
 def blown_spring(directions):
     """The tangents of a spring under the gas of a cylinder. Its motion is linear in the area of the head."""
-    turning = {"motion": 1.0, "initial_speed": TURNING_SPEED, "final_speed": TURNING_SPEED}
     system = System(
         {
-            "flywheel": Instance(CATALOGUE["flywheel"](), turning, start={"speed": TURNING_SPEED}),
+            "flywheel": wheel(TURNING_SPEED, motion=1.0),
             "gas": Instance(CATALOGUE["cylinder_gas"](valves=1), {"valve_area[1]": HEAD}),
             "spring": Instance(CATALOGUE["valve_spring"](coil_masses=2), SPRING),
         },

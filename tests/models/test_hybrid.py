@@ -12,6 +12,8 @@ from models.core.component import Component, Events
 from models.core.integrator import NOT_FINITE, OK, TOO_MANY_EVENTS, TOO_MANY_STEPS
 from models.core.quantities import Quantity, Vector, layouts
 
+from .oscillators import impact_oscillator_orbit
+
 EXACT = 1e-9
 
 
@@ -98,6 +100,9 @@ def impact_oscillator() -> Component:
 
 
 OSCILLATOR = impact_oscillator()
+# Its one-impact orbit at the default parameters.
+OMEGA, R = 2.8, 0.8
+PERIOD, ORBIT = 2.0 * math.pi / OMEGA, impact_oscillator_orbit(OMEGA, R, 0.0, -1.0)
 
 
 def advance(x: Vector, p: Vector, t: float, h: float, push: float = 0.0) -> int:
@@ -108,39 +113,29 @@ def advance(x: Vector, p: Vector, t: float, h: float, push: float = 0.0) -> int:
 
 
 def test_one_impact_orbit_of_the_harmonic_oscillator() -> None:
-    """(s-A)^2 + [A t (1-r)/((1+r) w)]^2 = g^2, v = -2 A t/(1+r), with g = b/(1-w^2), t = tan(T/2)."""
-    w, r = 2.8, 0.8
-    gamma, tangent = 1.0 / (1.0 - w**2), math.tan(math.pi / w)
-    slope = tangent * (1.0 - r) / ((1.0 + r) * w)
-    A = -abs(gamma) / math.hypot(1.0, slope)
-    v = -2.0 * A * tangent / (1.0 + r)
-    assert v == pytest.approx(0.3361772700, abs=5e-11)
-    phase = 3.0593767579  # of w t at the impact
-    x, p = OSCILLATOR.state.vector({"velocity": -r * v}), OSCILLATOR.parameters.vector()
-    start, period = phase / w, 2.0 * math.pi / w
+    x, p = OSCILLATOR.state.vector({"velocity": -R * ORBIT.velocity}), OSCILLATOR.parameters.vector()
+    start = ORBIT.phase / OMEGA
     # Half a period more than n: the n-th impact is inside. The orbit's multiplier -2.9 limits n.
-    assert advance(x, p, start, 3.5 * period) == OK
+    assert advance(x, p, start, 3.5 * PERIOD) == OK
     assert x[2] == 3.0
-    assert x[4] == pytest.approx(v, abs=EXACT)
-    assert x[3] == pytest.approx(start + 3.0 * period, abs=EXACT)
+    assert x[4] == pytest.approx(ORBIT.velocity, abs=EXACT)
+    assert x[3] == pytest.approx(start + 3.0 * PERIOD, abs=EXACT)
 
 
 def test_multipliers_of_that_orbit() -> None:
-    """Determinant r^2, trace -3.17445052, by differences of the map from impact to impact."""
-    w, r, v, phase = 2.8, 0.8, 0.33617727003, 3.0593767579
-    period = 2.0 * math.pi / w
+    """Determinant r^2 and trace, by differences of the map from impact to impact."""
 
     def section(delta: float, slower: float) -> Vector:
         """Impact time (mod period) and speed before it, from those of the impact before."""
-        x = OSCILLATOR.state.vector({"velocity": -r * (v + slower)})
-        assert advance(x, OSCILLATOR.parameters.vector(), phase / w + delta, 1.5 * period) == OK
-        return np.array([x[3] - period, x[4]])
+        x = OSCILLATOR.state.vector({"velocity": -R * (ORBIT.velocity + slower)})
+        assert advance(x, OSCILLATOR.parameters.vector(), ORBIT.phase / OMEGA + delta, 1.5 * PERIOD) == OK
+        return np.array([x[3] - PERIOD, x[4]])
 
     d = 1e-6
     columns = [(section(*e) - section(*-e)) / (2.0 * d) for e in (np.array([d, 0.0]), np.array([0.0, d]))]
     matrix = np.column_stack(columns)
-    assert np.linalg.det(matrix) == pytest.approx(r**2, abs=1e-7)
-    assert np.trace(matrix) == pytest.approx(-3.17445052, abs=1e-6)
+    assert np.linalg.det(matrix) == pytest.approx(R**2, abs=1e-7)
+    assert np.trace(matrix) == pytest.approx(ORBIT.trace, abs=1e-6)
 
 
 def falling(restitution: float, threshold: float = 1e-12) -> Vector:

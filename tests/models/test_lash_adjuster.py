@@ -14,7 +14,7 @@ from models.core.system import Instance, System
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
 
-from .systems import column, outputs_of, rates_of, run, state_matrix, turn
+from .systems import column, outputs_of, rates_of, run, state_matrix, turn, wheel
 
 pytestmark = pytest.mark.plain
 
@@ -122,11 +122,7 @@ TOLERANCES = {"least cam force (N)": 4e-4, "landing velocity (m/s)": 2e-3, "land
 def direct_train(omega, **spring):
     return System(
         {
-            "flywheel": Instance(
-                CATALOGUE["flywheel"](),
-                {"initial_speed": omega, "final_speed": omega},
-                start={"speed": omega},
-            ),
+            "flywheel": wheel(omega),
             "camshaft": Instance(CATALOGUE["camshaft"](), {}),
             "adjuster": Instance(ADJUSTER, {}),
             "valve_spring": Instance(CATALOGUE["valve_spring"](), spring),

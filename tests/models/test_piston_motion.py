@@ -34,6 +34,7 @@ from .slider_cranks import (
     thesis_parameters,
     turn,
 )
+from .systems import wheel
 
 CORNERS = ("upper_front", "upper_rear", "lower_front", "lower_rear")
 ENGINE_SPEED = 2000.0 * math.pi / 30.0
@@ -70,11 +71,7 @@ def test_energy_balances_through_impacts_chatter_and_sliding():
     """An engine's expansion stroke, with every kind of contact."""
     system = System(
         {
-            "flywheel": Instance(
-                CATALOGUE["flywheel"](),
-                {"initial_speed": ENGINE_SPEED, "final_speed": ENGINE_SPEED},
-                start={"speed": ENGINE_SPEED},
-            ),
+            "flywheel": wheel(ENGINE_SPEED),
             "gas": Instance(CATALOGUE["cylinder_gas"]()),
             "piston": Instance(DRIVEN, {"mass_offset": -0.5e-3}),
         },
@@ -190,14 +187,9 @@ def test_bounces_of_two_corners_end():
         assert min(y["upper_front_force"], y["lower_rear_force"]) > 10.0
         ends[time] = y["last_event_time"]
         assert 0.5 * time <= ends[0.0] - ends[time] <= 2.0 * time
-    flywheel = Instance(
-        CATALOGUE["flywheel"](),
-        {"initial_speed": 200.0, "final_speed": 200.0},
-        {"angle": 6.34, "speed": 200.0},
-    )
     piston = Instance(DRIVEN, {**values, "chatter_time": time}, start, {"gas_pressure": 2e6})
     turning = [(f"flywheel.{name}", f"piston.crank_{name}") for name in ("angle", "speed", "acceleration")]
-    system = System({"flywheel": flywheel, "piston": piston}, turning)
+    system = System({"flywheel": wheel(200.0, 6.34), "piston": piston}, turning)
     found = solve(system, np.array([6.34, 6.394]) / 200.0)
     assert found["piston.event_count"][-1] == y["event_count"]
     assert found["piston.last_event_time"][-1] == pytest.approx(ends[time], rel=1e-9)

@@ -16,7 +16,7 @@ from models.valve_train.beam import find_torsion, list_parameters, rigid_bending
 from models.valve_train.cams.law import law_lift
 from models.valve_train.tappet import TappetParameters
 
-from .systems import column, run, turn
+from .systems import column, run, turn, wheel
 from .test_shaft import SHAFT
 
 EVALUATION = "independent evaluation"
@@ -91,12 +91,11 @@ TRAIN = """
 
 def pushrod_train(speed, preload=330.0):
     """With dry contacts of thirty times the modulus of steel, a constant ratio and a bonded pushrod."""
-    omega, modulus = speed * math.pi / 30.0, 30.0 * 207e9
+    modulus = 30.0 * 207e9
     stiff = {"film_model": 7.0, "youngs_modulus_1": modulus, "youngs_modulus_2": modulus}
-    turning = {"initial_speed": omega, "final_speed": omega}
     return System(
         {
-            "flywheel": Instance(CATALOGUE["flywheel"](), turning, start={"speed": omega}),
+            "flywheel": wheel(speed * math.pi / 30.0),
             "tappet": Instance(CATALOGUE["tappet"](), {}),
             "pushrod": Instance(CATALOGUE["rod"](), {"bonded": 1.0}),
             "rocker": Instance(CATALOGUE["rocker"](), {"small_motion": 1.0}),

@@ -14,6 +14,7 @@ from models.slider_crank import forms
 from models.slider_crank.equations import Crank, thesis_mechanism
 
 from .slider_cranks import CRANK, FILMS, FORMS, LAG, STATE, advance, thesis_parameters, turn
+from .systems import wheel
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -91,7 +92,6 @@ def test_bounces_on_moving_walls_end_in_sliding_and_pass_no_wall(
 
 def build_lubricated_engine() -> System:
     """The default engine at 2000 r/min with a clearance of 0.1 mm, whose walls' forces load two contacts."""
-    wheel = Instance(CATALOGUE["flywheel"](), {"initial_speed": 209.4, "final_speed": 209.4})
     crank = Instance(
         CRANK, {"clearance": 1e-4, "restitution": 0.4, "joint_friction": 0.0733}, {"mode": 1.0, "psi": 7.2e-4}
     )
@@ -105,7 +105,7 @@ def build_lubricated_engine() -> System:
             (f"{wall}.film_thickness", f"crank.{wall}_film_thickness"),
         ]
     walls = {wall: Instance(CATALOGUE["ehl_contact"](), contact) for wall in ("upper", "lower")}
-    return System({"wheel": wheel, "crank": crank, **walls}, connections)
+    return System({"wheel": wheel(209.4), "crank": crank, **walls}, connections)
 
 
 @pytest.mark.long

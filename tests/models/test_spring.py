@@ -10,7 +10,7 @@ from models.core.system import Instance, System
 from models.monolithic.cycle import find_cycle
 from models.valve_train.valve_spring import ValveSpringParameters, lumping, spring_frequencies
 
-from .systems import outputs_of, rates_of, state_matrix, turn
+from .systems import outputs_of, rates_of, state_matrix, turn, wheel
 
 K0, F0 = 35e3, 504.5
 
@@ -142,12 +142,10 @@ def test_a_spring_of_two_rates(record):
 @pytest.mark.long
 def test_coils_that_clash(record):
     """A prescribed valve motion at 3400 r/min, nine segments with 0.92 mm of room each."""
-    omega = 3400.0 * math.pi / 30.0
-    turning = {"initial_speed": omega, "final_speed": omega}
     room = {f"gap[{i + 1}]": 0.92e-3 for i in range(9)}
     system = System(
         {
-            "flywheel": Instance(CATALOGUE["flywheel"](), turning, start={"speed": omega}),
+            "flywheel": wheel(3400.0 * math.pi / 30.0),
             "camshaft": Instance(CATALOGUE["camshaft"](), {}),
             "spring": Instance(CATALOGUE["coil_spring"](), room),
         },
