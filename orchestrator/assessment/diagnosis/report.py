@@ -171,7 +171,9 @@ def diagnose(out: Path) -> Findings:
     try:
         scenario = load(out / SCENARIO)
     except ScenarioError as error:
-        raise MistakeError(f"{error}; the steps are judged with the scenario of the run") from None
+        raise MistakeError(
+            f"{error}. Steps are judged with the scenario of the run; if another version wrote it, run again"
+        ) from None
     facts = Facts(diagnosis, steps, scenario)
     remedies = suggestions(facts)
     return Findings(steps, scenario, diagnosis, remedies, full(facts, remedies, message))

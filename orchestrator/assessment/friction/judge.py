@@ -70,7 +70,9 @@ def _load_scenario(folder: Path) -> Scenario:
     try:
         return load(folder / SCENARIO)
     except ScenarioError as error:
-        raise MistakeError(f"{error}; friction is judged with the scenario of the run") from None
+        raise MistakeError(
+            f"{error}. Friction is judged with the run's scenario; if another version wrote it, run again"
+        ) from None
 
 
 def find_cams(scenario: Scenario) -> dict[str, str]:
