@@ -13,11 +13,12 @@ import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
-from ..core.quantities import Layout, Quantity, Vector
+from ..core.quantities import Quantity, Vector, layouts
 from .films import FILMS, film_by_number
 from .films.groups import groups
 from .hertz import elastic_energy, load_and_deflection, maximum_pressure, pair_compliance
@@ -25,10 +26,12 @@ from .inlet_heating import thermal_reduction
 from .mixed_lubrication import fill_surface_outputs, heat_contact
 from .records import (
     BONDS,
+    FILM_STATE,
     OIL_CONDUCTIVITY,
+    POSITIVE,
+    TEMPERATURE_RISE,
     TEMPERATURE_VISCOSITY,
     ContactInputs,
-    FilmThickness,
     HeatParameters,
     SharedOutputs,
     SharedParameters,
@@ -58,47 +61,43 @@ class ContactParameters(HeatParameters, SharedParameters):
     """Defaults: the set `kushwaha2000`; damping ratio 0.05 of the 6.7 kHz contact mode at 450 N."""
 
     film_model: float = Quantity("1", "film thickness formula", choices=tuple(FILMS)).default()
-    squeeze_constant: float = Quantity(
-        "1", "constant C of the squeeze term (K 10)", nominal=100.0, positive=True
-    ).default(SQUEEZE_CONSTANT)
-    contact_damping: float = Quantity(
-        "N.s/m", "damping c of the contact at the reference load", nominal=1e3, minimum=0.0
-    ).default(920.0)
-    damping_reference_load: float = Quantity(
-        "N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True
-    ).default(450.0)
-    inlet_heating: float = Quantity("1", "heat of shear in the inlet thins the film", boolean=True).default()
+    squeeze_constant: float = POSITIVE(
+        "constant C of the squeeze term (K 10)", SQUEEZE_CONSTANT, nominal=100.0
+    )
+    contact_damping: float = kinds.DAMPING(
+        "damping c of the contact at the reference load", 920.0, nominal=1e3
+    )
+    damping_reference_load: float = kinds.FORCE(
+        "load at which the damping is c; it grows with the load", 450.0, positive=True
+    )
+    inlet_heating: float = kinds.SWITCH("heat of shear in the inlet thins the film")
     temperature_viscosity: float = TEMPERATURE_VISCOSITY.default(0.03)
     oil_conductivity: float = OIL_CONDUCTIVITY.default(0.14)
-    film_heating: float = Quantity(
-        "1", "heat of shear in the film thins the oil there", boolean=True
-    ).default()
+    film_heating: float = kinds.SWITCH("heat of shear in the film thins the oil there")
 
 
 @dataclass
 class ContactState:
-    film_thickness: FilmThickness = 1e-6
+    film_thickness: float = FILM_STATE("lubricant film thickness h", 1e-6)
 
 
 @dataclass
 class ContactOutputs(SharedOutputs):
-    damping_margin: float = Quantity(
-        "1", "1 + c delta'/W_ref: where it is negative the damping takes the whole load"
-    ).default()
-    separated: float = Quantity("1", "the contact carries no load", boolean=True).default()
-    material_in_range: float = Quantity("1", "G inside K Table 3", boolean=True).default()
-    squeeze_in_range: float = Quantity("1", "w_s inside K Table 3", boolean=True).default()
-    load_in_range: float = Quantity("1", "W inside K Table 3", boolean=True).default()
-    speed_in_range: float = Quantity("1", "U inside K Table 3", boolean=True).default()
-    thermal_reduction: float = Quantity("1", "share phi_T of the film that heat in the inlet leaves").default(
-        1.0
+    damping_margin: float = kinds.NUMBER(
+        "1 + c delta'/W_ref: where it is negative the damping takes the whole load"
     )
-    surface_temperature_rise: float = Quantity(
-        "K", "mean rise of the surfaces over the oil's temperature, with film_heating", nominal=10.0
-    ).default()
-    film_temperature_rise: float = Quantity(
-        "K", "mean rise of the film over the oil's temperature, with film_heating", nominal=10.0
-    ).default()
+    separated: float = kinds.SWITCH("the contact carries no load")
+    material_in_range: float = kinds.SWITCH("G inside K Table 3")
+    squeeze_in_range: float = kinds.SWITCH("w_s inside K Table 3")
+    load_in_range: float = kinds.SWITCH("W inside K Table 3")
+    speed_in_range: float = kinds.SWITCH("U inside K Table 3")
+    thermal_reduction: float = kinds.NUMBER("share phi_T of the film that heat in the inlet leaves", 1.0)
+    surface_temperature_rise: float = TEMPERATURE_RISE(
+        "mean rise of the surfaces over the oil's temperature, with film_heating"
+    )
+    film_temperature_rise: float = TEMPERATURE_RISE(
+        "mean rise of the film over the oil's temperature, with film_heating"
+    )
     rolling_friction: float = Quantity(
         "N", "drag F_R of the oil on each surface, with the sign of the entraining velocity"
     ).default()
@@ -212,7 +211,8 @@ def energy(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, e:
 @counts_energies
 def ehl_contact() -> Component:
     """The lubricated line contact whose film follows a formula, compliant or in adherence form."""
-    inputs = Layout(ContactInputs)
+    records = layouts(ContactParameters, ContactState, ContactInputs, ContactOutputs)
+    inputs = records["inputs"]
     # Sliding heats the inlet, so that the film, and with its damping the load, depend on it.
     surfaces = inputs.names
     rated = tuple(name for name in inputs.names if name not in ("approach_rate", "retreat_rate"))
@@ -220,10 +220,7 @@ def ehl_contact() -> Component:
         name="ehl_contact",
         description="Elastohydrodynamic finite line contact: load and film thickness",
         roles=(roles.Contact(), roles.RollingContact()),
-        parameters=Layout(ContactParameters),
-        state=Layout(ContactState),
-        inputs=inputs,
-        outputs=Layout(ContactOutputs),
+        **records,
         derivative=derivative,
         output=output,
         energy=energy,

@@ -11,6 +11,7 @@ relaxes to Moes' and Venner's steady film: an equilibrium at the start has that 
 from dataclasses import dataclass
 from typing import Any
 
+from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
@@ -47,19 +48,15 @@ class LineContactParameters(SharedParameters):
     field_tolerance: float = Quantity(
         "1", "error of load and film per micro-step", minimum=LEAST_FIELD_TOLERANCE, maximum=0.1
     ).default(1e-4)
-    oil_supply: float = Quantity(
-        "m",
-        "layer of oil that enters (structure mass_conserving = 1); 1 m: flooded",
-        nominal=1e-6,
-        minimum=0.0,
-        maximum=FLOODED,
-        display_unit="um",
-    ).default(FLOODED)
+    oil_supply: float = kinds.FILM(
+        "layer of oil that enters (structure mass_conserving = 1); 1 m: flooded", FLOODED,
+        minimum=0.0, maximum=FLOODED,
+    )  # fmt: skip
 
 
 @dataclass
 class LineContactOutputs(SharedOutputs):
-    separated: float = Quantity("1", "the contact carries no load", boolean=True).default()
+    separated: float = kinds.SWITCH("the contact carries no load")
 
 
 @dataclass

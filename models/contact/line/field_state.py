@@ -3,7 +3,7 @@
 Outputs have their rates from `differences` of what is seen at the ends of micro-steps.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
@@ -13,7 +13,7 @@ from ..fluid import build_lubricant
 from ..friction import profile_friction, shear_stress
 from ..hertz import deflection, find_load, maximum_pressure, pair_compliance
 from ..mixed_lubrication import build_surfaces
-from ..records import FilmThickness
+from ..records import FILM_STATE
 from .cavities import start_filling, volume_on_grid
 from .differences import INSTANTS, append_instant, estimate_rate, estimate_second_derivative, restart
 from .grid import check_nodes
@@ -36,56 +36,44 @@ def field_layout(nodes: int, filled: int, layers: int = 0) -> Layout:
     in so many layers of the film."""
     check_nodes(nodes)
     check_layers(layers)
+    number, time = Quantity("1", internal=True), Quantity("s", internal=True)
+    distance, velocity = Quantity("m", internal=True), Quantity("m/s", internal=True)
+    thin, load = replace(distance, nominal=1e-6), Quantity("N", nominal=500.0, internal=True)
+    pressed = Quantity("Pa", nominal=1e8, internal=True)
+    rise = Quantity("K", nominal=10.0, internal=True)
+    rise_rate = Quantity("K/s", nominal=1e4, internal=True)
 
     @dataclass
     class FieldState:
-        film_thickness: FilmThickness = 1e-6
-        field_load: float = Quantity(
-            "N", "load of the pressure field", nominal=500.0, internal=True
-        ).default()
-        least_film: float = Quantity("m", "smallest film", nominal=1e-6, internal=True).default()
-        highest_pressure: float = Quantity("Pa", "largest pressure", nominal=1e8, internal=True).default()
-        film_rate: float = Quantity("m/s", "rate of the central film", nominal=1e-3, internal=True).default()
-        field_asperity_load: float = Quantity(
-            "N", "load on asperities", nominal=500.0, internal=True
-        ).default()
-        field_shear: float = Quantity("N", "shear of the film", nominal=20.0, internal=True).default()
-        field_boundary_friction: float = Quantity(
-            "N", "friction of asperities", nominal=20.0, internal=True
-        ).default()
-        rigid_approach: float = Quantity("m", "approach of the bodies", internal=True).default()
-        approach_rate: float = Quantity("m/s", "its rate where the load is given", internal=True).default()
+        film_thickness: float = FILM_STATE("lubricant film thickness h", 1e-6)
+        field_load: float = load("load of the pressure field")
+        least_film: float = thin("smallest film")
+        highest_pressure: float = pressed("largest pressure")
+        film_rate: float = velocity("rate of the central film", nominal=1e-3)
+        field_asperity_load: float = load("load on asperities")
+        field_shear: float = load("shear of the film", nominal=20.0)
+        field_boundary_friction: float = load("friction of asperities", nominal=20.0)
+        rigid_approach: float = distance("approach of the bodies")
+        approach_rate: float = velocity("its rate where the load is given")
         curvature: float = Quantity("1/m", "1/R of the gap", nominal=50.0, internal=True).default()
         curvature_rate: float = Quantity("1/(m.s)", "its rate", nominal=50.0, internal=True).default()
-        grid_scale: float = Quantity("m", "scale of the grid; 0: not begun", internal=True).default()
-        pressure: Any = Quantity(
-            "Pa", "pressure over the nodes", nominal=1e8, internal=True, size="nodes"
-        ).per_element()
-        film: Any = Quantity(
-            "m", "film over the nodes", nominal=1e-6, internal=True, size="nodes"
-        ).per_element()
-        slope: Any = Quantity(
-            "Pa/s", "rate of pressure in the last step", nominal=1e12, internal=True, size="nodes"
-        ).per_element()
-        filling: Any = Quantity(
-            "1", "oil over what fills the gap, over the nodes", internal=True, size="filled"
-        ).per_element(1.0)
-        temperature: Any = Quantity(
-            "K", "rise over nodes and rows", nominal=10.0, internal=True, size="temperature"
-        ).per_element()
-        film_rise: float = Quantity("K", "largest in the film", nominal=10.0, internal=True).default()
-        film_rise_rate: float = Quantity("K/s", "its rate", nominal=1e4, internal=True).default()
-        surface_rise: float = Quantity("K", "largest of the surfaces", nominal=10.0, internal=True).default()
-        surface_rise_rate: float = Quantity("K/s", "its rate", nominal=1e4, internal=True).default()
+        grid_scale: float = distance("scale of the grid; 0: not begun")
+        pressure: Any = pressed.each("pressure over the nodes", "nodes")
+        film: Any = thin.each("film over the nodes", "nodes")
+        slope: Any = Quantity("Pa/s", nominal=1e12, internal=True).each(
+            "rate of pressure in the last step", "nodes"
+        )
+        filling: Any = number.each("oil over what fills the gap, over the nodes", "filled", 1.0)
+        temperature: Any = rise.each("rise over nodes and rows", "temperature")
+        film_rise: float = rise("largest in the film")
+        film_rise_rate: float = rise_rate("its rate")
+        surface_rise: float = rise("largest of the surfaces")
+        surface_rise_rate: float = rise_rate("its rate")
 
-        oil_volume: Any = Quantity(
-            "m3", "oil on the grid", nominal=1e-12, internal=True, size="kept"
-        ).per_element()
-        history: Any = Quantity(
-            "1", "divided differences of what outputs show (SI)", internal=True, size="history"
-        ).per_element()
-        ages: Any = Quantity("s", "ages of the instants in history", internal=True, size="ages").per_element()
-        waited: float = Quantity("s", "time since the last of them", internal=True).default()
+        oil_volume: Any = Quantity("m3", nominal=1e-12, internal=True).each("oil on the grid", "kept")
+        history: Any = number.each("divided differences of what outputs show (SI)", "history")
+        ages: Any = time.each("ages of the instants in history", "ages")
+        waited: float = time("time since the last of them")
 
     kept = min(filled, 1)
     sizes = {

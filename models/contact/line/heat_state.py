@@ -7,7 +7,7 @@ from ...compile.kernel import kernel
 from ...core.integrator import copy
 from ...core.quantities import Quantity
 from ..mixed_lubrication import build_traction
-from ..records import OIL_CONDUCTIVITY, TEMPERATURE_VISCOSITY, HeatParameters
+from ..records import HEAT_CAPACITY, OIL_CONDUCTIVITY, TEMPERATURE_VISCOSITY, HeatParameters
 from ..rheology import Thermal
 from .shear import SOLID_LAYERS, HeatLaws
 from .workspace import Workspace
@@ -18,13 +18,14 @@ FEWEST_LAYERS, MOST_LAYERS = 4, 64
 SETTLED = 1e-3
 
 
+TEMPERATURE = Quantity("K", nominal=300.0)
+
+
 @dataclass
 class FilmHeatParameters(HeatParameters):
     temperature_viscosity: float = TEMPERATURE_VISCOSITY.default(0.03)
     oil_conductivity: float = OIL_CONDUCTIVITY.default(0.14)
-    oil_heat_capacity: float = Quantity(
-        "J/m3.K", "heat capacity rho c of the oil", nominal=1e6, positive=True
-    ).default(1.7e6)
+    oil_heat_capacity: float = HEAT_CAPACITY("heat capacity rho c of the oil", 1.7e6)
     thermal_expansion: float = Quantity(
         "1/K", "fall epsilon of the oil's density with the temperature", nominal=1e-3, minimum=0.0
     ).default(7e-4)
@@ -32,10 +33,8 @@ class FilmHeatParameters(HeatParameters):
 
 @dataclass
 class FilmHeatOutputs:
-    film_temperature: float = Quantity("K", "largest temperature in the film", nominal=300.0).default()
-    surface_temperature: float = Quantity(
-        "K", "largest temperature of the bodies' surfaces", nominal=300.0
-    ).default()
+    film_temperature: float = TEMPERATURE("largest temperature in the film")
+    surface_temperature: float = TEMPERATURE("largest temperature of the bodies' surfaces")
 
 
 def check_layers(layers: int) -> None:
