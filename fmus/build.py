@@ -204,11 +204,22 @@ def compute_references(name: str, structure: Mapping[str, int] | None) -> dict[s
 
 
 def describe_own(name: str) -> str:
-    """The code of a user's own component by its digest, and its default experiment; "" for ours."""
+    """Code and icon of a user's own component by their digest, and its default experiment; "" for ours."""
     if not is_own(name):
         return ""
-    file = Path(inspect.getfile(inspect.unwrap(find_factory(name))))
-    return f"{compute_digest({file.name: file.read_bytes()})} {experiment(name)}"
+    files = locate_own(name), find_icon(name)
+    return f"{compute_digest({file.name: file.read_bytes() for file in files})} {experiment(name)}"
+
+
+def locate_own(name: str) -> Path:
+    """The file of a user's own component, whose factory may be decorated."""
+    return Path(inspect.getfile(inspect.unwrap(find_factory(name))))
+
+
+def find_icon(name: str) -> Path:
+    """The image beside a user's own component, or in our folder of it; else the icon of all."""
+    icon = locate_own(name).with_suffix(".png") if is_own(name) else HERE / name / "model.png"
+    return icon if icon.is_file() else HERE / "model.png"
 
 
 def origin(tool: str) -> Origin:
@@ -241,16 +252,12 @@ def collect_binaries(name: str) -> dict[str, bytes]:
 def documents(name: str, component: Component) -> dict[str, bytes]:
     """The documents and the icon of an FMU."""
     if is_own(name):
-        module = Path(inspect.getfile(find_factory(name)))
         about = inspect.getdoc(importlib.import_module(find_factory(name).__module__)) or ""
         readme = f"# {identify(name)}\n\n```\n{about}\n```\n\n## Variables\n\n{MARKER}\n"
-        icon = module.with_suffix(".png")
     else:
-        module = HERE / name
-        readme = (module / "README.md").read_text("utf-8")
-        icon = module / "model.png"
+        readme = (HERE / name / "README.md").read_text("utf-8")
     return {
         "documentation/index.html": render_page(readme, component).encode(),
         "documentation/licenses/LICENSE": _license().encode(),
-        "model.png": (icon if icon.is_file() else HERE / "model.png").read_bytes(),
+        "model.png": find_icon(name).read_bytes(),
     }

@@ -3,6 +3,7 @@
 import re
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -79,11 +80,14 @@ def test_a_start_that_the_equilibrium_replaces_is_told(folder):
     ]
 
 
-def test_a_change_of_the_file_makes_another_fmu(folder):
+def test_a_change_of_the_file_or_its_icon_makes_another_fmu(folder):
     """Also without a name for it: the cached one is of the old code."""
     first = tribocosim.build_fmu("my_parts:pendulum", folder / "one").read_bytes()
     again = tribocosim.build_fmu("my_parts:pendulum", folder / "two").read_bytes()
     assert first == again
+    (folder / "my_parts.png").write_bytes(b"icon")
+    with zipfile.ZipFile(tribocosim.build_fmu("my_parts:pendulum", folder / "drawn")) as archive:
+        assert archive.read("model.png") == b"icon"
     (folder / "my_parts.py").write_text(CODE.replace("9.81", "1.62"), "utf-8")
     assert tribocosim.build_fmu("my_parts:pendulum", folder / "three").read_bytes() != first
 
