@@ -1,5 +1,7 @@
 """Settings of all tests, and fixtures of all: numbers for manuals, kernels in plain Python."""
 
+import signal
+
 from hypothesis import settings
 
 from .measurements.page import published
@@ -13,3 +15,6 @@ __all__ = ["plain_kernels", "published", "record", "shared_folder"]
 # depends on the tests that ran before in the same process.
 settings.register_profile("compiling", deadline=None)
 settings.load_profile("compiling")
+
+# In the background of a shell, and then in all that tests start, Ctrl-C is ignored unless it is asked for.
+signal.signal(signal.SIGINT, signal.default_int_handler)
