@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from models.core.difference import difference, time_weights
 from models.core.quantities import Vector
 from models.core.system import System
 
@@ -18,8 +19,9 @@ from ..reporter import Reporter
 from ..scenario.capabilities import MONOLITHIC
 from ..store.result_file import ResultFile
 from .comparison import (
+    Errors,
+    VariableError,
     WitnessComparison,
-    compare,
     compare_witness,
     describe_largest,
     largest_uncertainty,
@@ -105,7 +107,7 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, summary: Summar
         result.attribute("reference", "tolerance", plan.scenario.reference.tolerance)
     if solution.reference is not None:
         _write_profiles(solution.reference, result)
-    errors = compare(plan, _select_compared(plan), coupled, solution)
+    errors = _find_errors(plan, _select_compared(plan), coupled, solution)
     for name, error in errors.items():
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
     within, text = verdict(errors)
@@ -122,6 +124,27 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, summary: Summar
         reference_method=solution.method,
         witness=witness,
     )
+
+
+def _find_errors(plan: Plan, names: list[str], coupled: Mapping[str, Vector], solution: Solution) -> Errors:
+    """The error of these variables, whose values are, like those of the solution, at its times.
+
+    Records count by the time that they stand for.
+    """
+    weights = time_weights(solution.times)
+    errors: Errors = {}
+    for name in names:
+        reference = solution.outputs[:, plan.system.outputs.names.index(name)]
+        found = difference(coupled[name], reference, plan.quantities[name].nominal, weights)
+        errors[name] = VariableError(
+            max_abs=found.max_abs,
+            rms=found.rms,
+            relative_rms=found.relative_rms,
+            uncertainty=solution.uncertainty[name],
+            tolerance=plan.tolerance.get(name),
+            order=solution.orders[name] if solution.orders else None,
+        )
+    return errors
 
 
 def _write_profiles(reference: Reference, result: ResultFile) -> None:

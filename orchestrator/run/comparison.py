@@ -9,7 +9,7 @@ witness shares none but the law of the contact and the lift of the cam.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NoReturn
 
@@ -25,9 +25,6 @@ from ..scenario import Scenario, ScenarioError
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
-
-    from .plan import Plan
-    from .reference import Solution
 
 
 @dataclass(frozen=True)
@@ -61,27 +58,6 @@ class VariableError:
 
 
 Errors = dict[str, VariableError]
-
-
-def compare(plan: Plan, names: Sequence[str], coupled: Mapping[str, Vector], solution: Solution) -> Errors:
-    """The error of these variables, whose values are, like those of the solution, at its times.
-
-    Records count by the time that they stand for.
-    """
-    weights = time_weights(solution.times)
-    errors: Errors = {}
-    for name in names:
-        reference = solution.outputs[:, plan.system.outputs.names.index(name)]
-        found = difference(coupled[name], reference, plan.quantities[name].nominal, weights)
-        errors[name] = VariableError(
-            max_abs=found.max_abs,
-            rms=found.rms,
-            relative_rms=found.relative_rms,
-            uncertainty=solution.uncertainty[name],
-            tolerance=plan.tolerance.get(name),
-            order=solution.orders[name] if solution.orders else None,
-        )
-    return errors
 
 
 def verdict(errors: Errors) -> tuple[bool, str]:
