@@ -8,6 +8,7 @@ has alone on a rigid shaft, at its cam's angle. The comments at the beginning of
 
 import copy
 import math
+from argparse import ArgumentParser
 from collections.abc import Sequence
 from typing import Any
 
@@ -266,6 +267,7 @@ BUILDERS = {
 }  # fmt: skip
 
 if __name__ == "__main__":
+    ArgumentParser("python -m benchmarks.engines", description=__doc__).parse_args()
     for name, build in BUILDERS.items():
         file = SHIPPED / f"{name}.toml"
         begin = [line for line in file.read_text("utf-8").splitlines() if line.startswith("#")]

@@ -90,7 +90,7 @@ class FmiInstance(ABC):
 
     def configure(self, sizes: Mapping[Variable, int]) -> None:
         """Before all else: set structural parameters."""
-        raise NotImplementedError("structural parameters begin with FMI 3.0")
+        raise self._lacks("structural parameters")
 
     def set_up(self, start_time: float, stop_time: float) -> None:  # noqa: B027
         """What comes before initialisation and the values that hold for it; nothing, but of FMI 2.0."""
@@ -134,16 +134,16 @@ class FmiInstance(ABC):
     def bind_input_derivatives(self, references: Any, orders: Any, values: Vector, fail: Fail) -> Transfer:
         """A function that sets the inputs' derivatives of these orders (int) to what is in `values` and
         returns the status, OK or WARNING; for FMUs that say that they interpolate."""
-        raise NotImplementedError("FMI 3 has no such call")
+        raise self._lacks("derivatives of inputs")
 
     def bind_output_derivatives(self, references: Any, values: Vector, fail: Fail) -> Transfer:
         """A function that gets the first derivatives of outputs by time into `values`, those of arrays whole;
         for FMUs that say that they give them, after initialisation."""
-        raise NotImplementedError("rates are not taken from FMUs of FMI 1.0")
+        raise self._lacks("derivatives of outputs")
 
     def differentiate(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
         """The derivatives of these unknown scalars by a known one; for FMUs that say that they give them."""
-        raise NotImplementedError("FMI 1.0 has no directional derivatives")
+        raise self._lacks("directional derivatives")
 
     @abstractmethod
     def bind_step(self, fail: FailStep) -> Step:
@@ -175,16 +175,20 @@ class FmiInstance(ABC):
         return self._release(self._handle, ctypes.byref(state))
 
     def serialise(self, state: ctypes.c_void_p) -> bytes:
-        raise NotImplementedError("FMI 1.0 has no states to save")
+        raise self._lacks("serialised states")
 
     def deserialise(self, data: bytes) -> ctypes.c_void_p:
-        raise NotImplementedError("FMI 1.0 has no states to save")
+        raise self._lacks("serialised states")
 
     def terminate(self) -> None:
         self.slave.terminate()
 
     @abstractmethod
     def free(self) -> None: ...
+
+    def _lacks(self, call: str) -> NotImplementedError:
+        """Of what this version of FMI has no call for: abilities are asked first, so that none is made."""
+        return NotImplementedError(f"{type(self).__name__} has no {call}")
 
     def _bind(self, *states: str) -> None:
         """Bind the instance and its functions that save, restore and release states, by their names."""

@@ -5,26 +5,25 @@ wants it positive. The squeeze term becomes the relaxation equation of `ehl_cont
 """
 
 import math
+from typing import Any
 
 from ...compile.kernel import kernel
 from .groups import groups
 
 
-@kernel
-def film(
-    load: float, velocity: float, radius: float, length: float, compliance: float,
-    viscosity: float, pressure_viscosity: float,
-) -> float:  # fmt: skip
-    """h = 1.67 R W^0.059 U^0.541 G^0.421 (K 10, exponent as printed)."""
-    g = groups(math.pi / compliance, load, velocity, radius, length, viscosity, pressure_viscosity)
-    return 1.67 * radius * g.load**0.059 * g.speed**0.541 * g.material**0.421
+def regression(load_power: float) -> Any:
+    """The kernel of h = 1.67 R W^load_power U^0.541 G^0.421 (m)."""
+
+    @kernel
+    def film(
+        load: float, velocity: float, radius: float, length: float, compliance: float,
+        viscosity: float, pressure_viscosity: float,
+    ) -> float:  # fmt: skip
+        g = groups(math.pi / compliance, load, velocity, radius, length, viscosity, pressure_viscosity)
+        return 1.67 * radius * g.load**load_power * g.speed**0.541 * g.material**0.421
+
+    return film
 
 
-@kernel
-def negative_film(
-    load: float, velocity: float, radius: float, length: float, compliance: float,
-    viscosity: float, pressure_viscosity: float,
-) -> float:  # fmt: skip
-    """h = 1.67 R W^-0.059 U^0.541 G^0.421 (K 10, sign of the load exponent changed)."""
-    g = groups(math.pi / compliance, load, velocity, radius, length, viscosity, pressure_viscosity)
-    return 1.67 * radius * g.load**-0.059 * g.speed**0.541 * g.material**0.421
+# (K 10) with the exponent as printed, and with its sign changed.
+film, negative_film = regression(0.059), regression(-0.059)
