@@ -192,6 +192,6 @@ def remark_losses(found: Losses, motion: Motion) -> Iterator[Words]:
     if found.drive > 0.0:
         share = format_number(100.0 * found.rest / found.drive, 3)
         yield (
-            f"the drive gives {format_number(found.drive)} W; {share} % of it go not into friction but to "
+            f"the drive gives {format_number(found.drive)} W; {share} % of it is not friction but goes into "
             "the dampers of springs, seats and contacts, and into motion that is not yet steady"
         )
