@@ -1,11 +1,13 @@
 """Other tools run our packages, and come to what our own simplest master comes to."""
 
+import hashlib
 import re
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from pyssp_standard.srmd import SRMD
 
 from interop.processes import explain_missing
 from models.oscillators.exact import two_masses
@@ -20,6 +22,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.ssp import export
 from tests.fmus.conftest import isolated
 from tests.fmus.names import mark_long
+from tests.orchestrator.commands import called
 from tests.orchestrator.recorder import Recorder
 from tests.third_party.public import public
 from tests.third_party.runs import find_texts, never, recorded
@@ -131,7 +134,7 @@ def test_fmpys_loop_converges_to_the_same(exported, isolated, record):
 
 @pytest.mark.parametrize("name", mark_long(["algebraic_loop_1", "algebraic_loop_3", "demo"], ["demo"]))
 def test_a_public_package_runs(name, tmp_path):
-    """Its first hundred macro steps."""
+    """Its first hundred macro steps. The metadata of the run beside its package are SSP Traceability's."""
     path = str(public(f"ssp/{name}.ssp"))
     step = load(path).macro_step
     one = load(path, [f"stop_time={100 * step!r}"])
@@ -140,6 +143,20 @@ def test_a_public_package_runs(name, tmp_path):
     found = recorded(tmp_path / "out")
     assert len(found["time"]) == 101
     assert all(np.all(np.isfinite(column)) for column in found.values())
+    made = tmp_path / "made.ssp"
+    shown = called("ssp", "export", str(tmp_path / "out"), "--out", str(made))
+    assert shown.stdout.split() == [str(made), str(made.with_suffix(".srmd"))], shown.stderr
+    metadata = SRMD(made.with_suffix(".srmd"))
+    metadata.__check_compliance__()
+    told = {one.classification_type: one.classification_entries for one in metadata.classifications}
+    ended = {one.keyword: one.text for one in told["tribocosim.run"]}
+    assert ended["verdict"] == str(summary.verdict)
+    assert ended["exit_status"] == str(summary.exit_status)
+    assert {one.keyword: one.text for one in told["tribocosim.fmu-sha256"]} == summary.fmus
+    files = [(one.link, one.text) for one in told["tribocosim.file-sha3-256"]]
+    assert {"out/result.nc", "out/scenario.toml", "out/summary.json"} <= {link for link, _ in files}
+    for link, digest in [*files, (metadata.data, metadata.checksum)]:
+        assert hashlib.sha3_256((tmp_path / link).read_bytes()).hexdigest() == digest, link
 
 
 def test_a_public_package_for_another_system_is_refused(tmp_path):

@@ -6,14 +6,20 @@ from typing import Annotated
 import typer
 
 from ..messages import show
-from .completion import ScenarioName
+from .completion import complete_scenario
 from .error_report import report_errors
 from .options import folder_option
 
 
 @report_errors
 def ssp_export(
-    scenario: ScenarioName,
+    scenario: Annotated[
+        str,
+        typer.Argument(
+            help="A shipped scenario, the path of a .toml file, or a run's folder.",
+            autocompletion=complete_scenario,
+        ),
+    ],
     out: Annotated[Path | None, typer.Option(help="Output file.", show_default="SCENARIO.ssp")] = None,
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario, as for run.")
@@ -23,26 +29,39 @@ def ssp_export(
     ] = "1.0",
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")] = False,
 ) -> None:
-    """Write a scenario as an SSP package with its FMUs, for other tools."""
+    """Write a scenario as an SSP package with its FMUs, for other tools.
+
+    Of a run's folder also its verdict, versions and checksums, in a .srmd file beside the package.
+    """
     from orchestrator.errors import REPLACE, MistakeError, Option, another, one_of
     from orchestrator.scenario.files import load
     from orchestrator.scenario.ssp import VERSIONS, export
-    from orchestrator.store.output_folder import writing
+    from orchestrator.scenario.ssp.traceability import SUFFIX, describe_run, is_run
+    from orchestrator.store import atomic_write
+    from orchestrator.store.output_folder import SCENARIO, writing
 
     from ..cached_fmus import build_fmu
 
     if version not in VERSIONS:
         raise MistakeError((Option("version", version), f": {one_of(VERSIONS)}"))
-    loaded = load(scenario, set_ or [])
+    run = Path(scenario) if is_run(Path(scenario)) else None
+    if run and set_:
+        alone = f"leave it out, or give {run / SCENARIO} for a package without the run's metadata"
+        raise MistakeError((Option("set"), f": the run in {run} was of the scenario as it is"), alone)
+    loaded = load(run / SCENARIO if run else scenario, set_ or [])
     target = out or Path(f"{loaded.name}.ssp")
     if target.suffix != ".ssp":
         remedy = "give ", Option("out", f"{target}.ssp")
         raise MistakeError(f"{target}: the file of a package ends in .ssp", remedy)
-    if target.exists() and not overwrite:
-        raise MistakeError(f"{target}: is already there", another(), REPLACE)
+    written = [target, target.with_suffix(SUFFIX)] if run else [target]
+    for path in written:
+        if path.exists() and not overwrite:
+            raise MistakeError(f"{path}: is already there", another(), REPLACE)
     with writing(target):
         export(loaded, target, build_fmu, version)
-    show(target)
+        if run:
+            atomic_write.replace(written[1], describe_run(run, target))
+    show("\n".join(map(str, written)))
 
 
 @report_errors

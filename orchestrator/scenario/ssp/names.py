@@ -10,13 +10,16 @@ FMU_TYPE = "application/x-fmu-sharedlibrary"
 DEFINITION_TYPE, PACKAGE_TYPE = "application/x-ssp-definition", "application/x-ssp-package"
 VALUES_TYPE = "application/x-ssp-parameter-set"
 
-_SSP = "http://ssp-standard.org/SSP1/"
+_SSP, _TRACEABILITY = "http://ssp-standard.org/SSP1/", "http://ssp-standard.org/SSPTraceability1/"
 NAMESPACES = {
     "ssd": _SSP + "SystemStructureDescription",
     "ssc": _SSP + "SystemStructureCommon",
     "ssv": _SSP + "SystemStructureParameterValues",
     "ssm": _SSP + "SystemStructureParameterMapping",
     "ssb": _SSP + "SystemStructureSignalDictionary",
+    "stc": _TRACEABILITY + "SSPTraceabilityCommon",
+    "srmd": _TRACEABILITY + "SimulationResourceMetaData",
+    "xlink": "http://www.w3.org/1999/xlink",
     # Steps of other tools' masters: OMSimulator's, and that of libcosim and ecos.
     "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
     "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
