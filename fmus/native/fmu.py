@@ -18,6 +18,7 @@ from .. import declared
 from ..extras import tell_install
 from ..fmi import description3
 from ..fmi.description import EXCHANGE, GUID_PLACE, NATIVE, model_description
+from ..fmi.layered import describe_tables
 from ..sources import collect_sources
 from .machine_code import FMI_HEADERS, PLATFORMS, RUNTIME, NativeBuildError, shared_library, this_platform
 from .tables import tables
@@ -83,6 +84,7 @@ def collect_files(
     files = python_build.documents(name, component)
     if fmi == 3:
         files["terminalsAndIcons/icon.png"] = files.pop("model.png")
+        files |= describe_tables(component)
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, token).encode()
     for count, platform in enumerate(map(PLATFORMS.__getitem__, platforms), 1):
         progress(f"machine code for {platform.fmi3} ({count} of {len(platforms)})")

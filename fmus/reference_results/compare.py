@@ -9,9 +9,11 @@ truth values as true and false, and texts as they are.
 import contextlib
 import csv
 import io
+import posixpath
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
+from urllib.parse import quote, unquote
 from xml.etree import ElementTree
 
 import fmpy
@@ -43,7 +45,7 @@ def find_results(files: Mapping[str, str]) -> str:
     except ElementTree.ParseError as error:
         raise ComparisonError(f"{MANIFEST}: cannot be read: {error}") from None
     for related in root.iter("Related"):
-        source = str(PurePosixPath(related.get("source", "")))
+        source = posixpath.normpath(unquote(related.get("source", "")))
         if related.get("role") == "result" and source.endswith(".csv"):
             if source not in files:
                 raise ComparisonError(f"{MANIFEST}: names {source}, which is not in {FOLDER}")
@@ -159,7 +161,7 @@ def compare(path: Path, tolerance: float | None = None) -> Comparison:
     if not files:
         files, place = _inside(path), "reference inside the file"
     try:
-        own = any(name.endswith("_ref.csv") for name in files)
+        own = any(name.endswith("_ref.csv") and not name.startswith("../") for name in files)
         related = "" if own else find_results(files)
         reference = _related(related, files, described) if related else _reference(files)
         _check_variables(described, reference)
@@ -198,10 +200,12 @@ def _beside(path: Path) -> dict[str, str]:
 def _inside(path: Path) -> dict[str, str]:
     """Reference files that the FMU, whose archive has no faults, ships, by name."""
     with open_archive(path) as archive:
-        ends = (".csv", ".opt", ".xml")
-        names = [n for n in archive.namelist() if n.startswith(FOLDER) and n.endswith(ends)]
-        texts = {name: archive.read(name).decode("utf-8", "replace") for name in names}
-    return {name.removeprefix(FOLDER + "/"): text for name, text in texts.items()}
+        names = [n for n in archive.namelist() if n.endswith((".csv", ".opt", ".xml"))]
+        told = archive.read(MANIFEST).decode("utf-8", "replace") if MANIFEST in names else ""
+        # A manifest may name a file that has its place elsewhere, relative to its own.
+        kept = [n for n in names if n.startswith(FOLDER) or (n.endswith(".csv") and quote(n) in told)]
+        texts = {name: archive.read(name).decode("utf-8", "replace") for name in kept}
+    return {posixpath.relpath(name, FOLDER): text for name, text in texts.items()}
 
 
 def _reference(files: Mapping[str, str]) -> Reference:

@@ -6,18 +6,22 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from fmpy import read_model_description
 
 from fmus.build import NAMES
 from fmus.documentation import MARKER, render_page
+from fmus.fmi.layered import describe_tables
 from fmus.fmi.units import base, display_factor, factors, per_second
 from fmus.fmi.validate import terminal_faults
+from fmus.native import fmu as native_fmu
 from fmus.variable_layout import Memory
 from models.catalogue import CATALOGUE
 
 from .kinds import FILES, every_fmu
+from .layered import check_manifest
 from .names import mark_long
 
 
@@ -145,6 +149,38 @@ TERMINALS = """<?xml version="1.0" encoding="UTF-8"?>
   </Terminal>
 </Terminals></fmiTerminalsAndIcons>
 """
+
+
+TABLES = [
+    ("camshaft", "table_points", ["table_angle", "table_lift", "table_slope", "table_curvature"]),
+    ("cylinder_gas", "pressure_points", ["pressure_angle", "point_pressure", "pressure_slope"]),
+]
+STRUCT = "extra/org.fmi-standard.fmi-ls-struct"
+MAP = "org.fmi-standard.fmi-ls-struct.map"
+
+
+@pytest.mark.parametrize(("name", "size", "columns"), TABLES, ids=[name for name, _, _ in TABLES])
+def test_tables_are_maps_of_their_layered_standard(
+    name: str, size: str, columns: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """FMI-LS-STRUCT: arrays of one length, the domain first; fmpy finds no fault with the file."""
+    monkeypatch.setattr(native_fmu, "_kernels", lambda *of: ("", ""))
+    files = native_fmu.collect_files(name, CATALOGUE[name](**{size: 5}), {size: 5}, (), 3)
+    (tmp_path / "modelDescription.xml").write_bytes(files["modelDescription.xml"])
+    described = read_model_description(str(tmp_path), validate=False)
+    arrays = {v.name: [int(d.start) for d in v.dimensions] for v in described.modelVariables}
+    xml = files["terminalsAndIcons/terminalsAndIcons.xml"]
+    assert terminal_faults(xml, arrays) == []
+    (terminal,) = ElementTree.fromstring(xml).iter("Terminal")
+    assert (terminal.get("terminalKind"), terminal.get("matchingRule")) == (f"{MAP}.rectilinearGrid", MAP)
+    assert [member.get("variableName") for member in terminal] == columns
+    kinds = [member.get("variableKind") for member in terminal]
+    assert kinds == [f"{MAP}.domain", *[f"{MAP}.codomain"] * (len(columns) - 1)]
+    assert all(arrays[column] == [5] for column in columns)
+    manifest = ElementTree.fromstring(files[f"{STRUCT}/fmi-ls-manifest.xml"])
+    assert manifest.tag == "fmiLayeredStandardManifest"
+    check_manifest(manifest, STRUCT, "Layered standard for structuring of variables")
+    assert not describe_tables(CATALOGUE[name]())
 
 
 def test_faults_of_terminals_are_said() -> None:

@@ -1,7 +1,6 @@
 """FMUs are run and compared with their references: what agrees is said to, what does not is named."""
 
 import math
-import re
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -20,6 +19,7 @@ from fmus.reference_results.inside import FOLDER, MANIFEST
 from fmus.reference_results.results import compute_results
 from tests.archives import repack, replace_text
 from tests.fmus.kinds import FAST, WITH_REFERENCES, every_fmu
+from tests.fmus.layered import check_manifest
 from tests.fmus.names import REFERENCED, mark_long
 from tests.third_party.c_fmus import fmu
 from tests.third_party.c_fmus import fmu as third_party
@@ -189,13 +189,21 @@ def test_a_public_fmu_does_what_its_own_results_say(name):
     assert found.worst.relative < 1e-12
 
 
-@pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (1.01, False)])
-def test_results_are_compared_with_the_run(factor, agrees, tmp_path):
+@pytest.mark.parametrize(
+    ("factor", "agrees", "place", "source"),
+    [
+        (1.0, True, f"{FOLDER}/decay.csv", "decay.csv"),
+        (1.01, False, f"{FOLDER}/decay.csv", "./decay.csv"),
+        (1.0, True, "resources/of one.csv", "../../resources/of%20one.csv"),
+    ],
+)
+def test_results_are_compared_with_the_run(factor, agrees, place, source, tmp_path):
+    """They lie where the manifest says, relative to itself."""
     path = fmu("dahlquist", 3, tmp_path)
     lines = [f"{t!r},{factor * math.exp(-t)!r}" for t in np.arange(0.0, 1.05, 0.1).tolist()]
     with zipfile.ZipFile(path, "a") as archive:
-        archive.writestr(MANIFEST, STATED.format("decay.csv"))
-        archive.writestr(f"{FOLDER}/decay.csv", "\n".join(["time,x", *lines]))
+        archive.writestr(MANIFEST, STATED.format(source))
+        archive.writestr(place, "\n".join(["time,x", *lines]))
     found = compare(path)
     assert found.agrees == agrees
 
@@ -288,9 +296,8 @@ def test_bad_options_are_refused(old, new, message):
         read_options(GOOD.text().replace(old, new), "x.opt")
 
 
-# The standard's roles, version 1.0.0-alpha.1, of those that are used.
+# Of the roles of FMI-LS-REF those that are used.
 ROLES = {"testcase", "result", "document"}
-LAYERED = "{http://fmi-standard.org/fmi-ls-manifest}"
 
 
 @pytest.mark.parametrize("name", mark_long(REFERENCED))
@@ -299,9 +306,9 @@ def test_the_manifest_tells_of_every_file_and_of_no_other(name, referenced):
         root = ElementTree.fromstring(archive.read(MANIFEST))
         there = {n.removeprefix(FOLDER + "/") for n in archive.namelist() if n.startswith(FOLDER)}
     assert root.tag == "fmiReferences"
-    assert root.get(f"{LAYERED}fmi-ls-name") == FOLDER.removeprefix("extra/")
-    assert root.get(f"{LAYERED}fmi-ls-description")
-    assert re.fullmatch(r"\d+\.\d+\.\d+(-.+)?", root.get(f"{LAYERED}fmi-ls-version", ""))
+    check_manifest(
+        root, FOLDER, "Layered Standard providing information on related files included in an FMU."
+    )
     told = {related.get("source"): related.get("role") for related in root.iter("Related")}
     assert set(told) == there - {"fmi-ls-manifest.xml"}
     assert set(told) == {"README.md", f"{name}_in.csv", f"{name}_ref.csv", f"{name}_ref.opt"}
