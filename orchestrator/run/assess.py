@@ -22,13 +22,15 @@ from .comparison import (
     Errors,
     VariableError,
     WitnessComparison,
+    advise,
     compare_witness,
     describe_largest,
     largest_uncertainty,
+    list_large,
     verdict,
 )
 from .plan import Plan
-from .reference import Solution, solve_reference
+from .reference import Solution, measure_orders, solve_reference
 from .summary import ENDS, MACRO_STEPS, NOT_COMPARED, OUTSIDE, ROWS, WITHIN, Summary
 
 if TYPE_CHECKING:
@@ -111,7 +113,12 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, summary: Summar
     for name, error in errors.items():
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
     within, text = verdict(errors)
-    advice = "" if within else _advise_on_events(plan, summary.contacts)
+    advice: Words = ""
+    if not within and not (advice := _advise_on_events(plan, summary.contacts)):
+        orders, large = solution.orders or {}, list_large(errors)
+        if solution.solvers and large:
+            orders = measure_orders(plan, ends, coupled, solution, large, reporter)
+        advice = advise(plan.scenario, {name: errors[name] for name in large}, orders, solution.solvers)
     witness = _hear_witness(plan, coupled, solution, reporter)
     agreed = within and (witness is None or witness.agrees)
     said = join(text, advice, witness.judge() if witness else "", solution.doubts)

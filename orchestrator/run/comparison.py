@@ -8,8 +8,9 @@ witness shares none but the law of the contact and the lift of the cam.
 
 from __future__ import annotations
 
+import math
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NoReturn
 
@@ -21,7 +22,10 @@ from models.core.system import System
 from models.flywheel import PRESCRIBED
 from models.multibody.witnessed_trains import DirectTrain, PushrodTrainOfParts, WitnessedTrain, find_train
 
+from ..engine.signals import DEGREES
+from ..errors import Set, Words, join
 from ..scenario import Scenario, ScenarioError
+from ..scenario.fmu_limits import FmuLimits
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -79,6 +83,54 @@ def verdict(errors: Errors) -> tuple[bool, str]:
     if failed:
         return False, "outside the tolerance: " + "; ".join(failed)
     return True, "within the tolerance"
+
+
+def list_large(errors: Errors) -> list[str]:
+    """The variables whose error is larger than their tolerance."""
+    return [name for name, error in errors.items() if error.relative_rms > (error.tolerance or math.inf)]
+
+
+# Held signals have order 1. An error that falls with a clearly lower power of the steps is not theirs.
+LEAST_ORDER = 0.8
+# By these the steps are divided.
+ROUND = [factor * 10**power for power in range(4) for factor in (2, 5, 10)]
+
+
+def advise(scenario: Scenario, errors: Errors, orders: Mapping[str, float], solvers: Sequence[str]) -> Words:
+    """The likeliest cause of these too large errors, and what helps, for a verdict.
+
+    The `orders` are the measured powers of the steps with which errors fall. One that does not fall is an
+    error of the FMUs' own `solvers`.
+    """
+    least = LEAST_ORDER if solvers else 0.0
+    measured = {name: orders[name] for name in errors if orders.get(name, math.nan) > least}
+    stay = [name for name in errors if solvers and name not in measured]
+    said: Words = ""
+    if stay:
+        left = ", ".join(f"{100.0 * 2.0 ** -orders[name]:.0f} % of the error of {name}" for name in stay)
+        said = (
+            f"; halved steps leave {left}, so the own solvers of {', '.join(solvers)} are the likely cause: "
+            "interface = 'model_exchange' integrates their equations here instead"
+        )
+    if not errors or len(stay) == len(errors) or (orders and not measured):
+        return said
+    found, excess = "", 10.0
+    if measured:
+        name = max(measured, key=lambda one: errors[one].relative_rms / (errors[one].tolerance or math.inf))
+        excess = 2.0 * errors[name].relative_rms / (errors[name].tolerance or math.inf)
+        found = f"the error of {name} falls with the power {measured[name]:.2g} of the steps, so the "
+        found += "coupling is its cause; "
+        excess = excess if scenario.step_control else excess ** (1.0 / measured[name])
+    parts = next((factor for factor in ROUND if factor >= excess), ROUND[-1])
+    shorter = (
+        Set("step_control.relative", float(f"{scenario.step_control.relative / parts:.6g}"))
+        if scenario.step_control
+        else Set("macro_step", f"{scenario.macro_step / parts:.6g} s")
+    )
+    useful, used = FmuLimits(scenario).useful_degree, scenario.build_master().degree
+    better = list(DEGREES)[useful]
+    signals: Words = (", or signals of a higher order: ", Set("master.extrapolation", better))
+    return join(said, f"; {found}shorter steps: ", shorter, signals if useful > used else "")
 
 
 def describe_largest(errors: Errors) -> str:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -51,7 +51,8 @@ class Solution:
     """All outputs (rows x outputs) at `times`, and the uncertainty of each.
 
     `orders` are those of convergence, by refinement; NaN where there is none. `doubts` ends the verdict.
-    `reference` is that of `models.monolithic`, where all components are ours.
+    `solvers` are the FMUs whose own solvers' errors are seen against it. `reference` is that of
+    `models.monolithic`, where all components are ours.
     """
 
     times: Vector
@@ -61,6 +62,7 @@ class Solution:
     method: str = MONOLITHIC
     orders: Mapping[str, float] | None = None
     doubts: str = ""
+    solvers: Sequence[str] = ()
     reference: Reference | None = None
 
 
@@ -109,7 +111,7 @@ def extrapolate(
 def _describe_doubts(
     uncertainty: Mapping[str, Difference], orders: Mapping[str, float], tolerance: Mapping[str, float]
 ) -> str:
-    """The end of a verdict: what such a reference does not see, and variables without a clear order.
+    """The end of a verdict: variables without a clear order, and what such a reference does not see.
 
     These are named if their runs differ by more than a tenth of what is allowed.
     """
@@ -122,8 +124,9 @@ def _describe_doubts(
     if not doubtful:
         return unseen
     return (
-        f"{unseen}; {', '.join(doubtful)}: the runs with smaller steps do not converge with a clear order, "
-        "so the error is only about the difference of the runs; reduce macro_step"
+        f"; {', '.join(doubtful)}: the runs with smaller steps do not converge with a clear order, so the "
+        "error is only about the difference of the runs; reduce macro_step or, where that does not help, the "
+        f"tolerances of the FMUs' own solvers{unseen}"
     )
 
 
@@ -216,16 +219,27 @@ def _solve_by_parts(plan: Plan, times: Vector, reporter: Reporter) -> Solution:
     with reporter.stage("monolithic reference", plan.stop_time) as bar:
         found = solve_equations(system, open_fmus, linear, times, plan.stop_time, tolerance, bar.show)
     uncertainty = uncertainties(system, times, found.outputs, found.others)
-    return Solution(times, found.outputs, uncertainty, doubts=_describe_solvers(plan))
-
-
-def _describe_solvers(plan: Plan) -> str:
-    """The end of a verdict where FMUs of others take part."""
     stepping = [name for name, component in plan.third_party.items() if not component.about.integrated]
-    if not stepping:
-        return ""
-    return (
-        f"; this includes the errors of the own solvers of {', '.join(stepping)}: interface = "
-        "'model_exchange' integrates their equations here instead, reference.method = 'refinement' shows the "
-        "errors of the coupling alone"
-    )
+    seen = f"; this includes the errors of the own solvers of {', '.join(stepping)}" if stepping else ""
+    return Solution(times, found.outputs, uncertainty, doubts=seen, solvers=stepping)
+
+
+def measure_orders(
+    plan: Plan,
+    ends: Vector,
+    coupled: Mapping[str, Vector],
+    solution: Solution,
+    names: Iterable[str],
+    reporter: Reporter,
+) -> Mapping[str, float]:
+    """With which power of the steps the errors of these variables fall, by the run again with halved ones."""
+    halved = _repeat(plan, ends, 2, solution.times, reporter)
+    known, weights = plan.system.outputs.names, time_weights(solution.times)
+    found = {}
+    for i, name in ((known.index(name), name) for name in names):
+        whole, half = (
+            difference(values, solution.outputs[:, i], weights=weights).rms
+            for values in (coupled[name], halved[:, i])
+        )
+        found[name] = math.log2(whole / half) if half > 0.0 else HIGHEST
+    return found

@@ -72,9 +72,23 @@ class FmuLimits:
         return layout.field(port.variable).quantity
 
     @property
-    def lowest_degree(self) -> int:
-        """The highest degree that all signals can have."""
-        return min(self._find_degrees().values(), default=HIGHEST)
+    def useful_degree(self) -> int:
+        """The highest degree of signals that raises the order of them all.
+
+        A signal held for a discrete output has order 1, the mean that a held input gets order 2; one of
+        degree 3 needs rates.
+        """
+        if self.stepwise or self.held_inputs:
+            return 0 if self.stepwise else 1
+        rated = all(self._is_rated(c.source) for c in self._connections)
+        return min([*self._find_degrees().values(), HIGHEST if rated else 2])
+
+    def _is_rated(self, source: Port) -> bool:
+        """Whether the rate of an output is given."""
+        about = self._about.get(source.instance)
+        if about is None or about.gives_rates:
+            return True
+        return any(variable.derivative == source.variable for variable in about.variables.values())
 
     def find_differentiated(self, degree: int) -> Iterator[tuple[Port, Port]]:
         """Outputs that are time derivatives of held inputs, each with its input."""

@@ -1,5 +1,6 @@
 """Warnings about scenarios that run, but probably not as intended."""
 
+import math
 from collections.abc import Iterator
 
 from models.core import roles
@@ -7,7 +8,7 @@ from models.core import roles
 from ..errors import Fault, in_command_line
 from ..participants.third_party import ThirdPartyComponent
 from . import Scenario, ScenarioError, parse_line
-from .capabilities import list_file_warnings
+from .capabilities import WHOLE_STEPS, list_file_warnings
 from .fmu_limits import list_limit_warnings
 from .oil_notices import doubt_oils
 from .third_party_values import list_bare_numbers
@@ -15,6 +16,8 @@ from .values import WithUnit, list_layouts
 
 # A stop time (s) as long as this, in so many macro steps, is doubted.
 LONG, MANY_STEPS = 10.0, 1_000_000
+# Equal macro steps that a coupling needs for anything to come of it.
+FEW_STEPS = 10
 
 
 def list_warnings(scenario: Scenario) -> list[str]:
@@ -30,7 +33,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
     return [
         *scenario.notes,
         *found,
-        *_doubt_stop_time(scenario),
+        *_doubt_times(scenario),
         *list_doubtful(scenario),
         *_list_notes(scenario),
         *doubt_oils(scenario),
@@ -41,9 +44,16 @@ def list_warnings(scenario: Scenario) -> list[str]:
     ]
 
 
-def _doubt_stop_time(scenario: Scenario) -> list[str]:
-    """Warn of a time that may have been meant in ms."""
+def _doubt_times(scenario: Scenario) -> list[str]:
+    """Warn of a time that may have been meant in ms, and of a run in a few steps."""
     stop, step = scenario.stop_time, scenario.macro_step
+    if scenario.connections and not scenario.step_control and stop / step < FEW_STEPS:
+        made = math.ceil(stop / step - WHOLE_STEPS)
+        return [
+            f"macro_step = {step:g} s: the run to stop_time = {stop:g} s makes {made} "
+            f"step{'s' * (made > 1)}, and values are exchanged only between steps; take "
+            f"{stop / 100.0:.2g} s or less"
+        ]
     if scenario.step_control or stop < LONG or stop / step < MANY_STEPS:
         return []
     return [

@@ -1,6 +1,7 @@
 """Errors by refinement, and step control of FMUs that cannot restore their state or tell of no contact."""
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -9,9 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribocosim
-from models.core.difference import difference, time_weights
+from models.core.difference import Difference, difference, time_weights
+from models.core.remedies import in_python
+from orchestrator.run.comparison import VariableError, advise
 from orchestrator.run.reference import extrapolate
 from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.scenario.warnings import list_warnings
 from orchestrator.stepping import RefinedSteps
@@ -136,6 +140,34 @@ def test_the_error_of_third_party_fmus_is_that_against_the_exact_solution(change
     assert error.relative_rms == pytest.approx(true.relative_rms, abs=error.uncertainty.relative_rms)
     assert error.order == pytest.approx(2.0, abs=0.1)
     assert summary.exit_status == (0 if true.relative_rms < 1e-3 else 1)
+
+
+def test_the_coupling_is_named_as_cause_and_the_advice_brings_the_run_within_its_tolerance():
+    """Of the quarter car with linear signals and refinement: what to set is read from the verdict."""
+    changes = {"macro_step": 2e-3, "master.extrapolation": "linear", "reference.method": "refinement"}
+    changes |= {f"components.{name}.participant": "in-process" for name in ("wheel", "chassis")}
+    changes |= {"stop_time": 0.5, "output_step": 2e-3}
+    plain = tribocosim.load("quarter-car").with_(changes)
+    verdict = tribocosim.run(plain).summary["verdict"]
+    cause, _, rest = verdict.partition("so the coupling is its cause")
+    assert re.search(r"falls with the power (2|1\.9|2\.1) of the steps, $", cause)
+    assert "own solvers" in rest
+    advised = dict(re.findall(r"--set '?([\w.]+)=([\w.]+(?: s)?)", rest))
+    assert set(advised) == {"macro_step", "master.extrapolation"}
+    for path, value in advised.items():
+        assert tribocosim.run(plain.with_({path: value})).summary["exit_status"] == 0, (path, value)
+
+
+@pytest.mark.plain
+def test_an_error_that_halved_steps_leave_is_the_own_solvers():
+    """Of two errors one falls with the steps; what is said first is what remains."""
+    own = VariableError(1.0, 1.0, 1e-2, Difference(0.0, 0.0, 0.0), tolerance=1e-4)
+    one = load("quarter-car")
+    said = in_python(advise(one, {"a.x": own, "b.y": own}, {"a.x": 0.0, "b.y": 2.0}, ["a"]))
+    first, second = said.removeprefix("; ").split("; ", 1)
+    assert first.startswith("halved steps leave 100 % of the error of a.x, so the own solvers of a")
+    assert "model_exchange" in first
+    assert "error of b.y falls with the power 2" in second
 
 
 @given(lengths=st.lists(st.floats(1e-6, 1.0), min_size=1, max_size=8), parts=st.integers(1, 4))

@@ -30,7 +30,7 @@ def stiff_connection(facts: Facts) -> str | None:
     name, share = facts.limiting
     if share < MOST or facts.master.implicit or not facts.limits.restorable or not facts.is_felt(name):
         return None
-    signal = list(DEGREES)[facts.limits.lowest_degree]
+    signal = list(DEGREES)[facts.limits.useful_degree]
     return (
         f"{name} limits {percent(share)} of the steps: {_coupling(facts, name)}; an explicit master's "
         f'error, not the motion, may set the step: [master] name = "iterated", extrapolation = "{signal}"'
@@ -61,7 +61,7 @@ def higher_degree(facts: Facts) -> str | None:
     share = facts.diagnosis.share("error")
     if share < MOST or facts.master.degree > 1 or not facts.diagnosis.limits:
         return None
-    better = list(DEGREES)[min(facts.limits.lowest_degree, 3 if facts.master.implicit else 2)]
+    better = list(DEGREES)[min(facts.limits.useful_degree, 3 if facts.master.implicit else 2)]
     if DEGREES[better] <= facts.master.degree:
         return None
     used = list(DEGREES)[facts.master.degree]
@@ -75,7 +75,7 @@ def suggest_held_inputs(facts: Facts) -> str | None:
     """Steps of one length with held inputs."""
     if facts.scenario.step_control or facts.master.degree > 0:
         return None
-    better = min(facts.limits.lowest_degree, 2)
+    better = min(facts.limits.useful_degree, 2)
     remedies = [f'[master] extrapolation = "{list(DEGREES)[better]}"'] if better else []
     remedies += ["[step_control]"] if facts.limits.controllable else []
     return (
