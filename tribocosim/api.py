@@ -196,10 +196,14 @@ def resume(
 
 
 def report(folder: str | Path, path: str | Path | None = None) -> Path:
-    """Write the page of a run or a sweep over speed anew, by default into its folder; its path."""
-    from orchestrator.report import write_report
+    """Write the page of a run or a sweep over speed to `path`; its path.
 
-    return write_report(Path(folder), None if path is None else Path(path))
+    Without `path` it is written into the folder, and a run's figures are drawn anew; RunError names those
+    that fail, once all others are drawn.
+    """
+    from orchestrator.report import draw_anew
+
+    return draw_anew(Path(folder), None if path is None else Path(path))
 
 
 def open(folder: str | Path) -> Result:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +14,15 @@ from models.contact.records import ATOM
 from models.core.quantities import Quantity, Vector
 from models.core.system import System
 
-from ..assessment.diagnosis.steps import NONE, Steps, read_written_steps
+from ..assessment.diagnosis.steps import NONE, Steps, read_steps
 from ..assessment.films import FILMS, has_film, slides
 from ..assessment.trains import Angle, Train, find_angle, find_angles, find_trains
 from ..scenario.display import SYMBOLS, show
+from ..scenario.files import load
+from ..scenario.system import build_system, list_outputs
 from ..scenario.units import choose_time_unit
-from ..store.result_file import ResultFile
+from ..store.output_folder import SCENARIO
+from ..store.records import Group, open_records
 
 # More points than these cannot be distinguished in a figure.
 POINTS = 20_000
@@ -55,43 +59,39 @@ class FigureData:
     names: tuple[str, str] = ("coupled", "monolithic reference")
 
     @classmethod
-    def read(
-        cls, result: ResultFile, title: str, system: System, tolerance: Mapping[str, float]
-    ) -> FigureData:
-        """Everything in the file, thinned to POINTS."""
-        quantities = result.quantities("coupled")
-        names = [name for name in quantities if name != "time"]
+    def read(cls, folder: Path) -> FigureData:
+        """The run in a folder, thinned to POINTS, over the angle that its scenario names. MistakeError if it
+        has no result, or its scenario cannot be read."""
+        with open_records(folder) as records:
+            scenario = load(folder / SCENARIO)
+            quantities, system = list_outputs(scenario), build_system(scenario)
 
-        def group(name: str, wanted: list[str]) -> dict[str, Vector]:
-            if not result.has(name):
-                return {key: np.zeros(0) for key in wanted}
-            stride = -(-result.length(name) // POINTS) or 1
-            return result.read(name, wanted, slice(None, None, stride))
+            def take(name: str, wanted: Iterable[str] = ()) -> tuple[Vector, dict[str, Vector]]:
+                group = records.groups.get(name, Group({}))
+                if not group.rows:
+                    return np.zeros(0), {}
+                rows = slice(None, None, -(-group.rows // POINTS))
+                names = [key for key in wanted or group.names if key in group.stored]
+                return group.read("time", rows), {key: group.read(key, rows) for key in names}
 
-        coupled = group("coupled", ["time", *names])
-        compared = result.has("reference")
-        reference = group("reference", ["time", *(names if compared else [])])
-        channels = list(result.quantities("energy")) if result.has("energy") else []
-        energies = group("energy", ["time", *channels])
+            time, coupled = take("coupled", quantities)
+            reference_time, reference = take("reference", quantities)
+            energy_time, energies = take("energy")
         return cls(
-            title=title,
-            time=coupled.pop("time"),
+            title=scenario.name if records.attributes["complete"] else f"{scenario.name} (incomplete)",
+            time=time,
             coupled=coupled,
-            reference_time=reference.pop("time"),
+            reference_time=reference_time,
             reference=reference,
             quantities=quantities,
-            steps=read_written_steps(result),
+            steps=read_steps(folder)[0],
             drivers={str(c.target): str(c.source) for c in system.connections},
             parameters=dict(zip(system.parameters.names, system.p.tolist(), strict=True)),
             system=system,
-            energy_time=energies.pop("time"),
+            energy_time=energy_time,
+            tolerance=scenario.tolerance,
             energies=energies,
-            tolerance=tolerance,
-        )
-
-    def find(self, variable: str) -> str | None:
-        """The first "instance.variable" of that variable."""
-        return next((name for name in self.coupled if name.split(".", 1)[1] == variable), None)
+        ).over(scenario.figures_over)
 
     def all(self, variable: str) -> list[str]:
         """All "instance.variable" of that variable."""

@@ -16,7 +16,7 @@ CORNERS = (
 
 
 def applies(data: FigureData) -> bool:
-    return data.find("piston_tilt") is not None
+    return bool(data.all("piston_tilt"))
 
 
 def list_instances(data: FigureData) -> set[str]:
@@ -25,9 +25,9 @@ def list_instances(data: FigureData) -> set[str]:
 
 
 def draw(data: FigureData) -> Figure:
-    tilt = str(data.find("piston_tilt"))
+    tilt = data.all("piston_tilt")[0]
     instance = tilt.split(".")[0]
-    gas = data.find("gas_pressure")
+    gas = data.all("gas_pressure")
     figure, axes = create_panels(5 if gas else 4, data, f"{data.title}: piston in its bore")
     _draw_corners(axes[0], data, instance, "gap", "Gap")
     plot_both(axes[1], data, tilt, "Tilt")
@@ -35,7 +35,7 @@ def draw(data: FigureData) -> Figure:
     _draw_corners(axes[2], data, instance, "force", "Wall force")
     plot_both(axes[3], data, f"{instance}.impact_count", "Impacts")
     if gas:
-        plot_both(axes[4], data, gas, "Gas pressure")
+        plot_both(axes[4], data, gas[0], "Gas pressure")
     axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2)
     add_legend_above(axes[1])
     return figure

@@ -12,7 +12,7 @@ WALLS = {"upper": COUPLED, "lower": ACCENT}
 
 
 def applies(data: FigureData) -> bool:
-    return data.find("psi") is not None and data.find("piston_offset") is not None
+    return bool(data.all("psi") and data.all("piston_offset"))
 
 
 def list_instances(data: FigureData) -> set[str]:
@@ -21,7 +21,7 @@ def list_instances(data: FigureData) -> set[str]:
 
 
 def draw(data: FigureData) -> Figure:
-    instance = str(data.find("psi")).split(".")[0]
+    instance = data.all("psi")[0].split(".")[0]
     data = data.of(instance)
     struck = bool(np.any(data.coupled.get(f"{instance}.impact_count", 0.0)))
     wanted = {

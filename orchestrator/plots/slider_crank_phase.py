@@ -9,11 +9,11 @@ from .style import COUPLED, MUTED, add_legend_above, create_subplots
 
 
 def applies(data: FigureData) -> bool:
-    return data.find("psi") is not None and data.find("psi_rate") is not None
+    return bool(data.all("psi") and data.all("psi_rate"))
 
 
 def draw(data: FigureData) -> Figure:
-    psi = str(data.find("psi"))
+    psi = data.all("psi")[0]
     instance = psi.split(".")[0]
     x, y = 1e3 * data.coupled[psi], data.coupled[f"{instance}.psi_rate"]
     # An impact lies between two records where their number has grown.

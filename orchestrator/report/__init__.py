@@ -1,5 +1,7 @@
-"""report.html: one page that needs no network, with the animated mechanism and all plots of a run."""
+"""report.html: one page that needs no network, with the animated mechanism and all plots of a run; and the
+figures beside it."""
 
 from .page import write_report
+from .pictures import draw_anew, draw_pictures
 
-__all__ = ["write_report"]
+__all__ = ["draw_anew", "draw_pictures", "write_report"]

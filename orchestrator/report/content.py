@@ -13,8 +13,9 @@ from ..assessment.films import FILMS, has_film
 from ..engine.step import REASONS
 from ..scenario import Scenario, parse_ends
 from ..scenario.display import show_unit
+from ..store.records import Group, Records
 from .mechanism import list_sketches
-from .packing import COARSE, Group, Records, bucket, pack, pack_detail, pack_exactly
+from .packing import COARSE, bucket, pack, pack_detail, pack_exactly
 from .sketch import Sketch
 
 # Rows that are kept one by one; of more, least and largest values of as many stretches.

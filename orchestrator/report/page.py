@@ -17,9 +17,9 @@ from ..scenario.display import show_unit
 from ..scenario.files import load
 from ..store import atomic_write
 from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY
+from ..store.records import Records, open_records
 from ..texts import parse_json, read_text
 from .content import collect_run
-from .packing import Records, open_records
 
 SCRIPTS = (
     "series.js", "axes.js", "view.js", "marks.js", "panel.js", "phase.js", "steps.js", "scene.js",

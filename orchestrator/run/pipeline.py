@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..errors import Command, RefusedError, Words, join, start_over
+from ..errors import Command, RefusedError, Words, in_command_line, join, start_over
 from ..reporter import Reporter
 from ..scenario import Scenario, ScenarioError
 from ..scenario.files import load
@@ -33,7 +33,7 @@ from .assess import assess
 from .checkpoint import read
 from .execute import execute
 from .plan import Plan, make_plan
-from .publish import finish_result, open_result, publish, publish_merits, settle_ending
+from .publish import open_result, publish, publish_merits, settle_ending
 from .summary import ENDS, FAILED, Summary, begin_summary
 
 
@@ -83,7 +83,7 @@ def conclude(plan: Plan, summary: Summary, folder: OutputFolder, reporter: Repor
         with open_result(plan, folder, reporter) as result:
             summary = assess(plan, summary, result, reporter)
             publish_merits(plan, summary, result)
-            finish_result(plan, summary, result, reporter)
+            result.finish(summary.complete, in_command_line(summary.message))
     except ENDS as error:
         summary = summary.end_by(error, folder.path)
     seconds = clock.perf_counter() - start

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from importlib import metadata
@@ -16,14 +16,13 @@ from models.core.quantities import Vector
 
 from ..assessment.merits import write_merits
 from ..assessment.trains import find_angles
-from ..errors import Command, MistakeError, Words, in_command_line, join, start_over
+from ..errors import Command, Words, in_command_line, join, start_over
 from ..reporter import Reporter
 from ..store.atomic_write import NO_ROOM, naming
 from ..store.csv_file import write_csv, write_units
 from ..store.journal import Recorded, journals
 from ..store.output_folder import (
     CSV,
-    FIGURES,
     MERITS,
     REPORT,
     RESULT,
@@ -36,6 +35,7 @@ from ..store.output_folder import (
 )
 from ..store.result_file import ResultFile
 from .comparison import Errors, VariableError, WitnessComparison
+from .interruption import tell_interruption
 from .plan import Plan
 from .summary import FAILED, INTERRUPTED, Summary
 
@@ -79,21 +79,6 @@ def publish_merits(plan: Plan, summary: Summary, result: ResultFile) -> None:
         write_merits(plan.system, summary.figures_of_merit, read, result.path.with_name(MERITS))
 
 
-def finish_result(plan: Plan, summary: Summary, result: ResultFile, reporter: Reporter) -> None:
-    """State how the run ended, and draw the figures."""
-    result.finish(summary.complete, in_command_line(summary.message))
-    if not plan.figures or summary.exit_status == INTERRUPTED or result.length("coupled") < 2:
-        return
-    from .. import plots
-
-    title = plan.name if summary.complete else f"{plan.name} (incomplete)"
-    figures = plots.find_figures(result, title, plan.system, plan.tolerance, plan.scenario.figures_over)
-    with reporter.stage("figures") if figures else nullcontext():
-        plots.draw_all(figures, result.path.with_name(FIGURES))
-    if not figures:
-        reporter.line("no figures: none is known for these components")
-
-
 def settle_ending(summary: Summary, folder: OutputFolder) -> Summary:
     """With the remedy for a full disk; resumable only from a checkpoint."""
     message = summary.message
@@ -113,10 +98,10 @@ def _advise_on_full_disk(folder: OutputFolder) -> Words:
 
 
 def publish(summary: Summary, folder: OutputFolder, reporter: Reporter) -> Summary:
-    """Write the summary, remove what only an unfinished run needs, and print the end of the run.
+    """Write the summary, remove what only an unfinished run needs, draw, and print the end of the run.
 
     Where the summary cannot be written, the one from the start of the run stays, and a complete run is
-    returned as failed.
+    returned as failed. KeyboardInterrupt while it draws says how to draw what is left.
     """
     try:
         summary.write(folder.path / SUMMARY)
@@ -127,23 +112,25 @@ def publish(summary: Summary, folder: OutputFolder, reporter: Reporter) -> Summa
         return replace(summary, complete=False, exit_status=FAILED, message=message)
     if not summary.resumable and (folder.path / RESULT).exists():
         clear_run_state(folder.unfinished)
-    if summary.figures and (folder.path / RESULT).exists():
-        _write_report(folder.path, reporter)
-    _print_end(summary, folder.path, list_files(folder.path), reporter)
+    try:
+        if summary.figures and (folder.path / RESULT).exists():
+            _draw(folder.path, summary.exit_status != INTERRUPTED, reporter)
+    finally:
+        _print_end(summary, folder.path, list_files(folder.path), reporter)
     return summary
 
 
-def _write_report(folder: Path, reporter: Reporter) -> None:
-    from ..report import write_report  # its libraries take long to import
+def _draw(folder: Path, figures: bool, reporter: Reporter) -> None:
+    from ..report import draw_pictures  # its libraries take long to import
 
-    with reporter.stage("report"):
-        try:
-            write_report(folder)
-        except MistakeError as error:
-            reporter.line(error)
-        except Exception as error:  # the run itself is complete, and all of its numbers are written
-            what = f"no report: unexpected {type(error).__name__}: {error}; "
-            reporter.line((what, Command("report", (format_path(folder),)), " makes it anew"))
+    again = in_command_line(Command("report", (format_path(folder),)))
+    with (
+        tell_interruption(lambda: f"all numbers are written, {again} draws figures and report"),
+        reporter.stage("figures and report" if figures else "report"),
+    ):
+        told = draw_pictures(folder, figures)
+    for line in told:
+        reporter.line(line)
 
 
 def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:

@@ -5,17 +5,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import xarray
 from rich.table import Table
 
 from ..errors import Command, MistakeError, Option
 from ..plots import valve_train
-from ..plots.data import POINTS, FigureData
+from ..plots.data import FigureData
 from ..plots.style import save_figure
 from ..reporter import Reporter
-from ..scenario.files import load
-from ..scenario.system import build_system, list_outputs
-from ..store.output_folder import MERITS, RESULT, SCENARIO, STORE
+from ..store.output_folder import MERITS, RESULT, STORE
 from .speeds.compare import label
 
 
@@ -88,23 +85,8 @@ def overlay(first: Path, second: Path, out: Path, names: tuple[str, str]) -> Pat
 
 
 def read_run(folder: Path) -> FigureData:
-    """The coupled run of a result, thinned; MistakeError if the folder has none."""
+    """The run in the folder; MistakeError if it has none."""
     if not is_run(folder):
         remedy = Command("run", (...,), (Option("out", folder),))
         raise MistakeError(f"{folder}: holds no finished run", ("make one with ", remedy))
-    scenario = load(str(folder / SCENARIO))
-    system = build_system(scenario)
-    with xarray.open_dataset(folder / RESULT, group="coupled", engine="h5netcdf") as data:
-        thinned = data.isel(time=slice(None, None, -(-data.sizes["time"] // POINTS) or 1)).load()
-    quantities = list_outputs(scenario)
-    return FigureData(
-        title=scenario.name,
-        time=thinned["time"].values,
-        coupled={str(n): values.values for n, values in thinned.data_vars.items() if n in quantities},
-        reference_time=thinned["time"].values[:0],
-        reference={},
-        quantities=quantities,
-        drivers={str(c.target): str(c.source) for c in system.connections},
-        parameters=dict(zip(system.parameters.names, system.p.tolist(), strict=True)),
-        system=system,
-    ).over(scenario.figures_over)
+    return FigureData.read(folder)

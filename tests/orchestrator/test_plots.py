@@ -11,10 +11,8 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import System
 from orchestrator.assessment.diagnosis import Steps
 from orchestrator.assessment.films import LIGHT
-from orchestrator.errors import RunError
 from orchestrator.plots import (
     difference,
-    draw_all,
     film_and_load,
     journal_orbits,
     slider_crank_motion,
@@ -393,8 +391,3 @@ def test_orbits_are_in_parts_of_the_clearance():
     assert labels >= {"coupled", "bush", "start"}
     hidden = {"pin.eccentricity_ratio": coupled["bearing_1.eccentricity_ratio"]}
     assert not journal_orbits.applies(build_data("roller-friction", time, hidden)), "the place is not shown"
-
-
-def test_a_figure_that_fails_is_named(tmp_path):
-    with pytest.raises(RunError, match=r"figure broken: .*KeyError.*resume"):
-        draw_all({"broken": lambda: {}["missing"]}, tmp_path)

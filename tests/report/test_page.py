@@ -8,6 +8,7 @@ import zlib
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -243,18 +244,37 @@ def test_large_runs_stay_small(rows: int, variables: int, most: float, tmp_path:
     assert write_report(tmp_path).stat().st_size < most
 
 
-def test_a_report_that_fails_does_not_end_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(*arguments: Any) -> None:
-        raise ZeroDivisionError("of the page")
-
-    monkeypatch.setattr("orchestrator.report.page.collect_run", fail)
+def test_pictures_that_fail_do_not_end_the_run_and_are_drawn_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whether by themselves or by Ctrl-C: the run is complete, and all others are drawn."""
     out = tmp_path / "out"
-    done = called("run", "two-masses", "--set", "stop_time=0.1 s", "--out", str(out))
-    assert done.returncode == 0
-    assert f"ZeroDivisionError: of the page; tribocosim report {out} makes it anew" in " ".join(
-        done.stdout.split()
-    )
-    assert (out / "summary.json").exists()
+    run = ("run", "two-masses", "--set", "stop_time=0.1 s", "--out", str(out))
+    broken = {"report": "report.page.collect_run", "figure solution": "plots.solution.draw"}
+    broken["figure steps"] = "plots.steps.applies"
+
+    def call(*command: str, error: BaseException) -> tuple[int, str, dict[str, Any]]:
+        """While all these fail: status, what is printed, and the summary of the run."""
+        with monkeypatch.context() as failing:
+            for place in broken.values():
+                failing.setattr(f"orchestrator.{place}", Mock(side_effect=error))
+            done = called(*command)
+        return done.returncode, done.stdout + done.stderr, json.loads((out / "summary.json").read_text())
+
+    for command, expected in ((run, 0), (("report", str(out)), 3)):
+        status, printed, summary = call(*command, error=ZeroDivisionError("of it"))
+        assert (status, summary["complete"], summary["exit_status"]) == (expected, True, 0)
+        for what in broken:
+            line = f"no {what}: unexpected ZeroDivisionError: of it; tribocosim report {out} draws it anew"
+            assert line in printed
+        assert [path.name for path in (out / "figures").iterdir()] == ["difference.png"]
+    status, printed, summary = call(*run, "--overwrite", error=KeyboardInterrupt())
+    assert (status, summary["complete"], summary["exit_status"]) == (130, True, 0)
+    assert f"all numbers are written, tribocosim report {out} draws figures and report" in printed
+    assert called("resume", str(out)).returncode == 0  # there is nothing to continue
+    assert called("report", str(out)).returncode == 0
+    assert {path.name for path in (out / "figures").iterdir()} == {"difference.png", "solution.png"}
+    assert (out / "report.html").exists()
 
 
 def test_a_sweep_has_all_its_cycles(tmp_path: Path) -> None:

@@ -15,8 +15,11 @@ def write_page(
         Path | None, typer.Option(help="File of the page.", show_default="FOLDER/report.html")
     ] = None,
 ) -> None:
-    """Rewrite report.html, the page with the animated mechanism, plots and errors."""
-    from orchestrator.report import write_report
+    """Rewrite report.html, the page with the animated mechanism, plots and errors, and a run's figures.
+
+    With --out it writes the page only. Exit status 3: a figure or the page failed.
+    """
+    from orchestrator.report import draw_anew
     from orchestrator.reporter import Reporter
 
-    Reporter().line(f"report in {write_report(folder, out)}")
+    Reporter().line(f"report in {draw_anew(folder, out)}")
