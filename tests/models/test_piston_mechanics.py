@@ -176,12 +176,12 @@ def test_corner_of_a_free_block_sticks_where_friction_suffices(friction):
     """The impulse through the block's centre stops the corner: Lambda_T / Lambda_N = L / H. Also where more
     friction would jam it (mu D_NT > D_NN)."""
     s, m = rising_block(2.0)
-    corner, w = co.Touching(0, -1), co.Pair(-2.0, 1.0)
-    push = co.solve_impulses(corner, w, friction, s, m)
+    touching, w = co.Touching(0, -1), co.Pair(-2.0, 1.0)
+    push = co.solve_impulses(touching, w, friction, s, m)
     assert abs(push.ratios.first) == pytest.approx(LENGTH / HEIGHT, rel=1e-12)
-    v = co.add_reaction(push, s.v, s, m)
+    v = co.add_reaction(touching, push, s.v, s, m)
     assert co.sliding_velocity(0, s.q, v, m) == pytest.approx(0.0, abs=1e-12)
-    assert abs(co.solve_impulses(corner, w, 0.1, s, m).ratios.first) == 0.1
+    assert abs(co.solve_impulses(touching, w, 0.1, s, m).ratios.first) == 0.1
 
 
 @settings(max_examples=200, deadline=None, derandomize=True)
@@ -223,8 +223,8 @@ def test_law_of_impact(
     assume(min(before) < -1e-6)
     w = [rate + restitution * min(rate, 0.0) for rate in before] + [1.0]
     push = co.solve_impulses(touching, co.Pair(w[0], w[1]), friction, s, m)
-    _, found, ratios = push
-    v = co.add_reaction(push, s.v, s, m)
+    found, ratios = push
+    v = co.add_reaction(touching, push, s.v, s, m)
     size = 1e-11 * (1.0 + abs(speed))
     for i, corner in enumerate(corners):
         xi = me.dot(co.normal(corner, q, m), v) + restitution * min(before[i], 0.0)
@@ -233,9 +233,9 @@ def test_law_of_impact(
         assert found[i] * xi <= size
         assert abs(ratios[i]) <= friction
     if max(abs(r) for r in ratios[: len(corners)]) < friction:  # stopped
-        assert abs(co.slip_power(push, s, m)) <= size
+        assert abs(co.slip_power(touching, push, s, m)) <= size
     else:
-        assert co.slips(push, s, m)
+        assert co.slips(touching, push, s, m)
 
 
 @pytest.mark.plain

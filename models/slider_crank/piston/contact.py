@@ -52,9 +52,11 @@ class Touching(NamedTuple):
 
 
 class Push(NamedTuple):
-    """What the walls do to up to two corners: normal forces (impulses), and friction over them."""
+    """What the walls do to up to two corners: normal forces (impulses), and friction over them.
 
-    touching: Touching
+    Numbers of corners stay apart from it: native derivatives take no record that mixes them with forces.
+    """
+
     forces: Pair
     ratios: Pair
 
@@ -183,24 +185,24 @@ def contact_matrix(touching: Touching, ratios: Pair, s: Motion, m: Machine) -> t
 
 
 @kernel
-def force_on(corner: int, push: Push) -> float:
-    if corner == push.touching.first:
+def force_on(corner: int, touching: Touching, push: Push) -> float:
+    if corner == touching.first:
         return push.forces.first
-    return push.forces.second if corner == push.touching.second else 0.0
+    return push.forces.second if corner == touching.second else 0.0
 
 
 @kernel
-def reaction(push: Push, s: Motion, m: Machine) -> Coordinates:
+def reaction(touching: Touching, push: Push, s: Motion, m: Machine) -> Coordinates:
     """Generalised force (impulse) of the walls with their friction."""
-    touching, forces, ratios = push
+    forces, ratios = push
     total = me.add(Coordinates(0.0, 0.0, 0.0), forces.first, wall_push(touching.first, ratios.first, s.q, m))
     return me.add(total, forces.second, wall_push(touching.second, ratios.second, s.q, m))
 
 
 @kernel
-def add_reaction(push: Push, start: Coordinates, s: Motion, m: Machine) -> Coordinates:
+def add_reaction(touching: Touching, push: Push, start: Coordinates, s: Motion, m: Machine) -> Coordinates:
     """Accelerations (rates) after wall forces (impulses), from those without."""
-    return me.add(start, 1.0, me.multiply(s.inverse, reaction(push, s, m)))
+    return me.add(start, 1.0, me.multiply(s.inverse, reaction(touching, push, s, m)))
 
 
 @kernel
@@ -223,26 +225,26 @@ def free_gap_accelerations(touching: Touching, s: Motion, m: Machine) -> Pair:
 def solve_push(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -> Push:
     """Forces (impulses) at given friction ratios; w: gap accelerations (rates) without them."""
     a, b = contact_matrix(touching, ratios, s, m)
-    return Push(touching, solve_complementarity(a, b, w), ratios)
+    return Push(solve_complementarity(a, b, w), ratios)
 
 
 @kernel
 def hold(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -> Push:
     """Those that keep the corners closed; negative ones would have to pull."""
     a, b = contact_matrix(touching, ratios, s, m)
-    return Push(touching, solve_holding_forces(a, b, w), ratios)
+    return Push(solve_holding_forces(a, b, w), ratios)
 
 
 @kernel
-def slip_power(push: Push, s: Motion, m: Machine) -> float:
+def slip_power(touching: Touching, push: Push, s: Motion, m: Machine) -> float:
     """Sum of normal impulses times sliding velocities after the impact.
 
     Without impulses (friction jams the piston) a number that sends the bisection away from there.
     """
-    touching, found, ratios = push
+    found, ratios = push
     if found.first == 0.0 and found.second == 0.0:
         return -ratios.first
-    v = add_reaction(push, s.v, s, m)
+    v = add_reaction(touching, push, s.v, s, m)
     total = 0.0
     if found.first > 0.0:
         total += found.first * sliding_velocity(touching.first, s.q, v, m)
@@ -252,12 +254,12 @@ def slip_power(push: Push, s: Motion, m: Machine) -> float:
 
 
 @kernel
-def slips(push: Push, s: Motion, m: Machine) -> bool:
+def slips(touching: Touching, push: Push, s: Motion, m: Machine) -> bool:
     """True if there are impulses, and each corner with one slides against its friction afterwards."""
-    touching, found, ratios = push
+    found, ratios = push
     if found.first == 0.0 and found.second == 0.0:
         return False
-    v = add_reaction(push, s.v, s, m)
+    v = add_reaction(touching, push, s.v, s, m)
     if found.first > 0.0 and ratios.first * sliding_velocity(touching.first, s.q, v, m) < 0.0:
         return False
     return not (found.second > 0.0 and ratios.second * sliding_velocity(touching.second, s.q, v, m) < 0.0)
@@ -277,12 +279,12 @@ def solve_impulses(touching: Touching, w: Pair, friction: float, s: Motion, m: M
     for trial in range(4):
         ratios = Pair(first if trial < 2 else -first, second if trial % 2 == 0 else -second)
         push = solve_push(touching, ratios, w, s, m)
-        if slips(push, s, m):
+        if slips(touching, push, s, m):
             return push
     low, high = -friction, friction
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        if slip_power(solve_push(touching, Pair(middle, middle), w, s, m), s, m) > 0.0:
+        if slip_power(touching, solve_push(touching, Pair(middle, middle), w, s, m), s, m) > 0.0:
             low = middle
         else:
             high = middle

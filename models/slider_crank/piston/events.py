@@ -54,8 +54,8 @@ def pressing_acceleration(corner: int, other: int, s: Motion, p: Any, m: Machine
     """Acceleration of a corner towards its wall; the other corner's wall counts if it pushes."""
     partner = Touching(-1, other)
     held = hold_closed(partner, s, p, m)
-    pushed = Push(partner, Pair(0.0, max(0.0, held.forces.second)), held.ratios)
-    return -co.gap_acceleration(corner, co.add_reaction(pushed, s.free, s, m), s, m)
+    pushed = Push(Pair(0.0, max(0.0, held.forces.second)), held.ratios)
+    return -co.gap_acceleration(corner, co.add_reaction(partner, pushed, s.free, s, m), s, m)
 
 
 @kernel
@@ -97,17 +97,18 @@ def move_inside(x: Any, touching: Touching, m: Machine) -> None:
 
 
 @kernel
-def rate_after(corner: int, push: Push, s: Motion, m: Machine) -> float:
+def rate_after(corner: int, touching: Touching, push: Push, s: Motion, m: Machine) -> float:
     """Gap rate of a corner after an impact."""
-    v = co.add_reaction(push, s.v, s, m)
+    v = co.add_reaction(touching, push, s.v, s, m)
     place = Place(0.0, dot(across_row(0.0, 0.0, s.q, m), v), s.q.chi, v.chi)
     return corner_gap_rate(corner, place, m)
 
 
 @kernel
-def parting_rate(push: Push, s: Motion, m: Machine) -> float:
+def parting_rate(touching: Touching, push: Push, s: Motion, m: Machine) -> float:
     """The larger gap rate of both corners after an impact."""
-    return max(rate_after(push.touching.first, push, s, m), rate_after(push.touching.second, push, s, m))
+    first = rate_after(touching.first, touching, push, s, m)
+    return max(first, rate_after(touching.second, touching, push, s, m))
 
 
 @kernel
@@ -159,6 +160,7 @@ def release(corner: int, other: int, x: Any, s: Motion, p: Any, m: Machine) -> N
 class Impact(NamedTuple):
     """Impulses of the walls on two corners, and whether the bounces of each end with them."""
 
+    touching: Touching
     push: Push
     first_ends: bool
     second_ends: bool
@@ -174,8 +176,8 @@ def solve_impact(
     w = Pair(add_restitution(rates.first, e), add_restitution(rates.second, e))
     push = co.solve_impulses(touching, w, p.wall_friction, s, m)
     still = STILL * speed_scale(s.v, m)
-    after_i = rate_after(i, push, s, m)
-    after_j = rate_after(j, push, s, m) if j >= 0 else 1.0
+    after_i = rate_after(i, touching, push, s, m)
+    after_j = rate_after(j, touching, push, s, m) if j >= 0 else 1.0
     i_ends = bounces_end(i, j if after_j <= still else -1, after_i - still, s, p, m)
     j_ends = bounces_end(j, i if after_i <= still else -1, after_j - still, s, p, m)
     # If its own bounces end, the second one pushes as one at rest does: an impact of the first throws it up.
@@ -186,22 +188,22 @@ def solve_impact(
             add_restitution(rates.second, 0.0 if j_ends else e),
         )
         push = co.solve_impulses(touching, w, p.wall_friction, s, m)
-    if i_ends and j_ends and parting_rate(push, s, m) > still:
+    if i_ends and j_ends and parting_rate(touching, push, s, m) > still:
         # One corner would lift the other. The limit of bounces that rock between them holds both.
         push = co.hold(touching, friction_ratios(touching, s, p, m), rates, s, m)
-    return Impact(push, i_ends, j_ends)
+    return Impact(touching, push, i_ends, j_ends)
 
 
 @kernel
 def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tuple[Coordinates, Coordinates]:
     """Give the piston its jump of the rates and count it; returns the jump and the walls' impulse."""
-    jump = add(co.add_reaction(impact.push, s.v, s, m), -1.0, s.v)
+    jump = add(co.add_reaction(impact.touching, impact.push, s.v, s, m), -1.0, s.v)
     mean = add(s.v, 0.5, jump)
-    walls = co.reaction(impact.push, s, m)
+    walls = co.reaction(impact.touching, impact.push, s, m)
     place = find_place(x, m)
     fastest = 0.0
     for i in range(CORNERS):
-        impulse = co.force_on(i, impact.push)
+        impulse = co.force_on(i, impact.touching, impact.push)
         if impulse != 0.0:
             towards = -corner_gap_rate(i, place, m)
             x.impact_impulse[i] += impulse
@@ -219,7 +221,7 @@ def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tup
 @kernel
 def close_after_impact(x: Any, impact: Impact, still: float, s: Motion, p: Any, m: Machine) -> None:
     """Close the corners whose bounces have ended and that are pressed; s is the motion after the impact."""
-    touching, place = impact.push.touching, find_place(x, m)
+    touching, place = impact.touching, find_place(x, m)
     resting = select_corners(
         touching,
         impact.first_ends and corner_gap_rate(touching.first, place, m) <= still,

@@ -131,8 +131,9 @@ def hold_closed(touching: Touching, s: Motion, p: Any, m: Machine) -> Push:
 @kernel
 def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> Coordinates:
     """The derivatives of the shared states; returns q'' with the forces of closed corners."""
-    place, push = find_place(x, m), hold_closed(find_closed_corners(x), s, p, m)
-    q2 = co.add_reaction(push, s.free, s, m)
+    place, touching = find_place(x, m), find_closed_corners(x)
+    push = hold_closed(touching, s, p, m)
+    q2 = co.add_reaction(touching, push, s.free, s, m)
     dx.offset = place.offset_rate
     dx.offset_rate = me.dot(me.across_row(0.0, 0.0, s.q, m), q2) + me.across_turning(0.0, 0.0, s.q, s.v, m)
     dx.tilt = place.tilt_rate
@@ -141,7 +142,7 @@ def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> Coordinates
         dx.closed[i] = 0.0
         dx.impact_count[i] = 0.0
         dx.impact_impulse[i] = 0.0
-        dx.force_integral[i] = co.force_on(i, push)
+        dx.force_integral[i] = co.force_on(i, touching, push)
     dx.last_impact_time = 0.0
     dx.last_impact_velocity = 0.0
     dx.event_count = 0.0
@@ -151,9 +152,9 @@ def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> Coordinates
 
 
 @kernel
-def wall_loss(push: Push, s: Motion, m: Machine) -> float:
+def wall_loss(touching: Touching, push: Push, s: Motion, m: Machine) -> float:
     """Power (W) that the walls' friction takes."""
-    touching, forces, ratios = push
+    forces, ratios = push
     total = 0.0
     if touching.first >= 0:
         total += ratios.first * forces.first * co.sliding_velocity(touching.first, s.q, s.v, m)
@@ -165,7 +166,8 @@ def wall_loss(push: Push, s: Motion, m: Machine) -> float:
 @kernel
 def friction_power(x: Any, s: Motion, p: Any, m: Machine) -> float:
     """Power (W) that all friction takes between impacts."""
-    return me.joint_loss(s.v, m) + wall_loss(hold_closed(find_closed_corners(x), s, p, m), s, m)
+    touching = find_closed_corners(x)
+    return me.joint_loss(s.v, m) + wall_loss(touching, hold_closed(touching, s, p, m), s, m)
 
 
 def make_energy(motion: Any) -> Any:
@@ -187,8 +189,9 @@ def make_energy(motion: Any) -> Any:
 @kernel
 def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) -> None:
     """The shared outputs."""
-    place, push = find_place(x, m), hold_closed(find_closed_corners(x), s, p, m)
-    q2 = co.add_reaction(push, s.free, s, m)
+    place, touching = find_place(x, m), find_closed_corners(x)
+    push = hold_closed(touching, s, p, m)
+    q2 = co.add_reaction(touching, push, s.free, s, m)
     a, b = m.mass_along, m.mass_across
     y.piston_position = me.position_along(0.0, 0.0, s.q, m)
     y.piston_velocity = me.dot(me.along_row(0.0, 0.0, s.q, m), s.v)
@@ -201,10 +204,10 @@ def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) 
     y.upper_rear_gap = co.gap(1, place.offset, place.tilt, m)
     y.lower_front_gap = co.gap(2, place.offset, place.tilt, m)
     y.lower_rear_gap = co.gap(3, place.offset, place.tilt, m)
-    y.upper_front_force = co.force_on(0, push)
-    y.upper_rear_force = co.force_on(1, push)
-    y.lower_front_force = co.force_on(2, push)
-    y.lower_rear_force = co.force_on(3, push)
+    y.upper_front_force = co.force_on(0, touching, push)
+    y.upper_rear_force = co.force_on(1, touching, push)
+    y.lower_front_force = co.force_on(2, touching, push)
+    y.lower_rear_force = co.force_on(3, touching, push)
     y.wall_friction_force = -push.ratios.first * push.forces.first - push.ratios.second * push.forces.second
     x2 = me.dot(me.along_row(a, b, s.q, m), q2) + me.along_turning(a, b, s.q, s.v, m)
     y2 = me.dot(me.across_row(a, b, s.q, m), q2) + me.across_turning(a, b, s.q, s.v, m)
@@ -227,5 +230,5 @@ def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) 
     y.last_impact_velocity = x.last_impact_velocity
     y.event_count = x.event_count
     y.last_event_time = x.last_event_time
-    y.friction_power = me.joint_loss(s.v, m) + wall_loss(push, s, m)
+    y.friction_power = me.joint_loss(s.v, m) + wall_loss(touching, push, s, m)
     y.impact_loss = x.impact_loss

@@ -49,10 +49,12 @@ def driven_motion(x: DrivenState, u: DrivenInputs, p: DrivenParameters) -> Motio
 def crank_torque(x: DrivenState, u: DrivenInputs, p: DrivenParameters) -> float:
     """Torque that the mechanism takes: theta's row of the equation of motion."""
     m, s = mo.machine(p), driven_motion(x, u, p)
-    push = mo.hold_closed(mo.find_closed_corners(x), s, p, m)
-    q2 = add_reaction(push, s.free, s, m)
+    touching = mo.find_closed_corners(x)
+    push = mo.hold_closed(touching, s, p, m)
+    q2 = add_reaction(touching, push, s.free, s, m)
     inertial = me.multiply(me.mass_matrix(s.q, m), q2).theta + me.turning_forces(s.q, s.v, m).theta
-    return inertial - me.applied_forces(s.q, s.v, u.gas_pressure, m).theta - reaction(push, s, m).theta
+    applied = me.applied_forces(s.q, s.v, u.gas_pressure, m).theta
+    return inertial - applied - reaction(touching, push, s, m).theta
 
 
 @kernel
