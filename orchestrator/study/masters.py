@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 from rich.table import Table
 
 from models.compile.temporary import TemporaryFolder
@@ -18,8 +19,10 @@ from ..plots.style import create_subplots, save_figure
 from ..reporter import Reporter
 from ..run.pipeline import run
 from ..scenario import Scenario
+from ..scenario.display import SYMBOLS
 from ..scenario.fmu_limits import FmuLimits
 from ..scenario.system import Builder
+from ..scenario.units import choose_time_unit
 from ..store.csv_file import write_rows
 
 NAME = "masters"
@@ -31,7 +34,8 @@ LONGER = (4.0, 2.0, 1.0)
 class Tried:
     """A run: `error` is the largest relative RMS error over its tolerance, `output` the one that has it.
 
-    `steps` counts the steps that participants made. NaN and a message where the run failed.
+    `steps` counts the steps that participants made, `signals` are the inputs over a step. NaN and a message
+    where the run failed.
     """
 
     master: str
@@ -41,6 +45,7 @@ class Tried:
     steps: float = math.nan
     seconds: float = math.nan
     message: str = ""
+    signals: str = ""
 
 
 def compare_masters(
@@ -88,45 +93,55 @@ def _try(
 ) -> Tried:
     try:
         one = vary({"master.name": name, "macro_step": step})
+        signals = one.build_master().extrapolation
         with TemporaryFolder() as folder:
             summary = run(one, folder / "run", build, silent, figures=False)
     except (MistakeError, RunError) as error:
         return Tried(name, step, message=in_command_line(error))
     shares = {key: e.relative_rms / e.tolerance for key, e in summary.errors.items() if e.tolerance}
     if not summary.complete or not shares:
-        return Tried(name, step, message=in_command_line(summary.message))
+        return Tried(name, step, message=in_command_line(summary.message), signals=signals)
     output = max(shares, key=shares.__getitem__)
     steps = math.nan if summary.do_steps is None else float(summary.do_steps)
-    return Tried(name, step, shares[output], output, steps, summary.coupled_time_s)
+    return Tried(name, step, shares[output], output, steps, summary.coupled_time_s, signals=signals)
 
 
 def _tabulate(scenario: Scenario, tried: Sequence[Tried]) -> Table:
     table = Table(title=f"{scenario.name}: error against work", title_justify="left", box=None)
-    for head in ("master", "macro step (s)", "error/tolerance", "of", "participant steps", "wall time (s)"):
-        table.add_column(head, justify="left" if head in ("master", "of") else "right")
+    words = ("master", "signals", "of")
+    for head in (*words[:2], "macro step (s)", "error/tolerance", "of", "participant steps", "wall time (s)"):
+        table.add_column(head, justify="left" if head in words else "right")
     for one in tried:
-        if one.message:
-            table.add_row(one.master, f"{one.macro_step:g}", "failed", one.message[:60])
-        else:
-            numbers = f"{one.error:.2g}", one.output, f"{one.steps:.0f}", f"{one.seconds:.2g}"
-            table.add_row(one.master, f"{one.macro_step:g}", *numbers)
+        found: tuple[str, ...] = ("failed", one.message[:60])
+        if not one.message:
+            found = f"{one.error:.2g}", one.output, f"{one.steps:.0f}", f"{one.seconds:.2g}"
+        table.add_row(one.master, one.signals, f"{one.macro_step:g}", *found)
     return table
 
 
 def _draw(scenario: Scenario, tried: Sequence[Tried]) -> Figure:
     title = f"{scenario.name}: error of each master against its work"
     figure, ((left, right),) = create_subplots(1, 2, title, (8.6, 3.6), sharey=True, squeeze=False)
-    for i, name in enumerate(dict.fromkeys(one.master for one in tried)):
-        style = {"marker": "osD^v"[i % 5], "ls": "-" if i % 2 else "--", "ms": 4}
-        points = [one for one in tried if one.master == name and one.error > 0.0]
+    unit, factor = choose_time_unit(max(one.macro_step for one in tried))
+    for axes in (left, right):
+        axes.axhline(1.0, color="black", lw=0.8, label="tolerance")
+    runs = dict.fromkeys((one.master, one.signals) for one in tried if one.error > 0.0)
+    for i, (name, signals) in enumerate(runs):
+        # Those that agree are seen in each other: larger marks below, open ones.
+        size = 4 + 2 * (len(runs) - 1 - i)
+        style = {"marker": "osD^v"[i % 5], "ls": "-" if i % 2 else "--", "ms": size, "mfc": "none"}
+        points = [one for one in tried if (one.master, one.signals) == (name, signals) and one.error > 0.0]
         errors = [one.error for one in points]
-        left.loglog([one.steps for one in points], errors, label=name, **style)
-        right.loglog([one.macro_step for one in points], errors, **style)
+        left.loglog([one.steps for one in points], errors, label=f"{name}, {signals}", **style)
+        right.loglog([factor * one.macro_step for one in points], errors, **style)
     left.set_xlabel("Steps of all participants")
-    right.set_xlabel("Macro step (s)")
+    left.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    left.xaxis.set_major_formatter("{x:.0f}")
+    right.set_xlabel(f"Macro step ({SYMBOLS.get(unit, unit)})")
+    ticks = sorted({factor * one.macro_step for one in tried})
+    right.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     left.set_ylabel("Largest error over tolerance")
     for axes in (left, right):
-        axes.axhline(1.0, color="black", lw=0.8)
-        axes.xaxis.set_minor_formatter(lambda value, _: f"{value:g}")
-    figure.legend(loc="outside lower center", ncols=5)
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

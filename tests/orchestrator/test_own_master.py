@@ -84,6 +84,7 @@ def test_masters_are_compared_by_error_and_work(restorable, tmp_path, monkeypatc
     tried = compare_masters(vary, own, tmp_path / "out", False, build_fmu, silent, silent)
     names = list(dict.fromkeys(one.master for one in tried))
     assert names == (["jacobi", "newton", *own] if restorable else ["jacobi"])
+    assert {one.signals for one in tried} == {"quadratic"}  # the scenario's
     for name in names:
         errors = [one.error for one in tried if one.master == name]
         assert len(errors) == len(LONGER)
