@@ -34,6 +34,7 @@ from ..scenario.conversion import Transformations
 from ..scenario.files import to_full_toml
 from ..scenario.master_table import AUTO
 from ..scenario.oil_notices import list_oils
+from ..scenario.origin import names_file
 from ..scenario.system import (
     Assembly,
     Builder,
@@ -165,6 +166,7 @@ class Plan:
         }
 
 
+@names_file
 def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: bool = True) -> Plan:
     """Make every check of the scenario and build its FMUs. Raises ScenarioError or ModelError."""
     if scenario.master.name == AUTO:

@@ -9,23 +9,24 @@ import copy
 import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from models.catalogue import CATALOGUE
 from models.core.quantities import Layout
+from models.core.remedies import in_python
 from models.core.system import suggestion
 
-from ..errors import Fault, MistakeError, Option, Set
+from ..errors import Fault, MistakeError, Set
 from ..texts import DEEPEST, parse_value, read_toml, to_path
 from . import Scenario, ScenarioError, build_scenario, find_tables
 from .component_table import ComponentTable
 from .extending import EXTENDS, WITHOUT, drop, drop_other_options, merge, replace_cam
 from .lift_table import CAM_KEYS, replace_law
+from .origin import SET, Origin, name_place
 from .ssp import read_package as contents_of_package
 from .values import ALIKE, SECTIONS, Value, WithUnit, build_component, list_layouts, to_value
-
-SET = Option("set")
 
 SHIPPED = Path(__file__).parent / "shipped"
 
@@ -73,13 +74,14 @@ def _suggest_near(path: Path) -> str:
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     """The scenario with `overrides` ("path=value") applied; the faults of a ScenarioError have sources."""
     content = read_changed(name, overrides)
+    path = find(name)
     try:
-        return build_scenario(content)
+        return build_scenario(content).read_from(Origin(path, partial(load, name) if overrides else None))
     except ScenarioError as error:
-        path = find(name)
         own = _find_own_faults(path) if overrides else error.faults
         raise ScenarioError.of(
-            replace(fault, source=f"{path.name}:" if fault in own else SET) for fault in error.faults
+            replace(fault, source=name_place(path, in_python(fault.words)) if fault in own else SET)
+            for fault in error.faults
         ) from None
 
 

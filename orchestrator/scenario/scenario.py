@@ -20,6 +20,7 @@ from .fields import FolderName, Seconds, SecondsOr0, Table, Tolerance
 from .master_table import CONVERGED, EVENT_TOLERANCE, MasterTable, StepControlTable
 from .messages import REMEDIES, Location, find_faults
 from .oil import OilSheet, Temperature, share_oil
+from .origin import Origin
 from .revolutions import convert_to_seconds
 from .values import Faults, build_component, find_place, list_layouts
 
@@ -138,6 +139,7 @@ class Scenario(Table):
     )
 
     _chosen_start: bool = PrivateAttr(False)
+    _origin: Origin | None = PrivateAttr(None)
 
     @field_validator("components")
     @classmethod
@@ -244,6 +246,20 @@ class Scenario(Table):
         if "start" not in self.model_fields_set and all(one.third_party for one in self.components.values()):
             object.__setattr__(self, "start", "given")
             self._chosen_start = True
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        """Whether they describe the same run, whatever file they are from."""
+        return isinstance(other, Scenario) and dict(self) == dict(other)
+
+    @property
+    def origin(self) -> Origin | None:
+        """The file that it was read from."""
+        return self._origin
+
+    def read_from(self, origin: Origin) -> "Scenario":
+        """The same, which knows its file."""
+        self._origin = origin
         return self
 
     @property

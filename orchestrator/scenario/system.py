@@ -15,6 +15,7 @@ from .checks import check_scenario
 from .component_table import ComponentTable
 from .connection import parse_line
 from .conversion import Transformations, transform_inputs
+from .origin import names_file
 from .scenario import Scenario
 from .side_lines import is_side_line, read_side_lines
 from .values import Value, to_numbers
@@ -64,6 +65,7 @@ class Assembly:
     side_lines: SideLines
 
 
+@names_file
 def assemble(scenario: Scenario) -> Assembly:
     """The checked system with the start values as given. Raises ModelError or ScenarioError."""
     instances = {name: _build_instance(table) for name, table in scenario.components.items()}

@@ -176,7 +176,7 @@ def test_a_bad_connection_is_one_message(line, tmp_path):
     file.write_text(f'extends = "valve-train"\nconnections = ["{line}"]\n')
     with pytest.raises(ModelError) as error:
         build_system(load(file))
-    assert all(word in str(error.value) for word in BAD_CONNECTIONS[line]), error.value
+    assert all(word in str(error.value) for word in ("mine.toml:2: ", *BAD_CONNECTIONS[line])), error.value
 
 
 def test_a_mistake_is_marked_by_where_it_was_made(tmp_path):
@@ -188,7 +188,7 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path):
     assert [(fault.source, fault.place) for fault in error.value.faults] == [
         (Option("set"), "macro_step"),
         (Option("set"), "output_step"),
-        ("mine.toml:", "start"),
+        ("mine.toml:2:", "start"),
         (Option("set"), "master.extrapolation"),
     ]
     lines = in_command_line(error.value).split("\n")
@@ -196,8 +196,15 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path):
     assert [line.split(" = ")[0] for line in lines[:3]] == [
         "--set macro_step",
         "--set output_step",
-        "mine.toml: start",
+        "mine.toml:2: start",
     ]
+    file.write_text('extends = "valve-train"\n[tolerance]\n"contact.lod" = 1e-3\n')
+    for changes in ([], ["stop_time=2 ms"]):
+        with pytest.raises(ScenarioError, match=r"^mine.toml:3: tolerance.contact.lod: no such output"):
+            build_system(load(file, changes))
+    with pytest.raises(ScenarioError) as error:
+        build_system(load("valve-train", ["tolerance.contact.lod=1e-3"]))
+    assert in_command_line(error.value).startswith("--set tolerance.contact.lod: no such output")
 
 
 @pytest.mark.parametrize(
@@ -252,7 +259,7 @@ def test_a_bad_file_in_place_of_a_component_is_the_participants_fault(tmp_path):
         file.write_text(f"{table}participant = '{name}'\nparameters = {{ lift = 1 }}\n")
         with pytest.raises(ScenarioError) as error:
             load(file)
-        assert str(error.value).startswith(f"mine.toml: components.cam.participant: {tmp_path / name}: ")
+        assert str(error.value).startswith(f"mine.toml:5: components.cam.participant: {tmp_path / name}: ")
         assert words in str(error.value)
         assert "\n" not in str(error.value)
 
