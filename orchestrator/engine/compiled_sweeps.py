@@ -6,6 +6,7 @@ The calls, their order and the numbers are those of sweeps in Python (see `sweep
 from __future__ import annotations
 
 from collections.abc import Sequence
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,9 @@ from ..participants.compiled import advance, give, take
 from ..participants.compiled_calls import CALLS, FINE, NOT_FINITE, STEP, CompiledCalls
 from .exchange import Exchange
 from .signals import gather, interpolate_part
+
+# Of so many sweeps one is timed; at the beginning more, at intervals that grow by this factor.
+SELDOM, GROWTH = 127, 1.2
 
 mean, at_end = compiled(held_inputs.mean), compiled(held_inputs.at_end)
 
@@ -39,6 +43,7 @@ class CompiledSweep:
         self, e: Exchange, calls: Sequence[CompiledCalls], order: Sequence[int], steps: bool, in_turn: bool
     ) -> None:
         self._exchange, self._order, self._kind = e, order, (steps, in_turn)
+        self._left, self._weight = 1, 0  # the first sweep compiles or loads code, and is not timed
         self._calls = calls  # keeps the references alive
         n = len(e.wiring.sources)
         # Where each number that is given lies in the signals, and where among values and rates each number
@@ -67,23 +72,46 @@ class CompiledSweep:
             given, taken = given + turn["given_count"], taken + turn["taken_count"]
 
     def __call__(self, time: float, step: float) -> None:
-        e, history = self._exchange, self._exchange.state.history
-        if e.ended and step:
+        if self._exchange.ended and step:
             for one in self._calls:
                 one.check_end(time, step)
+        if self._left:
+            self._left -= 1
+            self._run(self._turns, 0, time, step)
+            return
+        weight = self._weight + 1
+        self._left = self._weight = min(int(GROWTH * weight), SELDOM - 1)
+        self._time(time, step, weight)
+
+    def _time(self, time: float, step: float, weight: int) -> None:
+        """One participant after the other, each timed for `weight` sweeps: with the same numbers."""
+        spent = self._exchange.effort.stepping
+        begin = perf_counter()
+        self._run(self._turns[:0], 0, time, step)
+        end = perf_counter()
+        calling = end - begin  # compiled code
+        for k, i in enumerate(self._order):
+            begin = end
+            self._run(self._turns[k : k + 1], k, time, step)
+            end = perf_counter()
+            spent[i] += weight * max(0.0, end - begin - calling)
+
+    def _run(self, turns: Any, first: int, time: float, step: float) -> None:
+        """These turns, of which `first` is the number of the first."""
+        e, history = self._exchange, self._exchange.state.history
         done = 0
         while True:
             turn, call, status = _sweep(
-                self._turns, self._memory.record, history.memory, history.count, *self._kind, time, step, done
+                turns, self._memory.record, history.memory, history.count, *self._kind, time, step, done
             )
             if call != STEP:
                 break
-            self._finish_step(turn, status, time, step)
+            self._finish_step(first + turn, status, time, step)
             done = turn + 1
         if call == NOT_FINITE:
             e.refuse(slice(0, len(e.wiring.sources)))
         elif call != FINE:
-            self._calls[turn].fail(call, status, time, step)
+            self._calls[first + turn].fail(call, status, time, step)
 
     def _finish_step(self, turn: int, status: int, time: float, step: float) -> None:
         """Have the participant make the step after all, or raise its error."""

@@ -10,6 +10,7 @@ from models.core.system import System
 from ..participants.compiled_calls import IN_PROCESS
 from ..participants.protocol import Participant
 from .consistency import make_consistent
+from .effort import timed
 from .exchange import Exchange
 from .instants import NO_SIDE_LINES, Instants, SideLines
 from .sweeps import propagate
@@ -39,13 +40,15 @@ class Coupling(Exchange):
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         """Initialise all participants and make the outputs (and rates) consistent at the start."""
-        for participant in self.participants:
-            participant.initialise(start_time, stop_time)
+        for i, participant in enumerate(self.participants):
+            with timed(self.effort.initialising, i):
+                participant.initialise(start_time, stop_time)
         for i in self.wiring.all:
             self.read(i)
         make_consistent(self, start_time)
-        for participant in self.participants:
-            participant.finish_initialisation()
+        for i, participant in enumerate(self.participants):
+            with timed(self.effort.initialising, i):
+                participant.finish_initialisation()
         # Rates that an FMU gives by the standard's call come only now, outputs of some FMUs too.
         before = self.state.arrived.copy()
         for i in self.wiring.all:
@@ -65,8 +68,10 @@ class Coupling(Exchange):
 
     def prove(self, time: float) -> None:
         """At the start, after `initialise`: try whether participants restore their states."""
-        proofs = [prove for one in self.participants if (prove := one.abilities.prove)]
-        self.unproven = [reason for prove in proofs if (reason := prove(time))]
+        proofs = {i: prove for i, one in enumerate(self.participants) if (prove := one.abilities.prove)}
+        for i, prove in proofs.items():
+            with timed(self.effort.initialising, i):
+                self.unproven += [reason] if (reason := prove(time)) else []
         if proofs:  # which may be other instances now
             self.rebind()
 
@@ -99,10 +104,11 @@ class Coupling(Exchange):
 
     def snapshot(self) -> dict[str, Any]:
         """All evolving data outside the participants, as plain numbers and arrays."""
-        return self.state.snapshot() | {"calls": self.calls.tolist()}
+        return self.state.snapshot() | {"calls": self.calls.tolist(), "effort": self.effort.state()}
 
     def resume(self, snapshot: Mapping[str, Any]) -> None:
         """Continue from a snapshot; the participants are put back by the caller."""
         self.state.resume(snapshot)
         self.calls[:] = [int(n) for n in snapshot["calls"]]
+        self.effort.resume(snapshot["effort"])
         self.points.present = None

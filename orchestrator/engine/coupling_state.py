@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,11 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..participants.protocol import Participant
+from .effort import Effort
 from .signals import History
+
+# Of so many savings, and returns, one is timed.
+SELDOM = 8
 
 
 class CouplingState:
@@ -71,21 +77,21 @@ class SavedPoint:
 class SavedPoints:
     """Saves the present point, once as long as nobody moves."""
 
-    def __init__(self, participants: Sequence[Participant], state: CouplingState) -> None:
-        self._participants, self._state = participants, state
+    def __init__(self, participants: Sequence[Participant], state: CouplingState, effort: Effort) -> None:
+        self._participants, self._state, self._effort = participants, state, effort
+        self._saves = self._restores = -1
         self.present: SavedPoint | None = None  # the saved point at which everybody is
 
     def save(self) -> SavedPoint:
         """The present point; to be released."""
         if self.present is None:
-            states = {i: participant.save() for i, participant in enumerate(self._participants)}
+            states = self._save(range(len(self._participants)))
             self.present = SavedPoint(states, self._state.copy())
         return self.present
 
     def restore(self, point: SavedPoint) -> None:
         """Back to a saved point, bit for bit."""
-        for i, state in point.participants.items():
-            self._participants[i].restore(state)
+        self._restore(point.participants)
         self._state.assign(point.coupling)
         self.present = point
 
@@ -112,16 +118,34 @@ class SavedPoints:
 
         The state of the coupling is left alone.
         """
-        units = self._participants
-        own = {} if self.present else {i: units[i].save() for i in part}
+        own = {} if self.present else self._save(part)
         states = self.present.participants if self.present else own
 
-        def roll_back() -> None:
-            for i in part:
-                units[i].restore(states[i])
-
         try:
-            yield roll_back
+            yield partial(self._restore, {i: states[i] for i in part})
         finally:
             for i, state in own.items():
-                units[i].release(state)
+                self._participants[i].release(state)
+
+    def _save(self, part: Iterable[int]) -> dict[int, Any]:
+        units, states = self._participants, {}
+        self._saves += 1
+        if self._saves % SELDOM:
+            return {i: units[i].save() for i in part}
+        for i in part:
+            begin = perf_counter()
+            states[i] = units[i].save()
+            self._effort.saving[i] += SELDOM * (perf_counter() - begin)
+        return states
+
+    def _restore(self, states: Mapping[int, Any]) -> None:
+        units, restored = self._participants, self._effort.restored
+        self._restores += 1
+        for i, state in states.items():
+            restored[i] += 1
+            if self._restores % SELDOM:
+                units[i].restore(state)
+            else:
+                begin = perf_counter()
+                units[i].restore(state)
+                self._effort.saving[i] += SELDOM * (perf_counter() - begin)

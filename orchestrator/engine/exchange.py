@@ -14,6 +14,7 @@ from ..errors import NotFiniteError
 from ..participants.compiled_calls import CompiledCalls, NotCompiledError
 from ..participants.protocol import BoundVariables, Participant
 from .coupling_state import CouplingState, SavedPoints
+from .effort import Effort
 from .signals import finite
 from .wiring import wire
 
@@ -34,7 +35,7 @@ class Exchange:
 
     `signals` (degree + 1 x sources) are the input signals of a step: value and derivatives at its start.
     `inputs[i]` are those of participant i, views on `all_inputs`, where those of participant i begin at
-    `offsets[i]`. `calls` counts the steps asked of each participant.
+    `offsets[i]`. `calls` counts the steps asked of each participant, `effort` has what else each takes.
     """
 
     def __init__(
@@ -48,9 +49,10 @@ class Exchange:
         self.participants = [participants[name] for name in w.names]
         self.divisible = all(participant.abilities.divisible for participant in self.participants)
         self.calls = np.zeros(len(w.names), dtype=np.int64)
+        self.effort = Effort(len(w.names))
         rated = np.zeros(len(w.sources), dtype=np.bool_)
         self.state = CouplingState(len(w.sources), rated, w.degrees)
-        self.points = SavedPoints(self.participants, self.state)
+        self.points = SavedPoints(self.participants, self.state, self.effort)
         rows = w.degree + 1
         self.signals: Vector = np.zeros((rows, len(w.sources)))
         self.offsets = np.cumsum([0, *(rows * len(targets) for targets in w.targets)])

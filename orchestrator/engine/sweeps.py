@@ -6,6 +6,7 @@ offer calls to compiled code it is one compiled function (`compiled_sweeps`), ot
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from time import perf_counter
 
 import numpy as np
 
@@ -39,25 +40,31 @@ class SweepKind:
         history, values, rates, inputs = e.state.history, e.state.values, e.state.rates, e.all_inputs
         signals = e.signals if steps else np.zeros_like(e.signals)
         present, arrived = signals[:2], e.state.arrived[: len(signals)]
-        turns = []
+        spent, turns = e.effort.stepping, []
         for group in [(i,) for i in order] if self.in_turn else [order]:
             units = [e.participants[i] for i in group]
             moves = [(i, unit.write, unit.advance) for i, unit in zip(group, units, strict=True)]
             own = e.wiring.slices[group[0]] if self.in_turn else slice(0, len(e.wiring.sources))
-            turns.append((*e.locate_inputs(group), moves, [unit.read for unit in units], own.start, own.stop))
+            reads = [(i, unit.read) for i, unit in zip(group, units, strict=True)]
+            turns.append((*e.locate_inputs(group), moves, reads, own.start, own.stop))
 
         def run(time: float, step: float) -> None:
             for sources, places, moves, reads, first, last in turns:
                 if not steps:
                     present[:] = arrived
                 gather(signals, sources, places, inputs)
+                begin = perf_counter()
                 for i, write, advance in moves:
                     write()
                     if steps:
                         advance(time, step)
                         counts[i] += 1
-                for read in reads:
+                    spent[i] += (end := perf_counter()) - begin
+                    begin = end
+                for i, read in reads:
                     read()
+                    spent[i] += (end := perf_counter()) - begin
+                    begin = end
                 fine = (
                     interpolate_part(
                         history.memory,

@@ -10,6 +10,8 @@ from dataclasses import replace
 from models.core.quantities import Vector
 
 from ..assessment.contacts import ContactObserver
+from ..engine.coupling import Coupling
+from ..engine.effort import Spent
 from ..engine.energy import Ledger, Trimmed
 from ..engine.observer import Observer
 from ..engine.step import Step
@@ -21,7 +23,7 @@ from ..store.json_codec import Plain
 from ..store.output_folder import SCENARIO, SUMMARY, TEXTS, OutputFolder, format_path
 from .checkpoint import Checkpoints, Identity
 from .interruption import Interruption
-from .plan import Plan, open_participants
+from .plan import Lifetimes, Plan, open_participants
 from .record import ResultRecorder, TextRecorder, list_texts
 from .simulation import Statistics, simulate
 from .summary import ENDS, Summary, Warnings, begin_summary
@@ -73,6 +75,7 @@ class _Observation:
         self.contacts = ContactObserver(system)
         self.counter = _Counter(folder.backup.delete)
         self.warnings: dict[str, Warnings] = {}
+        self.lifetimes = Lifetimes.of(system)
         self.recorder = ResultRecorder(folder.unfinished, plan.quantities, every, held_for, stop)
         recorders: list[Observer] = [self.recorder]
         texts = list_texts(plan.third_party)
@@ -96,6 +99,7 @@ class _Observation:
             coupled_time_s=self.counter.time_s,
             contacts=self.contacts.summaries(),
             energy=self._ledger.account() if self._ledger else None,
+            effort=self.counter.list_efforts(self.lifetimes),
             warnings=self.warnings,
             not_finite=self.recorder.not_finite,
         )
@@ -112,7 +116,7 @@ def _couple(
     """Make the participants and step them."""
     system, stop = observation.system, plan.stop_time
     stage = reporter.stage(f"coupled run, master {plan.scenario.master.name}", stop)
-    with open_participants(system, plan.participants) as participants:
+    with open_participants(system, plan.participants, observation.lifetimes) as participants:
         try:
             with stage as bar, Interruption() as interruption:
                 observers = [*observation.observers]
@@ -156,6 +160,20 @@ class _Counter(Observer):
 
     def __init__(self, begun: Callable[[], None]) -> None:
         self._begun = begun
+
+    def watch(self, coupling: Coupling) -> None:
+        self._coupling = coupling
+
+    def list_efforts(self, times: Lifetimes) -> dict[str, Spent]:
+        """What each participant took, by its name."""
+        calls, effort = self._coupling.calls, self._coupling.effort
+        return {
+            name: Spent(
+                int(calls[i]), effort.restored[i], times.opening[name], effort.initialising[i],
+                effort.stepping[i], effort.saving[i], times.closing[name],
+            )
+            for i, name in enumerate(self._coupling.wiring.names)
+        }  # fmt: skip
 
     def begin(self, names: Sequence[str]) -> None:
         self._start = clock.perf_counter()

@@ -6,12 +6,14 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
+from typing import NamedTuple
 
 from models.core.bonds import counting
 from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, ModelError, System
 
 from ..assessment.gas_phase import list_doubtful_gas
+from ..engine.effort import timed
 from ..engine.energy import add_counting, counting_structure
 from ..engine.instants import SideLines
 from ..engine.substeps import Substepped
@@ -90,16 +92,34 @@ class ParticipantPlan:
         return transformed(participant, self.linear) if self.linear else participant
 
 
+class Lifetimes(NamedTuple):
+    """The wall time (s) in which participants were opened and closed, by name."""
+
+    opening: dict[str, float]
+    closing: dict[str, float]
+
+    @classmethod
+    def of(cls, system: System) -> "Lifetimes":
+        return cls(dict.fromkeys(system.instances, 0.0), dict.fromkeys(system.instances, 0.0))
+
+
 @contextmanager
 def open_participants(
-    system: System, plans: Mapping[str, ParticipantPlan]
+    system: System, plans: Mapping[str, ParticipantPlan], times: Lifetimes | None = None
 ) -> Iterator[dict[str, Participant]]:
     """A participant for every instance; they are closed at the end of the block."""
+    opening, closing = times or Lifetimes.of(system)
+
+    def close(name: str, participant: Participant) -> None:
+        with timed(closing, name):
+            participant.close()
+
     with ExitStack() as stack:
         participants = {}
         for name, instance in system.instances.items():
-            participant = plans[name].open(name, instance)
-            stack.callback(participant.close)
+            with timed(opening, name):
+                participant = plans[name].open(name, instance)
+            stack.callback(close, name, participant)
             participants[name] = participant
         yield participants
 

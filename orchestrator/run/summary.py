@@ -14,6 +14,7 @@ from ..assessment.contacts import ContactSummaries
 from ..assessment.contacts import lines as contact_lines
 from ..assessment.diagnosis import Diagnosis, brief
 from ..assessment.merits import Merit
+from ..engine.effort import Spent
 from ..engine.energy.account import Account
 from ..engine.energy.account import lines as energy_lines
 from ..errors import CheckpointError, ExplainedError, RefusedError, RunError, Words, in_command_line, join
@@ -71,6 +72,7 @@ class Summary:
     contacts_from: str = MACRO_STEPS
     merits: Sequence[str] = field(default_factory=list)
     figures_of_merit: Sequence[Merit] = ()  # in a table of their own
+    effort: Mapping[str, Spent] = field(default_factory=dict)
     energy: Account | None = None
     steps: Diagnosis | None = None
     suggestions: Sequence[str] = field(default_factory=list)

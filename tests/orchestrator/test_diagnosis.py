@@ -23,6 +23,8 @@ from orchestrator.run.record import ResultRecorder
 from orchestrator.scenario.files import load, to_full_toml
 from orchestrator.store.output_folder import RESULT, SCENARIO, find_run_state
 
+from ..third_party.c_fmus import fmu
+from ..third_party.runs import ran, scenario
 from .commands import called
 from .commands import said as said_by
 from .recorder import Recorder
@@ -258,6 +260,10 @@ def test_a_run_tells_in_its_summary_what_its_steps_were(finished):
     assert steps.length.sum() == pytest.approx(1e-3)
     assert summary["steps"]["steps"] == summary["macro_steps"] == len(steps)
     assert summary["do_steps"] == summary["steps"]["do_steps"] >= 4 * len(steps)
+    efforts = summary["effort"].values()
+    assert sum(one["do_steps"] for one in efforts) == summary["do_steps"]
+    assert all(one["restored"] for one in efforts if one["do_steps"] > len(steps)), efforts
+    assert 0.0 < sum(one["stepping_s"] for one in efforts) < summary["coupled_time_s"]
     assert sum(share["steps"] for share in summary["steps"]["reasons"].values()) == pytest.approx(1.0)
     # Sources are numbers among the names that the result itself gives.
     assert set(summary["steps"]["limits"]) <= set(steps.outputs)
@@ -269,6 +275,23 @@ def test_the_command_says_it_again_and_draws(finished, tmp_path):
     assert lines[0].startswith("valve-train-controlled (complete): ")
     assert any(line.startswith("what set the step") for line in lines)
     assert (tmp_path / "steps.png").stat().st_size > 10_000
+
+
+def test_the_slow_fmu_is_named_with_its_time(tmp_path):
+    """Of steps that take 0.2 ms at least, made by compiled code, which times few of them."""
+    tables = {
+        name: {"participant": fmu(name, 2, tmp_path), "process": "shared"} for name in ("dahlquist", "slow")
+    }
+    out, steps = tmp_path / "out", 1000
+    summary, _ = ran(scenario(tables, master={"name": "jacobi"}, macro_step=1.0 / steps), out)
+    slow, quick = summary.effort["slow"], summary.effort["dahlquist"]
+    assert slow.do_steps == quick.do_steps == steps
+    # The steps after the last that is timed are left out: one of 127 at most, of 1000.
+    assert 0.85 * 0.2e-3 * steps < slow.stepping_s < 1.2 * summary.coupled_time_s
+    assert quick.stepping_s < 0.2 * slow.stepping_s
+    lines = called("diagnose", str(out)).stdout.splitlines()
+    head = next(i for i, line in enumerate(lines) if line.startswith("participant"))
+    assert [line.split()[0] for line in lines[head + 1 : head + 3]] == ["slow", "dahlquist"]
 
 
 def test_a_killed_run_is_diagnosed_from_its_journals(finished, tmp_path):

@@ -267,6 +267,8 @@ MODELS["greedy"] = replace(
     + '{ char *all = malloc(600000000); if (!all) { say(m, ERROR, "no memory left"); return ERROR; } '
     "memset(all, 1, 600000000); free(all); } " + EXPONENTIAL,
 )
+# Takes 0.2 ms for a step.
+MODELS["slow"] = replace(MODELS["dahlquist"], step=f"usleep(200); {EXPONENTIAL}")
 # Reads standard input in every step, and expects its end.
 MODELS["listening"] = replace(
     MODELS["dahlquist"], step="char byte; if (read(0, &byte, 1) != 0) return ERROR; " + EXPONENTIAL

@@ -27,7 +27,7 @@ def print_diagnosis(
     reporter = build_reporter(as_json)
     found = diagnose(folder)
     if as_json:
-        print_json({"diagnosis": found.diagnosis, "suggestions": found.suggestions})
+        print_json({"diagnosis": found.diagnosis, "effort": found.effort, "suggestions": found.suggestions})
     for line in found.lines:
         reporter.line(line)
     if figure:

@@ -1,9 +1,11 @@
 """The diagnosis of a run in words: a few lines after it, and everything on demand."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from ...engine.effort import Spent
 from ...errors import MistakeError
 from ...scenario import Scenario, ScenarioError
 from ...scenario.files import load
@@ -62,8 +64,14 @@ def _over(d: Diagnosis) -> list[str]:
     ]
 
 
-def full(facts: Facts, suggestions: Sequence[str], message: str) -> list[str]:
-    """Everything."""
+def full(
+    facts: Facts,
+    suggestions: Sequence[str],
+    message: str,
+    effort: Mapping[str, Spent] | None = None,
+    coupled_s: float = 0.0,
+) -> list[str]:
+    """Everything; `effort` by participant, of a coupled run of `coupled_s` seconds."""
     d = facts.diagnosis
     rejected = f"{d.rejected} attempts rejected ({percent(d.rejected_share)})"
     calls = f", {d.do_steps} doStep calls" if d.do_steps is not None else ""
@@ -83,6 +91,7 @@ def full(facts: Facts, suggestions: Sequence[str], message: str) -> list[str]:
             "",
             *_table(("error of", "steps", "time", f"limits most steps from .. to ({unit})"), _limits(facts)),
         ]
+    lines += ["", *_efforts(effort, d, coupled_s)] if effort else []
     lines += ["", *_quantiles(d), "", *_work(d)]
     if d.events:
         told = ", ".join(f"{count} told by {name}" for name, count in d.events.items())
@@ -106,6 +115,29 @@ def _limits(facts: Facts) -> list[tuple[str, str, str, str]]:
     if (hidden := len(facts.diagnosis.limits) - SHOWN) > 0:
         rows.append((f"and {hidden} more", "", "", ""))
     return rows
+
+
+def _efforts(effort: Mapping[str, Spent], d: Diagnosis, coupled_s: float) -> list[str]:
+    """Participants by falling time, and what is left of the coupled run."""
+    own = {name: one.stepping_s + one.saving_s for name, one in effort.items()}
+    whole = sum(own.values()) or 1.0
+    rows = []
+    for name, one in sorted(effort.items(), key=lambda item: -own[item[0]]):
+        by = {
+            variable: limit.steps for variable, limit in d.limits.items() if variable.startswith(f"{name}.")
+        }
+        variables = [f"{percent(share)} by {variable[len(name) + 1 :]}" for variable, share in by.items()]
+        times = (one.opening_s, one.initialising_s, one.stepping_s, one.saving_s, one.closing_s)
+        a_step = f"{1e6 * one.stepping_s / one.do_steps:.3g}" if one.do_steps else ""
+        counts = (str(one.do_steps), a_step, str(one.restored), ", ".join(variables[:2]))
+        rows.append((name, percent(own[name] / whole), *(f"{s:.2g}" for s in times), *counts))
+    head = (
+        "participant", "time", "opening (s)", "initialising (s)", "steps (s)", "states (s)", "closing (s)",
+        "doStep calls", "each (us)", "taken back", "limits steps",
+    )  # fmt: skip
+    rest = coupled_s - whole - sum(one.initialising_s for one in effort.values())
+    others = [f"master, signals and records: {rest:.2g} s of the {coupled_s:.2g} s of the coupled run"]
+    return _table(head, rows) + others * (rest > 0.0)
 
 
 def _quantiles(d: Diagnosis) -> list[str]:
@@ -151,11 +183,13 @@ def percent(share: float) -> str:
 
 @dataclass(frozen=True)
 class Findings:
-    """The steps of a run, its scenario, what limited them, what would help, and the lines of the report."""
+    """The steps of a run, its scenario, what limited them, what participants took, what would help, and the
+    lines of the report."""
 
     steps: Steps
     scenario: Scenario
     diagnosis: Diagnosis
+    effort: Mapping[str, Spent]
     suggestions: Sequence[str]
     lines: Sequence[str]
 
@@ -163,7 +197,8 @@ class Findings:
 def diagnose(out: Path) -> Findings:
     """Of the run in `out`; MistakeError without a run."""
     steps, message = read_steps(out)
-    diagnosis = diagnose_steps(steps, _do_steps(out / SUMMARY))
+    summary = _read_summary(out / SUMMARY)
+    diagnosis = diagnose_steps(steps, summary.get("do_steps"))
     if diagnosis is None:
         raise MistakeError(f"{out}: the run made no step ({message})")
     if not (out / SCENARIO).is_file():
@@ -176,13 +211,15 @@ def diagnose(out: Path) -> Findings:
         ) from None
     facts = Facts(diagnosis, steps, scenario)
     remedies = suggestions(facts)
-    return Findings(steps, scenario, diagnosis, remedies, full(facts, remedies, message))
+    effort = {name: Spent(**one) for name, one in summary.get("effort", {}).items()}
+    lines = full(facts, remedies, message, effort, summary.get("coupled_time_s", 0.0))
+    return Findings(steps, scenario, diagnosis, effort, remedies, lines)
 
 
-def _do_steps(summary: Path) -> int | None:
-    """As the run's summary says, if it does."""
+def _read_summary(path: Path) -> dict[str, Any]:
+    """Of the run, if it has one that can be read."""
     try:
-        found = parse_json(read_text(summary)).get("do_steps")
+        found = parse_json(read_text(path))
     except (OSError, ValueError):
-        return None
-    return int(found) if isinstance(found, int) else None
+        return {}
+    return found if isinstance(found, dict) else {}

@@ -1,0 +1,47 @@
+"""What single participants take of a run: time, and numbers of calls."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+
+@contextmanager
+def timed(spent: Any, key: Any) -> Iterator[None]:
+    """Add the wall time (s) of the block to `spent[key]`."""
+    begin = perf_counter()
+    yield
+    spent[key] += perf_counter() - begin
+
+
+class Effort:
+    """Wall time (s) by the number of a participant: of its initialisation, of its steps with what they are
+    given and what is read, and of saving and restoring its state; how often it was taken back to one.
+
+    Where compiled code makes the steps some are timed, and count for those between.
+    """
+
+    def __init__(self, size: int) -> None:
+        self.initialising, self.stepping, self.saving = ([0.0] * size for _ in range(3))
+        self.restored = [0] * size
+
+    def state(self) -> dict[str, Any]:
+        return {name: list(values) for name, values in vars(self).items()}
+
+    def resume(self, state: Mapping[str, Any]) -> None:
+        for name, values in vars(self).items():
+            values[:] = state[name]
+
+
+@dataclass(frozen=True)
+class Spent:
+    """What one participant took of a run, see `Effort`; `opening_s` has its library and process started."""
+
+    do_steps: int
+    restored: int
+    opening_s: float
+    initialising_s: float
+    stepping_s: float
+    saving_s: float
+    closing_s: float = 0.0
