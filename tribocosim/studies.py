@@ -88,7 +88,8 @@ def compare(
     both, each with its angle (degrees) and time (ms), and `figure` shows both valve trains over the angle.
     """
     check_study_packages()
-    from orchestrator.study.run_overlay import compare_runs, is_run
+    from orchestrator.store.output_folder import is_run
+    from orchestrator.study.run_overlay import compare_runs
     from orchestrator.study.speeds.compare import compare as compare_sweeps
     from orchestrator.study.speeds.compare import parse_choice
 

@@ -144,6 +144,11 @@ def open_folder(out: Path, overwrite: bool) -> Iterator[OutputFolder]:
                 folder.backup.restore()
 
 
+def is_run(folder: Path) -> bool:
+    """Whether a run left its result there."""
+    return (folder / RESULT).is_file()
+
+
 def list_files(out: Path) -> list[Path]:
     """What a run has written, in the order to be shown."""
     return [path for path in [*(out / name for name in WRITTEN), *_figures(out)] if path.exists()]

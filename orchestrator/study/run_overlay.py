@@ -12,12 +12,8 @@ from ..plots import valve_train
 from ..plots.data import FigureData
 from ..plots.style import save_figure
 from ..reporter import Reporter
-from ..store.output_folder import MERITS, RESULT, STORE
+from ..store.output_folder import MERITS, STORE, is_run
 from .speeds.compare import label
-
-
-def is_run(folder: Path) -> bool:
-    return (folder / RESULT).is_file()
 
 
 def compare_runs(first: Path, second: Path, out: Path | None, reporter: Reporter) -> dict[str, Any]:

@@ -35,7 +35,8 @@ def compare_sweeps(  # options of a command
     """
     check_study_packages()
     from orchestrator.errors import MistakeError, Option
-    from orchestrator.study.run_overlay import compare_runs, is_run
+    from orchestrator.store.output_folder import is_run
+    from orchestrator.study.run_overlay import compare_runs
     from orchestrator.study.speeds.compare import compare, parse_choice
 
     if out.suffix.lower() not in ("", ".png"):

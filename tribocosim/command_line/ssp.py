@@ -36,9 +36,9 @@ def ssp_export(
     from orchestrator.errors import REPLACE, MistakeError, Option, another, one_of
     from orchestrator.scenario.files import load
     from orchestrator.scenario.ssp import VERSIONS, export
-    from orchestrator.scenario.ssp.traceability import SUFFIX, describe_run, is_run
+    from orchestrator.scenario.ssp.traceability import SUFFIX, describe_run
     from orchestrator.store import atomic_write
-    from orchestrator.store.output_folder import SCENARIO, writing
+    from orchestrator.store.output_folder import SCENARIO, is_run, writing
 
     from ..cached_fmus import build_fmu
 

@@ -27,11 +27,6 @@ VERDICT = (
 )
 
 
-def is_run(folder: Path) -> bool:
-    """Whether a run left its result there."""
-    return (folder / RESULT).is_file()
-
-
 def describe_run(run: Path, package: Path) -> bytes:
     """Of the run in the folder `run`, whose scenario the `package` holds: verdict, tolerances and errors,
     versions, and the checksums of its FMUs, its files and the package."""
