@@ -13,6 +13,7 @@ from models.core.system import System
 
 from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, suggestions
+from ..assessment.frozen import list_frozen
 from ..assessment.merits import Merit, describe_bearings, describe_trains, list_merits
 from ..errors import RunError, Set, Words, join
 from ..reporter import Reporter
@@ -47,12 +48,15 @@ def assess(plan: Plan, summary: Summary, result: ResultFile, reporter: Reporter)
     summary = _diagnose(plan, _summarise_contacts(plan.system, summary, result), result)
     if not summary.complete:
         return summary
+    read = partial(result.read, "coupled", rows=slice(None))
+    summary = replace(summary, frozen=list_frozen(plan.system, plan.third_party, read))
     judged = _judge(plan, summary, result, reporter)
-    if not judged.not_finite or judged.exit_status != WITHIN:
+    if not judged.senseless or judged.exit_status != WITHIN:
         return judged
-    name, since = next(iter(judged.not_finite.items()))
-    more = f" and {len(judged.not_finite) - 1} more" if len(judged.not_finite) > 1 else ""
-    said = join(f"not finite: {name} from t = {since:.6g} s{more}; ", judged.verdict)
+    name, since = next(iter(judged.senseless.items()))
+    more = f" and {len(judged.senseless) - 1} more" if len(judged.senseless) > 1 else ""
+    what = "not finite, or above 1e30 times its nominal size"
+    said = join(f"{what}: {name} from t = {since:.6g} s{more}; ", judged.verdict)
     return replace(judged, verdict=said, exit_status=OUTSIDE)
 
 

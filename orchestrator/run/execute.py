@@ -101,7 +101,7 @@ class _Observation:
             energy=self._ledger.account() if self._ledger else None,
             effort=self.counter.list_efforts(self.lifetimes),
             warnings=self.warnings,
-            not_finite=self.recorder.not_finite,
+            senseless=self.recorder.senseless,
         )
 
 

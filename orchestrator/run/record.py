@@ -32,13 +32,17 @@ STEP_VARIABLES = {
     "parts": Quantity("1", "equal parts in which the macro step that ended here was made", count=True),
 }
 
+# In nominal sizes, of which many an FMU declares none.
+LARGEST = 1e30
+
 
 class ResultRecorder(Observer):
     """Records all outputs of every n-th macro step and at `stop` (s), and every step's effort, in the
     journals of `folder` that become the groups /coupled and /steps of the result. Rows are in memory for
     `held_for` (s) at most.
 
-    `not_finite` has, by output, the first recorded time (s) at which it was not finite. NaN in what is
+    `senseless` has, by output, the first recorded time (s) at which it was not finite, or above LARGEST times
+    its nominal size: FMUs that diverge report success. NaN in what is
     connected ends a run at once (`coupling`); what is only recorded is told at the end.
     """
 
@@ -56,13 +60,15 @@ class ResultRecorder(Observer):
         self._held_for = held_for
         self._count = 0
         self._step = np.zeros(len(STEP_VARIABLES))
-        self.not_finite: dict[str, float] = {}
+        self.senseless: dict[str, float] = {}
 
     def begin(self, names: Sequence[str]) -> None:
         self._open(names, None, None)
 
     def _open(self, names: Sequence[str], coupled: Mark | None, steps: Mark | None) -> None:
         self._names = list(names)
+        sizes = np.array([self._quantities[name].nominal for name in names])
+        self._largest = np.minimum(LARGEST * sizes, np.finfo(np.float64).max)
         variables = {name: self._quantities[name] for name in names}
         self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled, self._held_for)
         # With the names, so that a journal alone says which variable a number is.
@@ -77,8 +83,8 @@ class ResultRecorder(Observer):
         if is_recorded(self._count, time, self._every, self._stop):
             values = outputs()
             self._coupled.append(time, values)
-            for i in np.flatnonzero(~np.isfinite(values)):
-                self.not_finite.setdefault(self._names[i], time)
+            for i in np.flatnonzero(~(np.abs(values) <= self._largest)):
+                self.senseless.setdefault(self._names[i], time)
         if self._count:
             self._step[:] = (
                 step.length, step.iterations, step.rejected, step.error, step.source, step.reason, step.parts,
@@ -92,10 +98,10 @@ class ResultRecorder(Observer):
 
     def state(self) -> dict[str, Plain]:
         marks = {"coupled": self._coupled.mark(), "steps": self._steps.mark()}
-        return {"count": self._count, "not_finite": dict(self.not_finite), **marks}
+        return {"count": self._count, "senseless": dict(self.senseless), **marks}
 
     def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
-        self._count, self.not_finite = state["count"], dict(state["not_finite"])
+        self._count, self.senseless = state["count"], dict(state["senseless"])
         self._open(names, state["coupled"], state["steps"])
 
     def end(self, complete: bool, message: str) -> None:

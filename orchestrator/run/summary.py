@@ -77,7 +77,8 @@ class Summary:
     steps: Diagnosis | None = None
     suggestions: Sequence[str] = field(default_factory=list)
     warnings: Mapping[str, Warnings] = field(default_factory=dict)
-    not_finite: Mapping[str, float] = field(default_factory=dict)  # the first time (s) an output was so
+    senseless: Mapping[str, float] = field(default_factory=dict)  # the first time (s) an output was so
+    frozen: Sequence[str] = ()  # FMUs that stand still
     python_sweeps: Mapping[str, str] = field(default_factory=dict)  # slow participants: reason
     without_rates: Sequence[str] = ()  # participants whose rates were not used
     unproven: Sequence[str] = ()  # why participants were not restored
@@ -115,9 +116,11 @@ class Summary:
                 f"{', '.join(self.without_rates)}: rates of change are no numbers at the start, so signals "
                 "go through values only"
             )
-        for name, since in self.not_finite.items():
+        lines += self.frozen
+        for name, since in self.senseless.items():
             lines.append(
-                f"{name}: not finite from t = {since:.6g} s on, or at times; look at its participant"
+                f"{name}: not finite, or above 1e30 times its nominal size, from t = {since:.6g} s on, or at "
+                "times; look at its participant, whose own solver may need a shorter macro_step"
             )
         return lines
 

@@ -267,6 +267,17 @@ MODELS["greedy"] = replace(
     + '{ char *all = malloc(600000000); if (!all) { say(m, ERROR, "no memory left"); return ERROR; } '
     "memset(all, 1, 600000000); free(all); } " + EXPONENTIAL,
 )
+# Diverges: Euler's steps of a tenth of a macro step, of what is 25 times too fast for them.
+MODELS["diverging"] = replace(
+    MODELS["dahlquist"], step="for (int i = 0; i < 10; i++) $x -= h / 10 * 5e4 * $k * $x;"
+)
+# Its output follows its input for the first 0.3 s only.
+MODELS["freezing"] = Model(
+    (V("y", "output"), V("u", "input"), V("frozen")),
+    "$frozen = t > 0.295;",
+    "if (!$frozen) $y = 2 * $u;",
+    depends={"y": ("u",)},
+)
 # Takes 0.2 ms for a step.
 MODELS["slow"] = replace(MODELS["dahlquist"], step=f"usleep(200); {EXPONENTIAL}")
 # Reads standard input in every step, and expects its end.

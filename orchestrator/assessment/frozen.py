@@ -1,0 +1,45 @@
+"""FMUs that report success and stand still."""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+
+import numpy as np
+
+from models.core.quantities import Vector
+from models.core.system import System
+
+# Records in which nothing changes, and their share of all, before it is told: a motion may come to rest.
+FEWEST, SHARE = 10, 0.5
+
+
+def list_frozen(
+    system: System, foreign: Collection[str], read: Callable[[Sequence[str]], Mapping[str, Vector]]
+) -> list[str]:
+    """A line for each of these FMUs of whose outputs none changes any more, though an input goes on."""
+    return [line for name in foreign if (line := _describe(system, name, read))]
+
+
+def _describe(system: System, name: str, read: Callable[[Sequence[str]], Mapping[str, Vector]]) -> str:
+    layout = system.instances[name].component.outputs
+    own = [f"{name}.{field.name}" for field in layout.fields if not field.quantity.jumps]
+    driving = [c for c in system.connections if c.target.instance == name]
+    if not own or not driving:
+        return ""
+    found = read(["time", *own, *{str(c.source) for c in driving}])
+    times = found["time"]
+    last = max(_last_change(found[output]) for output in own)
+    still = len(times) - 1 - last
+    if still < max(FEWEST, SHARE * len(times)):
+        return ""
+    moving = [str(c.target) for c in driving if np.ptp(found[str(c.source)][last:]) > 0.0]
+    if not moving:
+        return ""
+    return (
+        f"{name}: no output changes from t = {times[last]:.6g} s on, though {', '.join(moving)} changes; if "
+        "it has no stop, limit or dead zone, look at the FMU, which reports success, and its parameters"
+    )
+
+
+def _last_change(values: Vector) -> int:
+    """The record from which on the values stay."""
+    changes = np.flatnonzero(np.diff(values))
+    return int(changes[-1]) + 1 if changes.size else 0
