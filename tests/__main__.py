@@ -59,8 +59,22 @@ def recording(words: list[str]) -> list[str]:
     return [*PYTEST, *tests]
 
 
+def refuse_unknown(arguments: list[str]) -> None:
+    """End with the usage where it is asked for, or an option is none of ours."""
+    if "-h" in arguments or "--help" in arguments:
+        print(__doc__)
+        raise SystemExit(0)
+    modes = "--mutants", "--machines", "--validation"
+    worded = arguments[:1] and arguments[0] in modes
+    for argument in arguments[1:] if worded else arguments:
+        if argument != "--all" and (argument.startswith("-") or not worded):
+            print(f"{argument}: is no option of python -m tests\n\n{__doc__}", file=sys.stderr)
+            raise SystemExit(2)
+
+
 def main() -> int:
     """Run all checks, also after one failed; 0 only if all passed."""
+    refuse_unknown(sys.argv[1:])
     # Tests start hundreds of processes: each would compile all modules anew where bytecode is not kept.
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
     failed, arguments = [], sys.argv[1:]

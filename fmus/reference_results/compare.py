@@ -213,9 +213,9 @@ def _reference(files: Mapping[str, str]) -> Reference:
     results = next((name for name in files if name.endswith("_ref.csv")), None)
     if results is None:
         raise ComparisonError(
-            f"has no reference results: NAME_ref.csv must lie beside the FMU or inside it, in {FOLDER}. FMUs "
-            "built with --scenario have none: give the file as participant in that scenario; its run "
-            "compares it with the reference"
+            f"has no reference results: NAME_ref.csv must lie beside the FMU or inside it, in {FOLDER}. To "
+            "know its error in a coupling, give the file as participant of a scenario, whose run is compared "
+            "with the reference"
         )
     name = results.removesuffix("_ref.csv")
     chosen = f"{name}_ref.opt"

@@ -2,10 +2,11 @@
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from .remedies import ExplainedError
 
+MOST = 3  # names that are suggested
 ELEMENT = re.compile(r"\[\d+\](?=[^\[]*$)")
 
 
@@ -32,8 +33,17 @@ def group_elements(names: Iterable[str]) -> dict[str, list[str]]:
     }
 
 
-def suggestion(name: str, known: Iterable[str]) -> str:
-    """The end of a message: the nearest known name, or all of them."""
-    names = list(known)
+def suggestion(name: str, known: Iterable[str], meanings: Mapping[str, str] | None = None) -> str:
+    """The end of a message: the nearest known names, or all of them.
+
+    These are alike, or have `name` as a part, or as a symbol in their `meanings`: k in "stiffness k_c".
+    """
+    names, word = list(known), re.escape(name[:100])
     close = difflib.get_close_matches(name[:100], names, n=1)
-    return f"did you mean {close[0]}?" if close else f"known: {', '.join(group_elements(names))}"
+    for pattern, texts in (
+        (rf"(^|_){word}(_|\[|$)", {one: one for one in names}),
+        (rf"(?<!\w){word}(_\w+|\d*)(?!\w)", meanings or {}),
+    ):
+        if not close and name not in ("", "a"):  # the article
+            close = [one for one, text in texts.items() if re.search(pattern, text)][:MOST]
+    return f"did you mean {' or '.join(close)}?" if close else f"known: {', '.join(group_elements(names))}"

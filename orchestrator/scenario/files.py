@@ -18,7 +18,7 @@ from models.core.quantities import Layout
 from models.core.remedies import in_python
 from models.core.system import suggestion
 
-from ..errors import Fault, MistakeError, Set
+from ..errors import Command, Fault, MistakeError, Set, Words
 from ..texts import DEEPEST, parse_value, read_toml, to_path
 from . import Scenario, ScenarioError, build_scenario, find_tables
 from .component_table import ComponentTable
@@ -27,6 +27,8 @@ from .lift_table import CAM_KEYS, replace_law
 from .origin import SET, Origin, name_place
 from .ssp import read_package as contents_of_package
 from .values import ALIKE, SECTIONS, Value, WithUnit, build_component, list_layouts, to_value
+
+LISTED: Words = (Command("scenarios"), " lists those shipped")
 
 SHIPPED = Path(__file__).parent / "shipped"
 
@@ -44,31 +46,30 @@ def find(name: str | Path, beside: Path | None = None) -> Path:
     if path.is_file():
         return path
     if path.is_dir():
-        raise ScenarioError(f"{path}: is a folder; give {_suggest_in_folder(path)}")
+        raise ScenarioError(f"{path}: is a folder", ("give ", _suggest_in_folder(path)))
     if path.suffix in (".toml", ".ssp"):
-        raise ScenarioError(f"{path}: no such scenario file; {_suggest_near(path)}")
+        raise ScenarioError(f"{path}: no such scenario file", _suggest_near(path))
     raise ScenarioError(
-        f"no scenario {str(name)!r}; {suggestion(str(name), list_shipped())} (or give the path of a .toml or "
-        ".ssp file)"
+        f"no scenario {str(name)!r}", (_suggest_near(path), "; or give the path of a .toml or .ssp file")
     )
 
 
-def _suggest_in_folder(folder: Path) -> str:
+def _suggest_in_folder(folder: Path) -> Words:
     """Suggest a file in place of a folder."""
     found = [*sorted(folder.glob("*.toml")), *sorted(folder.glob("*/scenario.toml"))]
     files = [str(file) for file in found if file.name != "pyproject.toml"]
     if files:
         return f"a file in it: {', '.join(files[:5])}"
-    return f"the path of a .toml file, or a shipped scenario: {', '.join(list_shipped())}"
+    return "the path of a .toml file, or a shipped scenario: ", LISTED
 
 
-def _suggest_near(path: Path) -> str:
-    """Suggest a file of a similar name."""
+def _suggest_near(path: Path) -> Words:
+    """Suggest files of a similar name, and how to list those shipped."""
     near = {file.stem: str(file) for file in path.parent.glob("*.toml")} | {
         name: name for name in list_shipped()
     }
-    close = difflib.get_close_matches(path.stem, near, n=1, cutoff=0.75)
-    return f"did you mean {near[close[0]]}?" if close else f"shipped scenarios: {', '.join(list_shipped())}"
+    close = difflib.get_close_matches(path.stem[:100], near)
+    return f"did you mean {' or '.join(near[one] for one in close)}? " if close else "", LISTED
 
 
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
@@ -213,15 +214,17 @@ def put(content: dict[str, Any], path: str, value: Any) -> None:
 def find_paths(content: Mapping[str, Any], keys: Sequence[str]) -> list[str]:
     """The paths components.NAME.TABLE.VARIABLE that parts of one, such as NAME.VARIABLE, may stand for."""
     *outer, variable = keys
-    names = set(outer) - {"components", *SECTIONS}
+    names, sections = set(outer) - {"components", *SECTIONS}, set(outer) & set(SECTIONS)
     known: dict[str, str] = {}
     for name, table in content.get("components", {}).items():
         if isinstance(table, dict) and names <= {name} and table.get("component") in CATALOGUE:
             made = build_component(table["component"])
             for section, layout in list_layouts(made).items():
-                known |= {f"components.{name}.{section}.{one}": one for one in layout.variables}
+                if section in (sections or SECTIONS):
+                    known |= {f"components.{name}.{section}.{one}": one for one in layout.variables}
     close = difflib.get_close_matches(variable, known.values(), 1, ALIKE) if names else []
-    return [path for path, one in known.items() if one == variable or one in close][:3]
+    found = [path for path, one in known.items() if one == variable or one in close]
+    return (found or [path for path, one in known.items() if variable in one.split("_")])[:3]
 
 
 def put_parameters(content: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:

@@ -40,7 +40,7 @@ def doubt_oils(scenario: Scenario) -> list[str]:
             f"{key} of components.{_join(names)} is set by hand: {value:.4g} {STATED[key]}; the oil has "
             f"{oil[key]:.4g} {STATED[key]} at {in_celsius(temperature)}"
             for (key, value), names in values.items()
-            if value != oil[key]
+            if f"{value:.4g}" != f"{oil[key]:.4g}"  # as it is printed
         ]
     oils = [table.oil for table in parts.values()]
     if None not in oils and all(oil == oils[0] for oil in oils):

@@ -162,7 +162,8 @@ def parse_values(
     faults: list[tuple[str, str]] = []
     for name, value in values.items():
         if name not in layout:
-            near = suggestion(name, layout.variables) if layout.variables else "leave it out"
+            known = {one: layout.field(one).quantity.description for one in layout.variables}
+            near = suggestion(name, known, known) if known else "leave it out"
             remedy = find_place(name, others or {}, near)
             faults.append((name, f": no such {kind}; {remedy}"))
             continue

@@ -194,10 +194,12 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path):
     assert (out / "unfinished" / "checkpoint").exists()
 
 
-SHIPPED = ", ".join(list_shipped())
 MISTAKES = {
-    ("run", "none.toml"): f"no such scenario file; shipped scenarios: {SHIPPED}",
-    ("run", "."): f"is a folder; give the path of a .toml file, or a shipped scenario: {SHIPPED}",
+    ("run", "none.toml"): "? tribocosim scenarios lists those shipped",
+    (
+        "run",
+        ".",
+    ): "is a folder; give the path of a .toml file, or a shipped scenario: tribocosim scenarios lists",
     ("run", "valve-train", "--master", "jacob"): "did you mean jacobi?",
     ("run", "valve-train", "--out", "pyproject.toml"): "is a file",
     ("resume", "none"): "none: holds no run (there is no scenario.toml)",

@@ -66,6 +66,9 @@ BAD = {
     "valve_spring.spring_rat=3e4": ("did you mean components.valve_spring.parameters.spring_rate?",),
     "valve_spring.parameters.preload=300": ("did you mean components.valve_spring.parameters.preload?",),
     "preload=300": ("did you mean components.valve_spring.parameters.preload?",),
+    "parameters.rate=3e4": ("did you mean components.valve_spring.parameters.spring_rate?",),
+    "components.valve_spring.parameters.k=3e4": ("no such parameter; did you mean spring_rate?",),
+    "components.valve_spring.parameters.rate=3e4": ("no such parameter; did you mean spring_rate?",),
     "contact.film_thickness=3e-7": ("did you mean components.contact.start.film_thickness?",),
     "components.camshaft.parameters.lift_tabel=a.csv": (
         "no such parameter; did you mean lift_table, in the component's own table, one level up?",
