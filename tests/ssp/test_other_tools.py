@@ -143,6 +143,9 @@ def test_a_public_package_runs(name, tmp_path):
     found = recorded(tmp_path / "out")
     assert len(found["time"]) == 101
     assert all(np.all(np.isfinite(column)) for column in found.values())
+    changed = called("ssp", "export", str(tmp_path / "out"), "--set=stop_time=1")
+    assert changed.returncode == 2
+    assert "--set: the run in" in changed.stderr
     made = tmp_path / "made.ssp"
     shown = called("ssp", "export", str(tmp_path / "out"), "--out", str(made))
     assert shown.stdout.split() == [str(made), str(made.with_suffix(".srmd"))], shown.stderr
