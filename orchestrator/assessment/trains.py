@@ -72,6 +72,11 @@ class Train:
         return next(iter(followers), self.cam)
 
     @property
+    def lift(self) -> str:
+        """The output that is the lift of the valve."""
+        return f"{self.valve}.{'valve_lift' if self.list_parts(roles.Valve) else 'position'}"
+
+    @property
     def contacts(self) -> list[str]:
         return self.list_parts(roles.Contact)
 

@@ -67,7 +67,9 @@ def draw(data: FigureData) -> Figure:
 
 def _draw_panel(ax: Axes, data: FigureData, name: str) -> bool:
     """Draw one variable's error; return whether some of it is below FLOOR."""
-    relative = np.abs(data.error(name)) / compute_spread(data, name)
+    contact, spread = name.split(".")[0], compute_spread(data, name)
+    shown = data.in_contact(contact) if f"{contact}.load" in data.reference else data
+    relative = np.abs(shown.error(name)) / spread
     first, top = compute_envelope(np.where(relative > FLOOR, relative, np.nan))
     ax.semilogy(data.x(True)[first], top, color=COUPLED, lw=1.1)
     if name in data.tolerance:

@@ -41,7 +41,7 @@ CONTACT = {
     "Sliding velocity": "sliding_velocity",
     "Friction": "friction_force",
 }
-ADJUSTER = {"Adjuster": "extension", "Oil pressure": "pressure"}
+ADJUSTER = {"Adjuster\nextension": "extension", "Adjuster\npressure": "pressure"}
 # What a run may lack of a revolution.
 OPEN = 0.01
 PALE = "#c3ccd5"
@@ -168,11 +168,10 @@ def _find_gap(data: FigureData, contact: str, reference: bool) -> Vector:
 
 def list_columns(data: FigureData, train: Train) -> list[Panels]:
     """The panels of the motion, then those of each contact, as far as the train has their variables."""
-    valve, lifts = train.valve, bool(train.list_parts(roles.Valve))
-    lift = f"{valve}.valve_lift" if lifts else f"{valve}.position"
+    valve = train.valve
     motion = {
-        "Lift": lift,
-        "Lift at the seat": lift,
+        "Lift": train.lift,
+        "Lift at the seat": train.lift,
         "Velocity": f"{valve}.velocity",
         "Acceleration": f"{valve}.acceleration",
         "Spring force": SPRING if SPRING in data.coupled else f"{valve}.spring_force",

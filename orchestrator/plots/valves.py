@@ -17,15 +17,15 @@ def applies(data: FigureData) -> bool:
 
 
 def draw(data: FigureData) -> Figure:
-    first = {train.contacts[0] for train in data.trains}
-    names = [name for name in data.list_instances() if name in first]
+    lifts = {train.contacts[0]: train.lift for train in data.trains}
+    names = [name for name in data.list_instances() if name in lifts]
     data = replace(data, angle=find_drive_angle(data.system)) if data.system else data
     title = f"{data.title}: contact loads of {len(names)} valve trains, shaded where contact is lost"
     columns = min(COLUMNS, len(names))
     figure, panels = create_grid(len(names), columns, title, (12.0, 1.9), 1.1, sharex=True, sharey=True)
     x, top = data.x(), 1.05 * max(float(np.max(data.coupled[f"{name}.load"])) for name in names)
     for ax, name in zip(panels, names, strict=True):
-        lift = data.coupled.get(data.drivers.get(f"{name}.retreat", ""), np.zeros_like(x))
+        lift = data.coupled.get(lifts[name], np.zeros_like(x))
         share = lift / (float(np.max(lift)) or 1.0)
         ax.fill_between(
             x, 0.0, 0.35 * top * share, color=MUTED, alpha=0.35, lw=0.0, label="lift (not to scale)"

@@ -318,6 +318,9 @@ def test_many_valves_are_all_drawn_and_named(bouncing):
     assert not valves.applies(bouncing)
     panels = [ax for ax in valves.draw(both).axes if ax.get_visible()]
     assert [ax.get_title(loc="left") for ax in panels] == ["contact", "contact_b"]
+    pushed = replace(both, drivers={t: s for t, s in both.drivers.items() if not t.endswith(".retreat")})
+    for ax in valves.draw(pushed).axes:  # whatever moves the contact's other side, its valve's lift is drawn
+        assert ax.collections[0].get_paths()[0].get_extents().y1 == pytest.approx(0.35 * ax.get_ylim()[1])
     assert panels[0].get_xlabel() == "Cam angle (°)"
     load = next(ax for ax in valve_train.draw(both).axes if ax.get_ylabel().startswith("Load"))
     assert [max(line.get_ydata()) for line in load.lines[:2]] == [200.0, 400.0]  # pale below
@@ -334,6 +337,9 @@ def test_each_judged_variable_has_its_error_and_its_tolerance_in_a_panel(bouncin
     spread = np.std(bouncing.reference["contact.load"])  # records at equal distances
     assert error.get_ydata() == pytest.approx(0.2 / spread)
     assert allowed.get_ydata()[0] == 1e-3
+    film, lost = figure.axes[1].lines[0].get_ydata(), bouncing.lost("contact")
+    assert lost.any()
+    assert np.array_equal(np.isnan(film), lost)  # where contact is lost there is none
 
 
 def test_what_no_other_figure_draws_is_drawn_by_variable(bouncing):
