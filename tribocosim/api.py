@@ -195,15 +195,20 @@ def resume(
     return open(Path(folder)) if keep else _open_complete(summary, Path(folder))
 
 
-def report(folder: str | Path, path: str | Path | None = None) -> Path:
+def report(folder: str | Path, path: str | Path | None = None, *, cycle: bool = False) -> Path:
     """Write the page of a run or a sweep over speed to `path`; its path.
 
     Without `path` it is written into the folder, and a run's figures are drawn anew; RunError names those
-    that fail, once all others are drawn.
+    that fail, once all others are drawn. With `cycle` only the page cycle.html, which computes the steady
+    cycle of the train as its sliders move; in the place of the folder a scenario may stand then, by name or
+    file. MistakeError for trains with events.
     """
     from orchestrator.report import draw_anew
 
-    return draw_anew(Path(folder), None if path is None else Path(path))
+    from .cycle_page import write_cycle_page
+
+    write = write_cycle_page if cycle else draw_anew
+    return write(Path(folder), None if path is None else Path(path))
 
 
 def open(folder: str | Path) -> Result:

@@ -69,7 +69,7 @@ def this_platform() -> str:
 # thrown through C.
 _C = ["-std=c11", "-Os", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all"]
 _C += ["-fno-unwind-tables", "-fno-asynchronous-unwind-tables", "-fomit-frame-pointer"]
-_STRICT = ["-Wall", "-Wextra", "-Werror"]
+STRICT = ["-Wall", "-Wextra", "-Werror"]
 # By the suffix of libraries: without what identifies builds or names what is not exported.
 _LINKED = {".so": ["-Wl,--hash-style=sysv", "-Wl,--build-id=none", "-Wl,--gc-sections"], ".dylib": ["-Wl,-x"]}
 
@@ -100,14 +100,14 @@ def shared_library(
             (here / path.name).write_bytes(path.read_bytes())
         sources = [*(source.name for source in runtime_sources(fmi)), "tables.c"]
         target = f"{name}{place.suffix}"
-        compiler = ["cc", "-target", place.zig, *_C, *_STRICT, "-I.", f"-I{FMI_HEADERS}"]
+        compiler = ["cc", "-target", place.zig, *_C, *STRICT, "-I.", f"-I{FMI_HEADERS}"]
         if place.suffix == ".dll":
             for source in sources:
-                _zig([*compiler, "-D__USE_MINGW_ANSI_STDIO=0", "-c", source, "-o", f"{source}.o"], here)
+                run_zig([*compiler, "-D__USE_MINGW_ANSI_STDIO=0", "-c", source, "-o", f"{source}.o"], here)
             _link_for_windows(here, target)
         else:
             linked = ["-shared", "-s", *_LINKED[place.suffix], "-lm"]
-            _zig([*compiler, *sources, "kernels.o", *linked, "-o", target], here)
+            run_zig([*compiler, *sources, "kernels.o", *linked, "-o", target], here)
         return (here / target).read_bytes()
 
 
@@ -120,9 +120,9 @@ def _link_for_windows(folder: Path, target: str) -> None:
         lines = [f"LIBRARY api-ms-win-crt-{part}-l1-1-0.dll", "EXPORTS", *names]
         (folder / f"{part}.def").write_text("\n".join(lines), encoding="utf-8")
         libraries.append(f"{part}.lib")
-        _zig(["dlltool", "-m", "i386:x86-64", "-d", f"{part}.def", "-l", libraries[-1]], folder)
+        run_zig(["dlltool", "-m", "i386:x86-64", "-d", f"{part}.def", "-l", libraries[-1]], folder)
     options = ["/dll", "/noentry", "/lldmingw", "/machine:x64", "/opt:ref", "/opt:icf", "/timestamp:0"]
-    _zig(["lld-link", *options, f"/out:{target}", *objects, *libraries], folder)
+    run_zig(["lld-link", *options, f"/out:{target}", *objects, *libraries], folder)
 
 
 def runtime_sources(fmi: int) -> list[Path]:
@@ -131,7 +131,8 @@ def runtime_sources(fmi: int) -> list[Path]:
     return [path for path in paths if path.name.startswith(f"fmi{fmi}") or not path.name.startswith("fmi")]
 
 
-def _zig(arguments: Sequence[str], folder: Path) -> None:
+def run_zig(arguments: Sequence[str], folder: Path) -> None:
+    """Call zig in a folder; NativeBuildError with what it says."""
     made = subprocess.run(
         [sys.executable, "-m", "ziglang", *arguments], cwd=folder, capture_output=True, text=True
     )

@@ -1,7 +1,8 @@
 """report.html: one page that needs no network, with the animated mechanism and all plots of a run; and the
 figures beside it."""
 
-from .page import write_report
+from .cycle import SAMPLES, Train
+from .page import write_cycle, write_report
 from .pictures import draw_anew, draw_pictures
 
-__all__ = ["draw_anew", "draw_pictures", "write_report"]
+__all__ = ["SAMPLES", "Train", "draw_anew", "draw_pictures", "write_cycle", "write_report"]

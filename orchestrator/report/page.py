@@ -20,10 +20,11 @@ from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY
 from ..store.records import Records, open_records
 from ..texts import parse_json, read_text
 from .content import collect_run
+from .cycle import Train, collect_cycle
 
 SCRIPTS = (
     "series.js", "axes.js", "view.js", "marks.js", "panel.js", "phase.js", "steps.js", "scene.js",
-    "contact.js", "sweep.js", "report.js",
+    "contact.js", "sweep.js", "cycle.js", "report.js",
 )  # fmt: skip
 
 
@@ -38,7 +39,15 @@ def write_report(folder: Path, path: Path | None = None) -> Path:
         page = _render(*collect_sweep(folder))
     else:
         page = _render_run(folder)
-    path = path or folder / REPORT
+    return _write(page, path or folder / REPORT)
+
+
+def write_cycle(train: Train, path: Path) -> Path:
+    """Write the page that computes the steady cycle of a train; MistakeError if it cannot be written."""
+    return _write(_render(*collect_cycle(train)), path)
+
+
+def _write(page: str, path: Path) -> Path:
     try:
         atomic_write.replace(path, page.encode("utf-8"))
     except OSError as error:
@@ -121,6 +130,7 @@ def _render(values: Mapping[str, Any], content: Mapping[str, Any]) -> str:
         has_marks=bool(content["marks"]),
         has_steps=bool(content.get("steps")),
         has_sweep=bool(content.get("sweep")),
+        has_cycle=bool(content.get("cycle")),
     )
 
 

@@ -10,16 +10,25 @@ from .error_report import report_errors
 
 @report_errors
 def write_page(
-    folder: Annotated[Path, typer.Argument(help="Output folder of a run or a speed sweep.")],
+    folder: Annotated[
+        Path, typer.Argument(help="Output folder of a run or a speed sweep; with --cycle also a scenario.")
+    ],
     out: Annotated[
         Path | None, typer.Option(help="File of the page.", show_default="FOLDER/report.html")
     ] = None,
+    cycle: Annotated[
+        bool,
+        typer.Option(
+            "--cycle", help="Write cycle.html, which computes the train's steady cycle as sliders move."
+        ),
+    ] = False,
 ) -> None:
     """Rewrite report.html, the page with the animated mechanism, plots and errors, and a run's figures.
 
     With --out it writes the page only. Exit status 3: a figure or the page failed.
     """
-    from orchestrator.report import draw_anew
     from orchestrator.reporter import Reporter
 
-    Reporter().line(f"report in {draw_anew(folder, out)}")
+    from ..api import report
+
+    Reporter().line(f"report in {report(folder, out, cycle=cycle)}")

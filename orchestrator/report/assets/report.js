@@ -7,7 +7,7 @@ const get = (id) => document.getElementById(id);
 class ReportPage {
   constructor(content) {
     this.content = content;
-    this.records = content.sweep ? new SweepRecords(content) : new Records(content);
+    this.records = content.sweep ? new SweepRecords(content) : content.cycle ? new CycleRecords(content) : new Records(content);
     this.view = new View(this.records);
     this.marks = new Marks(this.records, content.marks || []);
     this.panels = []; this.drawings = []; this.values = new Map();
@@ -29,6 +29,7 @@ class ReportPage {
     this.phase = new Phase(this);
     this.drawings.push(this.phase);
     if (this.content.sweep) { this.drawings.push(new Sweep(this, this.content.sweep)); await this.drawings.at(-1).start(); }
+    if (this.content.cycle) this.drawings.push(new Cycle(this));
     this.fillControls();
     this.view.listeners.push(() => this.refresh());
     for (const change of ["resize", "scroll"]) window.addEventListener(change, () => this.refresh());

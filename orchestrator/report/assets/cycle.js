@@ -1,0 +1,142 @@
+// The steady cycle of a train, computed here: its kernels as WebAssembly (fmus/native/browser/cycle.c).
+"use strict";
+
+// A period is steady when it changes no state by more than this, over nominal + |value|: less than a plot shows.
+const STEADY = 1e-4, MOST_PERIODS = 12;
+// Of the integrator, over nominal + |value|; it leaves less than a thousandth of the largest load.
+const TOLERANCE = 3e-6;
+
+class CycleRecords extends Records {
+  constructor(content) {
+    super(content);
+    this.told = content.cycle;
+    this.chosen = this.told.sliders.map((slider) => slider.at);
+    this.columns = new Map(this.told.outputs.map((name, k) => [name, k]));
+  }
+
+  async start() {
+    await super.start();
+    const { instance } = await WebAssembly.instantiate(await inflate(this.told.code), {});
+    this.train = instance.exports;
+    this.train._initialize();
+    this.begin();
+    await this.compute();
+  }
+
+  view(name, Kind, count) { return new Kind(this.train.memory.buffer, this.train[name].value, count); }
+
+  // From the start of the scenario; otherwise a cycle begins where the last one ended.
+  begin() {
+    for (const name of ["inputs", "state", "start", "nominal"]) {
+      const values = name === "start" ? this.told.state : this.told[name];
+      this.view(name, Float64Array, values.length).set(values);
+    }
+    for (const name of ["held", "positive"]) this.view(name, Int32Array, this.told[name].length).set(this.told[name]);
+  }
+
+  // Whether there is another cycle to show.
+  async compute() {
+    const { told } = this, began = performance.now(), base = this.bases[0];
+    this.overtaken = false;
+    this.settle();
+    let found = await this.turn();
+    if (!(found.change <= STEADY) && !this.overtaken) { this.begin(); this.settle(); found = await this.turn(); }
+    if (this.overtaken) return false;
+    this.found = { ...found, milliseconds: performance.now() - began };
+    if (found.change !== found.change) return false;
+    this.rows = this.view("rows", Float64Array, base.rows * told.outputs.length).slice();
+    base.end = this.period;
+    base.times = Float64Array.from({ length: base.rows }, (_, i) => i * this.period / (base.rows - 1));
+    return true;
+  }
+
+  // The numbers of the chosen positions.
+  settle() {
+    const { told } = this, parameters = this.view("parameters", Float64Array, told.parameters.length);
+    const states = ["state", "start"].map((name) => this.view(name, Float64Array, told.state.length));
+    parameters.set(told.parameters);
+    told.sliders.forEach((slider, k) => {
+      const position = slider.positions[this.chosen[k]];
+      for (const [at, value] of position.parameters) parameters[at] = value;
+      for (const [at, value] of position.state || []) for (const one of states) one[at] = value;
+      this.period = position.period || this.period;
+    });
+  }
+
+  // Periods until they are steady, or the sliders have moved on.
+  async turn() {
+    let change = NaN, periods = 0;
+    do {
+      change = this.train.revolve(this.period, TOLERANCE); periods++;
+      await new Promise((done) => setTimeout(done));
+    } while (change > STEADY && periods < MOST_PERIODS && !this.overtaken);
+    return { change, periods };
+  }
+
+  column(name) {
+    const at = this.columns.get(name), n = this.told.outputs.length;
+    return at === undefined ? null : Float32Array.from({ length: this.bases[0].rows }, (_, i) => this.rows[i * n + at]);
+  }
+
+  // Without load there is no film.
+  async series(name) {
+    const values = this.rows ? this.column(name) : null;
+    if (!values) return null;
+    const load = /film_thickness$/.test(name) ? this.column(name.replace(/[^.]*$/, "load")) : null;
+    if (load) load.forEach((one, i) => { if (!(one > 0)) values[i] = NaN; });
+    return new Series(values, values);
+  }
+}
+
+// The sliders of a train.
+class Cycle {
+  constructor(report) {
+    this.report = report; this.records = report.records;
+    this.records.told.sliders.forEach((slider, k) => this.add(slider, k));
+    this.tell();
+  }
+
+  add(slider, k) {
+    const root = document.createElement("label"), name = document.createElement("span"), input = document.createElement("input"), value = document.createElement("output");
+    const last = slider.positions.length - 1, show = () => {
+      value.textContent = readable(+slider.positions[+input.value].shown.toPrecision(4)) + " " + slider.unit;
+      input.setAttribute("aria-valuetext", value.textContent);
+    };
+    name.textContent = slider.name;
+    Object.assign(input, { type: "range", min: "0", max: String(last), step: "1", value: String(slider.at) });
+    input.dataset.slider = slider.name;
+    input.oninput = () => { show(); this.records.chosen[k] = +input.value; this.ask(); };
+    show();
+    root.append(name, value, input);
+    get("sliders").append(root);
+  }
+
+  // What is computed as a slider moves on is given up after its period.
+  async ask() {
+    this.records.overtaken = this.wanted = true;
+    if (this.busy) return;
+    this.busy = true;
+    while (this.wanted) { this.wanted = false; await this.change(); }
+    this.busy = false;
+  }
+
+  // Another cycle, at the same share of it.
+  async change() {
+    const share = this.report.now / (this.report.base.end || 1), view = this.report.view;
+    get("cycle-state").textContent = "computing";
+    if (await this.records.compute()) {
+      await view.over(view.name);
+      await this.report.reload();
+      this.report.setTime(share * this.report.base.end);
+    }
+    if (!this.wanted) this.tell();
+  }
+
+  tell() {
+    const { change, periods, milliseconds } = this.records.found, time = Math.round(milliseconds) + " ms";
+    get("cycle-state").textContent = change !== change ? "no step succeeds: the cycle before is shown" :
+      change <= STEADY ? "steady after " + periods + " periods, " + time : "not steady after " + periods + " periods: each changes by " + readable(+change.toPrecision(2)) + ", " + time;
+  }
+
+  draw() {}
+}

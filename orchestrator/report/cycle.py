@@ -1,0 +1,155 @@
+"""What a page needs that computes the steady cycle of a train: the train as code, its numbers, sliders."""
+
+import base64
+import math
+import zlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from models.core.component import Component
+
+from ..errors import MistakeError
+from ..scenario import Scenario, ScenarioError
+from ..scenario.system import list_parameters
+from .content import describe, list_marks
+from .mechanism import list_sketches
+
+# Instants of a cycle besides its begin.
+SAMPLES = 720
+PANELS = (".load", ".film_thickness", ".velocity", ".position")
+RPM = 30.0 / math.pi
+# Positions of sliders: shares of the scenario's number, and temperatures (degC).
+SHARES = tuple(k / 20 for k in range(8, 41))
+TEMPERATURES = tuple(range(30, 155, 5))
+# Parameters with a slider, by their endings, and the units that are shown.
+VARIED = {
+    "spring_rate": (1e-3, "N/mm"),
+    "preload": (1.0, "N"),
+    "lash": (1e3, "mm"),
+    "viscosity": (1e3, "mPa.s"),
+}
+
+
+@dataclass(frozen=True)
+class Train:
+    """A scenario's whole train as one component, as code for a page, and what turns it: the flywheel, and its
+    turns in a period. `change(path=value)` is the scenario with another value."""
+
+    scenario: Scenario
+    component: Component
+    code: bytes
+    flywheel: str
+    turns: int
+    change: Callable[[str], Scenario]
+
+
+def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What the page says, and its content."""
+    component, name = train.component, train.scenario.name
+    names = list(component.outputs.names)
+    angle = next((n for n in names if n.endswith(".cam_angle")), "")
+    sketches = list_sketches(train.scenario, names)
+    content = {
+        "bases": [{"rows": SAMPLES + 1, "stretch": 1, "begin": 0.0, "every": 1.0, "end": float(SAMPLES)}],
+        "variables": [_describe(n, f.quantity) for n, f in zip(names, component.outputs.fields, strict=True)],
+        "leftOut": 0,
+        "sketches": [sketch.content() for sketch in sketches],
+        "panels": _choose(names),
+        "marks": list_marks(names),
+        "abscissa": angle,
+        "cycle": _tell_train(train, f"{train.flywheel}.angle"),
+    }
+    said = {
+        "summary": {},
+        "name": name,
+        "title": f"{name}: steady cycle",
+        "good": True,
+        "verdict": "computed in this page",
+        "notices": [],
+        "version": "",
+        "versions": "",
+        "command": f"tribocosim run {name}",
+        "fmus": {},
+        "toml": "",
+    }
+    return said, content
+
+
+def _describe(name: str, quantity: Any) -> dict[str, Any]:
+    attributes = {
+        "units": quantity.unit,
+        "display_units": quantity.display_unit,
+        "long_name": quantity.description,
+    }
+    return {**describe(name, attributes), "group": "coupled", "base": 0, "data": {}}
+
+
+def _choose(names: Sequence[str]) -> list[str]:
+    found = (next((name for name in names if name.endswith(ending)), "") for ending in PANELS)
+    return [name for name in found if name]
+
+
+def _tell_train(train: Train, turning: str) -> dict[str, Any]:
+    component = train.component
+    fields = component.state.fields
+    return {
+        "code": base64.b64encode(zlib.compress(train.code, 9)).decode(),
+        "parameters": list(map(float, component.parameters.start)),
+        "inputs": list(map(float, component.inputs.start)),
+        "state": list(map(float, component.state.start)),
+        "nominal": list(map(float, component.state.nominal)),
+        "held": [int(f.name == turning or f.quantity.accumulates) for f in fields],
+        "positive": [int(f.quantity.positive) for f in fields],
+        "outputs": list(component.outputs.names),
+        "sliders": [slider for slider in _list_sliders(train) if len(slider["positions"]) > 1],
+    }
+
+
+def _list_sliders(train: Train) -> Iterator[dict[str, Any]]:
+    """Each with its positions: what they show, and what they change (see `_position`)."""
+    base = list_parameters(train.scenario)
+    speed = base[f"{train.flywheel}.initial_speed"]
+    positions = [_turn(train, base, share * speed) for share in SHARES]
+    yield {"name": "speed", "unit": "r/min", "at": SHARES.index(1.0), "positions": positions}
+    temperatures = list(_list_temperatures(train, base))
+    for name, value in base.items():
+        ending = name.partition(".")[2]
+        if ending == "viscosity" and temperatures:
+            continue
+        if ending in VARIED and value > 0.0 and name in train.component.parameters.names:
+            factor, unit = VARIED[ending]
+            positions = [_position(train, {name: s * value}, s * value * factor) for s in SHARES]
+            yield {"name": name, "unit": unit, "at": SHARES.index(1.0), "positions": positions}
+    yield from temperatures
+
+
+def _list_temperatures(train: Train, base: Mapping[str, float]) -> Iterator[dict[str, Any]]:
+    """Of a scenario with an oil: its numbers at each temperature."""
+    positions = []
+    for temperature in TEMPERATURES:
+        try:
+            found = list_parameters(train.change(f'temperature="{temperature} degC"'))
+        except (ScenarioError, MistakeError):
+            return
+        changed = {name: value for name, value in found.items() if value != base[name]}
+        positions.append(_position(train, changed, float(temperature)))
+    at = next((k for k, one in enumerate(positions) if not one["parameters"]), 0)
+    if any(one["parameters"] for one in positions):
+        yield {"name": "oil temperature", "unit": "degC", "at": at, "positions": positions}
+
+
+def _turn(train: Train, base: Mapping[str, float], speed: float) -> dict[str, Any]:
+    """At another speed (rad/s) of the flywheel."""
+    ends = {f"{train.flywheel}.{name}": speed for name in ("initial_speed", "final_speed")}
+    changed = {name: value for name, value in ends.items() if name in base}
+    state = train.component.state.names.index(f"{train.flywheel}.speed")
+    period = train.turns * 2.0 * math.pi / speed
+    return {**_position(train, changed, speed * RPM), "state": [[state, speed]], "period": period}
+
+
+def _position(train: Train, changed: Mapping[str, float], shown: float) -> dict[str, Any]:
+    """What a position shows, and the numbers of the train that it changes, by place."""
+    names = list(train.component.parameters.names)
+    places = [[names.index(name), value] for name, value in changed.items() if name in names]
+    return {"shown": shown, "parameters": places}

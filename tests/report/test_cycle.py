@@ -1,0 +1,81 @@
+"""cycle.html: a page that computes the steady cycle of a train, in a real browser."""
+
+import math
+import platform
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tribocosim
+from fmus.native.cycle_module import cycle_module, link_cycle, list_sizes
+from fmus.native.machine_code import Platform
+from models.catalogue import find_factory
+from models.native.translate import TranslationError
+from orchestrator.errors import MistakeError
+from orchestrator.report.cycle import SAMPLES
+from orchestrator.scenario.files import load, read_changed
+from orchestrator.study.speeds.subject import SpeedSubject
+from tribocosim.scenario_fmus import write_whole
+
+from .test_browser import browser as browser
+from .test_browser import opened, wait
+
+pytest.importorskip("ziglang", reason="needs the package ziglang")
+
+NAMES = ("load", "film_thickness")
+# What the host reads, in this order.
+LISTED = ("parameters", "inputs", "state", "nominal", "held", "positive")
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return tribocosim.report("valve-train", tmp_path_factory.mktemp("cycle") / "cycle.html", cycle=True)
+
+
+def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path):
+    """At another speed than the scenario's, by its slider. A thousandth is a fifth of a pixel of a plot."""
+    with opened(browser, path) as page:
+        slider = page.locator("[data-slider=speed]")
+        slider.focus()
+        for _ in range(4):
+            slider.press("ArrowRight")
+        wait(page, "document.querySelector('#sliders output').textContent === '1200 r/min'")
+        wait(page, "report.records.period === 0.05 && report.base.end === 0.05")
+        wait(page, "document.querySelector('#cycle-state').textContent.startsWith('steady after ')")
+        found = {
+            name: page.evaluate(f"Array.from(report.records.column('contact.{name}'))") for name in NAMES
+        }
+    subject = SpeedSubject(read_changed("valve-train"), "flywheel")
+    cycle = subject.find_cycle_at(1200.0 * math.pi / 30.0)
+    for name in NAMES:
+        right = cycle[f"contact.{name}"][:: (len(cycle.times) - 1) // SAMPLES]
+        assert np.abs(np.array(found[name]) - right).max() < 1e-3 * right.max(), name
+
+
+@pytest.mark.long
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="the host is for x86-64")
+def test_a_browser_computes_the_bits_of_native_code(browser, path, tmp_path):
+    """The same C and kernels for this machine, with the same mathematical library, musl's."""
+    with opened(browser, path) as page:
+        told = page.evaluate("report.records.told")
+        said = page.evaluate("[report.records.period, TOLERANCE, report.records.found.periods]")
+        rows = page.evaluate("Array.from(report.records.rows)")
+    own = write_whole(load("valve-train"), tmp_path)
+    here = Platform("x86_64-unknown-linux-gnu", "x86_64-linux-musl", "", "", "")
+    sizes = list_sizes(find_factory(own)(), SAMPLES)
+    host = tmp_path / "host"
+    source = str(Path(__file__).with_name("cycle_host.c"))
+    host.write_bytes(link_cycle(own, here, sizes, ["cycle.c", source], ["-mcpu=baseline", "-lm"]))
+    host.chmod(0o700)
+    given = np.concatenate([said, *(told[name] for name in LISTED)]).astype(np.float64)
+    made = subprocess.run([host], input=given.tobytes(), capture_output=True, check=True).stdout
+    np.testing.assert_array_equal(np.frombuffer(made).view(np.int64), np.array(rows).view(np.int64))
+
+
+def test_what_has_events_or_no_prescribed_speed_is_refused(tmp_path):
+    with pytest.raises(TranslationError, match="has events, which a page does not look for"):
+        cycle_module("slider_crank", find_factory("slider_crank")(), SAMPLES)
+    with pytest.raises(MistakeError, match="no flywheel prescribes the speed"):
+        tribocosim.report("bouncing-mass", tmp_path / "cycle.html", cycle=True)
