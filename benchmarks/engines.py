@@ -3,21 +3,24 @@
 
 Sixteen valve trains on two elastic camshafts, of four cylinders that fire in the order 1-3-4-2, without and
 with the cylinders; and eight pushrod trains on one camshaft. Each train starts in the steady cycle that it
-has alone on a rigid shaft, at its cam's angle. The comments at the beginning of the files stay.
+has alone on a rigid shaft, at its cam's angle. The comments at the beginning of the files stay, and so do the
+order of components and start values that are in that cycle as exactly as it is known.
 """
 
 import copy
 import math
+import tomllib
 from argparse import ArgumentParser
 from collections.abc import Sequence
 from typing import Any
 
 import tomli_w
 
-from models.monolithic.cycle import find_cycle
+from models.monolithic.cycle import STEADY, find_cycle
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import SHIPPED, load
 from orchestrator.scenario.system import build_system, resolve_start
+from orchestrator.scenario.values import build_component
 
 BENDING = (
     *(f"SHAFT.{port}[N] -> tappet.{port}" for port in ("axis_x", "axis_y")),
@@ -262,6 +265,21 @@ def build_pushrod_engine() -> dict[str, Any]:
     }
 
 
+def keep_same(content: dict[str, Any], before: dict[str, Any]) -> None:
+    """Take the order of components from `before`, and start values that are the same to STEADY."""
+    content["components"] = {
+        n: content["components"][n] for n in before["components"] if n in content["components"]
+    } | content["components"]
+    for name, table in content["components"].items():
+        old, new = before["components"].get(name, {}).get("start", {}), table.get("start", {})
+        if not new or old.keys() != new.keys():
+            continue
+        states = build_component(table["component"], tuple(sorted(table.get("structure", {}).items()))).state
+        sizes = {state: states.field(state).quantity.nominal + abs(value) for state, value in old.items()}
+        if all(abs(new[state] - value) <= STEADY * sizes[state] for state, value in old.items()):
+            table["start"] = old
+
+
 BUILDERS = {
     "valve-train-16v": build_valve_train, "engine-16v": build_engine, "pushrod-engine": build_pushrod_engine,
 }  # fmt: skip
@@ -271,5 +289,7 @@ if __name__ == "__main__":
     for name, build in BUILDERS.items():
         file = SHIPPED / f"{name}.toml"
         begin = [line for line in file.read_text("utf-8").splitlines() if line.startswith("#")]
-        file.write_text("\n".join([*begin, "", tomli_w.dumps(build())]), "utf-8")
+        content = build()
+        keep_same(content, tomllib.loads(file.read_text("utf-8")))
+        file.write_text("\n".join([*begin, "", tomli_w.dumps(content)]), "utf-8")
         print(file)
