@@ -141,5 +141,14 @@ class Exchange:
             )
         raise NotFiniteError(
             f"{ports}: not a finite number in the step from t = {self.state.history.times[0]:.6g} s; look at "
-            "the parameters and inputs of that participant, or reduce macro_step"
+            f"the parameters and inputs of that participant, or reduce macro_step{self._describe_loops()}"
+        )
+
+    def _describe_loops(self) -> str:
+        """What else may be the cause, where outputs depend on each other at the same instant."""
+        if not (torn := self.wiring.system.torn):
+            return ""
+        return (
+            f"; an explicit master may not hold the algebraic loop through {', '.join(map(str, torn))}, at "
+            "any macro_step: take master.name = 'newton' or 'iterated'"
         )
