@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .data import FigureData
-from .style import ACCENT, create_subplots, label_abscissa, plot_both, shade
+from .style import ACCENT, create_subplots, label_abscissa, plot_both, shade, write_remark
 
 # Contacts side by side at most.
 COLUMNS = 4
@@ -57,6 +57,10 @@ def draw(data: FigureData) -> Figure:
             plot_both(above, own, f"{name}.{variable}", words)
             top = _find_top(own, f"{name}.{variable}") if variable == "film_thickness" else None
             above.set_ylim(-0.05 * top if top else min(0.0, above.get_ylim()[0]), top)
+            factor, unit = own.shown(f"{name}.{variable}")
+            most = factor * float(np.nanmax(own.coupled[f"{name}.{variable}"]))
+            if top and most > top:
+                write_remark(above, f"before the last revolution up to {most:.3g} {unit}")
             _draw_error(column[2 * row + 1], own, f"{name}.{variable}")
         for ax in column:
             shade(ax, own, name)

@@ -177,3 +177,8 @@ def add_legend_above(axes: Axes, columns: int = 2, **options: Any) -> None:
     """Add a legend above the panel, on the right."""
     place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2, "handlelength": 1.8}
     axes.legend(ncols=columns, **{**place, **options})
+
+
+def write_remark(axes: Axes, text: str) -> None:
+    """Above a panel, on the right."""
+    axes.set_title(text, loc="right", fontsize=7.5, color="0.35", pad=2.0)

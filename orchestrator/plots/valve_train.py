@@ -31,6 +31,7 @@ from .style import (
     plot_both,
     shade,
     shade_where,
+    write_remark,
 )
 
 CONTACT = {
@@ -88,9 +89,9 @@ def draw(data: FigureData) -> Figure:
     for column, panels in zip(axes[:, 1:].T, columns[1:], strict=True):
         for ax, (words, name) in zip(column, panels.items(), strict=False):
             if words == "Film ratio":
-                _write(ax, f"under more than {100.0 * LIGHT:g} % of the largest load")
+                write_remark(ax, f"under more than {100.0 * LIGHT:g} % of the largest load")
             elif words == "Friction" and np.isnan(own.coupled[name]).any():
-                _write(ax, "not at rest, where it has no sign")
+                write_remark(ax, "not at rest, where it has no sign")
     by_words = dict(zip(columns[0], axes[:, 0], strict=False))
     _add_kinematics(by_words, own, train)
     _add_margin(by_words["Spring force"], own, train)
@@ -221,7 +222,7 @@ def _magnify_seat(ax: Axes, data: FigureData, train: Train) -> None:
     if landing is not None:
         where = f"seats with {velocity:.3g} m/s at {data.x()[landing]:.1f}°"
         ax.plot(data.x()[landing], 0.0, "v", color=ACCENT, ms=5)
-        _write(ax, where)
+        write_remark(ax, where)
 
 
 def _add_margin(ax: Axes, data: FigureData, train: Train) -> None:
@@ -234,7 +235,7 @@ def _add_margin(ax: Axes, data: FigureData, train: Train) -> None:
     ax.plot(data.x(), data.coupled[load], color=ACCENT, lw=1.0, label="load that opens the valve")
     share, at = _measure(data, train, "spring_margin")
     if at is not None:
-        _write(ax, f"least load / spring force {share:.2f} at {data.x()[at]:.1f}°")
+        write_remark(ax, f"least load / spring force {share:.2f} at {data.x()[at]:.1f}°")
 
 
 def _measure(data: FigureData, train: Train, figure: str) -> Found:
@@ -243,11 +244,6 @@ def _measure(data: FigureData, train: Train, figure: str) -> Found:
         return Found(math.nan)
     motion = read_motion(train.system, {"time": data.time, **data.coupled}.__getitem__)
     return VALVE[figure][1](Part(motion, train.valve))
-
-
-def _write(ax: Axes, text: str) -> None:
-    """A remark above a panel."""
-    ax.set_title(text, loc="right", fontsize=7.5, color="0.35", pad=2.0)
 
 
 def _show_zero(ax: Axes) -> None:

@@ -84,6 +84,12 @@ def test_contacts_that_carry_no_load_are_left_out(engine):
     assert film_and_load.find_loaded_contacts(engine) == ["contact", "upper_wall"]
     figure = film_and_load.draw(engine)
     assert [ax.get_xlabel() for ax in figure.axes if ax.get_xlabel()] == ["Cam angle (°)", "Crank angle (°)"]
+    assert "".join(ax.get_title(loc="right") for ax in figure.axes) == ""
+    film = {"contact.film_thickness": engine.coupled["contact.film_thickness"].copy()}
+    film["contact.film_thickness"][3] = 9e-6
+    panels = film_and_load.draw(replace(engine, coupled=engine.coupled | film)).axes
+    said = "before the last revolution up to 9e-06 m"
+    assert said in [ax.get_title(loc="right") for ax in panels]
 
 
 def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine):
