@@ -68,7 +68,8 @@ def _suggest_near(path: Path) -> Words:
     near = {file.stem: str(file) for file in path.parent.glob("*.toml")} | {
         name: name for name in list_shipped()
     }
-    close = difflib.get_close_matches(path.stem[:100], near)
+    written = path.stem[:100]
+    close = difflib.get_close_matches(written, near, 1, 0.9) or difflib.get_close_matches(written, near)
     return f"did you mean {' or '.join(near[one] for one in close)}? " if close else "", LISTED
 
 
@@ -121,7 +122,11 @@ def read_contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
         return content
     if not isinstance(base, str):
         raise ScenarioError(f"{path.name}: extends = {base!r}: must be the name or path of a scenario")
-    below = read_contents(find(base, path.parent), (*chain, path))
+    try:
+        found = find(base, path.parent)
+    except ScenarioError as error:
+        raise ScenarioError((f"{path.name}: extends: ", error)) from None
+    below = read_contents(found, (*chain, path))
     below.pop("description", None)  # it is of the other scenario
     try:
         drop(below, without or [])

@@ -33,6 +33,7 @@ BOUNDS = {
 FIXED = {
     "bool_parsing": "must be true or false",
     "bool_type": "must be true or false",
+    "list_type": 'must be a list: ["...", "..."]',
     "float_type": "must be a number, without a unit",
     "string_pattern_mismatch": "must have a letter or digit, and only these, blanks, '_', '-' and '.'",
     "finite_number": "must be a finite number > 0, e.g. 1e-3",  # raised for tolerances only

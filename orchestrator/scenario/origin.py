@@ -80,7 +80,8 @@ def name_place(path: Path, said: str) -> str:
             table = f"{header[1].strip()}."
         elif key := re.match(r"\s*([\w.\"'-]+)\s*=", line):
             by_key.setdefault(re.sub("[\"']", "", table + key[1]), []).append(number)
-    found = by_key.get(place, [])
+    short = {re.sub(r"^components\.(\w+)\.\w+\.", r"\1.", key): places for key, places in by_key.items()}
+    found = by_key.get(place, []) or short.get(place, [])
     for text in wanted if not found else ():
         pattern = rf"(?<![\w.]){re.escape(text)}(?![\w.])"
         found = [n for n, line in enumerate(lines, 1) if re.search(pattern, line.partition("#")[0])]

@@ -205,6 +205,9 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path):
     for changes in ([], ["stop_time=2 ms"]):
         with pytest.raises(ScenarioError, match=r"^mine.toml:3: tolerance.contact.lod: no such output"):
             build_system(load(file, changes))
+    file.write_text('extends = "valve-train"\n[components.valve_spring.parameters]\nvalve_mass = -1\n')
+    with pytest.raises(ModelError, match=r"^mine.toml:3: valve_spring.valve_mass = -1 kg"):
+        build_system(load(file))
     with pytest.raises(ScenarioError) as error:
         build_system(load("valve-train", ["tolerance.contact.lod=1e-3"]))
     assert in_command_line(error.value).startswith("--set tolerance.contact.lod: no such output")
