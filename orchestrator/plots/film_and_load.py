@@ -58,8 +58,7 @@ def draw(data: FigureData) -> Figure:
             top = _find_top(own, f"{name}.{variable}") if variable == "film_thickness" else None
             above.set_ylim(-0.05 * top if top else min(0.0, above.get_ylim()[0]), top)
             factor, unit = own.shown(f"{name}.{variable}")
-            most = factor * float(np.nanmax(own.coupled[f"{name}.{variable}"]))
-            if top and most > top:
+            if top and (most := factor * float(np.nanmax(own.coupled[f"{name}.{variable}"]))) > top:
                 write_remark(above, f"before the last revolution up to {most:.3g} {unit}")
             _draw_error(column[2 * row + 1], own, f"{name}.{variable}")
         for ax in column:
