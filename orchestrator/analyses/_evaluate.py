@@ -93,13 +93,13 @@ def compute_table(analysis: Analysis, values: Mapping[str, Value]) -> xarray.Dat
 
 
 def find_results(folder: Path, name: str, overwrite: bool, *others: str) -> list[Path]:
-    """Files of this analysis in the folder, and `others`.
+    """Files of this analysis in the folder, and `others`, each once.
 
     OutputFolderError if there are some, unless `overwrite`.
     """
     if folder.exists() and not folder.is_dir():
         raise OutputFolderError(f"{folder}: is a file", another())
-    names = (*(f"{name}.{ending}" for ending in ENDINGS), *others)
+    names = dict.fromkeys((*(f"{name}.{ending}" for ending in ENDINGS), *others))
     held = [path for path in (folder / own for own in names) if path.exists()]
     if held and not overwrite:
         raise OutputFolderError(f"{folder}: already holds a result ({held[0].name})", another(), REPLACE)

@@ -42,22 +42,22 @@ from .wanted import Found, Improved, Wanted, describe
 
 # Of the largest lift: the box of the coefficients at first, at most, and where the search ends.
 BOX, LARGEST, SMALLEST = 0.05, 0.15, 2e-3
-SHORTER, MOST_ROUNDS = 0.35, 12
+SHORTER, MOST_ROUNDS = 0.35, 16
 # A round that adds less of the objective is the last.
 LITTLE = 5e-4
 # Weights of the jerk in a first lift; the largest takes 3 % of the area.
 SMOOTHINGS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
 # Further starts differ by up to this part of the box.
 SPREAD = 0.5
-# Where contact is lost, lower speeds are tried in such steps.
-LOWER, MOST_LOWER = 0.97, 8
+# Where contact is lost, lower speeds are tried in such steps, and then between the last two: to 0.2 %.
+LOWER, MOST_LOWER, HALVINGS = 0.97, 8, 4
 # The scale of a figure whose limit is 0.
 TINY = 1e-12
 # A share of speed counts as this share of load.
 SEVERE = 2.0
 RPM = 30.0 / math.pi
 # A limit of loads is met with this share of their scale to spare, for what the model leaves out.
-SPARE = 0.004
+SPARE = 0.025
 # Looks that a model learns from.
 MEMORY = 4
 # Of a limit by cycles, that a confirmed lift may exceed it.
@@ -226,7 +226,7 @@ class Search:
         for speed, (near, cycle, figures) in seen.items():
             at = f"at {speed * RPM:.0f} r/min"
             if near < speed:
-                excesses[f"separation {at}"] = SEVERE * (1.0 - near / speed)
+                excesses[f"separation {at}"] = SEVERE * (1.0 - self.find_parting(x, near) / speed)
             motion = to_motion(cycle, self.train.subject.flywheel)
             for name in self.contacts:
                 part = Part(motion, name)
@@ -256,6 +256,14 @@ class Search:
         found = Found(x, reached, beyond | self.own_excesses(x), area.value)
         self.tell(f"round {number}: {describe(found, objective)}")
         return found
+
+    def find_parting(self, x: Vector, kept: float) -> float:
+        """The highest speed found that keeps contact; it is lost a step above `kept`."""
+        lost = kept / LOWER
+        for _ in range(HALVINGS):
+            middle = 0.5 * (kept + lost)
+            kept, lost = (kept, middle) if self.is_lost(self.cycle(x, middle)) else (middle, lost)
+        return kept
 
     def own_excesses(self, x: Vector) -> dict[str, float]:
         """The limits of the cam itself that it exceeds, each with the share."""
