@@ -65,11 +65,15 @@ CONFIRMED = 5e-3
 
 
 class Seen(NamedTuple):
-    """A cycle and its figures; it stands for another speed (rad/s), at which contact is lost."""
+    """A cycle and its figures, at the speed `near` (rad/s): the next lower one where contact is lost.
+
+    `parting` is the highest speed found that keeps contact.
+    """
 
     near: float
     cycle: Cycle
     figures: Mapping[str, Value]
+    parting: float
 
 
 # Unknowns with the columns of their cycle.
@@ -180,7 +184,8 @@ class Search:
 
     def look(self, x: Vector) -> dict[float, Seen]:
         """The cycles at all speeds; where contact is lost, those of the next lower speeds that keep it."""
-        found, kept = {}, self.kept(x)
+        found: dict[float, Seen] = {}
+        kept = self.kept(x)
         for speed in self.all_speeds(x):
             near, cycle = speed, self.cycle(x, speed)
             self.past.setdefault(speed, []).append((x, self.read_sure(x, cycle)))
@@ -191,8 +196,17 @@ class Search:
                 cycle = self.cycle(x, near)
             watched = self.measured and speed in self.wanted.speeds
             figures = self.slopes.observe(x, speed, cycle) if watched else {}
-            found[speed] = Seen(near, cycle, figures)
-        return found
+            found[speed] = Seen(near, cycle, figures, near)
+        lost = {speed: self.find_parting(x, one.near) for speed, one in found.items() if one.near < speed}
+        return found | {speed: found[speed]._replace(parting=parting) for speed, parting in lost.items()}
+
+    def find_parting(self, x: Vector, kept: float) -> float:
+        """The highest speed found that keeps contact; it is lost a step above `kept`."""
+        lost = kept / LOWER
+        for _ in range(HALVINGS):
+            middle = 0.5 * (kept + lost)
+            kept, lost = (kept, middle) if self.is_lost(self.cycle(x, middle)) else (middle, lost)
+        return kept
 
     def cycle(self, x: Vector, speed: float) -> Cycle:
         found = self.train.simulate(x, speed)
@@ -223,10 +237,10 @@ class Search:
     def judge(self, x: Vector, seen: Mapping[float, Seen], number: int) -> Found:
         """What the cycles say of the limits, and the cam of its own, in the round of that number."""
         excesses: dict[str, float] = {}
-        for speed, (near, cycle, figures) in seen.items():
+        for speed, (_, cycle, figures, parting) in seen.items():
             at = f"at {speed * RPM:.0f} r/min"
-            if near < speed:
-                excesses[f"separation {at}"] = SEVERE * (1.0 - self.find_parting(x, near) / speed)
+            if parting < speed:
+                excesses[f"separation {at}"] = SEVERE * (1.0 - parting / speed)
             motion = to_motion(cycle, self.train.subject.flywheel)
             for name in self.contacts:
                 part = Part(motion, name)
@@ -257,14 +271,6 @@ class Search:
         self.tell(f"round {number}: {describe(found, objective)}")
         return found
 
-    def find_parting(self, x: Vector, kept: float) -> float:
-        """The highest speed found that keeps contact; it is lost a step above `kept`."""
-        lost = kept / LOWER
-        for _ in range(HALVINGS):
-            middle = 0.5 * (kept + lost)
-            kept, lost = (kept, middle) if self.is_lost(self.cycle(x, middle)) else (middle, lost)
-        return kept
-
     def own_excesses(self, x: Vector) -> dict[str, float]:
         """The limits of the cam itself that it exceeds, each with the share."""
         lobe = self.train.lobe
@@ -287,7 +293,7 @@ class Search:
     def list_answers(self, x: Vector, seen: Mapping[float, Seen]) -> Iterator[tuple[float, Answer]]:
         """By speed; those of lost contact are continued from lower speeds."""
         lowest: Answer | None = None
-        for speed, (near, cycle, _) in seen.items():
+        for speed, (near, cycle, _, _) in seen.items():
             answer = self.train.answer(x, cycle, near, self.columns)
             lowest = lowest or answer
             yield speed, answer if near == speed else go_on(lowest, answer, speed)
@@ -315,7 +321,7 @@ class Search:
         for speed, answer in answers.items():
             limits += self.list_limits(x, answer, answers[min(answers)], f"at {speed * RPM:.0f} r/min")
         slopes: dict[float, Mapping[str, Vector]] = {}
-        for speed, (_, cycle, figures) in seen.items():
+        for speed, (_, cycle, figures, _) in seen.items():
             if figures:
                 found = self.slopes.settle(x, speed, figures)
                 slopes[speed] = dict(zip(self.measured, found, strict=True))
