@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -27,7 +28,6 @@ from .comparison import (
     compare_witness,
     describe_largest,
     largest_uncertainty,
-    list_large,
     verdict,
 )
 from .plan import Plan
@@ -119,10 +119,7 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, summary: Summar
     within, text = verdict(errors)
     advice: Words = ""
     if not within and not (advice := _advise_on_events(plan, summary.contacts)):
-        orders, large = solution.orders or {}, list_large(errors)
-        if solution.solvers and large:
-            orders = measure_orders(plan, ends, coupled, solution, large, reporter)
-        advice = advise(plan.scenario, {name: errors[name] for name in large}, orders, solution.solvers)
+        advice = _advise_on_steps(plan, errors, solution, ends, coupled, reporter)
     witness = _hear_witness(plan, coupled, solution, reporter)
     agreed = within and (witness is None or witness.agrees)
     said = join(text, advice, witness.judge() if witness else "", solution.doubts)
@@ -186,6 +183,27 @@ def _hear_witness(
         return None
     with reporter.stage("multibody witness"):
         return compare_witness(plan.system, solution.reference, coupled)
+
+
+def _advise_on_steps(
+    plan: Plan,
+    errors: Errors,
+    solution: Solution,
+    ends: Vector,
+    coupled: Mapping[str, Vector],
+    reporter: Reporter,
+) -> Words:
+    """The likely cause of too large errors. That of FMUs' own solvers is looked for by another run."""
+    large = {
+        name: error for name, error in errors.items() if error.relative_rms > (error.tolerance or math.inf)
+    }
+    orders = solution.orders or {}
+    if solution.solvers and large:
+        try:
+            orders = measure_orders(plan, ends, coupled, solution, large, reporter)
+        except RunError as failure:
+            return join("; the run with halved steps, which would show the cause, fails: ", failure)
+    return advise(plan.scenario, large, orders, solution.solvers)
 
 
 def _advise_on_events(plan: Plan, contacts: ContactSummaries) -> Words:

@@ -85,11 +85,6 @@ def verdict(errors: Errors) -> tuple[bool, str]:
     return True, "within the tolerance"
 
 
-def list_large(errors: Errors) -> list[str]:
-    """The variables whose error is larger than their tolerance."""
-    return [name for name, error in errors.items() if error.relative_rms > (error.tolerance or math.inf)]
-
-
 # Held signals have order 1. An error that falls with a clearly lower power of the steps is not theirs.
 LEAST_ORDER = 0.8
 # By these the steps are divided.
@@ -104,7 +99,7 @@ def advise(scenario: Scenario, errors: Errors, orders: Mapping[str, float], solv
     """
     least = LEAST_ORDER if solvers else 0.0
     measured = {name: orders[name] for name in errors if orders.get(name, math.nan) > least}
-    stay = [name for name in errors if solvers and name not in measured]
+    stay = [name for name in errors if solvers and orders.get(name, math.nan) <= least]
     said: Words = ""
     if stay:
         left = ", ".join(f"{100.0 * 2.0 ** -orders[name]:.0f} % of the error of {name}" for name in stay)
@@ -112,7 +107,7 @@ def advise(scenario: Scenario, errors: Errors, orders: Mapping[str, float], solv
             f"; halved steps leave {left}, so the own solvers of {', '.join(solvers)} are the likely cause: "
             "interface = 'model_exchange' integrates their equations here instead"
         )
-    if not errors or len(stay) == len(errors) or (orders and not measured):
+    if not errors or (orders and not measured):
         return said
     found, excess = "", 10.0
     if measured:

@@ -241,5 +241,5 @@ def measure_orders(
             difference(values, solution.outputs[:, i], weights=weights).rms
             for values in (coupled[name], halved[:, i])
         )
-        found[name] = math.log2(whole / half) if half > 0.0 else HIGHEST
+        found[name] = float(np.log2(whole) - np.log2(half)) if half else HIGHEST
     return found

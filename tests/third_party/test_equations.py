@@ -20,6 +20,7 @@ from models.monolithic.cvode import Cvode
 from models.monolithic.march import march
 from models.monolithic.runge_kutta import RungeKutta
 from models.oscillators.exact import quarter_car
+from orchestrator.errors import RunError
 from orchestrator.participants.model_exchange.integrated import DrivenEquations
 from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.participants.protocol import BoundVariables, Participant
@@ -161,6 +162,19 @@ def test_the_errors_of_an_fmus_own_solver_are_seen():
     assert unseen["errors"]["one.x0"]["relative_rms"] < 1e-9
     assert (seen["exit_status"], unseen["exit_status"]) == (1, 0)
     assert "own solvers" in seen["verdict"]
+
+
+def test_a_run_whose_repetition_with_halved_steps_fails_stays_complete(monkeypatch):
+    """The repetition only looks for the cause of the error."""
+
+    def refuse(*arguments: Any) -> None:
+        raise RunError("one: takes no shorter steps")
+
+    monkeypatch.setattr("orchestrator.run.reference._repeat", refuse)
+    file = {"participant": public("reference-fmus-3/VanDerPol.fmu")}
+    summary = run({"one": file}, {"one.x0": 1e-6}, stop_time=0.5).summary
+    assert (summary["complete"], summary["exit_status"]) == (True, 1)
+    assert "would show the cause, fails: one: takes no shorter steps" in summary["verdict"]
 
 
 @pytest.fixture(scope="module")
