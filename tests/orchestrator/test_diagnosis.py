@@ -277,6 +277,17 @@ def test_the_command_says_it_again_and_draws(finished, tmp_path):
     assert (tmp_path / "steps.png").stat().st_size > 10_000
 
 
+@pytest.mark.parametrize(
+    "text", ["no JSON", "[]", '{"coupled_time_s": null}', '{"effort": {"a": {"do_steps": null}}}']
+)
+def test_a_run_whose_summary_is_damaged_is_diagnosed_without_times(text, finished, tmp_path):
+    copy = shutil.copytree(finished, tmp_path / "copy")
+    (copy / "summary.json").write_text(text)
+    done = called("diagnose", str(copy))
+    assert done.returncode == 0
+    assert "participant " not in done.stdout
+
+
 def test_the_slow_fmu_is_named_with_its_time(tmp_path):
     """Of steps that take 0.2 ms at least, made by compiled code, which times few of them."""
     tables = {

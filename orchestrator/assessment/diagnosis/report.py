@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from ...engine.effort import Spent
 from ...errors import MistakeError
@@ -120,7 +119,7 @@ def _limits(facts: Facts) -> list[tuple[str, str, str, str]]:
 def _efforts(effort: Mapping[str, Spent], d: Diagnosis, coupled_s: float) -> list[str]:
     """Participants by falling time, and what is left of the coupled run."""
     own = {name: one.stepping_s + one.saving_s for name, one in effort.items()}
-    whole = sum(own.values()) or 1.0
+    whole = sum(own.values())
     rows = []
     for name, one in sorted(effort.items(), key=lambda item: -own[item[0]]):
         by = {
@@ -130,7 +129,7 @@ def _efforts(effort: Mapping[str, Spent], d: Diagnosis, coupled_s: float) -> lis
         times = (one.opening_s, one.initialising_s, one.stepping_s, one.saving_s, one.closing_s)
         a_step = f"{1e6 * one.stepping_s / one.do_steps:.3g}" if one.do_steps else ""
         counts = (str(one.do_steps), a_step, str(one.restored), ", ".join(variables[:2]))
-        rows.append((name, percent(own[name] / whole), *(f"{s:.2g}" for s in times), *counts))
+        rows.append((name, percent(own[name] / (whole or 1.0)), *(f"{s:.2g}" for s in times), *counts))
     head = (
         "participant", "time", "opening (s)", "initialising (s)", "steps (s)", "states (s)", "closing (s)",
         "doStep calls", "each (us)", "taken back", "limits steps",
@@ -197,8 +196,8 @@ class Findings:
 def diagnose(out: Path) -> Findings:
     """Of the run in `out`; MistakeError without a run."""
     steps, message = read_steps(out)
-    summary = _read_summary(out / SUMMARY)
-    diagnosis = diagnose_steps(steps, summary.get("do_steps"))
+    calls, effort, coupled_s = _read_summary(out / SUMMARY)
+    diagnosis = diagnose_steps(steps, calls)
     if diagnosis is None:
         raise MistakeError(f"{out}: the run made no step ({message})")
     if not (out / SCENARIO).is_file():
@@ -211,15 +210,18 @@ def diagnose(out: Path) -> Findings:
         ) from None
     facts = Facts(diagnosis, steps, scenario)
     remedies = suggestions(facts)
-    effort = {name: Spent(**one) for name, one in summary.get("effort", {}).items()}
-    lines = full(facts, remedies, message, effort, summary.get("coupled_time_s", 0.0))
+    lines = full(facts, remedies, message, effort, coupled_s)
     return Findings(steps, scenario, diagnosis, effort, remedies, lines)
 
 
-def _read_summary(path: Path) -> dict[str, Any]:
-    """Of the run, if it has one that can be read."""
+def _read_summary(path: Path) -> tuple[int | None, dict[str, Spent], float]:
+    """The `doStep` calls, what participants took, and the time (s) of the coupled run, as far as told."""
     try:
         found = parse_json(read_text(path))
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
+        calls, coupled_s = found.get("do_steps"), float(found.get("coupled_time_s", 0.0))
+        told = found.get("effort", {}).items()
+        # What is no number raises TypeError.
+        effort = {name: Spent(**{key: 0 + value for key, value in one.items()}) for name, one in told}
+    except (OSError, ValueError, TypeError, AttributeError):
+        return None, {}, 0.0
+    return calls if isinstance(calls, int) else None, effort, coupled_s
