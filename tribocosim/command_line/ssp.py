@@ -36,7 +36,7 @@ def ssp_export(
     from orchestrator.errors import REPLACE, MistakeError, Option, another, one_of
     from orchestrator.scenario.files import load
     from orchestrator.scenario.ssp import VERSIONS, export
-    from orchestrator.scenario.ssp.traceability import SUFFIX, describe_run
+    from orchestrator.scenario.ssp.traceability import SUFFIX, describe_run, write_metadata
     from orchestrator.store import atomic_write
     from orchestrator.store.output_folder import SCENARIO, is_run, writing
 
@@ -57,10 +57,11 @@ def ssp_export(
     for path in written:
         if path.exists() and not overwrite:
             raise MistakeError(f"{path}: is already there", another(), REPLACE)
+    described = describe_run(run) if run else None
     with writing(target):
         export(loaded, target, build_fmu, version)
         if run:
-            atomic_write.replace(written[1], describe_run(run, target))
+            atomic_write.replace(written[1], write_metadata(described, run, target))
     show("\n".join(map(str, written)))
 
 

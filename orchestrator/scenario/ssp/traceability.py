@@ -5,8 +5,11 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import h5py
+
+from models.core.remedies import make_printable
 
 from ...errors import MistakeError
 from ...store.output_folder import RESULT, SUMMARY, list_files
@@ -17,60 +20,61 @@ SUFFIX = ".srmd"
 # The only algorithm of the standard, by its name there.
 CHECKSUM = "SHA3-256"
 VERDICT = (
-    "verdict",
-    "largest_error",
-    "message",
-    "exit_status",
-    "reference_method",
-    "macro_step",
-    "macro_steps",
-)
+    "verdict", "largest_error", "message", "exit_status", "reference_method", "macro_step", "macro_steps",
+)  # fmt: skip
 
 
-def describe_run(run: Path, package: Path) -> bytes:
-    """Of the run in the folder `run`, whose scenario the `package` holds: verdict, tolerances and errors,
-    versions, and the checksums of its FMUs, its files and the package."""
+def describe_run(run: Path) -> Any:
+    """The element of the run in this folder: its verdict, tolerances and errors, and versions."""
     try:
         summary: Mapping[str, Any] = parse_json(read_text(run / SUMMARY))
         with h5py.File(run / RESULT) as file:
             versions = dict(one.rsplit(" ", 1) for one in str(file.attrs["versions"]).split(", "))
-        errors = {name: error["relative_rms"] for name, error in summary["errors"].items()}
         content: dict[str, Mapping[str, Any]] = {
             "run": {key: summary[key] for key in VERDICT},
             "tolerance": summary["tolerance"],
-            "relative-rms-error": errors,
+            "relative-rms-error": {name: error["relative_rms"] for name, error in summary["errors"].items()},
             "version": versions,
             "fmu-sha256": summary["fmus"],
         }
-    except (OSError, ValueError, KeyError) as error:
+        root = add_element(
+            None,
+            "srmd:SimulationResourceMetaData",
+            version="1.0.0-beta2",
+            name=summary["scenario"],
+            description=make_printable(summary["description"]) or None,
+            generationTool=f"tribocosim {summary['version']}",
+        )
+        for kind, values in content.items():
+            classification = _add_classification(root, kind)
+            for key, value in values.items():
+                if value not in (None, ""):
+                    _add_entry(classification, key).text = make_printable(str(value))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise MistakeError(
             f"{run}: its {SUMMARY} or {RESULT} cannot be read ({error}); run it anew"
         ) from None
-    root = add_element(
-        None,
-        "srmd:SimulationResourceMetaData",
-        version="1.0.0-beta2",
-        name=summary["scenario"],
-        description=summary["description"] or None,
-        generationTool=f"tribocosim {summary['version']}",
-        data=package.name,
-        checksum=_digest(package),
-        checksumType=CHECKSUM,
-    )
-    for kind, values in content.items():
-        classification = add_element(root, "stc:Classification", type=f"tribocosim.{kind}")
-        for key, value in values.items():
-            if value not in (None, ""):
-                add_element(classification, "stc:ClassificationEntry", keyword=key).text = str(value)
-    files = add_element(root, "stc:Classification", type=f"tribocosim.file-{CHECKSUM.lower()}")
-    for path in list_files(run):
-        place = Path(os.path.relpath(path, package.parent)).as_posix()
-        link = {expand_tag("xlink:href"): place}
-        entry = add_element(
-            files, "stc:ClassificationEntry", keyword=path.relative_to(run).as_posix(), **link
-        )
+    return root
+
+
+def write_metadata(root: Any, run: Path, package: Path) -> bytes:
+    """The file of that element, with the checksums of the run's files and of the package of its scenario."""
+    root.attrib |= {"data": quote(package.name), "checksum": _digest(package), "checksumType": CHECKSUM}
+    files = _add_classification(root, f"file-{CHECKSUM.lower()}")
+    for path in filter(Path.is_file, list_files(run)):
+        place = quote(Path(os.path.relpath(path, package.parent)).as_posix())
+        entry = _add_entry(files, path.relative_to(run).as_posix())
+        entry.set(expand_tag("xlink:href"), place)
         entry.text = _digest(path)
     return to_bytes(root)
+
+
+def _add_classification(root: Any, kind: str) -> Any:
+    return add_element(root, "stc:Classification", type=f"tribocosim.{kind}")
+
+
+def _add_entry(classification: Any, keyword: str) -> Any:
+    return add_element(classification, "stc:ClassificationEntry", keyword=keyword)
 
 
 def _digest(path: Path) -> str:
