@@ -78,7 +78,7 @@ class FigureData:
             reference_time, reference = take("reference", quantities)
             energy_time, energies = take("energy")
         return cls(
-            title=scenario.name if records.attributes["complete"] else f"{scenario.name} (incomplete)",
+            title=scenario.name if records.attributes.get("complete") else f"{scenario.name} (incomplete)",
             time=time,
             coupled=coupled,
             reference_time=reference_time,

@@ -41,7 +41,7 @@ def draw_pictures(folder: Path, figures: bool = True) -> list[Words]:
             known = isinstance(error, ExplainedError | OSError)
             said = error if isinstance(error, ExplainedError) else str(error)
             why = said if known else f"unexpected {type(error).__name__}: {said}"
-            told.append((f"no {what}: ", why, "; ", again, " draws it anew"))
+            told.append((f"no {what}: ", why, "; once that is mended, ", again, " draws it anew"))
 
     if figures:
         with telling("figures"):

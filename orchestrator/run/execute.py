@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -75,7 +76,7 @@ class _Observation:
         self.contacts = ContactObserver(system)
         self.counter = _Counter(folder.backup.delete)
         self.warnings: dict[str, Warnings] = {}
-        self.lifetimes = Lifetimes.of(system)
+        self.lifetimes: Lifetimes = defaultdict(float), defaultdict(float)
         self.recorder = ResultRecorder(folder.unfinished, plan.quantities, every, held_for, stop)
         recorders: list[Observer] = [self.recorder]
         texts = list_texts(plan.third_party)
@@ -164,13 +165,13 @@ class _Counter(Observer):
     def watch(self, coupling: Coupling) -> None:
         self._coupling = coupling
 
-    def list_efforts(self, times: Lifetimes) -> dict[str, Spent]:
+    def list_efforts(self, lifetimes: Lifetimes) -> dict[str, Spent]:
         """What each participant took, by its name."""
-        calls, effort = self._coupling.calls, self._coupling.effort
+        calls, effort, (opening, closing) = self._coupling.calls, self._coupling.effort, lifetimes
         return {
             name: Spent(
-                int(calls[i]), effort.restored[i], times.opening[name], effort.initialising[i],
-                effort.stepping[i], effort.saving[i], times.closing[name],
+                int(calls[i]), effort.restored[i], opening[name], effort.initialising[i],
+                effort.stepping[i], effort.saving[i], closing[name],
             )
             for i, name in enumerate(self._coupling.wiring.names)
         }  # fmt: skip

@@ -1,12 +1,13 @@
 """Plan a run: resolve the scenario once, check everything, build the FMUs. Nothing is written."""
 
 import hashlib
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import TypeAlias
 
 from models.core.bonds import counting
 from models.core.quantities import Quantity, Vector
@@ -92,15 +93,8 @@ class ParticipantPlan:
         return transformed(participant, self.linear) if self.linear else participant
 
 
-class Lifetimes(NamedTuple):
-    """The wall time (s) in which participants were opened and closed, by name."""
-
-    opening: dict[str, float]
-    closing: dict[str, float]
-
-    @classmethod
-    def of(cls, system: System) -> "Lifetimes":
-        return cls(dict.fromkeys(system.instances, 0.0), dict.fromkeys(system.instances, 0.0))
+# The wall times (s) in which participants were opened, and closed, by name.
+Lifetimes: TypeAlias = tuple[dict[str, float], dict[str, float]]
 
 
 @contextmanager
@@ -108,7 +102,7 @@ def open_participants(
     system: System, plans: Mapping[str, ParticipantPlan], times: Lifetimes | None = None
 ) -> Iterator[dict[str, Participant]]:
     """A participant for every instance; they are closed at the end of the block."""
-    opening, closing = times or Lifetimes.of(system)
+    opening, closing = times or (defaultdict(float), defaultdict(float))
 
     def close(name: str, participant: Participant) -> None:
         with timed(closing, name):
