@@ -115,6 +115,17 @@ def test_a_misspelt_name_gets_a_suggestion() -> None:
         tribocosim.analyze  # noqa: B018
 
 
+def test_an_error_of_a_file_names_it_and_the_line(tmp_path: Path) -> None:
+    """Whether it is found as the file is read, or as the run is planned."""
+    file = tmp_path / "mine.toml"
+    file.write_text('extends = "two-masses"\nmacro_stp = 1\n')
+    with pytest.raises(tribocosim.MistakeError, match=r"^mine\.toml:2: macro_stp: "):
+        tribocosim.load(file)
+    file.write_text('extends = "two-masses"\n[tolerance]\n"first.lod" = 1e-3\n')
+    with pytest.raises(tribocosim.MistakeError, match=r"^mine\.toml:3: tolerance\.first\.lod: "):
+        tribocosim.run(file, tmp_path / "out")
+
+
 def test_native_takes_machine_code_for_our_fmus_only() -> None:
     scenario = tribocosim.load("two-masses")
     scenario = scenario.with_({"components.second.participant": "in-process"})

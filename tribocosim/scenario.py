@@ -5,13 +5,14 @@ from __future__ import annotations
 import copy
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orchestrator.errors import MistakeError
 from orchestrator.scenario import build_scenario
-from orchestrator.scenario.files import change, find, list_shipped, read_contents, resolve_paths
+from orchestrator.scenario.files import build_from, change, find, list_shipped, read_contents, resolve_paths
+from orchestrator.scenario.origin import Origin
 
 if TYPE_CHECKING:
     from orchestrator.scenario import Scenario as CheckedScenario
@@ -22,6 +23,7 @@ class Scenario:
     """The tables of a scenario file. MistakeError with a line for each fault, as soon as it is made."""
 
     content: Mapping[str, Any]
+    origin: Origin | None = field(default=None, compare=False)  # of tables that are a file's
 
     def __repr__(self) -> str:
         return f"Scenario {self.name}: {', '.join(self.content.get('components', {}))}"
@@ -35,7 +37,8 @@ class Scenario:
 
     def check(self) -> CheckedScenario:
         """With all defaults, in SI units."""
-        return build_scenario(copy.deepcopy(dict(self.content)))
+        content = copy.deepcopy(dict(self.content))
+        return build_from(content, self.origin) if self.origin else build_scenario(content)
 
     def with_(self, changes: Mapping[str, Any] | None = None, /, **more: Any) -> Scenario:
         """Another scenario, with values at paths: {"components.camshaft.parameters.lift": "9 mm"}.
@@ -78,4 +81,5 @@ def load(source: Scenario | str | Path | Mapping[str, Any]) -> Scenario:
             "source: must be the name of a shipped scenario, a file or a dictionary, not "
             f"{type(source).__name__}"
         )
-    return Scenario(read_contents(find(source)))
+    path = find(source)
+    return Scenario(read_contents(path), Origin(path))

@@ -76,13 +76,17 @@ def _suggest_near(path: Path) -> Words:
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     """The scenario with `overrides` ("path=value") applied; the faults of a ScenarioError have sources."""
     content = read_changed(name, overrides)
-    path = find(name)
+    return build_from(content, Origin(find(name), partial(load, name) if overrides else None))
+
+
+def build_from(content: Mapping[str, Any], origin: Origin) -> Scenario:
+    """The scenario of tables that were read from there; the faults of a ScenarioError have sources."""
     try:
-        return build_scenario(content).read_from(Origin(path, partial(load, name) if overrides else None))
+        return build_scenario(content).read_from(origin)
     except ScenarioError as error:
-        own = _find_own_faults(path) if overrides else error.faults
+        own = _find_own_faults(origin.path) if origin.unchanged else error.faults
         raise ScenarioError.of(
-            replace(fault, source=name_place(path, in_python(fault.words)) if fault in own else SET)
+            replace(fault, source=name_place(origin.path, in_python(fault.words)) if fault in own else SET)
             for fault in error.faults
         ) from None
 

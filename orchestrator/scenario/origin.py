@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 from models.core.errors import MistakeError
 from models.core.remedies import in_python, name_source
 
-from ..errors import Option, Words
+from ..errors import Option
 
 if TYPE_CHECKING:
     from .scenario import Scenario
@@ -44,7 +44,8 @@ def names_file(check: Check) -> Check:
                 raise
             said = in_python(error)
             changed = origin.unchanged and _said_by(check, origin.unchanged, arguments, options) != said
-            error.fault = (SET, " ", error.fault) if changed else _name_lines(origin.path, error.fault)
+            place = name_place(origin.path, in_python(error.fault)).removesuffix(":")
+            error.fault = (SET, " ", error.fault) if changed else name_source(place, error.fault)
             error.args = error.fault, *error.remedies
             raise
         finally:
@@ -59,11 +60,6 @@ def _said_by(check: Any, unchanged: Callable[[], "Scenario"], arguments: Any, op
     except MistakeError as error:
         return in_python(error)
     return ""
-
-
-def _name_lines(path: Path, fault: Words) -> Words:
-    source = name_place(path, in_python(fault)).removesuffix(":")
-    return name_source(source, fault)
 
 
 def name_place(path: Path, said: str) -> str:
