@@ -167,7 +167,7 @@ def test_a_run_that_goes_on_with_another_processor_or_blas_says_so_once(killed, 
 def test_a_damaged_checkpoint_is_refused(killed):
     path = killed / "unfinished" / "checkpoint"
     data = path.read_bytes()
-    path.write_bytes(data[:2000] + b"0" + data[2001:])
+    path.write_bytes(data[:2000] + bytes([data[2000] ^ 1]) + data[2001:])
     _refused(killed, "checkpoint: the checkpoint is damaged")
     path.write_bytes(b"something else\n" + data)
     _refused(killed, "is not a checkpoint of this version")
