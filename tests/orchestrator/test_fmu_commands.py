@@ -135,7 +135,7 @@ def test_a_damaged_or_foreign_fmu_is_refused(spoil, fmu, tmp_path):  # type: ign
     arguments = [*others, f"--set=components.camshaft.participant={file}"]
     done = called("run", "valve-train", "--out", str(tmp_path / "out"), *arguments)
     assert done.returncode == 2
-    assert said(done).startswith("tribocosim: components.camshaft.participant: ")
+    assert said(done).startswith("tribocosim: --set components.camshaft.participant: ")
     assert not (tmp_path / "out").exists()
     assert not (tmp_path / "escaped.txt").exists()
 
