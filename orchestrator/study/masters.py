@@ -75,6 +75,8 @@ def compare_masters(
                     step = factor * scenario.macro_step
                     tried.append(_try(vary, name, step, build, silent))
                     bar.show(len(tried) / (len(names) * len(longer)))
+        if all(one.message for one in tried):
+            raise RunError(f"no master runs {scenario.name}; {tried[-1].master}: {tried[-1].message}")
         for file in held:
             file.unlink()
         heads = {"macro_step": "macro_step (s)", "error": "error/tolerance", "seconds": "wall time (s)"}

@@ -4,18 +4,22 @@ import csv
 import itertools
 import math
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
 import tribocosim
 from orchestrator.analyses.stability import survey as surveying
-from orchestrator.errors import MistakeError
+from orchestrator.errors import MistakeError, RunError
 from orchestrator.masters import MASTERS
 from orchestrator.scenario.files import load
 from orchestrator.scenario.fmu_limits import FmuLimits
 from orchestrator.study.masters import LONGER, compare_masters
 from tribocosim.cached_fmus import build_fmu
 from tribocosim.reporting import SilentReporter
+
+from .commands import called
+from .commands import said as said_by
 
 OWN = """
 from dataclasses import dataclass
@@ -94,6 +98,19 @@ def test_masters_are_compared_by_error_and_work(restorable, tmp_path, monkeypatc
     with (tmp_path / "out" / "masters.csv").open() as file:
         assert len(list(csv.reader(file))) == 1 + len(tried)
     assert (tmp_path / "out" / "masters.png").is_file()
+
+
+def test_what_no_master_runs_is_said_once(tmp_path, monkeypatch):
+    """A mistake in the scenario as by `run`; a failure of all runs is the command's."""
+    file = tmp_path / "mine.toml"
+    file.write_text('extends = "two-masses"\n[components.first.parameters]\nmass = -1\n')
+    done = called("masters", str(file), "--out", str(tmp_path / "out"))
+    assert done.returncode == 2
+    assert said_by(done).startswith("tribocosim: mine.toml:3: first.mass = -1 kg")
+    monkeypatch.setattr("orchestrator.study.masters.run", Mock(side_effect=RunError("first: is worn out")))
+    silent = SilentReporter()
+    with pytest.raises(RunError, match="no master runs two-masses; newton: first: is worn out"):
+        compare_masters(vary, [], tmp_path / "out", False, build_fmu, silent, silent)
 
 
 def test_only_masters_that_the_fmus_can_take_are_ranked(monkeypatch):

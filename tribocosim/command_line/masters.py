@@ -28,13 +28,15 @@ def run_masters(
     """Run a scenario with every master that its FMUs can take: the error of each against its work."""
     check_study_packages()
     from orchestrator.scenario.files import load, read_changed
+    from orchestrator.scenario.system import build_system
     from orchestrator.study.masters import compare_masters
 
     from ..cached_fmus import build_fmu
     from ..reporting import SilentReporter
     from ..scenario import Scenario
 
-    carry_out_apart(load(scenario, set_ or []), None)
+    carry_out_apart(checked := load(scenario, set_ or []), None)
+    build_system(checked)  # a mistake in it would be each master's
     content = Scenario(read_changed(scenario, set_ or []))
     found = compare_masters(
         lambda changes: content.with_(changes).check(), master or [], out, overwrite, build_fmu,
