@@ -10,6 +10,7 @@ from models.compile.temporary import TemporaryFolder
 from models.core.component import Component
 from models.native.translate import TranslationError, translate
 
+from .fmu import check_tools
 from .machine_code import RUNTIME, STRICT, Platform, object_code, run_zig
 
 BROWSER = Platform("wasm32-unknown-unknown", "wasm32-wasi", "", "", ".wasm")
@@ -27,6 +28,7 @@ def cycle_module(name: str, component: Component, samples: int) -> bytes:
     """
     if component.events is not None:
         raise TranslationError(f"{component.name}: has events, which a page does not look for")
+    check_tools()
     exported = [f"-Wl,--export={one}" for one in (*_ARRAYS, "revolve")]
     return link_cycle(name, BROWSER, list_sizes(component, samples), ["cycle.c"], [*_LINKED, *exported])
 

@@ -142,7 +142,7 @@ def _version(tool: str) -> str:
     try:
         return metadata.version(tool)
     except metadata.PackageNotFoundError:
-        raise NativeBuildError(f"native FMUs need the package {tool}: {tell_install('native')}") from None
+        raise NativeBuildError(f"native code needs the package {tool}: {tell_install('native')}") from None
 
 
 @cache

@@ -7,11 +7,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from models.contact.oils import ZERO_CELSIUS
+from models.core import roles
 from models.core.component import Component
 
+from ..assessment.motion import LIFTED
+from ..assessment.trains import find_trains
 from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError
-from ..scenario.system import list_parameters
+from ..scenario.oil import evaluate
+from ..scenario.system import build_system, list_parameters
 from .content import describe, list_marks
 from .mechanism import list_sketches
 
@@ -103,7 +108,18 @@ def _tell_train(train: Train, turning: str) -> dict[str, Any]:
         "positive": [int(f.quantity.positive) for f in fields],
         "outputs": list(component.outputs.names),
         "sliders": [slider for slider in _list_sliders(train) if len(slider["positions"]) > 1],
+        "lifted": LIFTED,
+        "trains": list(_tell_parts(train)),
     }
+
+
+def _tell_parts(train: Train) -> Iterator[dict[str, Any]]:
+    """What each cam moves: parts of which the page says figures. A valve without a seat has none."""
+    parameters = train.component.parameters
+    numbers = dict(zip(parameters.names, parameters.start, strict=True))
+    for one in find_trains(build_system(train.scenario)):
+        seated = [name for name in one.list_parts(roles.Valve) if numbers.get(f"{name}.seat_stiffness")]
+        yield {"lift": f"{one.cam}.cam_lift", "contacts": one.contacts, "valves": seated}
 
 
 def _list_sliders(train: Train) -> Iterator[dict[str, Any]]:
@@ -125,17 +141,21 @@ def _list_sliders(train: Train) -> Iterator[dict[str, Any]]:
 
 
 def _list_temperatures(train: Train, base: Mapping[str, float]) -> Iterator[dict[str, Any]]:
-    """Of a scenario with an oil: its numbers at each temperature."""
-    positions = []
-    for temperature in TEMPERATURES:
+    """Of a scenario with an oil: its numbers at each temperature, the scenario's own among them."""
+    oil, written = train.scenario.oil, train.scenario.temperature
+    if oil is None or written is None:
+        return
+    own = round(evaluate({"oil": oil, "temperature": written})[0] - ZERO_CELSIUS, 6)
+    positions, temperatures = [], sorted({own, *TEMPERATURES})
+    for temperature in temperatures:
         try:
             found = list_parameters(train.change(f'temperature="{temperature} degC"'))
         except (ScenarioError, MistakeError):
             return
-        changed = {name: value for name, value in found.items() if value != base[name]}
-        positions.append(_position(train, changed, float(temperature)))
-    at = next((k for k, one in enumerate(positions) if not one["parameters"]), 0)
+        changed = {name: value for name, value in found.items() if value != base[name] and temperature != own}
+        positions.append(_position(train, changed, temperature))
     if any(one["parameters"] for one in positions):
+        at = temperatures.index(own)
         yield {"name": "oil temperature", "unit": "degC", "at": at, "positions": positions}
 
 

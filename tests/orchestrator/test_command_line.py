@@ -269,8 +269,8 @@ def test_native_fmus_without_their_tools_are_a_mistake_and_nothing_is_written(mo
     done = called("run", "valve-train", "--native", f"--out={out}")
     assert done.returncode == 2
     message = said(done)
-    assert message.startswith("tribocosim: components flywheel, camshaft, valve_spring, contact: native FMUs")
-    assert message.count("no-such-package") == message.count("native FMUs need") == 1
+    assert message.startswith("tribocosim: components flywheel, camshaft, valve_spring, contact: native code")
+    assert message.count("no-such-package") == message.count("native code needs") == 1
     assert "pip install" in message
     assert not out.exists()
 

@@ -2,6 +2,7 @@
 
 import math
 import platform
+import re
 import subprocess
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from models.native.translate import TranslationError
 from orchestrator.errors import MistakeError
 from orchestrator.report.cycle import SAMPLES
 from orchestrator.scenario.files import load, read_changed
-from orchestrator.study.speeds.subject import SpeedSubject
+from orchestrator.study.speeds.subject import SpeedSubject, measure_cycle
 from tribocosim.scenario_fmus import write_whole
 
 from .test_browser import browser as browser
@@ -47,11 +48,27 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
         found = {
             name: page.evaluate(f"Array.from(report.records.column('contact.{name}'))") for name in NAMES
         }
+        told = page.locator("#cycle-figures").inner_text()
+        page.evaluate("report.records.told.parameters.fill(NaN)")
+        slider.press("ArrowLeft")
+        wait(page, "document.querySelector('#cycle-state').textContent.startsWith('no step succeeds: ')")
     subject = SpeedSubject(read_changed("valve-train"), "flywheel")
     cycle = subject.find_cycle_at(1200.0 * math.pi / 30.0)
     for name in NAMES:
         right = cycle[f"contact.{name}"][:: (len(cycle.times) - 1) // SAMPLES]
         assert np.abs(np.array(found[name]) - right).max() < 1e-3 * right.max(), name
+    # Three digits, of the page's instants.
+    load, film = (float(number) for number in re.findall(r"(\S+) (?:N|µm) \(contact\)", told))
+    thinnest = cycle["contact.minimum_film_thickness"][:: (len(cycle.times) - 1) // SAMPLES].min()
+    assert load == pytest.approx(measure_cycle(cycle, "flywheel")["contact.least_load"], rel=6e-3)
+    assert 1e-6 * film == pytest.approx(thinnest, rel=6e-3)
+
+
+def test_where_no_step_succeeds_from_the_start_the_page_says_so(browser, path, tmp_path):
+    lost = tmp_path / "lost.html"
+    lost.write_text(re.sub(r'"state":\[[^,]*,', '"state":[1e999,', path.read_text("utf-8"), count=1), "utf-8")
+    with opened(browser, lost) as page:
+        assert page.locator("#cycle-state").inner_text() == "no step succeeds: there is no cycle"
 
 
 @pytest.mark.long

@@ -17,6 +17,8 @@
 #define SAFETY 0.9
 /* Of a period, below which a step makes no progress. */
 #define HOPELESS 1e-12
+/* Of a period, beyond which a page would seem dead; some need 50 000. */
+#define MOST_STEPS 500000
 /* The root of what a double resolves. */
 #define DIFFERENCE 1.5e-8
 
@@ -154,14 +156,16 @@ static double try_step(double t, double h, double tolerance)
 }
 
 /* Computes a period, whose outputs are the rows. Returns its largest change of a state that no period begins at
-   its start, over nominal + |value|; NaN where no step succeeds. */
+   its start, over nominal + |value|; NaN where no step succeeds, or too many are needed. */
 double revolve(double period, double tolerance)
 {
     double t = 0.0, h = period / SAMPLES, change = 0.0;
     bool stale = true;
+    int steps = 0;
     for (int i = 0; i < N; i++) begun[i] = state[i] = held[i] ? start[i] : state[i];
     CALL(output, t, state, inputs, parameters, rows);
     for (int k = 1; k <= SAMPLES;) {
+        if (++steps > MOST_STEPS) return __builtin_nan("");
         double target = period * k / SAMPLES, left = target - t;
         bool last = h >= left;
         double length = last ? left : h;

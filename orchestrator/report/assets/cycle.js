@@ -6,6 +6,8 @@ const STEADY = 1e-4, MOST_PERIODS = 12;
 // Of the integrator, over nominal + |value|; it leaves less than a thousandth of the largest load.
 const TOLERANCE = 3e-6;
 
+const least = (values) => values ? values.reduce((a, b) => Math.min(a, b), Infinity) : Infinity;
+
 class CycleRecords extends Records {
   constructor(content) {
     super(content);
@@ -20,6 +22,7 @@ class CycleRecords extends Records {
     this.train = instance.exports;
     this.train._initialize();
     this.begin();
+    this.rows = new Float64Array(this.bases[0].rows * this.told.outputs.length);
     await this.compute();
   }
 
@@ -45,6 +48,7 @@ class CycleRecords extends Records {
     this.found = { ...found, milliseconds: performance.now() - began };
     if (found.change !== found.change) return false;
     this.rows = this.view("rows", Float64Array, base.rows * told.outputs.length).slice();
+    this.shows = true;
     base.end = this.period;
     base.times = Float64Array.from({ length: base.rows }, (_, i) => i * this.period / (base.rows - 1));
     return true;
@@ -73,6 +77,35 @@ class CycleRecords extends Records {
     return { change, periods };
   }
 
+  // Of each kind the worst part, as orchestrator/assessment/figures_of_merit.py measures it.
+  figures() {
+    const found = new Map(), add = (kind, part, output, value) => {
+      const { unit, factor } = this.variables.get(part + "." + output) || {}, shown = Math.abs(factor * value);
+      if (isFinite(shown) && !(found.get(kind)?.value <= value)) found.set(kind, { value, text: readable(+shown.toPrecision(3)) + " " + unit + " (" + part + ")" });
+    };
+    for (const { lift, contacts, valves } of this.told.trains) {
+      const lifts = this.column(lift), high = -this.told.lifted * least(lifts.map((one) => -one));
+      for (const part of contacts) {
+        add("least load while the cam lifts", part, "load", least(this.column(part + ".load").filter((_, i) => lifts[i] > high)));
+        add("least film", part, "minimum_film_thickness", least(this.column(part + ".minimum_film_thickness")));
+      }
+      for (const part of valves) add("seating velocity", part, "velocity", this.land(part));
+    }
+    return [...found].map(([kind, { text }]) => kind + " " + text).join(", ");
+  }
+
+  // The velocity at the last row before the seat, of the hardest landing of a flight from the cam's lift.
+  land(part) {
+    const dip = this.column(part + ".seat_dip"), velocity = this.column(part + ".velocity"), deep = this.told.lifted * least(dip);
+    let lowest = dip[0] < 0 ? -Infinity : 0, hardest = Infinity;
+    dip.forEach((one, i) => {
+      if (one < 0) { lowest = Math.min(lowest, one); return; }
+      if (lowest < deep) hardest = Math.min(hardest, velocity[i - 1]);
+      lowest = 0;
+    });
+    return hardest;
+  }
+
   column(name) {
     const at = this.columns.get(name), n = this.told.outputs.length;
     return at === undefined ? null : Float32Array.from({ length: this.bases[0].rows }, (_, i) => this.rows[i * n + at]);
@@ -80,7 +113,7 @@ class CycleRecords extends Records {
 
   // Without load there is no film.
   async series(name) {
-    const values = this.rows ? this.column(name) : null;
+    const values = this.column(name);
     if (!values) return null;
     const load = /film_thickness$/.test(name) ? this.column(name.replace(/[^.]*$/, "load")) : null;
     if (load) load.forEach((one, i) => { if (!(one > 0)) values[i] = NaN; });
@@ -134,7 +167,8 @@ class Cycle {
 
   tell() {
     const { change, periods, milliseconds } = this.records.found, time = Math.round(milliseconds) + " ms";
-    get("cycle-state").textContent = change !== change ? "no step succeeds: the cycle before is shown" :
+    get("cycle-figures").textContent = this.records.shows ? this.records.figures() : "";
+    get("cycle-state").textContent = change !== change ? "no step succeeds: " + (this.records.shows ? "the cycle before is shown" : "there is no cycle") :
       change <= STEADY ? "steady after " + periods + " periods, " + time : "not steady after " + periods + " periods: each changes by " + readable(+change.toPrecision(2)) + ", " + time;
   }
 
