@@ -161,9 +161,9 @@ def compare(path: Path, tolerance: float | None = None) -> Comparison:
     if not files:
         files, place = _inside(path), "reference inside the file"
     try:
-        own = any(name.endswith("_ref.csv") and not name.startswith("../") for name in files)
-        related = "" if own else find_results(files)
-        reference = _related(related, files, described) if related else _reference(files)
+        own = {name: text for name, text in files.items() if not name.startswith("../")}
+        related = "" if any(name.endswith("_ref.csv") for name in own) else find_results(files)
+        reference = _related(related, files, described) if related else _reference(own)
         _check_variables(described, reference)
         allowed = tolerance or reference.options.tolerance
         if allowed == 0.0:

@@ -195,15 +195,22 @@ def test_a_public_fmu_does_what_its_own_results_say(name):
         (1.0, True, f"{FOLDER}/decay.csv", "decay.csv"),
         (1.01, False, f"{FOLDER}/decay.csv", "./decay.csv"),
         (1.0, True, "resources/of one.csv", "../../resources/of%20one.csv"),
+        (1.01, True, "resources/other_ref.csv", "../../resources/other_ref.csv"),
     ],
 )
 def test_results_are_compared_with_the_run(factor, agrees, place, source, tmp_path):
-    """They lie where the manifest says, relative to itself."""
+    """They lie where the manifest says, relative to itself; NAME_ref.csv beside it goes first."""
     path = fmu("dahlquist", 3, tmp_path)
     lines = [f"{t!r},{factor * math.exp(-t)!r}" for t in np.arange(0.0, 1.05, 0.1).tolist()]
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr(MANIFEST, STATED.format(source))
         archive.writestr(place, "\n".join(["time,x", *lines]))
+        if place.endswith("other_ref.csv"):
+            lines = [f"{t!r},{math.exp(-t)!r}" for t in np.arange(0.0, 1.05, 0.1).tolist()]
+            archive.writestr(f"{FOLDER}/decay_ref.csv", "\n".join(["time,x", *lines]))
+            archive.writestr(
+                f"{FOLDER}/decay_ref.opt", "StartTime,0\nStopTime,1\nStepSize,0.1\nRelTol,1e-3\n"
+            )
     found = compare(path)
     assert found.agrees == agrees
 
