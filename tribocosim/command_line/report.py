@@ -14,12 +14,14 @@ def write_page(
         Path, typer.Argument(help="Output folder of a run or a speed sweep; with --cycle also a scenario.")
     ],
     out: Annotated[
-        Path | None, typer.Option(help="File of the page.", show_default="FOLDER/report.html")
+        Path | None,
+        typer.Option(help="File of the page.", show_default="report.html or cycle.html in FOLDER"),
     ] = None,
     cycle: Annotated[
         bool,
         typer.Option(
-            "--cycle", help="Write cycle.html, which computes the train's steady cycle as sliders move."
+            "--cycle",
+            help="Write cycle.html, which computes the train's steady cycle as sliders move (extra native).",
         ),
     ] = False,
 ) -> None:

@@ -169,7 +169,7 @@ class Cycle {
     const { change, periods, milliseconds } = this.records.found, time = Math.round(milliseconds) + " ms";
     get("cycle-figures").textContent = this.records.shows ? this.records.figures() : "";
     get("cycle-state").textContent = change !== change ? "no step succeeds: " + (this.records.shows ? "the cycle before is shown" : "there is no cycle") :
-      change <= STEADY ? "steady after " + periods + " periods, " + time : "not steady after " + periods + " periods: each changes by " + readable(+change.toPrecision(2)) + ", " + time;
+      change <= STEADY ? "steady after " + periods + (periods > 1 ? " periods, " : " period, ") + time : "not steady after " + periods + " periods: each changes by " + readable(+change.toPrecision(2)) + ", " + time;
   }
 
   draw() {}
