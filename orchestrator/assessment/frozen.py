@@ -14,7 +14,7 @@ FEWEST, SHARE = 10, 0.5
 def list_frozen(
     system: System, foreign: Collection[str], read: Callable[[Sequence[str]], Mapping[str, Vector]]
 ) -> list[str]:
-    """A line for each of these FMUs of whose outputs none changes any more, though an input goes on."""
+    """A line for each of these FMUs whose outputs all stand still while an input changes."""
     return [line for name in foreign if (line := _describe(system, name, read))]
 
 

@@ -69,9 +69,11 @@ class Coupling(Exchange):
     def prove(self, time: float) -> None:
         """At the start, after `initialise`: try whether participants restore their states."""
         proofs = {i: prove for i, one in enumerate(self.participants) if (prove := one.abilities.prove)}
+        reasons = []
         for i, prove in proofs.items():
             with timed(self.effort.initialising, i):
-                self.unproven += [reason] if (reason := prove(time)) else []
+                reasons.append(prove(time))
+        self.unproven = [reason for reason in reasons if reason]
         if proofs:  # which may be other instances now
             self.rebind()
 

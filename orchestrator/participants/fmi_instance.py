@@ -187,7 +187,7 @@ class FmiInstance(ABC):
     def free(self) -> None: ...
 
     def _lacks(self, call: str) -> NotImplementedError:
-        """Of what this version of FMI has no call for: abilities are asked first, so that none is made."""
+        """The error of a call that this version of FMI does not have. Callers ask for abilities first."""
         return NotImplementedError(f"{type(self).__name__} has no {call}")
 
     def _bind(self, *states: str) -> None:

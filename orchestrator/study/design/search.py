@@ -56,7 +56,8 @@ TINY = 1e-12
 # A share of speed counts as this share of load.
 SEVERE = 2.0
 RPM = 30.0 / math.pi
-# A limit of loads is met with this share of their scale to spare, for what the model leaves out.
+# A limit of loads is met with this share of their scale to spare. Cams within all limits of the model have
+# lost contact at a speed 0.8 % lower, which is 1.6 % of load.
 SPARE = 0.025
 # Looks that a model learns from.
 MEMORY = 4
