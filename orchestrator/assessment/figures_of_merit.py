@@ -287,7 +287,10 @@ VALVE: Mapping[str, Figure] = {
         Quantity("m", "lift, integrated over the cam angle in radians", display_unit="mm"),
         _lift_area,
     ),
-    "spring_margin": (Quantity("1", "least load on the open valve over its spring's force"), _spring_margin),
+    "spring_margin": (
+        Quantity("1", "spring margin: least load on the open valve over the force of its springs"),
+        _spring_margin,
+    ),
     "seating_velocity": (Quantity("m/s", "seating velocity"), _seating_velocity),
     "landing_lift": (Quantity("m", "lift of the cam at landing", display_unit="mm"), _landing_lift),
     "ramp_left": (Quantity("1", "lift of the cam over its ramp's height at landing"), _ramp_left),

@@ -116,7 +116,7 @@ def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
     if len(told) <= SHOWN:
         return [text for _, text in told]
     least = sorted(told)[:SHOWN]
-    return [*(text for _, text in least), f"{len(told) - SHOWN} more trains with larger margins"]
+    return [*(text for _, text in least), f"{len(told) - SHOWN} more trains with larger spring margins"]
 
 
 def describe_bearings(system: System, merits: Sequence[Merit]) -> list[str]:
@@ -145,8 +145,8 @@ def _follow(train: Train, found: Merits) -> tuple[float, list[str]]:
         share = f"{100.0 * lost.value:.2g} % of the time"
         return -lost.value, [f"contact is lost while the cam lifts, in {share}"]
     if margin := found.get((train.valve, "spring_margin")):
-        words = margin.quantity.description
-        return margin.value, [f"separation margin {100.0 * margin.value:.3g} % ({words})"]
+        name, _, words = margin.quantity.description.partition(": ")
+        return margin.value, [f"{name} {100.0 * margin.value:.3g} % ({words})"]
     return (least.value, [f"least load {least.text} while the cam lifts"]) if least else (0.0, [])
 
 

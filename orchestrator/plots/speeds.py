@@ -38,7 +38,7 @@ NATURAL = {"surge": REFERENCE, "torsion": COUPLED, "bending": ACCENT}
 # Title, unit with its factor, endings of results: a panel for each that the table has.
 PANELS = (
     ("Contact load (N)", 1.0, (".least_load", ".largest_load")),
-    ("Separation margin (%)", 100.0, (".spring_margin",)),
+    ("Spring margin (%)", 100.0, (".spring_margin",)),
     ("Surge force (N)", 1.0, (".surge_force",)),
     ("Seating velocity (m/s)", 1.0, (".seating_velocity",)),
     ("Least film (µm)", 1e6, (".least_film",)),

@@ -226,7 +226,7 @@ def _magnify_seat(ax: Axes, data: FigureData, train: Train) -> None:
 
 
 def _add_margin(ax: Axes, data: FigureData, train: Train) -> None:
-    """The load that opens the valve beside the spring's force, and the least share that it keeps of it."""
+    """The load that opens the valve beside the spring's force, and the spring margin."""
     load = data.drivers.get(f"{train.valve}.load", "") if train.list_parts(roles.Valve) else ""
     load = load or f"{train.contacts[0]}.load"
     spring = data.coupled.get(SPRING)
@@ -235,7 +235,7 @@ def _add_margin(ax: Axes, data: FigureData, train: Train) -> None:
     ax.plot(data.x(), data.coupled[load], color=ACCENT, lw=1.0, label="load that opens the valve")
     share, at = _measure(data, train, "spring_margin")
     if at is not None:
-        write_remark(ax, f"least load / spring force {share:.2f} at {data.x()[at]:.1f}°")
+        write_remark(ax, f"spring margin {100.0 * share:.3g} % at {data.x()[at]:.1f}°")
 
 
 def _measure(data: FigureData, train: Train, figure: str) -> Found:

@@ -11,6 +11,7 @@ from models.contact.ehl_contact import TABLE_3
 from orchestrator.assessment.contacts import lines, summarise_rows
 from orchestrator.assessment.contacts.accumulation import SEEN
 from orchestrator.assessment.contacts.contact_summary import Accumulator
+from orchestrator.assessment.contacts.lines import GROUPS
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.store.json_codec import from_text, to_text
@@ -80,7 +81,8 @@ def test_a_film_that_grows_under_load_gives_its_work_to_the_motion(run, rate, fe
 def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run):
     """Groups are listed exactly if their flag fell under load, with share of time and extremes beyond it."""
     system, columns = run
-    found = summaries(system, columns)["contact"].ranges
+    summary = summaries(system, columns)["contact"]
+    found = summary.ranges
     time, loaded = columns["time"], columns["contact.load"] > 0.0
     assert 0.0 < np.mean(loaded) < 1.0
     for group, (low, high) in TABLE_3.items():
@@ -90,6 +92,10 @@ def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run):
             share = lasting(time, outside) / lasting(time, loaded)
             assert found[group].share == pytest.approx(share, rel=1e-12)
             assert found[group].least < low or found[group].most > high
+    (said,) = [line for line in told({"contact": summary}) if "ranges of the film formula" in line]
+    for group, one in found.items():
+        below, above, _ = GROUPS[group]
+        assert ((below in said), (above in said)) == (one.least < one.low, one.most > one.high)
     # U = eta |u| / (E R) with E = pi / compliance, for two equal steels pi E1 / (2 (1 - nu^2)).
     fastest = np.abs(columns["camshaft.entraining_velocity"]) / columns["camshaft.radius_of_curvature"]
     modulus = np.pi * 207e9 / (2.0 * (1.0 - 0.3**2))
