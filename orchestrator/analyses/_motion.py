@@ -53,10 +53,12 @@ def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
 MILLI = 1e3
 
 
-def draw_trace(axes: Axes, theta: Vector, psi: Vector, side: Vector, upper: Vector, lower: Vector) -> None:
-    """Arrays as a `Portrait`'s; walls dashed, sliding in another colour."""
-    angle = shift_to_first_turn(theta)
-    draw_walls(axes, angle, upper, lower)
+def plot_trace(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    """Walls dashed, sliding in another colour."""
+    figure, axes = create_figure("Time trace", values, width=6.8, height=3.0)
+    angle, psi, side = shift_to_first_turn(data["theta"].values), data["psi"].values, data["side"].values
+    for wall, words in (("upper", "walls"), ("lower", None)):
+        axes.plot(angle, MILLI * data[wall].values, color=MUTED, lw=0.9, ls=(0, (5, 3)), label=words)
     axes.plot(angle, MILLI * psi, color=COUPLED, lw=1.0, label="flight")
     if np.any(side != 0.0):
         sliding = np.where(side != 0.0, MILLI * psi, np.nan)
@@ -64,20 +66,6 @@ def draw_trace(axes: Axes, theta: Vector, psi: Vector, side: Vector, upper: Vect
     set_angle_axis(axes, angle[0], 2.0 * np.pi * np.ceil(angle[-1] / (2.0 * np.pi)))
     axes.margins(y=0.08)
     axes.set_ylabel("ψ (mrad)")
-
-
-def draw_walls(axes: Axes, angle: Vector, upper: Vector, lower: Vector) -> None:
-    """Both walls in psi over crank angle."""
-    for n, wall in enumerate((upper, lower)):
-        axes.plot(angle, MILLI * wall, color=MUTED, lw=0.9, ls=(0, (5, 3)), label="walls" if n == 0 else None)
-
-
-def plot_trace(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = create_figure("Time trace", values, width=6.8, height=3.0)
-    theta, psi, side, upper, lower = (
-        data[name].values for name in ("theta", "psi", "side", "upper", "lower")
-    )
-    draw_trace(axes, theta, psi, side, upper, lower)
     add_legend(figure, axes)
     return figure
 

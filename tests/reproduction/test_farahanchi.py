@@ -38,9 +38,13 @@ def quick(runs):
 
 
 def test_every_figure_from_2_4_to_4_44_is_there_once():
-    numbers = [picture.number for picture in PICTURES]
-    expected = ["2.2", *(f"2.{n}" for n in range(4, 11)), "3.1", *(f"4.{n}" for n in range(1, 45))]
-    assert numbers == expected
+    numbers = [picture.number for picture in PICTURES if not picture.number.endswith("text")]
+    beside = {4, 5, 17, 20, 23}
+    second, fourth = (
+        [f"2.{n}" for n in (2, *range(4, 11))],
+        [f"4.{n}" for n in range(1, 45) if n not in beside],
+    )
+    assert numbers == second + fourth
     assert len({picture.file for picture in PICTURES}) == len(PICTURES)
     assert all(re.fullmatch(r"farahanchi1991-fig-[0-9a-z.-]+\.png", picture.file) for picture in PICTURES)
 
@@ -120,10 +124,7 @@ def test_the_thesis_s_threshold_makes_a_chaotic_motion_periodic(runs):
 
 
 @pytest.mark.parametrize(
-    "number",
-    mark_long(
-        ["2.4", "2.8", "2.10", "3.1", "4.2", "4.5", "4.12", "4.20", "4.31", "4.40"], ["2.4", "3.1", "4.2"]
-    ),
+    "number", mark_long(["2.4", "2.10", "4.2", "4.3", "4.12", "4.19", "4.31"], ["2.4", "4.2"])
 )
 def test_figures_are_drawn(number, runs, tmp_path):
     figure = next(f for f, picture in zip(FIGURES, PICTURES, strict=True) if picture.number == number)
