@@ -142,7 +142,8 @@ def find_gaps(angle: Vector, cycle: float) -> list[Gap]:
     spacing = float(np.median(steps))
     regular = float(np.mean(np.abs(steps / spacing - 1.0) < 0.02)) > REGULAR
     beside = np.maximum(np.roll(steps, 1), np.roll(steps, -1))
-    usual = np.maximum(spacing, scipy.ndimage.median_filter(steps, NEARBY, mode="wrap"))
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(steps, NEARBY // 2, mode="wrap"), NEARBY)
+    usual = np.maximum(spacing, np.median(around, axis=1))
     gaps = steps > (MISSING * usual if regular else GAP * np.maximum(spacing, beside))
     wide = steps > (GAP * usual if regular else WIDE)
     return [Gap(int(i), cycle, angle[i], steps[i], bool(wide[i])) for i in np.flatnonzero(gaps)]
