@@ -1,5 +1,6 @@
 """Notice when kernels are compiled: the user is told."""
 
+import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -7,23 +8,27 @@ from numba.core import event
 
 
 class _Noticing(event.Listener):
-    """Calls `begin` before compilations; kernels that are compiled for others count as one."""
+    """Calls `begin` before compilations, and `end(seconds)` after them; kernels that are compiled for others
+    count as one."""
 
-    def __init__(self, begin: Callable[[], None]) -> None:
-        self._begin = begin
-        self._depth = 0
+    def __init__(self, begin: Callable[[], None], end: Callable[[float], None]) -> None:
+        self._begin, self._end = begin, end
+        self._depth, self._begun = 0, 0.0
 
     def on_start(self, event: object) -> None:
         self._depth += 1
         if self._depth == 1:
+            self._begun = clock.perf_counter()
             self._begin()
 
     def on_end(self, event: object) -> None:
         self._depth -= 1
+        if not self._depth:
+            self._end(clock.perf_counter() - self._begun)
 
 
 @contextmanager
-def announce_compilation(begin: Callable[[], None]) -> Iterator[None]:
-    """Within the block, `begin` is called whenever this process begins to compile."""
-    with event.install_listener("numba:compile", _Noticing(begin)):
+def announce_compilation(begin: Callable[[], None], end: Callable[[float], None]) -> Iterator[None]:
+    """Within the block, `begin` is called whenever this process begins to compile, `end` with its time."""
+    with event.install_listener("numba:compile", _Noticing(begin, end)):
         yield

@@ -4,6 +4,7 @@ import errno
 import os
 import sys
 import time as clock
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
@@ -18,9 +19,12 @@ from models.core.quantities import Vector
 from models.core.remedies import Words, in_command_line, make_printable
 
 from .compilation import announce_compilation
+from .engine.effort import timed
 from .engine.observer import Observer
 from .engine.step import Step
 
+# The time of compilations among those of the stages.
+COMPILING = "compiling"
 SHOWN_EVERY_S = 0.1
 # Without a terminal a line says at least so often how far a long stage is.
 TOLD_EVERY_S = 20.0
@@ -87,14 +91,17 @@ class SafeConsole(Console):
 
 
 class Reporter:
-    """Prints the progress of a command; of one that is `verbose` also tables and effort."""
+    """Prints the progress of a command; of one that is `verbose` also tables and effort.
+
+    `times` has the wall time (s) of each stage without compilations, and that of these (`COMPILING`).
+    """
 
     def __init__(self, console: Console | None = None, verbose: bool = False) -> None:
         self.verbose = verbose
         # Lines for a file or a log need no folding to 80 columns.
         wide = None if sys.stdout.isatty() else 110
         self.console = console or SafeConsole(highlight=False, width=wide)
-        self._compiled = False
+        self.times: dict[str, float] = defaultdict(float)
 
     def line(self, text: Words) -> None:
         self.console.print(Text(in_command_line(text)), soft_wrap=True)
@@ -106,12 +113,12 @@ class Reporter:
     @contextmanager
     def stage(self, text: str, stop_time: float = 1.0) -> Iterator[Bar]:
         """A stage of the command with its bar; without a terminal lines, at its start and while it lasts."""
-        live = self.console.is_terminal
+        live, self._stage = self.console.is_terminal, text
         columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
         progress = Progress(*columns, console=self.console, transient=True, disable=not live)
         if not live:
             self.line(text)
-        with progress, announce_compilation(self._compiling):
+        with progress, timed(self.times, text), announce_compilation(self._compiling, self._compiled):
             task = progress.add_task(text, total=1.0)
             told = clock.monotonic()
             begun: tuple[float, float] | None = None  # the share that a run begins with, and when
@@ -132,6 +139,10 @@ class Reporter:
             yield Bar(show, stop_time)
 
     def _compiling(self) -> None:
-        if not self._compiled:
+        if COMPILING not in self.times:
             self.line("compiling what these components need (once on this machine; up to minutes)")
-        self._compiled = True
+        self._compiled(0.0)
+
+    def _compiled(self, seconds: float) -> None:
+        self.times[COMPILING] += seconds
+        self.times[self._stage] -= seconds

@@ -11,20 +11,28 @@ from typing import Any
 def timed(spent: Any, key: Any) -> Iterator[None]:
     """Add the wall time (s) of the block to `spent[key]`."""
     begin = perf_counter()
-    yield
-    spent[key] += perf_counter() - begin
+    try:
+        yield
+    finally:
+        spent[key] += perf_counter() - begin
 
 
 class Effort:
     """Wall time (s) by the number of a participant: of its initialisation, of its steps with what they are
-    given and what is read, and of saving and restoring its state; how often it was taken back to one.
+    given and what is read, and of saving and restoring its state; how often it was taken back to one; the
+    steps of its own (`substeps`, `retries`) within macro steps, and those of them that failed.
 
     Where compiled code makes the steps some are timed, and count for those between.
     """
 
     def __init__(self, size: int) -> None:
         self.initialising, self.stepping, self.saving = ([0.0] * size for _ in range(3))
-        self.restored = [0] * size
+        self.restored, self.own_steps, self.failed = ([0] * size for _ in range(3))
+
+    def count(self, i: int, failed: bool) -> None:
+        """Participant i has tried a step of its own."""
+        self.own_steps[i] += 1
+        self.failed[i] += failed
 
     def state(self) -> dict[str, Any]:
         return {name: list(values) for name, values in vars(self).items()}
@@ -45,3 +53,5 @@ class Spent:
     stepping_s: float
     saving_s: float
     closing_s: float = 0.0
+    own_steps: int = 0
+    failed: int = 0

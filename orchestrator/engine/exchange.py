@@ -1,7 +1,7 @@
 """Participants that exchange values: the wiring, and the memory of what is exchanged."""
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple, NoReturn, TypeVar
 
 import numba
@@ -76,7 +76,8 @@ class Exchange:
         """The exchanged variables of participant i."""
         own = self.wiring.slices[i]
         names = tuple(port.variable for port in self.wiring.sources[own])
-        return BoundVariables(self.wiring.targets[i], self.inputs[i], names, self.state.values[own], rates)
+        values, count = self.state.values[own], partial(self.effort.count, i)
+        return BoundVariables(self.wiring.targets[i], self.inputs[i], names, values, rates, count)
 
     def locate_inputs(self, part: Sequence[int]) -> tuple[Any, Any]:
         """Where each input of these participants lies in `signals`, row after row, and in `all_inputs`."""

@@ -39,7 +39,7 @@ class Substepped(ParticipantWrapper):
     def connect(self, bound: BoundVariables) -> Sequence[bool]:
         rated = self._participant.connect(bound)
         self.write, self.read = self._participant.write, self._participant.read
-        self._inputs = bound.inputs
+        self._inputs, self._tried = bound.inputs, bound.tried
         self._start = np.zeros_like(bound.inputs)
         return rated
 
@@ -64,8 +64,10 @@ class Substepped(ParticipantWrapper):
                 self.write()
             try:
                 self._attempt(start, length)
+                self._tried(False)
                 return
             except DiscardedStepError as error:
+                self._tried(True)
                 if error.reached is None:
                     raise
                 if (done := error.reached - start) < self._smallest * self._step:

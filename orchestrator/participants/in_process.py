@@ -48,7 +48,7 @@ class InProcessParticipant:
         return [INPUT_COEFFICIENTS - 1] * len(input_names)
 
     def connect(self, bound: BoundVariables) -> Sequence[bool]:
-        input_names, self._inputs, output_names, self._outputs, self._rates = bound
+        input_names, self._inputs, output_names, self._outputs, self._rates = bound[:5]
         self._input_index = np.array([self._component.inputs.index(n) for n in input_names], dtype=np.int64)
         self._output_index = np.array(
             [self._component.outputs.index(n) for n in output_names], dtype=np.int64

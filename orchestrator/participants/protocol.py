@@ -9,6 +9,10 @@ from models.core.quantities import Vector
 from .compiled_calls import CompiledCalls
 
 
+def uncounted(failed: bool) -> None:
+    """Of a participant whose steps nobody counts."""
+
+
 class BoundVariables(NamedTuple):
     """The exchanged variables of a participant, and the memory that they are bound to.
 
@@ -16,6 +20,7 @@ class BoundVariables(NamedTuple):
     (row 0 the value). `rates`, as long as `outputs`, takes their time derivatives; of length 0, none are
     wanted. They are those along the motion with the inputs' slopes in effect: after `write` row 1 of
     `inputs`, after `advance` the slopes at its end. Rates that are not given stay as they are.
+    `tried(failed)` is called for each step that the participant tries of its own within a macro step.
     """
 
     input_names: Sequence[str]
@@ -23,6 +28,7 @@ class BoundVariables(NamedTuple):
     output_names: Sequence[str]
     outputs: Vector
     rates: Vector
+    tried: Callable[[bool], None] = uncounted
 
 
 class SideChannel(Protocol):

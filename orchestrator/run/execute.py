@@ -152,8 +152,8 @@ def _collect_warnings(units: Mapping[str, Participant]) -> dict[str, Warnings]:
 
 
 class _Counter(Observer):
-    """Counts steps, iterations and time (s), also of a run that ends early. Calls `begun` at the start
-    values; until then `steps` is -1."""
+    """Counts steps, iterations and time (s) from the start values on, also of a run that ends early. Calls
+    `begun` at the start values; until then `steps` is -1."""
 
     steps = -1
     iterations = 0
@@ -171,7 +171,7 @@ class _Counter(Observer):
         return {
             name: Spent(
                 int(calls[i]), effort.restored[i], opening[name], effort.initialising[i],
-                effort.stepping[i], effort.saving[i], closing[name],
+                effort.stepping[i], effort.saving[i], closing[name], effort.own_steps[i], effort.failed[i],
             )
             for i, name in enumerate(self._coupling.wiring.names)
         }  # fmt: skip
@@ -183,6 +183,7 @@ class _Counter(Observer):
         self.steps += 1
         if not self.steps:
             self._begun()
+            self._start = clock.perf_counter()
         self.iterations += step.iterations
 
     def state(self) -> dict[str, Plain]:

@@ -48,6 +48,7 @@ def run(
     """Plan a run and make it, as `run_plan` does; ModelError or ScenarioError before anything is written."""
     check_folder(out, overwrite)
     began = clock.perf_counter()
+    reporter.times.clear()
     return run_plan(make_plan(scenario, build, reporter, figures), out, reporter, overwrite, began)
 
 
@@ -86,8 +87,9 @@ def conclude(plan: Plan, summary: Summary, folder: OutputFolder, reporter: Repor
             result.finish(summary.complete, in_command_line(summary.message))
     except ENDS as error:
         summary = summary.end_by(error, folder.path)
-    seconds = clock.perf_counter() - start
-    return publish(replace(settle_ending(summary, folder), wall_time_s=seconds), folder, reporter)
+    seconds, times = clock.perf_counter() - start, dict(reporter.times)
+    ended = replace(settle_ending(summary, folder), wall_time_s=seconds, times=times)
+    return publish(ended, folder, reporter)
 
 
 def keep_prints(plan: Plan, folder: OutputFolder, reporter: Reporter) -> AbstractContextManager[None]:

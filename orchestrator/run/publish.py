@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import cache
 from importlib import metadata
@@ -47,13 +47,14 @@ def open_result(plan: Plan, folder: OutputFolder, reporter: Reporter) -> Iterato
     """The result file of what the journals hold, and the CSV files beside it."""
     angles = {name: angle.coordinate for name, angle in find_angles(plan.system).items()}
     with ResultFile(folder.path / RESULT, _describe(plan), angles) as result:
-        with reporter.stage("result file"), naming(folder.path / RESULT):
-            recorded = {name: Recorded(path) for name, path in journals(folder.unfinished).items()}
-            for name, journal in recorded.items():
-                result.take(name, journal)
-        if "coupled" in recorded:
-            write_csv(folder.path / CSV, recorded["coupled"], angles)
-            write_units(folder.path / UNITS, recorded["coupled"], angles)
+        with reporter.stage("result file"):
+            with naming(folder.path / RESULT):
+                recorded = {name: Recorded(path) for name, path in journals(folder.unfinished).items()}
+                for name, journal in recorded.items():
+                    result.take(name, journal)
+            if "coupled" in recorded:
+                write_csv(folder.path / CSV, recorded["coupled"], angles)
+                write_units(folder.path / UNITS, recorded["coupled"], angles)
         yield result
 
 
@@ -98,7 +99,8 @@ def _advise_on_full_disk(folder: OutputFolder) -> Words:
 
 
 def publish(summary: Summary, folder: OutputFolder, reporter: Reporter) -> Summary:
-    """Write the summary, remove what only an unfinished run needs, draw, and print the end of the run.
+    """Write the summary, remove what only an unfinished run needs, draw, and print the end of the run. The
+    summary is written again with the time of drawing.
 
     Where the summary cannot be written, the one from the start of the run stays, and a complete run is
     returned as failed. KeyboardInterrupt while it draws says how to draw what is left.
@@ -115,6 +117,10 @@ def publish(summary: Summary, folder: OutputFolder, reporter: Reporter) -> Summa
     try:
         if summary.figures and (folder.path / RESULT).exists():
             _draw(folder.path, summary.exit_status != INTERRUPTED, reporter)
+            drawn = summary.wall_time_s + sum(reporter.times.values()) - sum(summary.times.values())
+            summary = replace(summary, wall_time_s=drawn, times=dict(reporter.times))
+            with suppress(OSError):  # the one without is there
+                summary.write(folder.path / SUMMARY)
     finally:
         _print_end(summary, folder.path, list_files(folder.path), reporter)
     return summary

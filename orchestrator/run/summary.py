@@ -72,6 +72,7 @@ class Summary:
     contacts_from: str = MACRO_STEPS
     merits: Sequence[str] = field(default_factory=list)
     figures_of_merit: Sequence[Merit] = ()  # in a table of their own
+    times: Mapping[str, float] = field(default_factory=dict)  # wall time (s) by stage
     effort: Mapping[str, Spent] = field(default_factory=dict)
     energy: Account | None = None
     steps: Diagnosis | None = None

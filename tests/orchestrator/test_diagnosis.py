@@ -10,7 +10,9 @@ import pytest
 
 from models.core.quantities import Quantity
 from orchestrator.assessment.diagnosis import RULES, Facts, Steps, brief, diagnose_steps, full, read_steps
+from orchestrator.assessment.diagnosis.answer import LIMITING
 from orchestrator.assessment.diagnosis.report import diagnose
+from orchestrator.assessment.diagnosis.times import list_parts, read_spending
 from orchestrator.assessment.friction.judge import judge_friction
 from orchestrator.engine.energy import Trimmed, add_counting
 from orchestrator.engine.step import REASONS, Step
@@ -224,7 +226,9 @@ def test_every_reason_has_its_words_and_its_colour():
     for reason in REASONS:
         found = facts(made([1e-5, 2e-5], reason, iterations=2))
         assert list(found.diagnosis.reasons) == [reason]
-        assert full(found, [], "complete")[3].split()[-4:] == ["100", "%", "100", "%"]
+        lines = full(found, [], "complete")
+        assert "100 %" in lines[0] or LIMITING[reason] in lines[0]
+        assert lines[6].split()[-4:] == ["100", "%", "100", "%"]
         kinds, _ = figure._assign_colours(found.steps)
         assert [chosen.all() for _, chosen in kinds] == [True], reason
 
@@ -272,7 +276,8 @@ def test_a_run_tells_in_its_summary_what_its_steps_were(finished):
 
 def test_the_command_says_it_again_and_draws(finished, tmp_path):
     lines = called("diagnose", str(finished), "--figure", str(tmp_path / "steps.png")).stdout.splitlines()
-    assert lines[0].startswith("valve-train-controlled (complete): ")
+    assert [line.partition(": ")[0] for line in lines[:3]] == ["Time", "Step", "Change"]
+    assert lines[4].startswith("valve-train-controlled (complete): ")
     assert any(line.startswith("what set the step") for line in lines)
     assert (tmp_path / "steps.png").stat().st_size > 10_000
 
@@ -285,7 +290,7 @@ def test_a_run_whose_summary_is_damaged_is_diagnosed_without_times(text, finishe
     (copy / "summary.json").write_text(text)
     done = called("diagnose", str(copy))
     assert done.returncode == 0
-    assert "participant " not in done.stdout
+    assert "where the time went" not in done.stdout
 
 
 def test_the_slow_fmu_is_named_with_its_time(tmp_path):
@@ -303,6 +308,21 @@ def test_the_slow_fmu_is_named_with_its_time(tmp_path):
     lines = called("diagnose", str(out)).stdout.splitlines()
     head = next(i for i, line in enumerate(lines) if line.startswith("participant"))
     assert [line.split()[0] for line in lines[head + 1 : head + 3]] == ["slow", "dahlquist"]
+    assert "into steps of slow" in lines[0]
+
+
+def test_parts_of_the_time_add_up_to_the_whole(finished, tmp_path):
+    """A complete run, with figures; and what a participant does within macro steps is counted."""
+    spending, found = read_spending(finished / "summary.json"), load(finished / "scenario.toml")
+    parts = list_parts(found, spending)
+    assert sum(part.seconds for part in parts) == pytest.approx(spending.wall_s, rel=1e-9)
+    assert {"figures and report", "result files", "steps of contact"} <= {part.name for part in parts}
+    tables = {"dahlquist": {"participant": fmu("dahlquist", 2, tmp_path), "substeps": 3}}
+    one = scenario(tables, master={"name": "jacobi"}, macro_step=0.1)
+    ran(one, tmp_path / "out")
+    spending = read_spending(tmp_path / "out" / "summary.json")
+    assert (spending.effort["dahlquist"].own_steps, spending.effort["dahlquist"].failed) == (30, 0)
+    assert sum(part.seconds for part in list_parts(one, spending)) == pytest.approx(spending.wall_s, rel=1e-9)
 
 
 def test_a_killed_run_is_diagnosed_from_its_journals(finished, tmp_path):
@@ -326,7 +346,7 @@ def test_a_killed_run_is_diagnosed_from_its_journals(finished, tmp_path):
     for name in ("end", "length", "iterations", "rejected", "error", "source", "reason", "parts"):
         np.testing.assert_array_equal(getattr(found, name), getattr(steps, name))
     (tmp_path / SCENARIO).write_text(to_full_toml(load("valve-train-controlled")), "utf-8")
-    assert "was killed" in diagnose(tmp_path).lines[0]
+    assert "was killed" in diagnose(tmp_path).lines[3]
 
 
 def test_sources_are_the_same_outputs_where_energies_are_counted():
@@ -359,8 +379,7 @@ def test_a_wrong_folder_or_figure_is_told_before_anything_else(finished, tmp_pat
     monkeypatch.chdir(tmp_path)
     own = tmp_path / "results" / "valve-train-controlled"
     shutil.copytree(finished, own)
-    with pytest.raises(MistakeError, match=r"did you mean results/valve-train-controlled\?$"):
-        diagnose(Path("valve-train-controlled"))
+    assert diagnose(Path("valve-train-controlled")).lines == diagnose(own).lines
     with pytest.raises(MistakeError, match=r"did you mean results/valve-train-controlled\?$"):
         diagnose(Path("results/valve-trian-controlled"))
     with pytest.raises(MistakeError, match=r"did you mean results/valve-train-controlled\?$"):

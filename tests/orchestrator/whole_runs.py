@@ -18,7 +18,7 @@ from .killed import EVERY
 
 NO_REFERENCE = ["reference.enabled=false"]
 SHORT = ["stop_time=4 ms", *HERE, *NO_REFERENCE]
-WALL_TIMES = ("wall_time_s", "coupled_time_s", "reference_time_s")
+WALL_TIMES = ("wall_time_s", "coupled_time_s", "reference_time_s", "times")
 
 
 def quiet() -> Reporter:

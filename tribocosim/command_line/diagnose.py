@@ -11,11 +11,13 @@ from .json_output import Json, build_reporter, print_json
 
 @report_errors
 def print_diagnosis(
-    folder: Annotated[Path, typer.Argument(help="Output folder of a run.")],
+    folder: Annotated[
+        Path, typer.Argument(help="Output folder of a run, or the scenario of the run in results.")
+    ],
     figure: Annotated[Path | None, typer.Option(help="Draw the steps to this file (.png).")] = None,
     as_json: Json = False,
 ) -> None:
-    """Report what limited the steps of a run, also an interrupted one, and suggest remedies."""
+    """Report where the time of a run went, who limits its steps, and what to change."""
     from orchestrator.assessment.diagnosis.report import diagnose
     from orchestrator.errors import MistakeError, Option
     from orchestrator.plots.steps import draw_steps
@@ -27,7 +29,14 @@ def print_diagnosis(
     reporter = build_reporter(as_json)
     found = diagnose(folder)
     if as_json:
-        print_json({"diagnosis": found.diagnosis, "effort": found.effort, "suggestions": found.suggestions})
+        print_json(
+            {
+                "diagnosis": found.diagnosis,
+                "effort": found.spending.effort,
+                "stages": found.spending.stages,
+                "suggestions": found.suggestions,
+            }
+        )
     for line in found.lines:
         reporter.line(line)
     if figure:

@@ -10,11 +10,12 @@ from ...scenario import Scenario, ScenarioError
 from ...scenario.files import load
 from ...scenario.units import choose_time_unit
 from ...store.output_folder import SCENARIO, SUMMARY
-from ...texts import parse_json, read_text
+from .answer import answer
 from .facts import Facts
 from .numbers import Diagnosis, diagnose_steps
 from .steps import Steps, read_steps
 from .suggestions import suggestions
+from .times import UNKNOWN, Spending, list_parts, read_spending
 
 SHOWN = 5  # variables, and spans of each
 # A reason's name in words.
@@ -63,22 +64,21 @@ def _over(d: Diagnosis) -> list[str]:
     ]
 
 
-def full(
-    facts: Facts,
-    suggestions: Sequence[str],
-    message: str,
-    effort: Mapping[str, Spent] | None = None,
-    coupled_s: float = 0.0,
-) -> list[str]:
-    """Everything; `effort` by participant, of a coupled run of `coupled_s` seconds."""
-    d = facts.diagnosis
+def full(facts: Facts, suggestions: Sequence[str], message: str, spending: Spending = UNKNOWN) -> list[str]:
+    """The answer in sentences, then everything in columns."""
+    d, parts = facts.diagnosis, list_parts(facts.scenario, spending)
     rejected = f"{d.rejected} attempts rejected ({percent(d.rejected_share)})"
     calls = f", {d.do_steps} doStep calls" if d.do_steps is not None else ""
     lines = [
+        *answer(facts, spending, parts, suggestions),
+        "",
         f"{facts.scenario.name} ({message}): {d.steps} macro steps from {d.start:g} to {d.end:g} s, "
         f"{rejected}, {d.total_iterations} iterations{calls}",
         "",
     ]
+    if parts:
+        taken = [(one.name, f"{one.seconds:.3g}", percent(one.seconds / spending.wall_s)) for one in parts]
+        lines += [*_table(("where the time went", "s", "share"), taken), ""]
     rows = [
         (WORDS[reason], percent(share.steps), percent(share.time), str(d.rejections.get(reason, "")))
         for reason, share in d.reasons.items()
@@ -90,7 +90,7 @@ def full(
             "",
             *_table(("error of", "steps", "time", f"limits most steps from .. to ({unit})"), _limits(facts)),
         ]
-    lines += ["", *_efforts(effort, d, coupled_s)] if effort else []
+    lines += ["", *_efforts(spending.effort, d)] if spending.effort else []
     lines += ["", *_quantiles(d), "", *_work(d)]
     if d.events:
         told = ", ".join(f"{count} told by {name}" for name, count in d.events.items())
@@ -98,8 +98,7 @@ def full(
     lines += _over(d)
     for time, variable in d.discontinuities[:SHOWN]:
         lines.append(f"minimum step reached at t = {time:.9g} s for {variable}")
-    lines += ["", *(f"suggestion: {text}" for text in suggestions)]
-    return lines if suggestions else [*lines, "no suggestion: nothing stands out"]
+    return [*lines, *[""] * bool(suggestions[1:]), *(f"suggestion: {text}" for text in suggestions[1:])]
 
 
 def _limits(facts: Facts) -> list[tuple[str, str, str, str]]:
@@ -116,27 +115,24 @@ def _limits(facts: Facts) -> list[tuple[str, str, str, str]]:
     return rows
 
 
-def _efforts(effort: Mapping[str, Spent], d: Diagnosis, coupled_s: float) -> list[str]:
-    """Participants by falling time, and what is left of the coupled run."""
-    own = {name: one.stepping_s + one.saving_s for name, one in effort.items()}
-    whole = sum(own.values())
+def _efforts(effort: Mapping[str, Spent], d: Diagnosis) -> list[str]:
+    """Participants by falling time, and their counts."""
     rows = []
-    for name, one in sorted(effort.items(), key=lambda item: -own[item[0]]):
+    for name, one in sorted(effort.items(), key=lambda item: -item[1].stepping_s - item[1].saving_s):
         by = {
             variable: limit.steps for variable, limit in d.limits.items() if variable.startswith(f"{name}.")
         }
         variables = [f"{percent(share)} by {variable[len(name) + 1 :]}" for variable, share in by.items()]
-        times = (one.opening_s, one.initialising_s, one.stepping_s, one.saving_s, one.closing_s)
+        times = (one.opening_s, one.initialising_s, one.stepping_s, one.saving_s)
         a_step = f"{1e6 * one.stepping_s / one.do_steps:.3g}" if one.do_steps else ""
-        counts = (str(one.do_steps), a_step, str(one.restored), ", ".join(variables[:2]))
-        rows.append((name, percent(own[name] / (whole or 1.0)), *(f"{s:.2g}" for s in times), *counts))
+        own = (str(one.own_steps or ""), str(one.failed or ""))
+        counts = (str(one.do_steps), a_step, *own, str(one.restored), ", ".join(variables[:2]))
+        rows.append((name, *(f"{s:.2g}" for s in times), *counts))
     head = (
-        "participant", "time", "opening (s)", "initialising (s)", "steps (s)", "states (s)", "closing (s)",
-        "doStep calls", "each (us)", "taken back", "limits steps",
+        "participant", "opening (s)", "initialising (s)", "steps (s)", "states (s)", "doStep calls",
+        "each (us)", "own steps", "failed", "taken back", "limits steps",
     )  # fmt: skip
-    rest = coupled_s - whole - sum(one.initialising_s for one in effort.values())
-    others = [f"master, signals and records: {rest:.2g} s of the {coupled_s:.2g} s of the coupled run"]
-    return _table(head, rows) + others * (rest > 0.0)
+    return _table(head, rows)
 
 
 def _quantiles(d: Diagnosis) -> list[str]:
@@ -182,22 +178,24 @@ def percent(share: float) -> str:
 
 @dataclass(frozen=True)
 class Findings:
-    """The steps of a run, its scenario, what limited them, what participants took, what would help, and the
+    """The steps of a run, its scenario, what limited them, where the time went, what would help, and the
     lines of the report."""
 
     steps: Steps
     scenario: Scenario
     diagnosis: Diagnosis
-    effort: Mapping[str, Spent]
+    spending: Spending
     suggestions: Sequence[str]
     lines: Sequence[str]
 
 
 def diagnose(out: Path) -> Findings:
-    """Of the run in `out`; MistakeError without a run."""
+    """Of the run in `out`, or of the one in results/`out`; MistakeError without a run."""
+    own = Path("results") / out
+    out = own if not out.exists() and (own / SCENARIO).is_file() else out
     steps, message = read_steps(out)
-    calls, effort, coupled_s = _read_summary(out / SUMMARY)
-    diagnosis = diagnose_steps(steps, calls)
+    spending = read_spending(out / SUMMARY)
+    diagnosis = diagnose_steps(steps, spending.do_steps)
     if diagnosis is None:
         raise MistakeError(f"{out}: the run made no step ({message})")
     if not (out / SCENARIO).is_file():
@@ -210,18 +208,5 @@ def diagnose(out: Path) -> Findings:
         ) from None
     facts = Facts(diagnosis, steps, scenario)
     remedies = suggestions(facts)
-    lines = full(facts, remedies, message, effort, coupled_s)
-    return Findings(steps, scenario, diagnosis, effort, remedies, lines)
-
-
-def _read_summary(path: Path) -> tuple[int | None, dict[str, Spent], float]:
-    """The `doStep` calls, what participants took, and the time (s) of the coupled run, as far as told."""
-    try:
-        found = parse_json(read_text(path))
-        calls, coupled_s = found.get("do_steps"), float(found.get("coupled_time_s", 0.0))
-        told = found.get("effort", {}).items()
-        # What is no number raises TypeError.
-        effort = {name: Spent(**{key: 0 + value for key, value in one.items()}) for name, one in told}
-    except (OSError, ValueError, TypeError, AttributeError):
-        return None, {}, 0.0
-    return calls if isinstance(calls, int) else None, effort, coupled_s
+    lines = full(facts, remedies, message, spending)
+    return Findings(steps, scenario, diagnosis, spending, remedies, lines)
