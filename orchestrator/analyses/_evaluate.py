@@ -25,7 +25,7 @@ from . import Analysis, Result, list_analyses, load
 if TYPE_CHECKING:
     import xarray
 
-ENDINGS = ("nc", "csv", "png")
+ENDINGS = ("nc", "csv", "png", "html")
 
 
 def analyse(

@@ -39,15 +39,16 @@ def write_report(folder: Path, path: Path | None = None) -> Path:
         page = _render(*collect_sweep(folder))
     else:
         page = _render_run(folder)
-    return _write(page, path or folder / REPORT)
+    return write_page(page, path or folder / REPORT)
 
 
 def write_cycle(train: Train, path: Path) -> Path:
     """Write the page that computes the steady cycle of a train; MistakeError if it cannot be written."""
-    return _write(_render(*collect_cycle(train)), path)
+    return write_page(_render(*collect_cycle(train)), path)
 
 
-def _write(page: str, path: Path) -> Path:
+def write_page(page: str, path: Path) -> Path:
+    """Write a page to `path` at once; MistakeError if it cannot be written."""
     try:
         atomic_write.replace(path, page.encode("utf-8"))
     except OSError as error:
@@ -111,19 +112,23 @@ def _find_unit(records: Records, name: str) -> dict[str, Any]:
     return {"unit": shown.text, "factor": shown.factor}
 
 
-def _render(values: Mapping[str, Any], content: Mapping[str, Any]) -> str:
-    folder = resources.files(__package__) / "assets"
+def _read_asset(name: str) -> str:
+    return (resources.files(__package__) / "assets" / name).read_text("utf-8")
 
-    def read(name: str) -> str:
-        return (folder / name).read_text("utf-8")
 
+def render(template: str, **values: Any) -> str:
+    """A page by its template, with the values escaped, in the look of all pages."""
     environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, loader=jinja2.FunctionLoader(read)
+        autoescape=True, undefined=jinja2.StrictUndefined, loader=jinja2.FunctionLoader(_read_asset)
     )
-    return environment.get_template("page.html").render(
+    return environment.get_template(template).render(**values, style=Markup(_read_asset("report.css")))
+
+
+def _render(values: Mapping[str, Any], content: Mapping[str, Any]) -> str:
+    return render(
+        "page.html",
         **values,
-        style=Markup(read("report.css")),
-        script=Markup("\n".join(map(read, SCRIPTS))),
+        script=Markup("\n".join(map(_read_asset, SCRIPTS))),
         data=Markup(_to_script(content)),
         has_scene=bool(content["sketches"]),
         has_reference=any("error" in variable["data"] for variable in content["variables"]),

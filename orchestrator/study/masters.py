@@ -16,6 +16,7 @@ from ..analyses._evaluate import create_folder, find_results
 from ..errors import MistakeError, RunError, in_command_line
 from ..masters import MASTERS, find_master
 from ..plots.style import create_subplots, save_figure
+from ..report.answer import Answer
 from ..reporter import Reporter
 from ..run.pipeline import run
 from ..scenario import Scenario
@@ -83,10 +84,11 @@ def compare_masters(
         head = [heads.get(field.name, field.name) for field in fields(Tried)]
         write_rows(folder / f"{NAME}.csv", [head, *map(astuple, tried)])
         save_figure(lambda: _draw(scenario, tried), folder / f"{NAME}.png")
-    reporter.console.print(_tabulate(scenario, tried))
+    answer = Answer(f"{scenario.name}: masters", reporter)
+    answer.table(_tabulate(scenario, tried))
     if left := [name for name in MASTERS if name not in names]:
-        reporter.line(f"left out: {', '.join(left)}, which repeat steps; an FMU cannot restore its state")
-    reporter.line(f"results in {folder}: {NAME}.csv, {NAME}.png")
+        answer.line(f"left out: {', '.join(left)}, which repeat steps; an FMU cannot restore its state")
+    answer.write(folder, f"{NAME}.html", (f"{NAME}.csv", f"{NAME}.png"))
     return tried
 
 

@@ -98,6 +98,7 @@ def test_masters_are_compared_by_error_and_work(restorable, tmp_path, monkeypatc
     with (tmp_path / "out" / "masters.csv").open() as file:
         assert len(list(csv.reader(file))) == 1 + len(tried)
     assert (tmp_path / "out" / "masters.png").is_file()
+    assert "masters.csv" in (tmp_path / "out" / "masters.html").read_text("utf-8")
 
 
 def test_what_no_master_runs_is_said_once(tmp_path, monkeypatch):

@@ -162,6 +162,7 @@ def test_the_command_prints_what_moves_a_train_and_leaves_table_and_figure(tmp_p
     assert unit == "N"
     assert float(elasticity) == pytest.approx(330.0 / float(force), rel=1e-4)
     assert (tmp_path / "found" / "sensitivities.png").stat().st_size > 10_000
+    assert "sensitivities.csv" in (tmp_path / "found" / "sensitivities.html").read_text("utf-8")
 
 
 def test_each_number_that_an_oil_gives_varies_alone(monkeypatch, tmp_path):

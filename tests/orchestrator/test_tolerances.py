@@ -315,3 +315,4 @@ def test_the_command_continues_what_was_interrupted_and_finds_percentiles_and_yi
         spread = float(force.sel(percent=99.0) - force.sel(percent=50.0))
     assert spread == pytest.approx(0.05 * 330.0 * stats.norm.ppf(0.99), rel=1e-3)
     assert (out / "tolerances.png").stat().st_size > 10_000
+    assert "percentiles.csv" in (out / "tolerances.html").read_text("utf-8")

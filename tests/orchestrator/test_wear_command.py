@@ -154,7 +154,7 @@ def test_the_same_command_keeps_the_cycles_of_the_history(worn: tuple[list[str],
     folder = Path(arguments[-1])
     assert "already holds a result" in said(called(*arguments))
     before = {file.name: file.stat().st_mtime_ns for file in (folder / "cycles").iterdir()}
-    for name in ("wear.nc", "wear.csv", "wear.png", "worn-cam.csv"):
+    for name in ("wear.nc", "wear.csv", "wear.png", "wear.html", "worn-cam.csv"):
         (folder / name).unlink()  # as after an interruption
     again = called(*arguments)
     assert again.stdout.splitlines()[1:] == [line for line in text.splitlines()[1:] if "% done" not in line]

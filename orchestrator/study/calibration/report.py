@@ -19,7 +19,7 @@ from models.core.quantities import Quantity, Vector
 
 from ...plots.calibration import Panel, draw_calibration, draw_parameters
 from ...plots.style import save_figure
-from ...reporter import Reporter
+from ...report.answer import Answer
 from ...scenario import Scenario, build_scenario
 from ...scenario.display import format_number, show, show_unit
 from ...scenario.files import put_parameters, to_short_toml
@@ -29,7 +29,7 @@ from .fit import Fit, half_width
 from .objective import Objective
 from .unseen import list_correlated
 
-TABLE, NUMBERS, FITTED = "calibration.csv", "calibration.json", "calibrated.toml"
+PAGE, TABLE, NUMBERS, FITTED = "calibration.html", "calibration.csv", "calibration.json", "calibrated.toml"
 # A residual over the given noise above this is told.
 MISFIT = 1.5
 SIGNALS, FIGURE, INTERVALS = "calibration-signals.csv", "calibration.png", "calibration-parameters.png"
@@ -96,7 +96,8 @@ class Calibration:
         ]
 
 
-def print_table(done: Calibration, reporter: Reporter) -> None:
+def answer_fit(done: Calibration, answer: Answer) -> None:
+    """The fitted parameters, what the signals show of them, and what they do not."""
     shown = Table(
         Column("parameter", no_wrap=True), "unit", "start", "fitted", "95 % interval", "+/- %",
         title=f"{done.scenario.name}: fitted parameters", title_justify="left", padding=0,
@@ -113,20 +114,20 @@ def print_table(done: Calibration, reporter: Reporter) -> None:
         )
         start, fitted = format_number(factor * row.start), format_number(factor * row.fitted, 6)
         shown.add_row(row.name, unit, start, fitted, interval, share)
-    reporter.console.print(shown)
+    answer.table(shown)
     for signal, noise, one in _list_signals(done):
         factor, unit = _show(outputs[signal.variable])
         more = f", gain {format_number(one.gain)}" * signal.gain
         more += f", offset {format_number(factor * one.offset)} {unit}" * signal.offset
         level = "" if signal.noise else " (estimated)"
-        reporter.line(
+        answer.line(
             f"{signal.column}: noise {format_number(factor * noise, 3)} {unit}{level}, residual "
             f"{format_number(one.size, 3)} of it{more}"
         )
     for note in done.notes:
-        reporter.line(note)
+        answer.line(note)
     if len(done.ends) > 1:
-        reporter.line(f"residuals over the noise by start: {', '.join(format_number(e) for e in done.ends)}")
+        answer.line(f"residuals over the noise by start: {', '.join(format_number(e) for e in done.ends)}")
 
 
 def _show(quantity: Quantity) -> tuple[float, str]:
@@ -158,7 +159,7 @@ def build_dataset(done: Calibration) -> xarray.Dataset:
     )
 
 
-def write(done: Calibration, extends: str, out: Path) -> list[Path]:
+def write(done: Calibration, extends: str, out: Path) -> list[str]:
     """All files of the results."""
     rows = done.rows
     hidden = (row.name for row in rows if not row.identified)
@@ -195,7 +196,7 @@ def write(done: Calibration, extends: str, out: Path) -> list[Path]:
     ends = np.array([[row.low, row.high] for row in rows]) / np.array([[row.fitted or 1.0] for row in rows])
     draw = partial(draw_parameters, [row.name for row in rows], ends, done.fit.correlation)
     save_figure(lambda: draw(f"{name}: fitted parameters"), out / INTERVALS)
-    return [out / name for name in (FITTED, TABLE, NUMBERS, SIGNALS, FIGURE, INTERVALS)]
+    return [FITTED, TABLE, NUMBERS, SIGNALS, FIGURE, INTERVALS]
 
 
 def _finite(value: Any) -> Any:

@@ -14,6 +14,7 @@ from models.core.quantities import Vector
 
 from ...analyses._evaluate import create_folder, find_results
 from ...errors import MistakeError, Option, RunError
+from ...report.answer import Answer
 from ...reporter import Reporter
 from ...run.interruption import tell_interruption
 from ...scenario import build_scenario
@@ -25,7 +26,7 @@ from .models import make_model
 from .objective import Objective
 from .parameters import choose, list_starts
 from .predictions import FILE, Predictions
-from .report import FITTED, SIGNALS, Calibration, build_dataset, print_table, write
+from .report import FITTED, PAGE, SIGNALS, Calibration, answer_fit, build_dataset, write
 
 
 @dataclass(frozen=True)
@@ -89,9 +90,9 @@ def calibrate(
         done = Calibration(scenario, objective, best, ends, limits)
         for path in held:
             path.unlink()
-        print_table(done, reporter)
-        files = write(done, source.extends, out)
-    reporter.line(f"results in {out}: {', '.join(path.name for path in files)}")
+        answer = Answer(f"{scenario.name}: calibration", reporter)
+        answer_fit(done, answer)
+        answer.write(out, PAGE, write(done, source.extends, out))
     return build_dataset(done)
 
 

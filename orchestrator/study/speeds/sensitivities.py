@@ -26,6 +26,7 @@ from ...analyses import Parameter, Result
 from ...errors import MistakeError, Option, RunError, one_of
 from ...plots.sensitivities import draw_tornado
 from ...plots.style import save_figure
+from ...report.answer import Answer
 from ...reporter import Reporter
 from ...scenario import Scenario, build_scenario
 from ...scenario.display import format_number
@@ -45,7 +46,8 @@ from .subject import STEADY, SpeedSubject, check_varied, describe_numbers, find_
 SHARE, TOLERANCE, CLOSED = 1e-3, 1e-11, 1e-9
 SHARES = (-2.0, -1.0, 1.0, 2.0)
 CASE = Parameter(0.0, "1", "number of the cycle: the first is that of the scenario itself")
-CYCLES, TABLE, FIGURE = "cycles.zarr", "sensitivities.csv", "sensitivities.png"
+PAGE, CYCLES = "sensitivities.html", "cycles.zarr"
+TABLE, FIGURE = "sensitivities.csv", "sensitivities.png"
 # A difference of more than this of itself between both steps, or both sides, is told.
 DOUBTFUL = 0.05
 # An elasticity below this is none.
@@ -227,7 +229,8 @@ def select_figures(dataset: xarray.Dataset) -> list[str]:
 
 
 def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Reporter) -> None:
-    """Print the largest elasticities of the main figures, and write all to a table, those to a figure."""
+    """Print the largest elasticities of the main figures, and write all to a table, those to a figure and a
+    page."""
     main = dataset.sel(figure=select_figures(dataset))
     largest = np.nanmax(np.abs(main["elasticity"].values), axis=0, initial=0.0)
     order = np.argsort(-largest, kind="stable")[:SHOWN]
@@ -241,14 +244,15 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     for k in order:
         cells = zip(main["elasticity"].values[:, k], differing[:, k], strict=True)
         shown.add_row(str(main["parameter"].values[k]), *(_cell(one, error) for one, error in cells))
-    reporter.console.print(shown)
+    answer = Answer(f"{at}: sensitivities", reporter)
+    answer.table(shown)
     out.mkdir(parents=True, exist_ok=True)
     frame = dataset["elasticity"].to_pandas()
     frame.insert(0, "value", dataset["value"].values)
     frame.insert(1, "unit", [results[name].unit for name in dataset["figure"].values])
     frame.to_csv(out / TABLE)
     save_figure(lambda: draw_tornado(main.isel(parameter=order), at), out / FIGURE)
-    reporter.line(f"results in {out}: {TABLE}, {FIGURE}")
+    answer.write(out, PAGE, (TABLE, FIGURE))
 
 
 def _cell(elasticity: float, differing: float) -> str:

@@ -9,6 +9,7 @@ from rich.table import Column, Table
 
 from ...plots.style import save_figure
 from ...plots.tolerances import Panel, draw_histograms, draw_indices
+from ...report.answer import Answer
 from ...reporter import Reporter
 from ...scenario.display import Shown, add_unit, format_number, show_attributes
 from ...store.csv_file import write_rows
@@ -19,7 +20,7 @@ from .run import ALL
 from .statistics import PERCENTS
 
 RESULTS, PERCENTILES, INDICES, YIELD = "tolerances.nc", "percentiles.csv", "indices.csv", "yield.csv"
-HISTOGRAMS, BARS = "tolerances.png", "indices.png"
+PAGE, HISTOGRAMS, BARS = "tolerances.html", "tolerances.png", "indices.png"
 # Percentiles of the printed table.
 SHOWN = (1.0, 50.0, 99.0)
 # Its last columns are of the side that may harm: of so much of the trains at most.
@@ -29,12 +30,13 @@ RARE = 0.1
 def publish(
     dataset: xarray.Dataset, limits: Sequence[Limit], title: str, out: Path, reporter: Reporter
 ) -> None:
-    """Print percentiles, yields and what costs them; write all to tables, figures and a netCDF file."""
+    """Print percentiles, yields and what costs them; write all to a page, tables, figures and netCDF."""
     limited = dict.fromkeys(limit.figure for limit in limits if limit.figure in dataset["figure"])
     main = dataset.sel(figure=list(dict.fromkeys([*limited, *select_figures(dataset)])))
-    reporter.console.print(_tabulate(main, limits, title))
+    answer = Answer(f"{title}: tolerances", reporter)
+    answer.table(_tabulate(main, limits, title))
     for line in describe(main, limits):
-        reporter.line(line)
+        answer.line(line)
     dataset.to_netcdf(out / RESULTS, engine="h5netcdf")
     write_rows(out / PERCENTILES, _list_percentiles(dataset))
     write_rows(out / INDICES, _list_indices(dataset))
@@ -47,7 +49,7 @@ def publish(
     if np.isfinite(main["total"].values).any():
         save_figure(lambda: draw_indices(main, f"{title}: Sobol' indices"), out / BARS)
         written.append(BARS)
-    reporter.line(f"results in {out}: {', '.join(written)}")
+    answer.write(out, PAGE, written)
 
 
 def _shown(dataset: xarray.Dataset, figure: str) -> Shown:

@@ -20,7 +20,7 @@ from ...scenario.lift_table import format_lifts
 from .history import MOST, History, deepest
 from .train import CAM, FIGURES, LOSS
 
-TABLE, AGES, LIFTS, FIGURE = "wear.nc", "wear.csv", "worn-cam.csv", "wear.png"
+PAGE, TABLE, AGES, LIFTS, FIGURE = "wear.html", "wear.nc", "wear.csv", "worn-cam.csv", "wear.png"
 
 
 @dataclass(frozen=True)

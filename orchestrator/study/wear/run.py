@@ -15,11 +15,12 @@ from ...analyses._evaluate import create_folder, find_results
 from ...errors import MistakeError, Option
 from ...plots.style import save_figure
 from ...plots.wear import draw_wear
+from ...report.answer import Answer
 from ...reporter import Reporter
 from ...scenario.units import UnitError, is_bare, to_unit
 from ..speeds.sweep import parse_speed
 from .history import follow
-from .report import FIGURE, LIFTS, Interval, describe, remark, tabulate, write
+from .report import FIGURE, LIFTS, PAGE, Interval, remark, tabulate, write
 from .train import open_train
 
 DEPTH = Parameter(0.127e-3, "m", "depth of wear", positive=True, plausible=plausible.CAM_LIFT)
@@ -97,8 +98,9 @@ def wear(
         files = write(history, table, out)
         if len(history.ages) > 1:
             files.append(save_figure(lambda: draw_wear(table), out / FIGURE))
-    reporter.line(describe(history, asked.interval))
+    answer = Answer(table.attrs["title"], reporter)
+    answer.line(table.attrs["answer"])
     for text in remark(history, asked.interval, asked.tolerance):
-        reporter.line(text)
-    reporter.line(f"results in {out}: {', '.join(file.name for file in files)}")
+        answer.line(text)
+    answer.write(out, PAGE, [file.name for file in files])
     return table
