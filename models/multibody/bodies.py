@@ -3,12 +3,11 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from ..core.errors import ModelError
-from ..core.quantities import Vector
+from ..core.quantities import Quantity, Vector
 
 Point = Sequence[float]
 ORIGIN = (0.0, 0.0, 0.0)
@@ -77,49 +76,30 @@ def make_axes(axis: Point) -> Vector:
     return np.array([np.cross(second, third), second, third])
 
 
-class Allowed(NamedTuple):
-    """From `low`, which is allowed itself if `with_low`, to `high`."""
-
-    low: float
-    high: float
-    unit: str
-    with_low: bool = False
-
-    def holds(self, number: float) -> bool:
-        above = number >= self.low if self.with_low else number > self.low
-        return above and number <= self.high and math.isfinite(number)
-
-    def __str__(self) -> str:
-        limit = f"not above {self.high:g}" if math.isfinite(self.high) else "finite"
-        return f"{'from' if self.with_low else 'above'} {self.low:g} and {limit} {self.unit}".rstrip()
-
-
 # Wide enough for any machine, narrow enough to find values in mm, MPa, GPa or t/m3.
 RANGES = {
-    "length": Allowed(0.0, 100.0, "m"),
-    "diameter": Allowed(0.0, 10.0, "m"),
-    "area": Allowed(0.0, 100.0, "m2"),
-    "arm": Allowed(0.0, 100.0, "m"),
-    "radius": Allowed(0.0, 100.0, "m", with_low=True),
-    "film": Allowed(0.0, 1e-2, "m"),
-    "mass": Allowed(0.0, math.inf, "kg", with_low=True),
-    "youngs_modulus": Allowed(1e5, 1e13, "Pa"),
-    "poissons_ratio": Allowed(-1.0, 0.5, ""),
-    "density": Allowed(10.0, 1e5, "kg/m3"),
-    "shear_factor": Allowed(0.0, 10.0, "", with_low=True),
-    "damping_time": Allowed(0.0, 1.0, "s", with_low=True),
-    "damping_ratio": Allowed(0.0, 10.0, "", with_low=True),
-    "stiffness": Allowed(0.0, math.inf, "N/m", with_low=True),
-    "damping": Allowed(0.0, math.inf, "N s/m", with_low=True),
-    "free_length": Allowed(-100.0, 100.0, "m"),
-    "tilt": Allowed(-0.5 * math.pi, 0.5 * math.pi, "rad"),
+    "length": Quantity("m", "between the ends", positive=True, maximum=100.0),
+    "diameter": Quantity("m", "of the section", positive=True, maximum=10.0),
+    "area": Quantity("m2", "of the section", positive=True, maximum=100.0),
+    "arm": Quantity("m", "from the pivot", positive=True, maximum=100.0),
+    "radius": Quantity("m", "of the pad", minimum=0.0, maximum=100.0),
+    "film": Quantity("m", "at the start", positive=True, maximum=1e-2),
+    "mass": Quantity("kg", "of the part", minimum=0.0),
+    "youngs_modulus": Quantity("Pa", "of the material", minimum=1e5, maximum=1e13),
+    "poissons_ratio": Quantity("1", "of the material", minimum=-0.99, maximum=0.5),
+    "density": Quantity("kg/m3", "of the material", minimum=10.0, maximum=1e5),
+    "shear_factor": Quantity("1", "A_y of the section", minimum=0.0, maximum=10.0),
+    "damping_time": Quantity("s", "damping over stiffness", minimum=0.0, maximum=1.0),
+    "damping_ratio": Quantity("1", "of each mode", minimum=0.0, maximum=10.0),
+    "stiffness": Quantity("N/m", "force over change of length", minimum=0.0),
+    "damping": Quantity("N.s/m", "force over velocity", minimum=0.0),
+    "free_length": Quantity("m", "without force", minimum=-100.0, maximum=100.0),
+    "tilt": Quantity("rad", "of the arm", minimum=-0.5 * math.pi, maximum=0.5 * math.pi),
 }
 
 
 def check_values(thing: str, **values: float) -> None:
     """ModelError for the first value that is no finite number in its range."""
     for name, value in values.items():
-        allowed = RANGES[name]
-        if not allowed.holds(value):
-            shown = f"{value:g} {allowed.unit}".rstrip()
-            raise ModelError(f"{thing}: {name} = {shown}: must be {allowed}; give it in SI units")
+        if fault := RANGES[name].fault(name, value):
+            raise ModelError(f"{thing}: {fault}; give it in SI units")

@@ -13,12 +13,11 @@ INTRODUCTION = """\
 
 *Multibody system dynamics analysis for valve trains*, Journal of Beijing Institute of Technology 9 (2000)
 375-379: finite segments for slender parts, rigid bodies for the others, and a pushrod train of the diesel
-engine 4100QB as an example. This page judges its statements:
+engine 4100QB as an example. This page judges its statements on valve trains and their models, *met* or *not
+met*.
 
-- *met* or *not met*;
-- *cannot be checked*: the paper does not give what one would need.
-
-The paper prints no geometry, mass or stiffness of the example, and its figures cannot be read in our copy.
+The paper prints no geometry, mass, stiffness or cam of the example, and its figures cannot be read in our
+copy: what it says of the example's loads, stresses, landing and lubrication is left out.
 Numbers are therefore those of the shipped scenarios `qin2000-train`, with parts of that size, and
 `exhaust-valve`, whose gas is that of a petrol engine at full load (4.9 MPa at most); the source gives no
 pressures and no phases. Nothing was fitted. Speeds are those of the camshaft; 1600 r/min is near the rated

@@ -9,9 +9,6 @@ from scipy.linalg import eigh
 from models.catalogue import CATALOGUE
 from models.core.quantities import Vector
 from models.valve_train.beam import Disc, Shaft, bending_matrices, find_bending, find_torsion
-from models.valve_train.cams.rises import RISES
-from orchestrator.analyses.cam import ANALYSIS
-from orchestrator.scenario.files import load
 
 from ..statement import Values
 from .runs import EXHAUST, HEAD_AREA, HIGH, INTAKE, LOW, NO_AREA, RATED, SLOW, Runs
@@ -68,33 +65,14 @@ def refine_pushrod(runs: Runs) -> Values:
     }
 
 
-def compute_stresses(runs: Runs) -> Values:
-    """Largest loads and stresses at the rated speed; speed at which an exhaust valve meets its seat (m/s)."""
-    cycle = runs.cycle(RATED)
-    contacts = ("cam_contact", "valve_contact")
-    peaks = [float(cycle[f"{name}.maximum_pressure"].max()) for name in contacts]
-    exhaust = runs.gas(EXHAUST, HEAD_AREA)
-    lift = exhaust["valve_spring.valve_lift"]
-    highest = int(np.argmax(lift))
-    landed = highest + int(np.argmax(lift[highest:] <= 0.0))
-    return {
-        "landing": -float(exhaust["valve_spring.velocity"][landed - 1]),
-        "cam_peak": peaks[0],
-        "valve_peak": peaks[1],
-        "cam_load": float(cycle["cam_contact.load"].max()),
-        "valve_load": float(cycle["valve_contact.load"].max()),
-    }
-
-
 def compare_forces(runs: Runs) -> Values:
-    """Largest forces at the rated speed (N), and how far the contacts yield (m)."""
+    """Largest forces at the rated speed (N)."""
     cycle, slow = runs.cycle(RATED), runs.cycle(SLOW)
     contacts = ("cam_contact", "valve_contact")
     return {
         "spring": float(cycle["valve_spring.spring_force"].max()),
         "friction": max(float(np.abs(cycle[f"{name}.friction_force"]).max()) for name in contacts),
         "inertia": float(np.abs(cycle["cam_contact.load"] - slow["cam_contact.load"]).max()),
-        "yields": max(float(cycle[f"{name}.deflection"].max()) for name in contacts),
     }
 
 
@@ -197,37 +175,3 @@ def compare_gas(runs: Runs) -> Values:
     exhaust = runs.gas(EXHAUST, HEAD_AREA)
     opened = exhaust["valve_spring.seat_dip"] < 0.0
     return loads | {"gas": float(exhaust["gas.valve_force[1]"][opened].max())}
-
-
-def count_train(runs: Runs) -> Values:
-    """Bodies of the shipped trains that bend or stretch."""
-    engine = load("pushrod-engine").components
-    return {
-        "trains": sum(table.component == "tappet" for table in engine.values()),
-        "shafts": sum(table.component == "shaft" for table in engine.values()),
-        "segments": engine["pushrod_1"].structure["segments"],
-        "torsion_modes": engine["shaft"].structure["torsion_modes"],
-    }
-
-
-def compute_cams(runs: Runs) -> Values:
-    """Ample factor, and slope of the lubrication characteristic at its zeros (mm/deg), by law of the cam."""
-    per_law = [_evaluate_cam(law) for law in RISES]
-    factors = [float(found["ample_factor"]) for found in per_law]
-    slopes = [
-        1e3 * math.pi / 180.0 * float(found["slope_at_reversals"])
-        for law, found in zip(RISES, per_law, strict=True)
-        if law != "harmonic"
-    ]
-    return {
-        "laws": ", ".join(f"{law} {factor:.4f}" for law, factor in zip(RISES, factors, strict=True)),
-        "least": min(factors),
-        "largest": max(factors),
-        "least_slope": min(slopes),
-        "largest_slope": max(slopes),
-        "own_slope": slopes[0],
-    }
-
-
-def _evaluate_cam(law: str) -> dict[str, float | str]:
-    return dict(ANALYSIS.evaluate(ANALYSIS.complete({"law": law})))

@@ -1,10 +1,8 @@
 """Every statement of the source that tells how valve trains behave or are modelled, in its order."""
 
-from ..statement import Claim, Verdict, is_near
+from ..statement import Claim, is_near
 from . import quantities as q
 from .runs import Runs
-
-UNKNOWN = "the paper prints no geometry, mass or stiffness of the example"
 
 # fmt: off
 CLAIMS: tuple[Claim[Runs], ...] = (
@@ -26,14 +24,6 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "deviation {low_deviation:µ.1f}, {rated_deviation:µ.1f} and {high_deviation:µ.0f} µm at 1000, "
         "{rated_rpm:.0f} and {high_rpm:.0f} r/min",
         lambda v: v.low_deviation < v.rated_deviation < v.high_deviation),
-    Claim("mass-models", "Introduction",
-        "The parameters of single- and multi-mass models must come from experiments or other analyses",
-        q.count_train, "the pushrods of `pushrod-engine` have {segments} masses from their drawing",
-        Verdict.UNCHECKED, "a statement on the practice of its time"),
-    Claim("two-stages", "1", "The whole valve train's model is for the torsion dynamics of the camshaft",
-        q.count_train,
-        "`pushrod-engine` has {trains} trains on {shafts} shaft with {torsion_modes} modes of torsion",
-        Verdict.UNCHECKED, "a statement on the method; for torque and twist see the validation manual"),
     Claim("modes", "1.1", "A part's deformation can be approximated with a linear combination of mode shapes",
         q.superpose_modes,
         "twist of a shaft by a torque at its free end: {lowest:.1f%} with 1, 2 and 3 modes, {all:.6f%} with "
@@ -79,35 +69,5 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "{intake:.0f} N, without gas {without_gas:.0f} N",
         lambda v: max(v.exhaust, v.intake) < 1.05 * v.without_gas,
         "by the largest load, on the flank; an exhaust valve opens against {gas:.0f} N of gas"),
-    Claim("constraints", "2, (4)", "Constraints C(q, t) = 0 and their multipliers join the parts",
-        q.compare_forces,
-        "the contacts of `qin2000-train` yield instead, by up to {yields:µ.2f} µm at 1600 r/min",
-        Verdict.UNCHECKED, "a statement on the method; a constraint would pull where the parts separate"),
-    Claim("fig-2", "3, Fig. 2", "Displacement, velocity and acceleration of the valve at low and high speed",
-        q.compare_with_kinematics, "of `qin2000-train`: figure above", Verdict.UNCHECKED, UNKNOWN),
-    Claim("figs-3-4", "3, Figs 3 and 4", "Contact forces and stresses of cam-tappet and rocker-valve",
-        q.compute_stresses,
-        "`qin2000-train` at 1600 r/min: {cam_load:.0f} N and {cam_peak:G.3f} GPa, {valve_load:.0f} N and "
-        "{valve_peak:G.3f} GPa", Verdict.UNCHECKED, UNKNOWN),
-    Claim("no-separation", "3", "There is no separation in the mechanism", q.compare_with_kinematics,
-        "least load of `qin2000-train` {rated_load:.0f} N at {rated_rpm:.0f} r/min", Verdict.UNCHECKED,
-        UNKNOWN),
-    Claim("permissible", "3", "Landing velocity and contact stresses are below the permissible values",
-        q.compute_stresses,
-        "stresses of `qin2000-train` at 1600 r/min: {cam_peak:G.3f} and {valve_peak:G.3f} GPa; "
-        "`exhaust-valve` at 1000 r/min lands with {landing:.3f} m/s",
-        Verdict.UNCHECKED, "the paper states neither the values nor the permissible ones"),
-    Claim("ample-factor", "3", "The ample factor of the valve lift is 0.502", q.compute_cams,
-        "with 2.7 deg of dwell, by law: {laws}", Verdict.UNCHECKED,
-        "the law is not printed; the symmetric ones have 0.5 without dwell, so that less of it gives 0.502"),
-    Claim("lubrication", "3", "The lubrication characteristic's slope at its zero is below 3 mm/deg",
-        q.compute_cams,
-        "{least_slope:.2f} to {largest_slope:.2f} mm/deg by law (base circle 20.9 mm, lift 8 mm); that of "
-        "the harmonic law jumps", Verdict.UNCHECKED,
-        "the cam is not printed; the characteristic is not defined: R0 + s + 2 s'' has this unit"),
-    Claim("judgement", "Abstract, 3",
-        "The train is generally good, gas flow and lubrication are not; the cam must be optimized",
-        q.compute_cams, "slope of the default cam {own_slope:.2f} mm/deg", Verdict.UNCHECKED,
-        "limits of ample factor and slope are not given"),
 )
 # fmt: on

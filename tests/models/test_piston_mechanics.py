@@ -1,6 +1,8 @@
 """Mechanics of crank, rod and tilting piston: against Lagrange's equations derived by sympy."""
 
 import math
+from collections import namedtuple
+from dataclasses import fields
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -13,22 +15,23 @@ from hypothesis import strategies as st
 
 from models.slider_crank.piston import contact as co
 from models.slider_crank.piston import mechanics as me
-from models.slider_crank.piston.motion import machine
+from models.slider_crank.piston.records import DrivenParameters
 
 from .slider_cranks import DRIVEN, energies
 
 # Sums of some ten terms of products of sines.
 ROUNDING = 1e-13
 CASES = range(12)
+Numbers = namedtuple("Numbers", [field.name for field in fields(DrivenParameters)])
 
 
 @cache
 def derive() -> SimpleNamespace:
-    """Functions of (theta, eta, chi, their rates, pressure, *machine) from the bodies' places alone."""
+    """Functions of (theta, eta, chi, their rates, pressure, *parameters) from the bodies' places alone."""
     q = sp.Matrix(sp.symbols("theta eta chi"))
     v = sp.Matrix(sp.symbols("theta1 eta1 chi1"))
     pressure = sp.Symbol("pressure")
-    m = me.Machine(*sp.symbols(me.Machine._fields))
+    m = Numbers(*sp.symbols(Numbers._fields))
     theta, eta, chi = q
 
     def on_rod(distance: Any) -> Any:
@@ -37,22 +40,22 @@ def derive() -> SimpleNamespace:
 
     def on_piston(along: Any, across: Any) -> Any:
         turned = sp.Matrix([[sp.cos(chi), -sp.sin(chi)], [sp.sin(chi), sp.cos(chi)]])
-        return on_rod(m.rod_length) + turned * sp.Matrix([along - m.pin_along, across - m.pin_across])
+        return on_rod(m.rod_length) + turned * sp.Matrix([along - m.pin_height, across - m.pin_offset])
 
     def translation(place: Any, mass: Any) -> Any:
         velocity = place.jacobian(q) * v
         return mass * velocity.dot(velocity) / 2
 
-    rod, piston = on_rod(m.rod_centre), on_piston(m.mass_along, m.mass_across)
+    rod, piston = on_rod(m.rod_centre), on_piston(m.mass_height, m.mass_offset)
     kinetic = (
-        m.crank_inertia * v[0] ** 2 / 2
+        (m.crank_inertia + m.crank_mass * m.crank_centre**2) * v[0] ** 2 / 2
         + translation(rod, m.rod_mass)
         + m.rod_inertia * v[1] ** 2 / 2
         + translation(piston, m.piston_mass)
         + m.piston_inertia * v[2] ** 2 / 2
     )
     gravity = sp.Matrix([m.gravity_along, m.gravity_across])
-    crank = m.crank_imbalance * sp.Matrix([sp.cos(theta), sp.sin(theta)])
+    crank = m.crank_mass * m.crank_centre * sp.Matrix([sp.cos(theta), sp.sin(theta)])
     potential = -gravity.dot(crank + m.rod_mass * rod + m.piston_mass * piston)
     loss = m.crank_pin_friction * (v[0] + v[1]) ** 2 + m.piston_pin_friction * (v[1] + v[2]) ** 2
     middle = on_piston(0, 0)
@@ -80,13 +83,13 @@ def derive() -> SimpleNamespace:
     )
 
 
-def random_case(seed: int) -> tuple[me.Coordinates, me.Coordinates, float, me.Machine, list[float]]:
+def random_case(seed: int) -> tuple[me.Coordinates, me.Coordinates, float, Numbers, list[float]]:
     random = np.random.default_rng(seed)
     q, v = random.uniform(-3.0, 3.0, 3), random.uniform(-5.0, 5.0, 3)
-    m = random.uniform(0.1, 2.0, len(me.Machine._fields))
+    m = random.uniform(0.1, 2.0, len(Numbers._fields))
     pressure = float(random.uniform(-3.0, 3.0))
     return (
-        me.Coordinates(*q), me.Coordinates(*v), pressure, me.Machine(*m), [*q, *v, pressure, *m]
+        me.Coordinates(*q), me.Coordinates(*v), pressure, Numbers(*m), [*q, *v, pressure, *m]
     )  # fmt: skip
 
 
@@ -150,12 +153,12 @@ BLOCK = {
 }  # fmt: skip
 
 
-def motion(values: dict[str, float], q: me.Coordinates, v: me.Coordinates) -> tuple[co.Motion, me.Machine]:
-    m = machine(DRIVEN.parameters.view(DRIVEN.parameters.vector(values)))
+def motion(values: dict[str, float], q: me.Coordinates, v: me.Coordinates) -> tuple[co.Motion, Any]:
+    m = DRIVEN.parameters.view(DRIVEN.parameters.vector(values))
     return co.Motion(q, v, me.prescribed_inverse(me.mass_matrix(q, m)), me.Coordinates(0.0, 0.0, 0.0)), m
 
 
-def rising_block(velocity: float) -> tuple[co.Motion, me.Machine]:
+def rising_block(velocity: float) -> tuple[co.Motion, Any]:
     """A block that moves to the upper wall, untilted, with a crank at dead centre and at rest."""
     return motion(BLOCK, me.Coordinates(0.0, 0.0, 0.0), me.Coordinates(0.0, -velocity / 0.143, 0.0))
 
@@ -255,7 +258,7 @@ def test_energy_of_an_impact_is_work_of_the_crank_less_its_loss(
     elastic impact without friction loses nothing."""
     p = DRIVEN.parameters.vector({"restitution": restitution, "pin_offset": 1e-3, "wall_friction": friction})
     x, u = DRIVEN.state.vector(), DRIVEN.inputs.vector({"crank_angle": theta, "crank_speed": 200.0})
-    m = machine(DRIVEN.parameters.view(p))
+    m = DRIVEN.parameters.view(p)
     side, along = co.side(corner), co.corner_along(corner, m)
     if partner is None:
         x[:4] = side * m.clearance, side * rate, 0.0, 0.0

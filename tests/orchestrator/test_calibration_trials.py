@@ -1,5 +1,7 @@
-"""Intervals of ten parameters of a pushrod train: trials of benchmarks/calibration_trials."""
+"""Intervals of ten parameters of a pushrod train, fitted to noisy lift and force at four speeds."""
 
+import math
+import sqlite3
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -7,23 +9,58 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.calibration_trials import (
-    NOISES,
-    PARAMETERS,
-    SIGNALS,
-    measure,
-    open_objective,
-    predict_truth,
-)  # fmt: skip
+from models.core.quantities import Vector
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import list_parameters
 from orchestrator.study.calibration.fit import fit, half_width
-from orchestrator.study.calibration.measured import Measured
-from orchestrator.study.calibration.models import Prediction
+from orchestrator.study.calibration.measured import Experiment, Measured, Signal
+from orchestrator.study.calibration.models import Prediction, make_model
 from orchestrator.study.calibration.objective import Objective
-from orchestrator.study.calibration.parameters import Fitted
+from orchestrator.study.calibration.parameters import LEAST, Fitted
+from orchestrator.study.calibration.predictions import Predictions
+from tribocosim.cached_fmus import build_fmu
 from tribocosim.reporting import SilentReporter
 
+# The valve is open; a lift sensor with 2 um of noise and an unknown zero, a load cell with 2 N, as the mean
+# of some fifty cycles has.
+SPEEDS, ANGLES = (1400.0, 1600.0, 1800.0, 2000.0), np.arange(140.0, 260.5, 0.5)
+NOISES, ZERO = np.array([2e-6, 2.0]), 5e-5
+SIGNALS = Signal("lift", "valve_spring.valve_lift", offset=True), Signal("force", "pushrod.lower_force")
+PARAMETERS = (
+    "pushrod.youngs_modulus", "pushrod.damping_time", "rocker.inertia", "valve_spring.valve_mass",
+    "valve_spring.spring_rate", "valve_spring.surge_frequency", "valve_spring.damping_ratio",
+    "valve_spring.preload", "valve_spring.lash", "valve_spring.seat_stiffness",
+)  # fmt: skip
 # Trials begin at these multiples of the truth.
 STARTS = [0.93, 1.3, 0.9, 1.08, 1.05, 0.98, 1.3, 1.05, 0.93, 0.85]
+
+
+def measure(base: Sequence[Vector], generator: np.random.Generator) -> Measured:
+    """The signals at every speed with the noise, and the zero of the lift."""
+    experiments = []
+    for speed, rows in zip(SPEEDS, base, strict=False):
+        values = rows + NOISES[:, None] * generator.normal(size=rows.shape)
+        values[0] += ZERO
+        place = np.radians(ANGLES[: rows.shape[1]])
+        experiments.append(Experiment(speed * math.pi / 30.0, "cam_angle", place, values))
+    return Measured(SIGNALS, tuple(experiments))
+
+
+def open_objective(measured: Measured) -> Objective:
+    """Of the train, whose parameters over their sizes are 1 in truth."""
+    scenario = load("pushrod-train")
+    model, values = make_model(scenario, measured, PARAMETERS, build_fmu), list_parameters(scenario)
+    parameters = [
+        Fitted(name, "", float(values[name]), low=LEAST * float(values[name])) for name in PARAMETERS
+    ]
+    predictions = Predictions(model, measured.experiments, sqlite3.connect(":memory:"))
+    return Objective(parameters, measured, predictions, SilentReporter())
+
+
+def predict_truth() -> list[Vector]:
+    """The signals (signals, positions) at each speed without noise."""
+    empty = measure([np.zeros((2, ANGLES.size))] * len(SPEEDS), np.random.default_rng(0))
+    return [one.signals for one in open_objective(empty).predict(np.ones(len(PARAMETERS)))]
 
 
 @dataclass(frozen=True)

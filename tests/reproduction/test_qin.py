@@ -9,10 +9,9 @@ from reproduction.qin2000.quantities import (
     compute_beams,
     compute_connector,
     compute_rods,
-    compute_stresses,
     superpose_modes,
 )
-from reproduction.qin2000.runs import LOW, RATED, SLOW, Runs
+from reproduction.qin2000.runs import EXHAUST, HEAD_AREA, LOW, RATED, SLOW, Runs
 
 
 @pytest.fixture(scope="module")
@@ -63,4 +62,7 @@ def test_a_valve_lands_with_the_velocity_of_its_ramp(runs: Runs) -> None:
     """0.3 mm: 20 degrees with this velocity, and five before and five after with half of it on average. As it
     lands the valve still vibrates by 0.4 % of that."""
     velocity = 0.3e-3 / math.radians(25.0) * LOW * math.pi / 30.0
-    assert compute_stresses(runs)["landing"] == pytest.approx(velocity, rel=5e-3)
+    exhaust = runs.gas(EXHAUST, HEAD_AREA)
+    lift = exhaust["valve_spring.valve_lift"]
+    landed = np.argmax(lift) + np.argmax(lift[np.argmax(lift) :] <= 0.0)
+    assert -exhaust["valve_spring.velocity"][landed - 1] == pytest.approx(velocity, rel=5e-3)

@@ -7,8 +7,6 @@ from ...compile.kernel import kernel
 from ...core.quantities import Vector
 from ...core.requirements import require
 from .contact import CORNERS, exists, gap
-from .mechanics import Machine
-from .motion import machine
 
 NAMES = ("upper front", "upper rear", "lower front", "lower rear")
 # Names of corners that are closed together, by the number of `encode_closed_corners`.
@@ -52,17 +50,17 @@ def encode_closed_corners(x: Any) -> int:
 
 
 @kernel
-def has_its_closed_corners(x: Any, m: Machine) -> bool:
+def has_its_closed_corners(x: Any, p: Any) -> bool:
     absent = 0
     for i in range(CORNERS):
-        if x.closed[i] != 0.0 and not exists(i, m):
+        if x.closed[i] != 0.0 and not exists(i, p):
             absent += 1
     return absent == 0
 
 
 @require("closed: a piston with half_length = 0 has no rear corners; close the front ones")
 def closes_its_own(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
-    return has_its_closed_corners(x, machine(p))
+    return has_its_closed_corners(x, p)
 
 
 @kernel
@@ -77,7 +75,7 @@ def can_touch_together(x: Any) -> bool:
 )
 def closes_together(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
     numbers[0] = encode_closed_corners(x)
-    return can_touch_together(x) or not has_its_closed_corners(x, machine(p))
+    return can_touch_together(x) or not has_its_closed_corners(x, p)
 
 
 @require(
@@ -87,13 +85,12 @@ def closes_together(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
 )
 def starts_between_walls(x: Any, u: Any, p: Any, numbers: Vector) -> bool:
     """Reports the first open corner outside its wall, if the closed corners are possible."""
-    m = machine(p)
-    if not has_its_closed_corners(x, m) or not can_touch_together(x):
+    if not has_its_closed_corners(x, p) or not can_touch_together(x):
         return True
-    numbers[1], numbers[2], numbers[4] = x.offset, x.tilt, m.clearance
+    numbers[1], numbers[2], numbers[4] = x.offset, x.tilt, p.clearance
     for i in range(CORNERS):
-        beyond = -gap(i, x.offset, x.tilt, m)
-        if x.closed[i] == 0.0 and beyond > ROUNDING * m.clearance:
+        beyond = -gap(i, x.offset, x.tilt, p)
+        if x.closed[i] == 0.0 and beyond > ROUNDING * p.clearance:
             numbers[0], numbers[3] = i, beyond
             return False
     return True

@@ -12,11 +12,11 @@ Contact law, for all touching corners at once (Moreau; Flores, Leine and Glocker
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
 from . import mechanics as me
-from .mechanics import Coordinates, Machine, Symmetric
+from .mechanics import Coordinates, Symmetric
 
 CORNERS = 4
 UPPER, LOWER = 1.0, -1.0
@@ -67,76 +67,76 @@ def side(corner: int) -> float:
 
 
 @kernel
-def corner_along(corner: int, m: Machine) -> float:
+def corner_along(corner: int, p: Any) -> float:
     """Place of a corner along the piston, from the middle."""
-    return m.half_length if corner % 2 == 0 else -m.half_length
+    return p.half_length if corner % 2 == 0 else -p.half_length
 
 
 @kernel
-def corner_across(corner: int, m: Machine) -> float:
-    return side(corner) * m.half_height
+def corner_across(corner: int, p: Any) -> float:
+    return side(corner) * p.half_height
 
 
 @kernel
-def exists(corner: int, m: Machine) -> bool:
+def exists(corner: int, p: Any) -> bool:
     """A piston without length (a roller) has no rear corners of its own."""
-    return m.half_length > 0.0 or corner % 2 == 0
+    return p.half_length > 0.0 or corner % 2 == 0
 
 
 @kernel
-def gap(corner: int, offset: float, tilt: float, m: Machine) -> float:
+def gap(corner: int, offset: float, tilt: float, p: Any) -> float:
     """Distance of a corner from its wall; `offset` is that of the piston's middle."""
-    raised = offset + corner_along(corner, m) * math.sin(tilt)
-    return m.clearance - side(corner) * raised + 2.0 * m.half_height * math.sin(0.5 * tilt) ** 2
+    raised = offset + corner_along(corner, p) * math.sin(tilt)
+    return p.clearance - side(corner) * raised + 2.0 * p.half_height * math.sin(0.5 * tilt) ** 2
 
 
 @kernel
-def gap_rate(corner: int, offset_rate: float, tilt: float, tilt_rate: float, m: Machine) -> float:
-    raising = offset_rate + corner_along(corner, m) * math.cos(tilt) * tilt_rate
-    return -side(corner) * raising + m.half_height * math.sin(tilt) * tilt_rate
+def gap_rate(corner: int, offset_rate: float, tilt: float, tilt_rate: float, p: Any) -> float:
+    raising = offset_rate + corner_along(corner, p) * math.cos(tilt) * tilt_rate
+    return -side(corner) * raising + p.half_height * math.sin(tilt) * tilt_rate
 
 
 @kernel
-def normal(corner: int, q: Coordinates, m: Machine) -> Coordinates:
+def normal(corner: int, q: Coordinates, p: Any) -> Coordinates:
     """Derivatives of the gap by the coordinates."""
-    row = me.across_row(corner_along(corner, m), corner_across(corner, m), q, m)
+    row = me.across_row(corner_along(corner, p), corner_across(corner, p), q, p)
     return Coordinates(-side(corner) * row.theta, -side(corner) * row.eta, -side(corner) * row.chi)
 
 
 @kernel
-def tangent(corner: int, q: Coordinates, m: Machine) -> Coordinates:
+def tangent(corner: int, q: Coordinates, p: Any) -> Coordinates:
     """Derivatives of the corner's place along the wall by the coordinates."""
-    return me.along_row(corner_along(corner, m), corner_across(corner, m), q, m)
+    return me.along_row(corner_along(corner, p), corner_across(corner, p), q, p)
 
 
 @kernel
-def sliding_velocity(corner: int, q: Coordinates, v: Coordinates, m: Machine) -> float:
-    return me.dot(tangent(corner, q, m), v)
+def sliding_velocity(corner: int, q: Coordinates, v: Coordinates, p: Any) -> float:
+    return me.dot(tangent(corner, q, p), v)
 
 
 @kernel
-def wall_push(corner: int, ratio: float, q: Coordinates, m: Machine) -> Coordinates:
+def wall_push(corner: int, ratio: float, q: Coordinates, p: Any) -> Coordinates:
     """Generalised force of a unit wall force with friction `ratio` times it, towards -x."""
     if corner < 0:
         return Coordinates(0.0, 0.0, 0.0)
-    return me.add(normal(corner, q, m), -ratio, tangent(corner, q, m))
+    return me.add(normal(corner, q, p), -ratio, tangent(corner, q, p))
 
 
 @kernel
-def coupling(corner: int, other: int, ratio: float, s: Motion, m: Machine) -> float:
+def coupling(corner: int, other: int, ratio: float, s: Motion, p: Any) -> float:
     """Gap acceleration of `corner` per unit wall force on `other`."""
     if corner < 0 or other < 0:
         return 0.0
-    return me.dot(normal(corner, s.q, m), me.multiply(s.inverse, wall_push(other, ratio, s.q, m)))
+    return me.dot(normal(corner, s.q, p), me.multiply(s.inverse, wall_push(other, ratio, s.q, p)))
 
 
 @kernel
-def gap_acceleration(corner: int, acceleration: Coordinates, s: Motion, m: Machine) -> float:
+def gap_acceleration(corner: int, acceleration: Coordinates, s: Motion, p: Any) -> float:
     """gap''; 1 for corner -1, so that it needs no force."""
     if corner < 0:
         return 1.0
-    turning = me.across_turning(corner_along(corner, m), corner_across(corner, m), s.q, s.v, m)
-    return me.dot(normal(corner, s.q, m), acceleration) - side(corner) * turning
+    turning = me.across_turning(corner_along(corner, p), corner_across(corner, p), s.q, s.v, p)
+    return me.dot(normal(corner, s.q, p), acceleration) - side(corner) * turning
 
 
 @kernel
@@ -175,12 +175,12 @@ def solve_complementarity(a: Pair, b: Pair, w: Pair) -> Pair:
 
 
 @kernel
-def contact_matrix(touching: Touching, ratios: Pair, s: Motion, m: Machine) -> tuple[Pair, Pair]:
+def contact_matrix(touching: Touching, ratios: Pair, s: Motion, p: Any) -> tuple[Pair, Pair]:
     """The matrix from wall forces to gap accelerations, or from impulses to jumps of gap rates."""
     i, j = touching.first, touching.second
     return (
-        Pair(coupling(i, i, ratios.first, s, m), coupling(i, j, ratios.second, s, m)),
-        Pair(coupling(j, i, ratios.first, s, m), coupling(j, j, ratios.second, s, m)),
+        Pair(coupling(i, i, ratios.first, s, p), coupling(i, j, ratios.second, s, p)),
+        Pair(coupling(j, i, ratios.first, s, p), coupling(j, j, ratios.second, s, p)),
     )
 
 
@@ -192,51 +192,51 @@ def force_on(corner: int, touching: Touching, push: Push) -> float:
 
 
 @kernel
-def reaction(touching: Touching, push: Push, s: Motion, m: Machine) -> Coordinates:
+def reaction(touching: Touching, push: Push, s: Motion, p: Any) -> Coordinates:
     """Generalised force (impulse) of the walls with their friction."""
     forces, ratios = push
-    total = me.add(Coordinates(0.0, 0.0, 0.0), forces.first, wall_push(touching.first, ratios.first, s.q, m))
-    return me.add(total, forces.second, wall_push(touching.second, ratios.second, s.q, m))
+    total = me.add(Coordinates(0.0, 0.0, 0.0), forces.first, wall_push(touching.first, ratios.first, s.q, p))
+    return me.add(total, forces.second, wall_push(touching.second, ratios.second, s.q, p))
 
 
 @kernel
-def add_reaction(touching: Touching, push: Push, start: Coordinates, s: Motion, m: Machine) -> Coordinates:
+def add_reaction(touching: Touching, push: Push, start: Coordinates, s: Motion, p: Any) -> Coordinates:
     """Accelerations (rates) after wall forces (impulses), from those without."""
-    return me.add(start, 1.0, me.multiply(s.inverse, reaction(touching, push, s, m)))
+    return me.add(start, 1.0, me.multiply(s.inverse, reaction(touching, push, s, p)))
 
 
 @kernel
-def sliding_ratio(corner: int, s: Motion, friction: float, creep: float, m: Machine) -> float:
+def sliding_ratio(corner: int, s: Motion, friction: float, creep: float, p: Any) -> float:
     """Friction over wall force: mu sign(velocity), rounded off within the creep velocity."""
     if corner < 0:
         return 0.0
-    return friction * math.tanh(sliding_velocity(corner, s.q, s.v, m) / creep)
+    return friction * math.tanh(sliding_velocity(corner, s.q, s.v, p) / creep)
 
 
 @kernel
-def free_gap_accelerations(touching: Touching, s: Motion, m: Machine) -> Pair:
+def free_gap_accelerations(touching: Touching, s: Motion, p: Any) -> Pair:
     """The corners' gap accelerations without walls."""
     return Pair(
-        gap_acceleration(touching.first, s.free, s, m), gap_acceleration(touching.second, s.free, s, m)
+        gap_acceleration(touching.first, s.free, s, p), gap_acceleration(touching.second, s.free, s, p)
     )
 
 
 @kernel
-def solve_push(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -> Push:
+def solve_push(touching: Touching, ratios: Pair, w: Pair, s: Motion, p: Any) -> Push:
     """Forces (impulses) at given friction ratios; w: gap accelerations (rates) without them."""
-    a, b = contact_matrix(touching, ratios, s, m)
+    a, b = contact_matrix(touching, ratios, s, p)
     return Push(solve_complementarity(a, b, w), ratios)
 
 
 @kernel
-def hold(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -> Push:
+def hold(touching: Touching, ratios: Pair, w: Pair, s: Motion, p: Any) -> Push:
     """Those that keep the corners closed; negative ones would have to pull."""
-    a, b = contact_matrix(touching, ratios, s, m)
+    a, b = contact_matrix(touching, ratios, s, p)
     return Push(solve_holding_forces(a, b, w), ratios)
 
 
 @kernel
-def slip_power(touching: Touching, push: Push, s: Motion, m: Machine) -> float:
+def slip_power(touching: Touching, push: Push, s: Motion, p: Any) -> float:
     """Sum of normal impulses times sliding velocities after the impact.
 
     Without impulses (friction jams the piston) a number that sends the bisection away from there.
@@ -244,49 +244,49 @@ def slip_power(touching: Touching, push: Push, s: Motion, m: Machine) -> float:
     found, ratios = push
     if found.first == 0.0 and found.second == 0.0:
         return -ratios.first
-    v = add_reaction(touching, push, s.v, s, m)
+    v = add_reaction(touching, push, s.v, s, p)
     total = 0.0
     if found.first > 0.0:
-        total += found.first * sliding_velocity(touching.first, s.q, v, m)
+        total += found.first * sliding_velocity(touching.first, s.q, v, p)
     if found.second > 0.0:
-        total += found.second * sliding_velocity(touching.second, s.q, v, m)
+        total += found.second * sliding_velocity(touching.second, s.q, v, p)
     return total
 
 
 @kernel
-def slips(touching: Touching, push: Push, s: Motion, m: Machine) -> bool:
+def slips(touching: Touching, push: Push, s: Motion, p: Any) -> bool:
     """True if there are impulses, and each corner with one slides against its friction afterwards."""
     found, ratios = push
     if found.first == 0.0 and found.second == 0.0:
         return False
-    v = add_reaction(touching, push, s.v, s, m)
-    if found.first > 0.0 and ratios.first * sliding_velocity(touching.first, s.q, v, m) < 0.0:
+    v = add_reaction(touching, push, s.v, s, p)
+    if found.first > 0.0 and ratios.first * sliding_velocity(touching.first, s.q, v, p) < 0.0:
         return False
-    return not (found.second > 0.0 and ratios.second * sliding_velocity(touching.second, s.q, v, m) < 0.0)
+    return not (found.second > 0.0 and ratios.second * sliding_velocity(touching.second, s.q, v, p) < 0.0)
 
 
 @kernel
-def solve_impulses(touching: Touching, w: Pair, friction: float, s: Motion, m: Machine) -> Push:
+def solve_impulses(touching: Touching, w: Pair, friction: float, s: Motion, p: Any) -> Push:
     """Impulses with w = gamma_N- + e gamma_N-: friction is +-friction where sliding goes on, else less.
 
     Corners that stop together share one ratio: both being closed, they slide at one velocity.
     """
     first = second = friction
-    if touching.first >= 0 and sliding_velocity(touching.first, s.q, s.v, m) < 0.0:
+    if touching.first >= 0 and sliding_velocity(touching.first, s.q, s.v, p) < 0.0:
         first = -friction
-    if touching.second >= 0 and sliding_velocity(touching.second, s.q, s.v, m) < 0.0:
+    if touching.second >= 0 and sliding_velocity(touching.second, s.q, s.v, p) < 0.0:
         second = -friction
     for trial in range(4):
         ratios = Pair(first if trial < 2 else -first, second if trial % 2 == 0 else -second)
-        push = solve_push(touching, ratios, w, s, m)
-        if slips(touching, push, s, m):
+        push = solve_push(touching, ratios, w, s, p)
+        if slips(touching, push, s, p):
             return push
     low, high = -friction, friction
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        if slip_power(touching, solve_push(touching, Pair(middle, middle), w, s, m), s, m) > 0.0:
+        if slip_power(touching, solve_push(touching, Pair(middle, middle), w, s, p), s, p) > 0.0:
             low = middle
         else:
             high = middle
     middle = 0.5 * (low + high)
-    return solve_push(touching, Pair(middle, middle), w, s, m)
+    return solve_push(touching, Pair(middle, middle), w, s, p)

@@ -7,8 +7,8 @@ from ...core.component import Events
 from ...core.quantities import Vector
 from . import contact as co
 from .contact import CORNERS, Motion, Pair, Push, Touching
-from .mechanics import Coordinates, Machine, across_row, add, dot
-from .motion import Place, find_closed_corners, find_place, friction_ratios, hold_closed, machine
+from .mechanics import Coordinates, across_row, add, dot
+from .motion import Place, find_closed_corners, find_place, friction_ratios, hold_closed
 
 # After an event an open corner is inside its wall by this share of the clearance: a hundred times the
 # rounding of a gap.
@@ -22,19 +22,19 @@ STILL = 1e-13
 
 
 @kernel
-def find_touching(corner: int, x: Any, place: Place, m: Machine) -> Touching:
+def find_touching(corner: int, x: Any, place: Place, p: Any) -> Touching:
     """The corner, and another one that is closed or at its wall at the same instant."""
     for i in range(CORNERS):
-        near = co.gap(i, place.offset, place.tilt, m) <= TOGETHER * INSIDE * m.clearance
-        if i != corner and co.exists(i, m) and (x.closed[i] != 0.0 or near):
+        near = co.gap(i, place.offset, place.tilt, p) <= TOGETHER * INSIDE * p.clearance
+        if i != corner and co.exists(i, p) and (x.closed[i] != 0.0 or near):
             return Touching(corner, i)
     return Touching(corner, -1)
 
 
 @kernel
-def corner_gap_rate(corner: int, place: Place, m: Machine) -> float:
+def corner_gap_rate(corner: int, place: Place, p: Any) -> float:
     """Gap rate of a corner; 1 for corner -1, so that it gets no impulse."""
-    return 1.0 if corner < 0 else co.gap_rate(corner, place.offset_rate, place.tilt, place.tilt_rate, m)
+    return 1.0 if corner < 0 else co.gap_rate(corner, place.offset_rate, place.tilt, place.tilt_rate, p)
 
 
 @kernel
@@ -50,78 +50,78 @@ def select_corners(touching: Touching, first: bool, second: bool) -> Touching:
 
 
 @kernel
-def pressing_acceleration(corner: int, other: int, s: Motion, p: Any, m: Machine) -> float:
+def pressing_acceleration(corner: int, other: int, s: Motion, p: Any) -> float:
     """Acceleration of a corner towards its wall; the other corner's wall counts if it pushes."""
     partner = Touching(-1, other)
-    held = hold_closed(partner, s, p, m)
+    held = hold_closed(partner, s, p)
     pushed = Push(Pair(0.0, max(0.0, held.forces.second)), held.ratios)
-    return -co.gap_acceleration(corner, co.add_reaction(partner, pushed, s.free, s, m), s, m)
+    return -co.gap_acceleration(corner, co.add_reaction(partner, pushed, s.free, s, p), s, p)
 
 
 @kernel
-def bounces_end(corner: int, other: int, rebound: float, s: Motion, p: Any, m: Machine) -> bool:
+def bounces_end(corner: int, other: int, rebound: float, s: Motion, p: Any) -> bool:
     """True if the bounces after this rebound end within the chatter time, or are lost in rounding."""
     if corner < 0:
         return False
     if rebound <= 0.0:
         return True
-    pressed = pressing_acceleration(corner, other, s, p, m)
+    pressed = pressing_acceleration(corner, other, s, p)
     if pressed <= 0.0:
         return False
     soon = 2.0 * rebound <= (1.0 - p.restitution) * pressed * p.chatter_time
-    low = rebound**2 <= 2.0 * pressed * UNRESOLVED * INSIDE * m.clearance
+    low = rebound**2 <= 2.0 * pressed * UNRESOLVED * INSIDE * p.clearance
     return soon or low
 
 
 @kernel
-def move_inside(x: Any, touching: Touching, m: Machine) -> None:
+def move_inside(x: Any, touching: Touching, p: Any) -> None:
     """Move open corners that touch just inside their walls: the first by offset, the second by tilt."""
-    margin = INSIDE * m.clearance
-    place = find_place(x, m)
+    margin = INSIDE * p.clearance
+    place = find_place(x, p)
     x.offset = place.offset
     x.tilt = place.tilt
     i, j = touching.first, touching.second
     if i >= 0 and x.closed[i] == 0.0:
-        short = margin - co.gap(i, x.offset, x.tilt, m)
+        short = margin - co.gap(i, x.offset, x.tilt, p)
         if short > 0.0:
             x.offset -= co.side(i) * short
     if j >= 0 and x.closed[j] == 0.0:
-        short = margin - co.gap(j, x.offset, x.tilt, m)
+        short = margin - co.gap(j, x.offset, x.tilt, p)
         if short > 0.0:
             turn_by = short / (
-                co.gap_rate(j, 0.0, x.tilt, 1.0, m)
-                - co.side(i) * co.side(j) * co.gap_rate(i, 0.0, x.tilt, 1.0, m)
+                co.gap_rate(j, 0.0, x.tilt, 1.0, p)
+                - co.side(i) * co.side(j) * co.gap_rate(i, 0.0, x.tilt, 1.0, p)
             )
             x.tilt += turn_by
-            x.offset += co.side(i) * co.gap_rate(i, 0.0, x.tilt, 1.0, m) * turn_by
+            x.offset += co.side(i) * co.gap_rate(i, 0.0, x.tilt, 1.0, p) * turn_by
 
 
 @kernel
-def rate_after(corner: int, touching: Touching, push: Push, s: Motion, m: Machine) -> float:
+def rate_after(corner: int, touching: Touching, push: Push, s: Motion, p: Any) -> float:
     """Gap rate of a corner after an impact."""
-    v = co.add_reaction(touching, push, s.v, s, m)
-    place = Place(0.0, dot(across_row(0.0, 0.0, s.q, m), v), s.q.chi, v.chi)
-    return corner_gap_rate(corner, place, m)
+    v = co.add_reaction(touching, push, s.v, s, p)
+    place = Place(0.0, dot(across_row(0.0, 0.0, s.q, p), v), s.q.chi, v.chi)
+    return corner_gap_rate(corner, place, p)
 
 
 @kernel
-def parting_rate(touching: Touching, push: Push, s: Motion, m: Machine) -> float:
+def parting_rate(touching: Touching, push: Push, s: Motion, p: Any) -> float:
     """The larger gap rate of both corners after an impact."""
-    first = rate_after(touching.first, touching, push, s, m)
-    return max(first, rate_after(touching.second, touching, push, s, m))
+    first = rate_after(touching.first, touching, push, s, p)
+    return max(first, rate_after(touching.second, touching, push, s, p))
 
 
 @kernel
-def speed_scale(v: Coordinates, m: Machine) -> float:
+def speed_scale(v: Coordinates, p: Any) -> float:
     """Velocities from which gap rates are made (m/s)."""
-    size = m.half_length + m.half_height
-    return m.crank_radius * abs(v.theta) + m.rod_length * abs(v.eta) + size * abs(v.chi)
+    size = p.half_length + p.half_height
+    return p.crank_radius * abs(v.theta) + p.rod_length * abs(v.eta) + size * abs(v.chi)
 
 
 @kernel
-def open_all(x: Any, m: Machine) -> None:
+def open_all(x: Any, p: Any) -> None:
     """Write the place into the state and open all corners."""
-    place = find_place(x, m)
+    place = find_place(x, p)
     x.offset = place.offset
     x.offset_rate = place.offset_rate
     x.tilt = place.tilt
@@ -131,10 +131,10 @@ def open_all(x: Any, m: Machine) -> None:
 
 
 @kernel
-def close_pressed(x: Any, s: Motion, p: Any, touching: Touching, m: Machine) -> None:
+def close_pressed(x: Any, s: Motion, touching: Touching, p: Any) -> None:
     """Close the touching corners whose walls push them."""
-    ratios = friction_ratios(touching, s, p, m)
-    forces = co.solve_push(touching, ratios, co.free_gap_accelerations(touching, s, m), s, m).forces
+    ratios = friction_ratios(touching, s, p)
+    forces = co.solve_push(touching, ratios, co.free_gap_accelerations(touching, s, p), s, p).forces
     if forces.first > 0.0:
         x.closed[touching.first] = 1.0
     if forces.second > 0.0:
@@ -148,13 +148,13 @@ def count_event(t: float, x: Any) -> None:
 
 
 @kernel
-def release(corner: int, other: int, x: Any, s: Motion, p: Any, m: Machine) -> None:
+def release(corner: int, other: int, x: Any, s: Motion, p: Any) -> None:
     """Release a corner whose wall would have to pull; close again what is pressed of it and the other one."""
-    close_pressed(x, s, p, Touching(corner, other), m)
+    close_pressed(x, s, Touching(corner, other), p)
     # To rounding both may be pressed still.
     if x.closed[corner] != 0.0 and (other < 0 or x.closed[other] != 0.0):
         x.closed[corner] = 0.0
-    move_inside(x, Touching(other, corner) if other >= 0 else Touching(corner, -1), m)
+    move_inside(x, Touching(other, corner) if other >= 0 else Touching(corner, -1), p)
 
 
 class Impact(NamedTuple):
@@ -167,87 +167,84 @@ class Impact(NamedTuple):
 
 
 @kernel
-def solve_impact(
-    touching: Touching, rates: Pair, second_closed: bool, s: Motion, p: Any, m: Machine
-) -> Impact:
+def solve_impact(touching: Touching, rates: Pair, second_closed: bool, s: Motion, p: Any) -> Impact:
     """The impact of corners with these gap rates; the second may have been closed before."""
     i, j = touching.first, touching.second
     e = p.restitution
     w = Pair(add_restitution(rates.first, e), add_restitution(rates.second, e))
-    push = co.solve_impulses(touching, w, p.wall_friction, s, m)
-    still = STILL * speed_scale(s.v, m)
-    after_i = rate_after(i, touching, push, s, m)
-    after_j = rate_after(j, touching, push, s, m) if j >= 0 else 1.0
-    i_ends = bounces_end(i, j if after_j <= still else -1, after_i - still, s, p, m)
-    j_ends = bounces_end(j, i if after_i <= still else -1, after_j - still, s, p, m)
+    push = co.solve_impulses(touching, w, p.wall_friction, s, p)
+    still = STILL * speed_scale(s.v, p)
+    after_i = rate_after(i, touching, push, s, p)
+    after_j = rate_after(j, touching, push, s, p) if j >= 0 else 1.0
+    i_ends = bounces_end(i, j if after_j <= still else -1, after_i - still, s, p)
+    j_ends = bounces_end(j, i if after_i <= still else -1, after_j - still, s, p)
     # If its own bounces end, the second one pushes as one at rest does: an impact of the first throws it up.
-    i_ends = i_ends or (j_ends and bounces_end(i, j, after_i - still, s, p, m))
+    i_ends = i_ends or (j_ends and bounces_end(i, j, after_i - still, s, p))
     if i_ends or (j_ends and not second_closed):
         w = Pair(
             add_restitution(rates.first, 0.0 if i_ends else e),
             add_restitution(rates.second, 0.0 if j_ends else e),
         )
-        push = co.solve_impulses(touching, w, p.wall_friction, s, m)
-    if i_ends and j_ends and parting_rate(touching, push, s, m) > still:
+        push = co.solve_impulses(touching, w, p.wall_friction, s, p)
+    if i_ends and j_ends and parting_rate(touching, push, s, p) > still:
         # One corner would lift the other. The limit of bounces that rock between them holds both.
-        push = co.hold(touching, friction_ratios(touching, s, p, m), rates, s, m)
+        push = co.hold(touching, friction_ratios(touching, s, p), rates, s, p)
     return Impact(touching, push, i_ends, j_ends)
 
 
 @kernel
-def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tuple[Coordinates, Coordinates]:
+def apply_impact(t: float, x: Any, impact: Impact, s: Motion, p: Any) -> tuple[Coordinates, Coordinates]:
     """Give the piston its jump of the rates and count it; returns the jump and the walls' impulse."""
-    jump = add(co.add_reaction(impact.touching, impact.push, s.v, s, m), -1.0, s.v)
+    jump = add(co.add_reaction(impact.touching, impact.push, s.v, s, p), -1.0, s.v)
     mean = add(s.v, 0.5, jump)
-    walls = co.reaction(impact.touching, impact.push, s, m)
-    place = find_place(x, m)
+    walls = co.reaction(impact.touching, impact.push, s, p)
+    place = find_place(x, p)
     fastest = 0.0
     for i in range(CORNERS):
         impulse = co.force_on(i, impact.touching, impact.push)
         if impulse != 0.0:
-            towards = -corner_gap_rate(i, place, m)
+            towards = -corner_gap_rate(i, place, p)
             x.impact_impulse[i] += impulse
-            if towards > STILL * speed_scale(s.v, m):
+            if towards > STILL * speed_scale(s.v, p):
                 x.impact_count[i] += 1.0
             fastest = max(fastest, towards)
     x.last_impact_time = t
     x.last_impact_velocity = fastest
     x.impact_loss -= dot(walls, mean)
-    x.offset_rate += dot(across_row(0.0, 0.0, s.q, m), jump)
+    x.offset_rate += dot(across_row(0.0, 0.0, s.q, p), jump)
     x.tilt_rate += jump.chi
     return jump, walls
 
 
 @kernel
-def close_after_impact(x: Any, impact: Impact, still: float, s: Motion, p: Any, m: Machine) -> None:
+def close_after_impact(x: Any, impact: Impact, still: float, s: Motion, p: Any) -> None:
     """Close the corners whose bounces have ended and that are pressed; s is the motion after the impact."""
-    touching, place = impact.touching, find_place(x, m)
+    touching, place = impact.touching, find_place(x, p)
     resting = select_corners(
         touching,
-        impact.first_ends and corner_gap_rate(touching.first, place, m) <= still,
-        impact.second_ends and corner_gap_rate(touching.second, place, m) <= still,
+        impact.first_ends and corner_gap_rate(touching.first, place, p) <= still,
+        impact.second_ends and corner_gap_rate(touching.second, place, p) <= still,
     )
-    close_pressed(x, s, p, resting, m)
+    close_pressed(x, s, resting, p)
     if touching.second >= 0 and x.closed[touching.second] != 0.0:
         touching = Touching(touching.second, touching.first)
-    move_inside(x, touching, m)
+    move_inside(x, touching, p)
 
 
 def contact_events(motion: Any, apply_to_crank: Any) -> Events:
     """Events of a component: each corner's gap while open, its wall force while closed.
 
-    motion(x, u, p) -> Motion. apply_to_crank(x, u, s, jump, walls, m) changes the crank's states and energy
+    motion(x, u, p) -> Motion. apply_to_crank(x, u, s, jump, walls, p) changes the crank's states and energy
     counters after an impact: `jump` of the rates, generalised impulse `walls`.
     """
 
     @kernel
     def guards(t: float, x: Any, u: Any, p: Any, g: Vector) -> None:
-        m = machine(p)
-        place, touching = find_place(x, m), find_closed_corners(x)
+        place, touching = find_place(x, p), find_closed_corners(x)
         for i in range(CORNERS):
-            g[i] = co.gap(i, place.offset, place.tilt, m) if co.exists(i, m) else 1.0
+            g[i] = co.gap(i, place.offset, place.tilt, p) if co.exists(i, p) else 1.0
         if touching.first >= 0:
-            forces = hold_closed(touching, motion(x, u, p), p, m).forces
+            forces = hold_closed(touching, motion(x, u, p), p).forces
             g[touching.first] = forces.first
             if touching.second >= 0:
                 g[touching.second] = forces.second
@@ -255,32 +252,32 @@ def contact_events(motion: Any, apply_to_crank: Any) -> Events:
     @kernel
     def strike(t: float, x: Any, u: Any, p: Any, touching: Touching, second_closed: bool) -> None:
         """The first of two corners has reached its wall; all are open in the state."""
-        m, s = machine(p), motion(x, u, p)
-        place = find_place(x, m)
-        rates = Pair(corner_gap_rate(touching.first, place, m), corner_gap_rate(touching.second, place, m))
+        s = motion(x, u, p)
+        place = find_place(x, p)
+        rates = Pair(corner_gap_rate(touching.first, place, p), corner_gap_rate(touching.second, place, p))
         if rates.first >= 0.0:  # outside the wall by rounding, and already leaving it
             if second_closed:
-                close_pressed(x, s, p, Touching(-1, touching.second), m)
+                close_pressed(x, s, Touching(-1, touching.second), p)
                 touching = Touching(touching.second, touching.first)
-            move_inside(x, touching, m)
+            move_inside(x, touching, p)
             return
         count_event(t, x)
-        impact = solve_impact(touching, rates, second_closed, s, p, m)
-        jump, walls = apply_impact(t, x, impact, s, m)
-        apply_to_crank(x, u, s, jump, walls, m)
-        close_after_impact(x, impact, STILL * speed_scale(s.v, m), motion(x, u, p), p, m)
+        impact = solve_impact(touching, rates, second_closed, s, p)
+        jump, walls = apply_impact(t, x, impact, s, p)
+        apply_to_crank(x, u, s, jump, walls, p)
+        close_after_impact(x, impact, STILL * speed_scale(s.v, p), motion(x, u, p), p)
 
     @kernel
     def transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
-        m, before = machine(p), find_closed_corners(x)
+        before = find_closed_corners(x)
         if x.closed[k] != 0.0:
             count_event(t, x)
-            open_all(x, m)
-            release(k, before.second if before.first == k else before.first, x, motion(x, u, p), p, m)
+            open_all(x, p)
+            release(k, before.second if before.first == k else before.first, x, motion(x, u, p), p)
         else:
-            touching = find_touching(k, x, find_place(x, m), m)
+            touching = find_touching(k, x, find_place(x, p), p)
             second_closed = touching.second >= 0 and x.closed[touching.second] != 0.0
-            open_all(x, m)
+            open_all(x, p)
             strike(t, x, u, p, touching, second_closed)
 
     return Events(CORNERS, guards, transition)

@@ -6,43 +6,15 @@ x runs along the cylinder away from the crank, y across it. Nothing is taken as 
 
     M(q) q'' + c(q, q') = Q(q, q') + walls.
 
-With a symmetric piston whose pin is at its centre of mass these are the equations of Flores, Leine and
-Glocker (2010), section 5, with theta_2 = -eta.
+Places on the piston are along and across its axis, from the middle of its skirt. With a symmetric piston
+whose pin is at its centre of mass these are the equations of Flores, Leine and Glocker (2010), section 5,
+with theta_2 = -eta. p: the parameters of the components.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
-
-
-class Machine(NamedTuple):
-    """Lengths (m), masses (kg), inertias about centres of mass (kg m^2).
-
-    Places on the piston are along and across its axis, from the middle of its skirt.
-    """
-
-    crank_radius: float
-    rod_length: float
-    crank_inertia: float  # about the shaft
-    crank_imbalance: float  # mass times distance of its centre from the shaft
-    rod_mass: float
-    rod_centre: float  # from the crank pin
-    rod_inertia: float
-    piston_mass: float
-    piston_inertia: float
-    half_length: float
-    half_height: float
-    clearance: float
-    pin_along: float
-    pin_across: float
-    mass_along: float
-    mass_across: float
-    crank_pin_friction: float
-    piston_pin_friction: float
-    gravity_along: float
-    gravity_across: float
-    bore_area: float
 
 
 class Coordinates(NamedTuple):
@@ -85,96 +57,96 @@ def multiply(s: Symmetric, a: Coordinates) -> Coordinates:
 
 
 @kernel
-def arm_along(along: float, across: float, q: Coordinates, m: Machine) -> float:
+def arm_along(along: float, across: float, q: Coordinates, p: Any) -> float:
     """x of a point of the piston, from the pin."""
-    return (along - m.pin_along) * math.cos(q.chi) - (across - m.pin_across) * math.sin(q.chi)
+    return (along - p.pin_height) * math.cos(q.chi) - (across - p.pin_offset) * math.sin(q.chi)
 
 
 @kernel
-def arm_across(along: float, across: float, q: Coordinates, m: Machine) -> float:
+def arm_across(along: float, across: float, q: Coordinates, p: Any) -> float:
     """y of a point of the piston, from the pin."""
-    return (along - m.pin_along) * math.sin(q.chi) + (across - m.pin_across) * math.cos(q.chi)
+    return (along - p.pin_height) * math.sin(q.chi) + (across - p.pin_offset) * math.cos(q.chi)
 
 
 @kernel
-def position_along(along: float, across: float, q: Coordinates, m: Machine) -> float:
+def position_along(along: float, across: float, q: Coordinates, p: Any) -> float:
     """x of a point of the piston."""
-    pin = m.crank_radius * math.cos(q.theta) + m.rod_length * math.cos(q.eta)
-    return pin + arm_along(along, across, q, m)
+    pin = p.crank_radius * math.cos(q.theta) + p.rod_length * math.cos(q.eta)
+    return pin + arm_along(along, across, q, p)
 
 
 @kernel
-def position_across(along: float, across: float, q: Coordinates, m: Machine) -> float:
+def position_across(along: float, across: float, q: Coordinates, p: Any) -> float:
     """y of a point of the piston."""
-    pin = m.crank_radius * math.sin(q.theta) - m.rod_length * math.sin(q.eta)
-    return pin + arm_across(along, across, q, m)
+    pin = p.crank_radius * math.sin(q.theta) - p.rod_length * math.sin(q.eta)
+    return pin + arm_across(along, across, q, p)
 
 
 @kernel
-def along_row(along: float, across: float, q: Coordinates, m: Machine) -> Coordinates:
+def along_row(along: float, across: float, q: Coordinates, p: Any) -> Coordinates:
     """Derivatives of `position_along` by the coordinates."""
     return Coordinates(
-        -m.crank_radius * math.sin(q.theta), -m.rod_length * math.sin(q.eta), -arm_across(along, across, q, m)
+        -p.crank_radius * math.sin(q.theta), -p.rod_length * math.sin(q.eta), -arm_across(along, across, q, p)
     )
 
 
 @kernel
-def across_row(along: float, across: float, q: Coordinates, m: Machine) -> Coordinates:
+def across_row(along: float, across: float, q: Coordinates, p: Any) -> Coordinates:
     """Derivatives of `position_across` by the coordinates."""
     return Coordinates(
-        m.crank_radius * math.cos(q.theta), -m.rod_length * math.cos(q.eta), arm_along(along, across, q, m)
+        p.crank_radius * math.cos(q.theta), -p.rod_length * math.cos(q.eta), arm_along(along, across, q, p)
     )
 
 
 @kernel
-def along_turning(along: float, across: float, q: Coordinates, v: Coordinates, m: Machine) -> float:
+def along_turning(along: float, across: float, q: Coordinates, v: Coordinates, p: Any) -> float:
     """The part of a piston point's x'' that comes from the rates alone."""
     return (
-        -m.crank_radius * math.cos(q.theta) * v.theta**2
-        - m.rod_length * math.cos(q.eta) * v.eta**2
-        - arm_along(along, across, q, m) * v.chi**2
+        -p.crank_radius * math.cos(q.theta) * v.theta**2
+        - p.rod_length * math.cos(q.eta) * v.eta**2
+        - arm_along(along, across, q, p) * v.chi**2
     )
 
 
 @kernel
-def across_turning(along: float, across: float, q: Coordinates, v: Coordinates, m: Machine) -> float:
+def across_turning(along: float, across: float, q: Coordinates, v: Coordinates, p: Any) -> float:
     """The part of a piston point's y'' that comes from the rates alone."""
     return (
-        -m.crank_radius * math.sin(q.theta) * v.theta**2
-        + m.rod_length * math.sin(q.eta) * v.eta**2
-        - arm_across(along, across, q, m) * v.chi**2
+        -p.crank_radius * math.sin(q.theta) * v.theta**2
+        + p.rod_length * math.sin(q.eta) * v.eta**2
+        - arm_across(along, across, q, p) * v.chi**2
     )
 
 
 @kernel
-def rod_moment(m: Machine) -> float:
+def rod_moment(p: Any) -> float:
     """What the crank pin carries of rod and piston times the distance from it."""
-    return m.rod_mass * m.rod_centre + m.piston_mass * m.rod_length
+    return p.rod_mass * p.rod_centre + p.piston_mass * p.rod_length
 
 
 @kernel
-def mass_matrix(q: Coordinates, m: Machine) -> Symmetric:
+def mass_matrix(q: Coordinates, p: Any) -> Symmetric:
     """M(q)."""
-    x = m.piston_mass * arm_along(m.mass_along, m.mass_across, q, m)
-    y = m.piston_mass * arm_across(m.mass_along, m.mass_across, q, m)
-    lever_squared = (m.mass_along - m.pin_along) ** 2 + (m.mass_across - m.pin_across) ** 2
+    x = p.piston_mass * arm_along(p.mass_height, p.mass_offset, q, p)
+    y = p.piston_mass * arm_across(p.mass_height, p.mass_offset, q, p)
+    lever_squared = (p.mass_height - p.pin_height) ** 2 + (p.mass_offset - p.pin_offset) ** 2
     return Symmetric(
-        m.crank_inertia + (m.rod_mass + m.piston_mass) * m.crank_radius**2,
-        -rod_moment(m) * m.crank_radius * math.cos(q.theta + q.eta),
-        m.crank_radius * (y * math.sin(q.theta) + x * math.cos(q.theta)),
-        m.rod_inertia + m.rod_mass * m.rod_centre**2 + m.piston_mass * m.rod_length**2,
-        m.rod_length * (y * math.sin(q.eta) - x * math.cos(q.eta)),
-        m.piston_inertia + m.piston_mass * lever_squared,
+        p.crank_inertia + p.crank_mass * p.crank_centre**2 + (p.rod_mass + p.piston_mass) * p.crank_radius**2,
+        -rod_moment(p) * p.crank_radius * math.cos(q.theta + q.eta),
+        p.crank_radius * (y * math.sin(q.theta) + x * math.cos(q.theta)),
+        p.rod_inertia + p.rod_mass * p.rod_centre**2 + p.piston_mass * p.rod_length**2,
+        p.rod_length * (y * math.sin(q.eta) - x * math.cos(q.eta)),
+        p.piston_inertia + p.piston_mass * lever_squared,
     )
 
 
 @kernel
-def turning_forces(q: Coordinates, v: Coordinates, m: Machine) -> Coordinates:
+def turning_forces(q: Coordinates, v: Coordinates, p: Any) -> Coordinates:
     """c(q, q'): centrifugal and Coriolis terms."""
-    r, l = m.crank_radius, m.rod_length
-    x = m.piston_mass * arm_along(m.mass_along, m.mass_across, q, m)
-    y = m.piston_mass * arm_across(m.mass_along, m.mass_across, q, m)
-    rod = rod_moment(m) * r * math.sin(q.theta + q.eta)
+    r, l = p.crank_radius, p.rod_length
+    x = p.piston_mass * arm_along(p.mass_height, p.mass_offset, q, p)
+    y = p.piston_mass * arm_across(p.mass_height, p.mass_offset, q, p)
+    rod = rod_moment(p) * r * math.sin(q.theta + q.eta)
     return Coordinates(
         rod * v.eta**2 + r * (x * math.sin(q.theta) - y * math.cos(q.theta)) * v.chi**2,
         rod * v.theta**2 + l * (x * math.sin(q.eta) + y * math.cos(q.eta)) * v.chi**2,
@@ -184,55 +156,55 @@ def turning_forces(q: Coordinates, v: Coordinates, m: Machine) -> Coordinates:
 
 
 @kernel
-def applied_forces(q: Coordinates, v: Coordinates, gas_pressure: float, m: Machine) -> Coordinates:
+def applied_forces(q: Coordinates, v: Coordinates, gas_pressure: float, p: Any) -> Coordinates:
     """Q: gravity, friction in the joints, and gas.
 
     The gas force (pressure above that of the crankcase times bore area) acts along the cylinder on the
     middle of the piston, so that a pin beside the middle feels its moment.
     """
-    to_rod = -m.crank_pin_friction * (v.theta + v.eta)
-    to_piston = -m.piston_pin_friction * (v.chi + v.eta)
-    gas = -gas_pressure * m.bore_area
-    along, across = m.piston_mass * m.gravity_along, m.piston_mass * m.gravity_across
-    hanging = m.crank_imbalance + m.rod_mass * m.crank_radius
-    rod = m.rod_mass * m.rod_centre
+    to_rod = -p.crank_pin_friction * (v.theta + v.eta)
+    to_piston = -p.piston_pin_friction * (v.chi + v.eta)
+    gas = -gas_pressure * p.bore_area
+    along, across = p.piston_mass * p.gravity_along, p.piston_mass * p.gravity_across
+    hanging = p.crank_mass * p.crank_centre + p.rod_mass * p.crank_radius
+    rod = p.rod_mass * p.rod_centre
     forces = Coordinates(
-        hanging * (m.gravity_across * math.cos(q.theta) - m.gravity_along * math.sin(q.theta)) + to_rod,
-        -rod * (m.gravity_across * math.cos(q.eta) + m.gravity_along * math.sin(q.eta)) + to_rod + to_piston,
+        hanging * (p.gravity_across * math.cos(q.theta) - p.gravity_along * math.sin(q.theta)) + to_rod,
+        -rod * (p.gravity_across * math.cos(q.eta) + p.gravity_along * math.sin(q.eta)) + to_rod + to_piston,
         to_piston,
     )
-    forces = add(forces, along, along_row(m.mass_along, m.mass_across, q, m))
-    forces = add(forces, across, across_row(m.mass_along, m.mass_across, q, m))
-    return add(forces, gas, along_row(0.0, 0.0, q, m))
+    forces = add(forces, along, along_row(p.mass_height, p.mass_offset, q, p))
+    forces = add(forces, across, across_row(p.mass_height, p.mass_offset, q, p))
+    return add(forces, gas, along_row(0.0, 0.0, q, p))
 
 
 @kernel
-def kinetic_energy(q: Coordinates, v: Coordinates, m: Machine) -> float:
-    return 0.5 * dot(v, multiply(mass_matrix(q, m), v))
+def kinetic_energy(q: Coordinates, v: Coordinates, p: Any) -> float:
+    return 0.5 * dot(v, multiply(mass_matrix(q, p), v))
 
 
 @kernel
-def potential_energy(q: Coordinates, m: Machine) -> float:
+def potential_energy(q: Coordinates, p: Any) -> float:
     """Of gravity."""
-    hanging = m.crank_imbalance + m.rod_mass * m.crank_radius
-    rod = m.rod_mass * m.rod_centre
+    hanging = p.crank_mass * p.crank_centre + p.rod_mass * p.crank_radius
+    rod = p.rod_mass * p.rod_centre
     x = hanging * math.cos(q.theta) + rod * math.cos(q.eta)
     y = hanging * math.sin(q.theta) - rod * math.sin(q.eta)
-    x += m.piston_mass * position_along(m.mass_along, m.mass_across, q, m)
-    y += m.piston_mass * position_across(m.mass_along, m.mass_across, q, m)
-    return -(m.gravity_along * x + m.gravity_across * y)
+    x += p.piston_mass * position_along(p.mass_height, p.mass_offset, q, p)
+    y += p.piston_mass * position_across(p.mass_height, p.mass_offset, q, p)
+    return -(p.gravity_along * x + p.gravity_across * y)
 
 
 @kernel
-def joint_loss(v: Coordinates, m: Machine) -> float:
+def joint_loss(v: Coordinates, p: Any) -> float:
     """Power (W) that the friction in both pins takes."""
-    return m.crank_pin_friction * (v.theta + v.eta) ** 2 + m.piston_pin_friction * (v.chi + v.eta) ** 2
+    return p.crank_pin_friction * (v.theta + v.eta) ** 2 + p.piston_pin_friction * (v.chi + v.eta) ** 2
 
 
 @kernel
-def gas_power(q: Coordinates, v: Coordinates, gas_pressure: float, m: Machine) -> float:
+def gas_power(q: Coordinates, v: Coordinates, gas_pressure: float, p: Any) -> float:
     """Power (W) that the gas gives."""
-    return -gas_pressure * m.bore_area * dot(along_row(0.0, 0.0, q, m), v)
+    return -gas_pressure * p.bore_area * dot(along_row(0.0, 0.0, q, p), v)
 
 
 @kernel

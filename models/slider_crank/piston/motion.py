@@ -12,7 +12,7 @@ from ...core.quantities import Vector
 from . import contact as co
 from . import mechanics as me
 from .contact import CORNERS, Motion, Pair, Push, Touching
-from .mechanics import Coordinates, Machine
+from .mechanics import Coordinates
 
 # Outputs that depend on all inputs that set forces in motion.
 FORCED_OUTPUTS = (
@@ -31,33 +31,6 @@ class Place(NamedTuple):
 
 
 @kernel
-def machine(p: Any) -> Machine:
-    return Machine(
-        p.crank_radius,
-        p.rod_length,
-        p.crank_inertia + p.crank_mass * p.crank_centre**2,
-        p.crank_mass * p.crank_centre,
-        p.rod_mass,
-        p.rod_centre,
-        p.rod_inertia,
-        p.piston_mass,
-        p.piston_inertia,
-        p.half_length,
-        p.half_height,
-        p.clearance,
-        p.pin_height,
-        p.pin_offset,
-        p.mass_height,
-        p.mass_offset,
-        p.crank_pin_friction,
-        p.piston_pin_friction,
-        p.gravity_along,
-        p.gravity_across,
-        p.bore_area,
-    )
-
-
-@kernel
 def find_closed_corners(x: Any) -> Touching:
     """The closed corners."""
     first = second = -1
@@ -71,71 +44,69 @@ def find_closed_corners(x: Any) -> Touching:
 
 
 @kernel
-def jammed_tilt(m: Machine) -> float:
+def jammed_tilt(p: Any) -> float:
     """Tilt with which the piston touches both walls: L sin chi + H cos chi = H + clearance."""
-    l, c = m.half_length, m.clearance
-    return 2.0 * math.atan(c / (l + math.sqrt(l**2 - c * (2.0 * m.half_height + c))))
+    l, c = p.half_length, p.clearance
+    return 2.0 * math.atan(c / (l + math.sqrt(l**2 - c * (2.0 * p.half_height + c))))
 
 
 @kernel
-def find_place(x: Any, m: Machine) -> Place:
+def find_place(x: Any, p: Any) -> Place:
     """The piston's place; coordinates that closed corners determine are computed from their walls."""
     corners = find_closed_corners(x)
     i, j = corners.first, corners.second
     if i < 0:
         return Place(x.offset, x.offset_rate, x.tilt, x.tilt_rate)
     if j < 0:
-        sine, k = math.sin(x.tilt), co.corner_along(i, m)
-        lift = m.clearance + 2.0 * m.half_height * math.sin(0.5 * x.tilt) ** 2
-        slope = co.side(i) * m.half_height * sine - k * math.cos(x.tilt)
+        sine, k = math.sin(x.tilt), co.corner_along(i, p)
+        lift = p.clearance + 2.0 * p.half_height * math.sin(0.5 * x.tilt) ** 2
+        slope = co.side(i) * p.half_height * sine - k * math.cos(x.tilt)
         return Place(co.side(i) * lift - k * sine, slope * x.tilt_rate, x.tilt, x.tilt_rate)
     if co.side(i) == co.side(j):
-        return Place(co.side(i) * m.clearance, 0.0, 0.0, 0.0)
-    return Place(0.0, 0.0, math.copysign(jammed_tilt(m), co.corner_along(i, m)), 0.0)
+        return Place(co.side(i) * p.clearance, 0.0, 0.0, 0.0)
+    return Place(0.0, 0.0, math.copysign(jammed_tilt(p), co.corner_along(i, p)), 0.0)
 
 
 @kernel
-def coordinates(theta: float, place: Place, m: Machine) -> Coordinates:
+def coordinates(theta: float, place: Place, p: Any) -> Coordinates:
     """q from the crank angle and the piston's place."""
-    pin = place.offset + m.pin_along * math.sin(place.tilt) + m.pin_across * math.cos(place.tilt)
-    eta = math.asin((m.crank_radius * math.sin(theta) - pin) / m.rod_length)
+    pin = place.offset + p.pin_height * math.sin(place.tilt) + p.pin_offset * math.cos(place.tilt)
+    eta = math.asin((p.crank_radius * math.sin(theta) - pin) / p.rod_length)
     return Coordinates(theta, eta, place.tilt)
 
 
 @kernel
-def rates(speed: float, q: Coordinates, place: Place, m: Machine) -> Coordinates:
+def rates(speed: float, q: Coordinates, place: Place, p: Any) -> Coordinates:
     """q' from the crank speed and the piston's rates."""
-    lever = m.pin_along * math.cos(q.chi) - m.pin_across * math.sin(q.chi)
+    lever = p.pin_height * math.cos(q.chi) - p.pin_offset * math.sin(q.chi)
     pin = place.offset_rate + lever * place.tilt_rate
-    eta = (m.crank_radius * math.cos(q.theta) * speed - pin) / (m.rod_length * math.cos(q.eta))
+    eta = (p.crank_radius * math.cos(q.theta) * speed - pin) / (p.rod_length * math.cos(q.eta))
     return Coordinates(speed, eta, place.tilt_rate)
 
 
 @kernel
-def friction_ratios(touching: Touching, s: Motion, p: Any, m: Machine) -> Pair:
+def friction_ratios(touching: Touching, s: Motion, p: Any) -> Pair:
     """Friction over wall force in lasting contact."""
     return Pair(
-        co.sliding_ratio(touching.first, s, p.wall_friction, p.creep_velocity, m),
-        co.sliding_ratio(touching.second, s, p.wall_friction, p.creep_velocity, m),
+        co.sliding_ratio(touching.first, s, p.wall_friction, p.creep_velocity, p),
+        co.sliding_ratio(touching.second, s, p.wall_friction, p.creep_velocity, p),
     )
 
 
 @kernel
-def hold_closed(touching: Touching, s: Motion, p: Any, m: Machine) -> Push:
+def hold_closed(touching: Touching, s: Motion, p: Any) -> Push:
     """What keeps the corners closed."""
-    return co.hold(
-        touching, friction_ratios(touching, s, p, m), co.free_gap_accelerations(touching, s, m), s, m
-    )
+    return co.hold(touching, friction_ratios(touching, s, p), co.free_gap_accelerations(touching, s, p), s, p)
 
 
 @kernel
-def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> Coordinates:
+def differentiate(x: Any, s: Motion, p: Any, dx: Any) -> Coordinates:
     """The derivatives of the shared states; returns q'' with the forces of closed corners."""
-    place, touching = find_place(x, m), find_closed_corners(x)
-    push = hold_closed(touching, s, p, m)
-    q2 = co.add_reaction(touching, push, s.free, s, m)
+    place, touching = find_place(x, p), find_closed_corners(x)
+    push = hold_closed(touching, s, p)
+    q2 = co.add_reaction(touching, push, s.free, s, p)
     dx.offset = place.offset_rate
-    dx.offset_rate = me.dot(me.across_row(0.0, 0.0, s.q, m), q2) + me.across_turning(0.0, 0.0, s.q, s.v, m)
+    dx.offset_rate = me.dot(me.across_row(0.0, 0.0, s.q, p), q2) + me.across_turning(0.0, 0.0, s.q, s.v, p)
     dx.tilt = place.tilt_rate
     dx.tilt_rate = q2.chi
     for i in range(CORNERS):
@@ -152,22 +123,22 @@ def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> Coordinates
 
 
 @kernel
-def wall_loss(touching: Touching, push: Push, s: Motion, m: Machine) -> float:
+def wall_loss(touching: Touching, push: Push, s: Motion, p: Any) -> float:
     """Power (W) that the walls' friction takes."""
     forces, ratios = push
     total = 0.0
     if touching.first >= 0:
-        total += ratios.first * forces.first * co.sliding_velocity(touching.first, s.q, s.v, m)
+        total += ratios.first * forces.first * co.sliding_velocity(touching.first, s.q, s.v, p)
     if touching.second >= 0:
-        total += ratios.second * forces.second * co.sliding_velocity(touching.second, s.q, s.v, m)
+        total += ratios.second * forces.second * co.sliding_velocity(touching.second, s.q, s.v, p)
     return total
 
 
 @kernel
-def friction_power(x: Any, s: Motion, p: Any, m: Machine) -> float:
+def friction_power(x: Any, s: Motion, p: Any) -> float:
     """Power (W) that all friction takes between impacts."""
     touching = find_closed_corners(x)
-    return me.joint_loss(s.v, m) + wall_loss(touching, hold_closed(touching, s, p, m), s, m)
+    return me.joint_loss(s.v, p) + wall_loss(touching, hold_closed(touching, s, p), s, p)
 
 
 def make_energy(motion: Any) -> Any:
@@ -178,44 +149,44 @@ def make_energy(motion: Any) -> Any:
 
     @kernel
     def energy(t: float, x: Any, u: Any, p: Any, e: Vector) -> None:
-        m, s = machine(p), motion(x, u, p)
-        e[0] = me.kinetic_energy(s.q, s.v, m) + me.potential_energy(s.q, m)
-        e[1] = friction_power(x, s, p, m)
-        e[2] = me.gas_power(s.q, s.v, u.gas_pressure, m)
+        s = motion(x, u, p)
+        e[0] = me.kinetic_energy(s.q, s.v, p) + me.potential_energy(s.q, p)
+        e[1] = friction_power(x, s, p)
+        e[2] = me.gas_power(s.q, s.v, u.gas_pressure, p)
 
     return energy
 
 
 @kernel
-def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) -> None:
+def observe(x: Any, s: Motion, gas_pressure: float, p: Any, y: Any) -> None:
     """The shared outputs."""
-    place, touching = find_place(x, m), find_closed_corners(x)
-    push = hold_closed(touching, s, p, m)
-    q2 = co.add_reaction(touching, push, s.free, s, m)
-    a, b = m.mass_along, m.mass_across
-    y.piston_position = me.position_along(0.0, 0.0, s.q, m)
-    y.piston_velocity = me.dot(me.along_row(0.0, 0.0, s.q, m), s.v)
+    place, touching = find_place(x, p), find_closed_corners(x)
+    push = hold_closed(touching, s, p)
+    q2 = co.add_reaction(touching, push, s.free, s, p)
+    a, b = p.mass_height, p.mass_offset
+    y.piston_position = me.position_along(0.0, 0.0, s.q, p)
+    y.piston_velocity = me.dot(me.along_row(0.0, 0.0, s.q, p), s.v)
     y.piston_offset = place.offset
     y.piston_offset_rate = place.offset_rate
     y.piston_tilt = place.tilt
     y.piston_tilt_rate = place.tilt_rate
     y.rod_angle = s.q.eta
-    y.upper_front_gap = co.gap(0, place.offset, place.tilt, m)
-    y.upper_rear_gap = co.gap(1, place.offset, place.tilt, m)
-    y.lower_front_gap = co.gap(2, place.offset, place.tilt, m)
-    y.lower_rear_gap = co.gap(3, place.offset, place.tilt, m)
+    y.upper_front_gap = co.gap(0, place.offset, place.tilt, p)
+    y.upper_rear_gap = co.gap(1, place.offset, place.tilt, p)
+    y.lower_front_gap = co.gap(2, place.offset, place.tilt, p)
+    y.lower_rear_gap = co.gap(3, place.offset, place.tilt, p)
     y.upper_front_force = co.force_on(0, touching, push)
     y.upper_rear_force = co.force_on(1, touching, push)
     y.lower_front_force = co.force_on(2, touching, push)
     y.lower_rear_force = co.force_on(3, touching, push)
     y.wall_friction_force = -push.ratios.first * push.forces.first - push.ratios.second * push.forces.second
-    x2 = me.dot(me.along_row(a, b, s.q, m), q2) + me.along_turning(a, b, s.q, s.v, m)
-    y2 = me.dot(me.across_row(a, b, s.q, m), q2) + me.across_turning(a, b, s.q, s.v, m)
-    gas = -gas_pressure * m.bore_area
-    y.pin_force_along = m.piston_mass * (x2 - m.gravity_along) - y.wall_friction_force - gas
+    x2 = me.dot(me.along_row(a, b, s.q, p), q2) + me.along_turning(a, b, s.q, s.v, p)
+    y2 = me.dot(me.across_row(a, b, s.q, p), q2) + me.across_turning(a, b, s.q, s.v, p)
+    gas = -gas_pressure * p.bore_area
+    y.pin_force_along = p.piston_mass * (x2 - p.gravity_along) - y.wall_friction_force - gas
     upper = y.upper_front_force + y.upper_rear_force
     lower = y.lower_front_force + y.lower_rear_force
-    y.pin_force_across = m.piston_mass * (y2 - m.gravity_across) + upper - lower
+    y.pin_force_across = p.piston_mass * (y2 - p.gravity_across) + upper - lower
     y.upper_wall_impulse = 0.0
     y.lower_wall_impulse = 0.0
     y.impact_count = 0.0
@@ -230,5 +201,5 @@ def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) 
     y.last_impact_velocity = x.last_impact_velocity
     y.event_count = x.event_count
     y.last_event_time = x.last_event_time
-    y.friction_power = me.joint_loss(s.v, m) + wall_loss(touching, push, s, m)
+    y.friction_power = me.joint_loss(s.v, p) + wall_loss(touching, push, s, p)
     y.impact_loss = x.impact_loss

@@ -10,7 +10,7 @@ from . import motion as mo
 from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .contact import CORNERS, Motion, add_reaction, reaction
 from .events import contact_events
-from .mechanics import Coordinates, Machine
+from .mechanics import Coordinates
 from .motion import FORCED_OUTPUTS
 from .records import (
     DrivenInputs,
@@ -29,13 +29,12 @@ SIZES = {"corners": CORNERS}
 @kernel
 def driven_motion(x: DrivenState, u: DrivenInputs, p: DrivenParameters) -> Motion:
     """Rod and piston under their forces, the crank's acceleration given."""
-    m = mo.machine(p)
-    place = mo.find_place(x, m)
-    q = mo.coordinates(u.crank_angle, place, m)
-    v = mo.rates(u.crank_speed, q, place, m)
-    matrix = me.mass_matrix(q, m)
+    place = mo.find_place(x, p)
+    q = mo.coordinates(u.crank_angle, place, p)
+    v = mo.rates(u.crank_speed, q, place, p)
+    matrix = me.mass_matrix(q, p)
     inverse = me.prescribed_inverse(matrix)
-    forces = me.add(me.applied_forces(q, v, u.gas_pressure, m), -1.0, me.turning_forces(q, v, m))
+    forces = me.add(me.applied_forces(q, v, u.gas_pressure, p), -1.0, me.turning_forces(q, v, p))
     driven = Coordinates(
         0.0,
         forces.eta - matrix.theta_eta * u.crank_acceleration,
@@ -48,21 +47,21 @@ def driven_motion(x: DrivenState, u: DrivenInputs, p: DrivenParameters) -> Motio
 @kernel
 def crank_torque(x: DrivenState, u: DrivenInputs, p: DrivenParameters) -> float:
     """Torque that the mechanism takes: theta's row of the equation of motion."""
-    m, s = mo.machine(p), driven_motion(x, u, p)
+    s = driven_motion(x, u, p)
     touching = mo.find_closed_corners(x)
-    push = mo.hold_closed(touching, s, p, m)
-    q2 = add_reaction(touching, push, s.free, s, m)
-    inertial = me.multiply(me.mass_matrix(s.q, m), q2).theta + me.turning_forces(s.q, s.v, m).theta
-    applied = me.applied_forces(s.q, s.v, u.gas_pressure, m).theta
-    return inertial - applied - reaction(touching, push, s, m).theta
+    push = mo.hold_closed(touching, s, p)
+    q2 = add_reaction(touching, push, s.free, s, p)
+    inertial = me.multiply(me.mass_matrix(s.q, p), q2).theta + me.turning_forces(s.q, s.v, p).theta
+    applied = me.applied_forces(s.q, s.v, u.gas_pressure, p).theta
+    return inertial - applied - reaction(touching, push, s, p).theta
 
 
 @kernel
 def keep_speed(
-    x: DrivenState, u: DrivenInputs, s: Motion, jump: Coordinates, walls: Coordinates, m: Machine
+    x: DrivenState, u: DrivenInputs, s: Motion, jump: Coordinates, walls: Coordinates, p: DrivenParameters
 ) -> None:
     """The crank keeps its speed and gives the angular impulse that this takes."""
-    impulse = me.multiply(me.mass_matrix(s.q, m), jump).theta - walls.theta
+    impulse = me.multiply(me.mass_matrix(s.q, p), jump).theta - walls.theta
     x.crank_impact_impulse += impulse
     x.impact_work += impulse * u.crank_speed
 
@@ -71,14 +70,14 @@ def keep_speed(
 def driven_derivative(
     t: float, x: DrivenState, u: DrivenInputs, p: DrivenParameters, dx: DrivenState
 ) -> None:
-    mo.differentiate(x, driven_motion(x, u, p), p, mo.machine(p), dx)
+    mo.differentiate(x, driven_motion(x, u, p), p, dx)
     dx.crank_impact_impulse = 0.0
     dx.impact_work = 0.0
 
 
 @kernel
 def driven_output(t: float, x: DrivenState, u: DrivenInputs, p: DrivenParameters, y: DrivenOutputs) -> None:
-    mo.observe(x, driven_motion(x, u, p), u.gas_pressure, p, mo.machine(p), y)
+    mo.observe(x, driven_motion(x, u, p), u.gas_pressure, p, y)
     y.crank_torque = crank_torque(x, u, p)
     y.crank_impact_impulse = x.crank_impact_impulse
 
@@ -116,19 +115,18 @@ def piston_crank() -> Component:
 @kernel
 def free_motion(x: FreeState, u: FreeInputs, p: FreeParameters) -> Motion:
     """Crank, rod and piston under their forces."""
-    m = mo.machine(p)
-    place = mo.find_place(x, m)
-    q = mo.coordinates(x.crank_angle, place, m)
-    v = mo.rates(x.crank_speed, q, place, m)
-    inverse = me.free_inverse(me.mass_matrix(q, m))
-    forces = me.add(me.applied_forces(q, v, u.gas_pressure, m), -1.0, me.turning_forces(q, v, m))
+    place = mo.find_place(x, p)
+    q = mo.coordinates(x.crank_angle, place, p)
+    v = mo.rates(x.crank_speed, q, place, p)
+    inverse = me.free_inverse(me.mass_matrix(q, p))
+    forces = me.add(me.applied_forces(q, v, u.gas_pressure, p), -1.0, me.turning_forces(q, v, p))
     driven = Coordinates(forces.theta + u.crank_drive, forces.eta, forces.chi)
     return Motion(q, v, inverse, me.multiply(inverse, driven))
 
 
 @kernel
 def take_jump(
-    x: FreeState, u: FreeInputs, s: Motion, jump: Coordinates, walls: Coordinates, m: Machine
+    x: FreeState, u: FreeInputs, s: Motion, jump: Coordinates, walls: Coordinates, p: FreeParameters
 ) -> None:
     """The crank takes its part of the jump."""
     x.crank_speed += jump.theta
@@ -137,12 +135,12 @@ def take_jump(
 @kernel
 def free_derivative(t: float, x: FreeState, u: FreeInputs, p: FreeParameters, dx: FreeState) -> None:
     dx.crank_angle = x.crank_speed
-    dx.crank_speed = mo.differentiate(x, free_motion(x, u, p), p, mo.machine(p), dx).theta
+    dx.crank_speed = mo.differentiate(x, free_motion(x, u, p), p, dx).theta
 
 
 @kernel
 def free_output(t: float, x: FreeState, u: FreeInputs, p: FreeParameters, y: FreeOutputs) -> None:
-    mo.observe(x, free_motion(x, u, p), u.gas_pressure, p, mo.machine(p), y)
+    mo.observe(x, free_motion(x, u, p), u.gas_pressure, p, y)
     y.crank_angle = x.crank_angle
     y.crank_speed = x.crank_speed
 

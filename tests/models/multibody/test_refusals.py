@@ -142,9 +142,9 @@ def test_lengths_of_axes_make_no_difference():
         (lambda: prescribed_rotation("d", "ground", "ball", math.nan), "joint d: .*must be finite"),
         (
             lambda: beam_stiffness(**BEAM | {"youngs_modulus": 207.0}),
-            "youngs_modulus = 207 Pa: must be above 100000 and not above",
+            r"youngs_modulus = 207 Pa .*: must be >= 100000 and <= 1e\+13",
         ),
-        (lambda: beam_stiffness(**BEAM | {"poissons_ratio": 0.6}), "must be above -1 and not above 0.5"),
+        (lambda: beam_stiffness(**BEAM | {"poissons_ratio": 0.6}), "must be >= -0.99 and <= 0.5"),
         *(
             (lambda times=times: solve_ida(FALLING, times), "times: must be")
             for times in ([0.0], [0.0, 0.0], [0.0, math.nan])
