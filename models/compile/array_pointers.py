@@ -50,37 +50,20 @@ def _to_pointer(typing: Any, address: Any) -> Any:
 _pointer: Any = intrinsic(_to_pointer) if COMPILED else lambda address: ctypes.c_void_p(int(address))
 
 
-@kernel
-def numbers(array: Any) -> Any:
-    """A vector of floating-point numbers."""
-    return numba.carray(_pointer(array.address), array.columns, np.float64)
+def _see(dtype: Any) -> tuple[Any, Any]:
+    """Kernels that see an array with such elements: as a vector, and in rows."""
+
+    @kernel
+    def vector(array: Any) -> Any:
+        return numba.carray(_pointer(array.address), array.columns, dtype)
+
+    @kernel
+    def table(array: Any) -> Any:
+        return numba.carray(_pointer(array.address), (array.rows, array.columns), dtype)
+
+    return vector, table
 
 
-@kernel
-def table(array: Any) -> Any:
-    """Rows of floating-point numbers."""
-    return numba.carray(_pointer(array.address), (array.rows, array.columns), np.float64)
-
-
-@kernel
-def integers(array: Any) -> Any:
-    """A vector of whole numbers."""
-    return numba.carray(_pointer(array.address), array.columns, np.int64)
-
-
-@kernel
-def integer_table(array: Any) -> Any:
-    """Rows of whole numbers."""
-    return numba.carray(_pointer(array.address), (array.rows, array.columns), np.int64)
-
-
-@kernel
-def marks(array: Any) -> Any:
-    """A vector of truth values."""
-    return numba.carray(_pointer(array.address), array.columns, np.bool_)
-
-
-@kernel
-def mark_table(array: Any) -> Any:
-    """Rows of truth values."""
-    return numba.carray(_pointer(array.address), (array.rows, array.columns), np.bool_)
+numbers, table = _see(np.float64)
+integers, integer_table = _see(np.int64)
+marks, mark_table = _see(np.bool_)

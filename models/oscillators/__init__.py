@@ -1,1 +1,1 @@
-"""Small oscillators with exact solutions, to measure coupling errors."""
+"""Small oscillators, whose exact solutions the tests have, to measure coupling errors."""

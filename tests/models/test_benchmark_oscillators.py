@@ -8,10 +8,10 @@ import pytest
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from models.monolithic import solve
-from models.oscillators import exact
 from models.oscillators.bouncing_mass import FallingMassParameters, SpringStopParameters
 from models.oscillators.quarter_car import WheelParameters
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
+from tests.models import exact_oscillators as exact
 
 from .systems import outputs_of
 

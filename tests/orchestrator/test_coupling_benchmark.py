@@ -17,7 +17,6 @@ from benchmarks.hydraulic_manipulator import OPENING, PRESSURE_1, PRESSURE_2, WE
 from benchmarks.published import compare_manipulator, describe_manipulator, describe_two_masses
 from models.core.system import Instance, System
 from models.monolithic import solve
-from models.oscillators.exact import quarter_car, two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
@@ -26,6 +25,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.stepping import ControlledSteps, StepControl
 from orchestrator.stepping.guard import RunawayGuard
+from tests.models.exact_oscillators import quarter_car, two_masses
 
 from ..third_party.public import public
 from .coupled import run_coupled

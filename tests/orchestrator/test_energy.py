@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from models.core.system import System
-from models.oscillators import exact as solutions
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.engine.energy import Ledger, Trimmed, add_counting, lines
 from orchestrator.engine.observer import Observer
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
+from tests.models import exact_oscillators as solutions
 
 from .coupled import run_coupled
 from .recorder import Recorder

@@ -10,7 +10,6 @@ from scipy.interpolate import CubicSpline
 from models.core.system import Instance, Port, System
 from models.flywheel import flywheel
 from models.monolithic import equilibrium, solve
-from models.oscillators import exact
 from models.oscillators.bouncing_mass import FallingMassParameters, SpringStopParameters
 from models.slider_crank.slider_crank import slider_crank
 from orchestrator.engine.step import REASONS
@@ -19,6 +18,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
 from orchestrator.stepping.locator import Locator
+from tests.models import exact_oscillators as exact
 
 from .coupled import run_coupled, start_from
 

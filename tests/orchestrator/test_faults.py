@@ -15,7 +15,6 @@ from scipy.linalg import expm
 from fmus.build import build
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
-from models.oscillators import exact as solutions
 from models.oscillators.bouncing_mass import falling_mass, spring_stop
 from models.oscillators.two_masses import CoupledMassParameters
 from orchestrator.engine.step import DISCARD, EVENT, SHORTEST
@@ -35,6 +34,7 @@ from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, StepControl
+from tests.models import exact_oscillators as solutions
 
 from .commands import SHORT, called
 from .coupled import run_coupled

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from models.oscillators import exact
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.engine.observer import Observer
 from orchestrator.engine.step import Step
@@ -16,6 +15,7 @@ from orchestrator.run.simulation import Statistics, simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.stepping import FixedSteps, ForwardSteps, StepControl, Stepper
+from tests.models import exact_oscillators as exact
 
 STOP = 2.0
 MASSES = build_system(load("two-masses"))

@@ -7,13 +7,13 @@ import numpy as np
 
 from models.core.quantities import Vector
 from models.core.system import Instance, System
-from models.oscillators import exact as solutions
 from models.oscillators.two_masses import (
     CoupledMassParameters,
     SprungMassParameters,
     coupled_mass,
     sprung_mass,
 )
+from tests.models import exact_oscillators as solutions
 
 FIRST, SECOND = coupled_mass(), sprung_mass()
 START = np.array([1.0, 0.0, 0.0, 0.0])

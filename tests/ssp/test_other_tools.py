@@ -10,7 +10,6 @@ import pytest
 from pyssp_standard.srmd import SRMD
 
 from interop.processes import explain_missing
-from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.masters import Jacobi
 from orchestrator.reporter import Reporter
@@ -22,6 +21,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.ssp import export
 from tests.fmus.conftest import isolated
 from tests.fmus.names import mark_long
+from tests.models.exact_oscillators import two_masses
 from tests.orchestrator.commands import called
 from tests.orchestrator.recorder import Recorder
 from tests.third_party.public import public

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.scenario import Scenario
+from tests.models.exact_oscillators import two_masses
 
 from .c_fmus import fmu
 from .runs import scenario

@@ -19,7 +19,6 @@ from models.core.system import Instance, System
 from models.monolithic.cvode import Cvode
 from models.monolithic.march import march
 from models.monolithic.runge_kutta import RungeKutta
-from models.oscillators.exact import quarter_car
 from orchestrator.errors import RunError
 from orchestrator.participants.model_exchange.integrated import DrivenEquations
 from orchestrator.participants.open_fmu import open_fmu
@@ -27,6 +26,7 @@ from orchestrator.participants.protocol import BoundVariables, Participant
 from orchestrator.participants.third_party import read_component
 from orchestrator.run.equations import PartwiseProblem
 from orchestrator.scenario.files import list_shipped, read_contents
+from tests.models.exact_oscillators import quarter_car
 
 from ..fmus.names import mark_long
 from .described import describe2, real2

@@ -13,9 +13,9 @@ from scipy.linalg import expm
 
 from fmus.fmi.validate import info
 from models.core.difference import difference, time_weights
-from models.oscillators.exact import quarter_car
 from orchestrator.scenario import Scenario, ScenarioError
 from orchestrator.scenario.warnings import list_warnings
+from tests.models.exact_oscillators import quarter_car
 
 from ..archives import rename_files, repack, replace_text
 from ..fmus.names import mark_long

@@ -16,7 +16,7 @@ from models.core.system import Instance, ModelError, System
 from models.monolithic import check_ode, check_solvable, equilibrium, solve
 from models.monolithic.implicit import ImplicitProblem
 from models.monolithic.implicit_methods import Bdf3, Sdirk4, Trajectory, march_implicit, step_lengths
-from models.oscillators import exact
+from tests.models import exact_oscillators as exact
 from tests.models.systems import column, valve_train
 from tests.models.test_benchmark_oscillators import quarter_car
 

@@ -11,10 +11,10 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from ..core.quantities import Vector
-from .bouncing_mass import FallingMassParameters, SpringStopParameters
-from .quarter_car import ChassisParameters, WheelParameters
-from .two_masses import CoupledMassParameters, SprungMassParameters
+from models.core.quantities import Vector
+from models.oscillators.bouncing_mass import FallingMassParameters, SpringStopParameters
+from models.oscillators.quarter_car import ChassisParameters, WheelParameters
+from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 
 
 def linear_motion(matrix: Vector, start: Vector, times: Vector, constant: Vector | None = None) -> Vector:
