@@ -45,7 +45,7 @@ class Fault:
     place: str
     said: Words
     remedy: Words = ""
-    source: Words = ""
+    source: str | Option = ""
 
     @classmethod
     def parse(cls, place: str, text: str) -> "Fault":
@@ -58,8 +58,8 @@ class Fault:
         said = self.said if isinstance(self.said, tuple) else (self.said,)
         if not self.place and isinstance(said[0], str):
             said = said[0].removeprefix(": "), *said[1:]
-        source, end = (self.source, " ") if self.source else (), ("; ", self.remedy) if self.remedy else ()
-        return (*source, self.place, *said, *end)
+        words = self.place, *said, *(("; ", self.remedy) if self.remedy else ())
+        return name_source(self.source, words) if self.source else words
 
 
 def list_faults(faults: Iterable[Fault]) -> Words:

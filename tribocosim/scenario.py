@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import copy
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orchestrator.errors import MistakeError
 from orchestrator.scenario import build_scenario
-from orchestrator.scenario.files import build_from, change, find, list_shipped, read_contents, resolve_paths
+from orchestrator.scenario.checks import check_units
+from orchestrator.scenario.files import build_from, change, list_shipped, read, resolve_paths
 from orchestrator.scenario.origin import Origin
+from orchestrator.scenario.system import build_system
 
 if TYPE_CHECKING:
     from orchestrator.scenario import Scenario as CheckedScenario
@@ -60,7 +62,22 @@ class Scenario:
         """Another scenario, with FMUs in machine code for those that are built of our components."""
         tables = self.check().components.items()
         built = [name for name, table in tables if table.participant == "fmu"]
-        return self.with_({f"components.{name}.participant": "native" for name in built})
+        content = copy.deepcopy(dict(self.content))
+        for name in built:
+            content["components"][name]["participant"] = "native"
+        return Scenario(content, self.origin)
+
+
+def read_tables(source: str | Path, settings: Sequence[str] = ()) -> dict[str, Any]:
+    """The tables of a scenario with these settings ("path=value"), checked as for a run, for a study.
+
+    MistakeError for a fault, with the file and its line, or the option.
+    """
+    content, origin = read(source, settings)
+    checked = build_from(content, origin)
+    check_units(checked)
+    build_system(checked)
+    return content
 
 
 def scenarios() -> dict[str, str]:
@@ -81,5 +98,4 @@ def load(source: Scenario | str | Path | Mapping[str, Any]) -> Scenario:
             "source: must be the name of a shipped scenario, a file or a dictionary, not "
             f"{type(source).__name__}"
         )
-    path = find(source)
-    return Scenario(read_contents(path), Origin(path))
+    return Scenario(*read(source))

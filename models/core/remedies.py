@@ -4,6 +4,7 @@ Words are a string, an action, an error, or a tuple of words that follow each ot
 has a function that renders them: `in_command_line`, `in_python`.
 """
 
+import re
 import shlex
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -46,8 +47,11 @@ Words: TypeAlias = "str | Action | ExplainedError | tuple[Words, ...]"
 class ExplainedError(Exception):
     """`fault` names the thing, its value and what is allowed; `remedies` are what helps, the best first.
 
-    As a string it speaks Python, since who sees it uncaught has called a function.
+    It was made in `source`, a file with its line or an option, which begins each line of the fault. As a
+    string it speaks Python, since who sees it uncaught has called a function.
     """
+
+    source: "str | Option" = ""
 
     def __init__(self, fault: Words = "", *remedies: Words) -> None:
         super().__init__(fault, *remedies)
@@ -58,8 +62,9 @@ class ExplainedError(Exception):
 
     @property
     def words(self) -> Words:
-        """The fault, then its remedies as alternatives."""
-        return (self.fault, "; ", self.advice) if self.remedies else self.fault
+        """The fault with its source, then its remedies as alternatives."""
+        fault = name_source(self.source, self.fault) if self.source else self.fault
+        return (fault, "; ", self.advice) if self.remedies else fault
 
     @property
     def advice(self) -> Words:
@@ -81,11 +86,11 @@ def join(*words: Words) -> Words:
     return tuple(_flatten(words)) if find_actions(words) else in_python(words)
 
 
-def name_source(source: str, words: Words) -> Words:
-    """The words with the source, a file, before each of their lines."""
-    start = f"{source}: "
-    parts = _flatten(words)
-    return start, *(p.replace("\n", f"\n{start}") if isinstance(p, str) else p for p in parts)
+def name_source(source: str | Option, words: Words) -> Words:
+    """The words with the source, a file or an option, before each of their lines."""
+    start = source, ": " if isinstance(source, str) else " "
+    pieces = (re.split("(\n)", part) if isinstance(part, str) else [part] for part in _flatten(words))
+    return start, *((one, start) if one == "\n" else one for every in pieces for one in every)
 
 
 def find_actions(words: Words) -> tuple[Action, ...]:

@@ -128,24 +128,19 @@ class SavedPoints:
                 self._participants[i].release(state)
 
     def _save(self, part: Iterable[int]) -> dict[int, Any]:
-        units, states = self._participants, {}
         self._saves += 1
-        if self._saves % SELDOM:
-            return {i: units[i].save() for i in part}
-        for i in part:
-            begin = perf_counter()
-            states[i] = units[i].save()
-            self._effort.saving[i] += SELDOM * (perf_counter() - begin)
-        return states
+        return {i: self._call(self._participants[i].save, i, self._saves) for i in part}
 
     def _restore(self, states: Mapping[int, Any]) -> None:
-        units, restored = self._participants, self._effort.restored
         self._restores += 1
         for i, state in states.items():
-            restored[i] += 1
-            if self._restores % SELDOM:
-                units[i].restore(state)
-            else:
-                begin = perf_counter()
-                units[i].restore(state)
-                self._effort.saving[i] += SELDOM * (perf_counter() - begin)
+            self._effort.restored[i] += 1
+            self._call(partial(self._participants[i].restore, state), i, self._restores)
+
+    def _call(self, call: Callable[[], Any], i: int, number: int) -> Any:
+        """What a call of participant i gives; one of SELDOM is timed, for all of them."""
+        begin = perf_counter()
+        found = call()
+        if number % SELDOM == 0:
+            self._effort.saving[i] += SELDOM * (perf_counter() - begin)
+        return found

@@ -98,24 +98,35 @@ def advise(scenario: Scenario, errors: Errors, orders: Mapping[str, float], solv
     error of the FMUs' own `solvers`.
     """
     least = LEAST_ORDER if solvers else 0.0
-    measured = {name: orders[name] for name in errors if orders.get(name, math.nan) > least}
-    stay = [name for name in errors if solvers and orders.get(name, math.nan) <= least]
-    said: Words = ""
-    if stay:
-        left = ", ".join(f"{100.0 * 2.0 ** -orders[name]:.0f} % of the error of {name}" for name in stay)
-        said = (
-            f"; halved steps leave {left}, so the own solvers of {', '.join(solvers)} are the likely cause: "
-            "interface = 'model_exchange' integrates their equations here instead"
-        )
-    if not errors or (orders and not measured):
-        return said
+    falling = {name: orders[name] for name in errors if orders.get(name, math.nan) > least}
+    blamed = _blame_solvers(errors, orders, solvers)
+    if not errors or (orders and not falling):
+        return blamed
+    return join(blamed, "; ", _advise_on_coupling(scenario, errors, falling))
+
+
+def _blame_solvers(errors: Errors, orders: Mapping[str, float], solvers: Sequence[str]) -> str:
+    """What of these errors halved steps leave; empty if none stays."""
+    stay = [name for name in errors if solvers and orders.get(name, math.nan) <= LEAST_ORDER]
+    if not stay:
+        return ""
+    left = ", ".join(f"{100.0 * 2.0 ** -orders[name]:.0f} % of the error of {name}" for name in stay)
+    return (
+        f"; halved steps leave {left}, so the own solvers of {', '.join(solvers)} are the likely cause: "
+        "interface = 'model_exchange' integrates their equations here instead"
+    )
+
+
+def _advise_on_coupling(scenario: Scenario, errors: Errors, falling: Mapping[str, float]) -> Words:
+    """Steps, and signals, that keep the tolerance; `falling` has the orders of errors that steps reduce."""
     found, excess = "", 10.0
-    if measured:
-        name = max(measured, key=lambda one: errors[one].relative_rms / (errors[one].tolerance or math.inf))
-        excess = 2.0 * errors[name].relative_rms / (errors[name].tolerance or math.inf)
-        found = f"the error of {name} falls with the power {measured[name]:.2g} of the steps, so the "
+    if falling:
+        shares = {name: errors[name].relative_rms / (errors[name].tolerance or math.inf) for name in falling}
+        name = max(falling, key=shares.__getitem__)
+        excess = 2.0 * shares[name]
+        found = f"the error of {name} falls with the power {falling[name]:.2g} of the steps, so the "
         found += "coupling is its cause; "
-        excess = excess if scenario.step_control else excess ** (1.0 / measured[name])
+        excess = excess if scenario.step_control else excess ** (1.0 / falling[name])
     parts = next((factor for factor in ROUND if factor >= excess), ROUND[-1])
     shorter = (
         Set("step_control.relative", float(f"{scenario.step_control.relative / parts:.6g}"))
@@ -123,9 +134,8 @@ def advise(scenario: Scenario, errors: Errors, orders: Mapping[str, float], solv
         else Set("macro_step", f"{scenario.macro_step / parts:.6g} s")
     )
     useful, used = FmuLimits(scenario).useful_degree, scenario.build_master().degree
-    better = list(DEGREES)[useful]
-    signals: Words = (", or signals of a higher order: ", Set("master.extrapolation", better))
-    return join(said, f"; {found}shorter steps: ", shorter, signals if useful > used else "")
+    signals: Words = ", or signals of a higher order: ", Set("master.extrapolation", list(DEGREES)[useful])
+    return found, "shorter steps: ", shorter, signals if useful > used else ""
 
 
 def describe_largest(errors: Errors) -> str:

@@ -26,6 +26,7 @@ from ..store.output_folder import (
     format_path,
     lock_folder,
     open_folder,
+    refuse_overwriting_source,
     suggest_folder,
 )
 from ..texts import parse_json, read_text
@@ -64,6 +65,8 @@ def run_plan(
     start = clock.perf_counter() if began is None else began
     out = out.absolute()  # an FMU may change the working directory
     check_folder(out, overwrite)
+    if plan.scenario.origin:
+        refuse_overwriting_source(plan.scenario.origin.path, plan.toml, out)
     with open_folder(out, overwrite) as folder, keep_prints(plan, folder, reporter):
         atomic_write.replace(out / SCENARIO, plan.toml.encode())
         try:

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from models.core.bonds import counting
 from models.core.quantities import Quantity, Vector
-from models.core.system import Instance, ModelError, System
+from models.core.system import Instance, System
 
 from ..assessment.gas_phase import list_doubtful_gas
 from ..engine.effort import timed
@@ -31,22 +31,21 @@ from ..participants.wrapping import Linear
 from ..participants.wrapping import Transformed as transformed
 from ..reporter import Reporter
 from ..scenario import BUILT_KINDS, Scenario, ScenarioError
-from ..scenario.capabilities import choose_reference, plan_proof
-from ..scenario.checks import check_reference
+from ..scenario.capabilities import MONOLITHIC, plan_proof
+from ..scenario.checks import check_units
 from ..scenario.conversion import Transformations
 from ..scenario.files import to_full_toml
 from ..scenario.master_table import AUTO
 from ..scenario.oil_notices import list_oils
 from ..scenario.origin import names_file
 from ..scenario.system import (
-    Assembly,
     Builder,
     assemble,
     list_doubtful_equilibrium,
     list_moved_starts,
     resolve_start,
 )
-from ..scenario.warnings import check_units, list_doubtful, list_warnings
+from ..scenario.warnings import list_warnings
 from ..stepping import RefinedSteps, Stepper
 from .comparison import check_witness
 
@@ -186,8 +185,12 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
     if scenario.master.name == AUTO:
         named = Set("master.name", "gauss_seidel")
         raise ScenarioError((f"master.name = {AUTO!r}: is not chosen here; name one, e.g. ", named))
-    assembly = _assemble(scenario)
-    check_reference(scenario, assembly.system)
+    check_units(scenario)
+    assembly = assemble(scenario)
+    if assembly.reference == MONOLITHIC:
+        from models.monolithic import check_solvable
+
+        check_solvable(assembly.system)
     check_witness(scenario, assembly.system)
     with reporter.stage("FMUs"):
         participants = plan_participants(scenario, assembly.linear, build)
@@ -207,19 +210,10 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
         master=scenario.build_master(),
         make_steps=scenario.build_steps,
         refine_steps=scenario.refine_steps,
-        reference=choose_reference(scenario) if scenario.reference.enabled else None,
+        reference=assembly.reference,
         figures=figures,
         notices=notices,
     )
-
-
-def _assemble(scenario: Scenario) -> Assembly:
-    """The assembly; the error of one that cannot be built begins with numbers that may lack their unit."""
-    check_units(scenario)
-    try:
-        return assemble(scenario)
-    except ModelError as error:
-        raise ModelError("\n".join([*list_doubtful(scenario), str(error)])) from None
 
 
 def plan_participants(

@@ -194,7 +194,7 @@ def _solve_whole(plan: Plan, times: Vector, reporter: Reporter) -> Solution:
 def _solve_by_parts(plan: Plan, times: Vector, reporter: Reporter) -> Solution:
     from models.monolithic.reference import uncertainties
 
-    from .equations import solve_equations
+    from ..participants.model_exchange.problem import solve_equations
 
     system = plan.system
 

@@ -4,7 +4,7 @@ import select
 import sys
 import zipfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import fmpy
@@ -12,7 +12,7 @@ import fmpy
 from ..participants.description import CLOCK, Description
 from ..participants.library import find_library, list_libraries
 from ..participants.proven import Proof
-from . import Scenario, ScenarioError, parse_line
+from . import Scenario, ScenarioError
 
 # Tolerance, in steps, of "a whole number of steps": far more than rounding.
 WHOLE_STEPS = 1e-6
@@ -22,31 +22,28 @@ WHOLE_STEPS = 1e-6
 MONOLITHIC, BY_PARTS, REFINEMENT = "monolithic", "by parts", "refinement"
 
 
-def check_third_party(scenario: Scenario) -> None:
-    """ScenarioError where a monolithic reference or an equilibrium is wanted, but equations are not known."""
+def choose_reference(scenario: Scenario) -> str | None:
+    """How the reference is solved, if there is one.
+
+    `BY_PARTS` takes FMUs, and connections that change values, as they are. ScenarioError where it cannot be
+    solved as asked, and where an equilibrium is wanted of unknown equations.
+    """
     foreign = list_foreign(scenario)
     if foreign and scenario.start == "equilibrium":
         raise ScenarioError(f"start = 'equilibrium': {foreign[0]}; set start = 'given'")
-    if scenario.reference.enabled:
-        choose_reference(scenario)
-
-
-def choose_reference(scenario: Scenario) -> str:
-    """How the reference is solved; `BY_PARTS` takes FMUs, and connections that change values, as they are.
-
-    ScenarioError where it cannot be solved as asked.
-    """
-    asked, unknown = scenario.reference.method, _describe_unsolvable(scenario)
+    if not scenario.reference.enabled:
+        return None
+    asked, unknown = scenario.reference.method, _describe_unsolvable(scenario, foreign)
     if asked == "refinement" or (asked == "auto" and unknown):
         return REFINEMENT
     if unknown:
         raise ScenarioError(
             f"reference.method = 'monolithic': {unknown}; set reference.method = 'refinement'"
         )
-    return BY_PARTS if list_foreign(scenario) else MONOLITHIC
+    return BY_PARTS if foreign else MONOLITHIC
 
 
-def _describe_unsolvable(scenario: Scenario) -> str:
+def _describe_unsolvable(scenario: Scenario, foreign: Sequence[str]) -> str:
     """Why no monolithic reference can be solved, in words; empty if one can."""
     closed = [
         name
@@ -60,7 +57,6 @@ def _describe_unsolvable(scenario: Scenario) -> str:
     if heated:
         return f"{', '.join(heated)}: a film with temperatures (layers), which the reference cannot start"
     implicit = [name for name, component in ours.items() if not component.ode]
-    foreign = list_foreign(scenario)
     if implicit and foreign:
         return f"{', '.join(implicit)}: no ordinary differential equations, beside {foreign[0]}"
     return ""
@@ -70,9 +66,7 @@ def list_foreign(scenario: Scenario) -> list[str]:
     """What of the system is not in the equations of our components, in words."""
     third_party = [name for name, table in scenario.components.items() if table.third_party]
     found = [f"{', '.join(third_party)}: third-party FMUs"] if third_party else []
-    changing = [
-        line for line in map(parse_line, scenario.connections) if (line.factor, line.offset) != (None, None)
-    ]
+    changing = [line for line in scenario.lines if (line.factor, line.offset) != (None, None)]
     return found + [f"the connection {str(line)!r} changes values" for line in changing]
 
 

@@ -1,6 +1,6 @@
 """Check a scenario against its system, before a run."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from fmus.fmi.archive import FmuFileError, archive_faults, open_archive
@@ -8,13 +8,16 @@ from models.core.evaluation import check_start
 from models.core.system import System, suggestion
 
 from ..engine.energy.bonds import find_exchanged_bonds
+from ..errors import Fault, in_command_line
 from ..participants.capabilities import find_missing
-from .capabilities import MONOLITHIC, check_capabilities, check_third_party, choose_reference
+from .capabilities import check_capabilities, choose_reference
+from .origin import names_file
 from .scenario import Scenario, ScenarioError
+from .values import WithUnit, list_layouts
 
 
-def check_scenario(scenario: Scenario, system: System) -> None:
-    """Raise ScenarioError or ModelError for what a run could not do."""
+def check_scenario(scenario: Scenario, system: System) -> str | None:
+    """How the reference is solved, if at all; ScenarioError or ModelError for what a run could not do."""
     for name in scenario.tolerance:
         part, known = name.partition(".")[0], system.outputs.names
         if part not in system.instances:
@@ -27,20 +30,44 @@ def check_scenario(scenario: Scenario, system: System) -> None:
     if scenario.start == "given":
         check_start(system, 0.0, system.x0)
     _check_master(scenario)
-    check_third_party(scenario)
+    reference = choose_reference(scenario)
     _check_energy(scenario, system)
     for name, table in scenario.components.items():
         if table.file and not table.third_party:
             _check_file(name, table.file, list_required_variables(name, system, scenario.start))
     check_capabilities(scenario)
+    return reference
 
 
-def check_reference(scenario: Scenario, system: System) -> None:
-    """Raise ModelError where the scenario asks for a reference that cannot be solved."""
-    if scenario.reference.enabled and choose_reference(scenario) == MONOLITHIC:
-        from models.monolithic import check_solvable
+@names_file
+def check_units(scenario: Scenario) -> None:
+    """Refuse numbers without a unit that are plausible only in another unit; ScenarioError."""
+    if slips := [doubt for doubt in _find_doubts(scenario) if doubt.remedy]:
+        raise ScenarioError.of(slips)
 
-        check_solvable(system)
+
+def list_doubtful(scenario: Scenario) -> list[str]:
+    """Warn of numbers without a unit that are not plausible."""
+    return [in_command_line(doubt.words) for doubt in _find_doubts(scenario)]
+
+
+def _find_doubts(scenario: Scenario) -> Iterator[Fault]:
+    """Each has a remedy where another unit makes the number plausible."""
+    for name, table in scenario.components.items():
+        for key, layout in list_layouts(table.resolve()).items():
+            values = table.values[key]
+            for variable, value in values.items():
+                if isinstance(value, str | WithUnit) or variable not in layout:
+                    continue
+                quantity = layout.field(variable).quantity
+                if values.get(quantity.same_as) == value:
+                    continue  # the other one is doubted
+                if doubt := quantity.doubt(float(value)):
+                    written = f"{value:g} {quantity.unit}"
+                    said, _, meant = doubt.partition("; ")
+                    remedy = meant and f"{meant} Write the unit, even if {written} is meant"
+                    place = f"components.{name}.{key}.{variable}"
+                    yield Fault(place, f" = {written} ({quantity.description}): {said}", remedy)
 
 
 def _check_master(scenario: Scenario) -> None:

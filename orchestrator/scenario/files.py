@@ -9,7 +9,6 @@ import copy
 import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +17,13 @@ from models.core.quantities import Layout
 from models.core.remedies import in_python
 from models.core.system import suggestion
 
-from ..errors import Command, Fault, MistakeError, Set, Words
+from ..errors import Command, MistakeError, Set, Words
 from ..texts import DEEPEST, parse_value, read_toml, to_path
 from . import Scenario, ScenarioError, build_scenario, find_tables
 from .component_table import ComponentTable
 from .extending import EXTENDS, WITHOUT, drop, drop_other_options, merge, replace_cam
 from .lift_table import CAM_KEYS, replace_law
-from .origin import SET, Origin, name_place
+from .origin import SET, Origin
 from .ssp import read_package as contents_of_package
 from .values import ALIKE, SECTIONS, Value, WithUnit, build_component, list_layouts, to_value
 
@@ -75,8 +74,7 @@ def _suggest_near(path: Path) -> Words:
 
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     """The scenario with `overrides` ("path=value") applied; the faults of a ScenarioError have sources."""
-    content = read_changed(name, overrides)
-    return build_from(content, Origin(find(name), partial(load, name) if overrides else None))
+    return build_from(*read(name, overrides))
 
 
 def build_from(content: Mapping[str, Any], origin: Origin) -> Scenario:
@@ -84,29 +82,23 @@ def build_from(content: Mapping[str, Any], origin: Origin) -> Scenario:
     try:
         return build_scenario(content).read_from(origin)
     except ScenarioError as error:
-        own = _find_own_faults(origin.path) if origin.unchanged else error.faults
         raise ScenarioError.of(
-            replace(fault, source=name_place(origin.path, in_python(fault.words)) if fault in own else SET)
-            for fault in error.faults
+            replace(fault, source=origin.find_source(in_python(fault.words))) for fault in error.faults
         ) from None
 
 
-def read_changed(name: str | Path, overrides: Sequence[str] = ()) -> dict[str, Any]:
-    """The tables of a shipped scenario or a file, with `overrides` ("path=value") applied."""
-    content = read_contents(find(name))
-    for text in overrides:
-        override(content, text)
+def read(name: str | Path, overrides: Sequence[str] = ()) -> tuple[dict[str, Any], Origin]:
+    """The tables of a shipped scenario or a file, with `overrides` ("path=value"), and their origin."""
+    path = find(name)
+    content = read_contents(path)
+    changed = dict(override(content, text) for text in overrides)
     resolve_paths(content, Path.cwd())  # of the overrides; those of the file are absolute
-    return content
+    return content, Origin(path, changed)
 
 
-def _find_own_faults(path: Path) -> Sequence[Fault]:
-    """Those that a file has without overrides."""
-    try:
-        build_scenario(read_contents(path))
-    except ScenarioError as error:
-        return error.faults
-    return ()
+def read_changed(name: str | Path, overrides: Sequence[str] = ()) -> dict[str, Any]:
+    """The tables of `read`."""
+    return read(name, overrides)[0]
 
 
 def read_contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
@@ -166,18 +158,23 @@ def resolve_paths(content: dict[str, Any], folder: Path) -> None:
                 table[key] = str(folder / to_path(table[key]))
 
 
-def override(content: dict[str, Any], text: str) -> None:
-    """Apply "path=value", e.g. components.camshaft.parameters.lift=9 mm. The value is TOML, or a string."""
+def override(content: dict[str, Any], text: str) -> tuple[str, Any]:
+    """Apply "path=value", e.g. components.camshaft.parameters.lift=9 mm, and return both.
+
+    The value is TOML, or a string.
+    """
     path, equals, written = text.partition("=")
     path = path.strip()
     if not equals or not path:
         raise ScenarioError((SET, f" {text}: must be path=value, e.g. ", Set("macro_step", "2e-6")))
     try:
-        change(content, path, parse_value(written))
+        value = parse_value(written)
+        change(content, path, value)
     except ScenarioError as error:
         raise ScenarioError((SET, " ", error)) from None
     except ValueError as error:
         raise ScenarioError((SET, f" {path}: {error}")) from None
+    return path, value
 
 
 def change(content: dict[str, Any], path: str, value: Any) -> None:

@@ -10,7 +10,7 @@ from models.core.system import Connection, Port
 from ..participants.capabilities import HIGHEST, find_highest_degrees, name_derivative, signal_degrees
 from ..participants.description import Description, DescriptionError
 from ..participants.third_party import ThirdPartyComponent
-from . import Scenario, parse_ends, parse_line
+from . import Scenario
 from .side_lines import is_side_line
 
 
@@ -28,9 +28,9 @@ class FmuLimits:
                     continue
         self._components = components = {name: table.resolve() for name, table in scenario.components.items()}
         self._connections = [
-            Connection(*(Port(*end.split(".", 1)) for end in parse_ends(line)))
-            for line in scenario.connections
-            if not is_side_line(parse_line(line), components)
+            Connection(*(Port(*end.split(".", 1)) for end in (line.source, line.target)))
+            for line in scenario.lines
+            if not is_side_line(line, components)
         ]
 
     @property

@@ -1,68 +1,65 @@
-"""The file that a scenario was read from: its errors name it, with the line where that is known."""
+"""Where a scenario was made: its errors name the file, with the line where that is known, or the option."""
 
 import functools
 import re
-from collections.abc import Callable
-from contextvars import ContextVar
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 from models.core.errors import MistakeError
-from models.core.remedies import in_python, name_source
+from models.core.remedies import in_python
 
 from ..errors import Option
 
-if TYPE_CHECKING:
-    from .scenario import Scenario
-
 SET = Option("set")
 Check = TypeVar("Check", bound=Callable[..., Any])
-# Whether a check runs inside another, which names the file.
-_inside: ContextVar[bool] = ContextVar("inside", default=False)
 
 
 @dataclass(frozen=True)
 class Origin:
-    """A scenario's file; `unchanged` reads it without what the command changed, if it changed anything."""
+    """A scenario's file, and what the command changed in it: values by their paths."""
 
     path: Path
-    unchanged: Callable[[], "Scenario"] | None = None
+    changed: Mapping[str, Any] = field(default_factory=dict)
+
+    def find_source(self, said: str) -> str | Option:
+        """The option, if a message names what it changed; else the file, and the line that is meant."""
+        for path, value in self.changed.items():
+            if any(re.search(pattern, said) for pattern in _list_patterns(path, value)):
+                return SET
+        return _name_line(self.path, said)
+
+
+def _list_patterns(path: str, value: Any) -> Iterator[str]:
+    """How a message may name a value at this path."""
+    table, _, key = path.rpartition(".")
+    component = re.match(r"components\.(\w+)\.\w+\.(.+)", path)
+    names = [path, *([".".join(component.groups())] if component else [])]
+    for text in value if isinstance(value, list) else [value]:
+        if isinstance(text, str) and text:
+            names += [text, *re.findall(r"[\w.]+\.\w+", text)]  # the ends of a connection
+    yield from (rf"(?<![\w.]){re.escape(name)}(?!\w)" for name in names)
+    if not component:
+        yield rf"(?<![\w.]){re.escape(key)}" + (" = " if table else r"(?!\w)")
 
 
 def names_file(check: Check) -> Check:
-    """A function of a scenario, whose MistakeError begins with its file, or the option that changed it."""
+    """A function of a scenario; source of its MistakeError is the scenario's file, or what changed that."""
 
     @functools.wraps(check)
-    def named(scenario: "Scenario", *arguments: Any, **options: Any) -> Any:
-        origin = None if _inside.get() else scenario.origin
-        token = _inside.set(True)
+    def named(scenario: Any, *arguments: Any, **options: Any) -> Any:
         try:
             return check(scenario, *arguments, **options)
         except MistakeError as error:
-            if origin is None:
-                raise
-            said = in_python(error)
-            changed = origin.unchanged and _said_by(check, origin.unchanged, arguments, options) != said
-            place = name_place(origin.path, in_python(error.fault)).removesuffix(":")
-            error.fault = (SET, " ", error.fault) if changed else name_source(place, error.fault)
-            error.args = error.fault, *error.remedies
+            if scenario.origin and not error.source:
+                error.source = scenario.origin.find_source(in_python(error))
             raise
-        finally:
-            _inside.reset(token)
 
     return cast(Check, named)
 
 
-def _said_by(check: Any, unchanged: Callable[[], "Scenario"], arguments: Any, options: Any) -> str:
-    try:
-        check(unchanged(), *arguments, **options)
-    except MistakeError as error:
-        return in_python(error)
-    return ""
-
-
-def name_place(path: Path, said: str) -> str:
+def _name_line(path: Path, said: str) -> str:
     """The file, and its only line that is meant by a message that begins with keys, or quotes the line."""
     place, quoted = said.partition(": ")[0].partition(" ")[0], re.search("'(.+?)'", said)
     wanted = [place, place.removeprefix("tolerance.")] + ([quoted[1]] if quoted else [])
@@ -83,4 +80,4 @@ def name_place(path: Path, said: str) -> str:
         found = [n for n, line in enumerate(lines, 1) if re.search(pattern, line.partition("#")[0])]
         if found:
             break
-    return f"{path.name}:{found[0]}:" if len(found) == 1 else f"{path.name}:"
+    return f"{path.name}:{found[0]}" if len(found) == 1 else path.name

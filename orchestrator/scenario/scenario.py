@@ -15,7 +15,7 @@ from ..masters import MASTERS
 from ..participants.own_process import Limits
 from ..stepping import ControlledSteps, FixedSteps, ForwardSteps, RefinedSteps, check_estimator, control_steps
 from .component_table import ComponentTable
-from .connection import parse_named_line
+from .connection import Line, parse_line, parse_named_line
 from .fields import FolderName, Seconds, SecondsOr0, Table, Tolerance
 from .master_table import CONVERGED, EVENT_TOLERANCE, MasterTable, StepControlTable
 from .messages import REMEDIES, Location, find_faults
@@ -248,6 +248,11 @@ class Scenario(Table):
             self._chosen_start = True
         return self
 
+    @property
+    def lines(self) -> list[Line]:
+        """The connections."""
+        return [parse_line(line) for line in self.connections]
+
     def __eq__(self, other: object) -> bool:
         """Whether they describe the same run, whatever file they are from."""
         return isinstance(other, Scenario) and dict(self) == dict(other)
@@ -261,6 +266,15 @@ class Scenario(Table):
         """The same, which knows its file."""
         self._origin = origin
         return self
+
+    def with_native_fmus(self) -> "Scenario":
+        """Another, with FMUs in machine code for those that are built of our components."""
+        native = {"participant": "native"}
+        tables = {
+            name: table.model_copy(update=native) if table.participant == "fmu" else table
+            for name, table in self.components.items()
+        }
+        return self.model_copy(update={"components": tables})
 
     @property
     def notes(self) -> list[str]:

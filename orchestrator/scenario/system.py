@@ -11,9 +11,8 @@ from models.core.system import Instance, ModelError, System
 from ..engine.instants import SideLines
 from ..participants.third_party import ThirdPartyComponent
 from ..scenario import Line, ScenarioError
-from .checks import check_scenario
+from .checks import check_scenario, list_doubtful
 from .component_table import ComponentTable
-from .connection import parse_line
 from .conversion import Transformations, transform_inputs
 from .origin import names_file
 from .scenario import Scenario
@@ -57,27 +56,36 @@ class Assembly:
     """The components of a scenario with their values, and their connections.
 
     An input of `system` has the unit of its source, from which `linear` transforms it. `side_lines` connect
-    what is no number.
+    what is no number. `reference` is the method of the reference, if there is one.
     """
 
     system: System
     linear: Transformations
     side_lines: SideLines
+    reference: str | None
 
 
 @names_file
 def assemble(scenario: Scenario) -> Assembly:
-    """The checked system with the start values as given. Raises ModelError or ScenarioError."""
+    """The checked system with the start values as given. Raises ModelError or ScenarioError.
+
+    A ModelError begins with numbers that may lack their unit.
+    """
+    try:
+        return _assemble(scenario)
+    except ModelError as error:
+        raise ModelError("\n".join([*list_doubtful(scenario), str(error)])) from None
+
+
+def _assemble(scenario: Scenario) -> Assembly:
     instances = {name: _build_instance(table) for name, table in scenario.components.items()}
     components = {name: instance.component for name, instance in instances.items()}
-    every = [parse_line(line) for line in scenario.connections]
-    check_aliases(scenario.components, every)
-    side_lines = read_side_lines(every, components)
-    lines = [line for line in every if not is_side_line(line, components)]
+    check_aliases(scenario.components, scenario.lines)
+    side_lines = read_side_lines(scenario.lines, components)
+    lines = [line for line in scenario.lines if not is_side_line(line, components)]
     seen, linear = transform_inputs(instances, lines)
     system = System(seen, [(line.source, line.target) for line in lines])
-    check_scenario(scenario, system)
-    return Assembly(system, linear, side_lines)
+    return Assembly(system, linear, side_lines, check_scenario(scenario, system))
 
 
 def build_system(scenario: Scenario) -> System:

@@ -1,18 +1,16 @@
 """Warnings about scenarios that run, but probably not as intended."""
 
 import math
-from collections.abc import Iterator
 
 from models.core import roles
 
-from ..errors import Fault, in_command_line
 from ..participants.third_party import ThirdPartyComponent
-from . import Scenario, ScenarioError, parse_line
+from . import Scenario
 from .capabilities import WHOLE_STEPS, list_file_warnings
+from .checks import list_doubtful
 from .fmu_limits import list_limit_warnings
 from .oil_notices import doubt_oils
 from .third_party_values import list_bare_numbers
-from .values import WithUnit, list_layouts
 
 # A stop time (s) as long as this, in so many macro steps, is doubted.
 LONG, MANY_STEPS = 10.0, 1_000_000
@@ -62,36 +60,6 @@ def _doubt_times(scenario: Scenario) -> list[str]:
     ]
 
 
-def check_units(scenario: Scenario) -> None:
-    """Refuse numbers without a unit that are plausible only in another unit; ScenarioError."""
-    if slips := [doubt for doubt in _find_doubts(scenario) if doubt.remedy]:
-        raise ScenarioError.of(slips)
-
-
-def list_doubtful(scenario: Scenario) -> list[str]:
-    """Warn of numbers without a unit that are not plausible."""
-    return [in_command_line(doubt.words) for doubt in _find_doubts(scenario)]
-
-
-def _find_doubts(scenario: Scenario) -> Iterator[Fault]:
-    """Each has a remedy where another unit makes the number plausible."""
-    for name, table in scenario.components.items():
-        for key, layout in list_layouts(table.resolve()).items():
-            values = table.values[key]
-            for variable, value in values.items():
-                if isinstance(value, str | WithUnit) or variable not in layout:
-                    continue
-                quantity = layout.field(variable).quantity
-                if values.get(quantity.same_as) == value:
-                    continue  # the other one is doubted
-                if doubt := quantity.doubt(float(value)):
-                    written = f"{value:g} {quantity.unit}"
-                    said, _, meant = doubt.partition("; ")
-                    remedy = meant and f"{meant} Write the unit, even if {written} is meant"
-                    place = f"components.{name}.{key}.{variable}"
-                    yield Fault(place, f" = {written} ({quantity.description}): {said}", remedy)
-
-
 def _list_notes(scenario: Scenario) -> list[str]:
     """What was chosen and doubted in reading files."""
     return [
@@ -132,7 +100,7 @@ def _check_records(scenario: Scenario, asked: float) -> list[str]:
 
 def _list_unloaded(scenario: Scenario) -> list[str]:
     """Warn of contacts whose load is an unconnected input."""
-    driven = {parse_line(connection).target for connection in scenario.connections}
+    driven = {line.target for line in scenario.lines}
     return [
         f"components.{name}.parameters.load_is_given = true: nothing drives {name}.applied_load, so the "
         f"contact has no load; connect it, or give components.{name}.inputs.applied_load"

@@ -18,7 +18,7 @@ from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.run.plan import ParticipantPlan
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
-from orchestrator.scenario.capabilities import MONOLITHIC, REFINEMENT, check_third_party, choose_reference
+from orchestrator.scenario.capabilities import MONOLITHIC, REFINEMENT, choose_reference
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.store.json_codec import from_text
@@ -230,4 +230,4 @@ def test_the_reference_of_a_film_with_temperatures_is_by_refinement():
     assert choose_reference(load("valve-train-ehl")) == MONOLITHIC
     message = r"contact: a film with temperatures.*set reference\.method = 'refinement'"
     with pytest.raises(ScenarioError, match=message):
-        check_third_party(load("valve-train-ehl", [heated, "reference.method=monolithic"]))
+        choose_reference(load("valve-train-ehl", [heated, "reference.method=monolithic"]))

@@ -191,7 +191,7 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path):
     assert [(fault.source, fault.place) for fault in error.value.faults] == [
         (Option("set"), "macro_step"),
         (Option("set"), "output_step"),
-        ("mine.toml:2:", "start"),
+        ("mine.toml:2", "start"),
         (Option("set"), "master.extrapolation"),
     ]
     lines = in_command_line(error.value).split("\n")

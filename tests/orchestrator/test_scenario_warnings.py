@@ -5,9 +5,10 @@ import pytest
 from models.core.remedies import in_python
 from orchestrator.assessment.gas_phase import list_doubtful_gas
 from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.checks import check_units
 from orchestrator.scenario.files import load, to_full_toml
 from orchestrator.scenario.system import build_system
-from orchestrator.scenario.warnings import check_units, list_warnings
+from orchestrator.scenario.warnings import list_warnings
 
 from .commands import called
 

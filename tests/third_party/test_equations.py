@@ -21,10 +21,10 @@ from models.monolithic.march import march
 from models.monolithic.runge_kutta import RungeKutta
 from orchestrator.errors import RunError
 from orchestrator.participants.model_exchange.integrated import DrivenEquations
+from orchestrator.participants.model_exchange.problem import PartwiseProblem
 from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.participants.protocol import BoundVariables, Participant
 from orchestrator.participants.third_party import read_component
-from orchestrator.run.equations import PartwiseProblem
 from orchestrator.scenario.files import list_shipped, read_contents
 from tests.models.exact_oscillators import quarter_car
 

@@ -51,13 +51,13 @@ def run_calibrate(  # noqa: PLR0913  # options of the command
     not be computed, 2: a mistake in scenario, data or command, 130: interrupted.
     """
     check_fit_packages()
-    from orchestrator.scenario.files import read_changed
     from orchestrator.study.calibration.run import Asked, Source, calibrate
     from orchestrator.study.run import Where
 
     from ..cached_fmus import build_fmu
+    from ..scenario import read_tables
 
-    tables = read_changed(scenario, set_ or [])
+    tables = read_tables(scenario, set_ or [])
     source = Source(tables, "" if set_ else scenario)
     asked = Asked(parameters, bounds or [], signal or [], starts, profile or [])
     folder = out or Path("results") / f"{tables['name']}-calibration"

@@ -59,7 +59,7 @@ def fmu_build(  # noqa: PLR0913  # options of a command
     FMUs' defaults.
     """
     from orchestrator.errors import MistakeError, Option
-    from orchestrator.scenario.files import read_changed
+    from orchestrator.scenario.files import read
 
     from ..fmu import FmuOptions, build_file, check_options, check_place
     from ..scenario import Scenario
@@ -82,7 +82,7 @@ def fmu_build(  # noqa: PLR0913  # options of a command
         raise MistakeError((Option("structure"), ": a scenario's components have its sizes"))
     with tell_replaced(_list_fmus(out)), _show_progress(scenario, native) as progress:
         files = build_scenario_fmus(
-            Scenario(read_changed(scenario, set_ or [])), out, components=names or (), whole=whole,
+            Scenario(*read(scenario, set_ or [])), out, components=names or (), whole=whole,
             outside=outside or (), native=native, platforms=platform or (), fmi=fmi, progress=progress,
         )  # fmt: skip
     for file in files:

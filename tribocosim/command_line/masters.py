@@ -27,7 +27,7 @@ def run_masters(
 ) -> None:
     """Run a scenario with every master that its FMUs can take: the error of each against its work."""
     check_study_packages()
-    from orchestrator.scenario.files import load, read_changed
+    from orchestrator.scenario.files import read
     from orchestrator.scenario.system import build_system
     from orchestrator.study.masters import compare_masters
 
@@ -35,9 +35,9 @@ def run_masters(
     from ..reporting import SilentReporter
     from ..scenario import Scenario
 
-    carry_out_apart(checked := load(scenario, set_ or []), None)
+    content = Scenario(*read(scenario, set_ or []))
+    carry_out_apart(checked := content.check(), None)
     build_system(checked)  # a mistake in it would be each master's
-    content = Scenario(read_changed(scenario, set_ or []))
     found = compare_masters(
         lambda changes: content.with_(changes).check(), master or [], out, overwrite, build_fmu,
         build_reporter(as_json), SilentReporter(),

@@ -63,21 +63,18 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     """
     from orchestrator.analyses.stability.chosen import choose_master
     from orchestrator.run.pipeline import run
-    from orchestrator.scenario.files import find, load, read_changed, to_full_toml
-    from orchestrator.store.output_folder import refuse_overwriting_source
+    from orchestrator.scenario.files import load
 
     from ..cached_fmus import build_fmu, check_native
-    from ..scenario import Scenario
 
     overrides = [f"master.name={master}"] if master else []
     overrides += [f"reference.witness={witness}"] if witness else []
     overrides += set_ or []
     loaded = load(scenario, overrides)
     if native:
-        loaded = Scenario(read_changed(scenario, overrides)).native().check()
+        loaded = loaded.with_native_fmus()
     check_native(loaded)
     folder = out or Path("results") / loaded.name
-    refuse_overwriting_source(find(scenario), to_full_toml(loaded), folder)
     carry_out_apart(loaded, folder)
     reporter = build_reporter(as_json, verbose)
     chosen = choose_master(loaded, reporter)

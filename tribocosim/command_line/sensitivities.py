@@ -38,12 +38,13 @@ def run_sensitivities(
     check_study_packages()
     from orchestrator.run.interruption import tell_interruption
     from orchestrator.scenario import build_scenario
-    from orchestrator.scenario.files import read_changed
     from orchestrator.study.run import Where
     from orchestrator.study.speeds.sensitivities import find_sensitivities, publish
     from orchestrator.study.speeds.sweep import parse_speed
 
-    tables = read_changed(scenario, set_ or [])
+    from ..scenario import read_tables
+
+    tables = read_tables(scenario, set_ or [])
     checked = build_scenario(tables)
     folder = out or Path("results") / f"{checked.name}-sensitivities"
     reporter = build_reporter(as_json)

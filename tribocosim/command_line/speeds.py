@@ -50,27 +50,27 @@ def run_speeds(  # noqa: PLR0913  # options of a command
     mistake in the scenario or the command, 130: interrupted.
     """
     check_study_packages()
-    from orchestrator.scenario.files import load, read_changed
     from orchestrator.study.run import Where
     from orchestrator.study.speeds.sweep import Swept, parse_range, sweep
     from orchestrator.study.speeds.variants import list_variants, sweep_variants
 
+    from ..scenario import read_tables
+
     speeds = parse_range(low, high, count)
     variants = list_variants(set_ or [])
-    names = [load(scenario, variant.settings).name for variant in variants]
-    folder = out or Path("results") / f"{names[0]}-speeds"
+    designs = {variant: read_tables(scenario, variant.settings) for variant in variants}
+    folder = out or Path("results") / f"{designs[variants[0]]['name']}-speeds"
     where, reporter = Where(workers=workers), build_reporter(as_json)
 
     def sweep_one(tables: Mapping[str, Any], place: Path) -> Swept:
         return sweep(tables, speeds, place, where, reporter, overwrite, second_film, separation)
 
     if len(variants) > 1:
-        designs = {variant: read_changed(scenario, variant.settings) for variant in variants}
         every = sweep_variants(designs, folder, reporter, sweep_one)
         if as_json:
             print_json({label: one.summary for label, one in every.items()})
         return max(one.status for one in every.values())
-    found = sweep_one(read_changed(scenario, variants[0].settings), folder)
+    found = sweep_one(designs[variants[0]], folder)
     if as_json:
         print_json({**found.summary, "table": found.table.to_dict()})
     return found.status

@@ -28,16 +28,16 @@ def run_tolerances(
     2: a mistake in the scenario, the file or the command, 130: interrupted.
     """
     check_study_packages()
-    from orchestrator.scenario import build_scenario
-    from orchestrator.scenario.files import read_changed
     from orchestrator.study.run import Where
     from orchestrator.study.tolerances.report import publish
     from orchestrator.study.tolerances.run import find_tolerances, make_subject
     from orchestrator.study.tolerances.table import read_tolerances
 
-    tables, given = read_changed(scenario, set_ or []), read_tolerances(tolerances)
+    from ..scenario import read_tables
+
+    tables, given = read_tables(scenario, set_ or []), read_tolerances(tolerances)
     _, limits = make_subject(tables, given)
-    name = build_scenario(tables).name
+    name = tables["name"]
     folder = out or Path("results") / f"{name}-tolerances"
     reporter = build_reporter(as_json)
     found = find_tolerances(tables, given, folder, Where(workers=workers), reporter, overwrite)

@@ -54,12 +54,14 @@ def run_wear(  # noqa: PLR0913  # options of a command
     interrupted.
     """
     check_study_packages()
-    from orchestrator.scenario.files import load, read_changed
     from orchestrator.study.wear.run import parse_asked, wear
 
+    from ..scenario import read_tables
+
     asked = parse_asked(until, wear_coefficient, tolerance, contact, speed, wear_follower)
-    folder = out or Path("results") / f"{load(scenario, set_ or []).name}-wear"
-    found = wear(read_changed(scenario, set_ or []), asked, folder, build_reporter(as_json), overwrite)
+    tables = read_tables(scenario, set_ or [])
+    folder = out or Path("results") / f"{tables['name']}-wear"
+    found = wear(tables, asked, folder, build_reporter(as_json), overwrite)
     if as_json:
         print_json({**found.attrs, "table": found.to_dict()})
     return int(bool(found.attrs["fault"]))

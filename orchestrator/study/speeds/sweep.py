@@ -29,11 +29,11 @@ from ...plots.style import save_figure
 from ...reporter import Reporter
 from ...run.interruption import tell_interruption
 from ...scenario import build_scenario
+from ...scenario.checks import check_units
 from ...scenario.display import Shown, format_number, show_attributes
 from ...scenario.files import to_full_toml
 from ...scenario.system import build_system
 from ...scenario.units import is_bare
-from ...scenario.warnings import check_units
 from ...store.output_folder import CYCLES, REPORT, STORE, SUMMARY
 from ..files import Plan, plan_axis
 from ..run import Where, run

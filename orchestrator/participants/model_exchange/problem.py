@@ -20,11 +20,11 @@ from models.monolithic.problem import TIME_EVENT, Event
 from models.monolithic.reference import SHARPER, SHARPEST, half, stiffness
 from models.monolithic.runge_kutta import RungeKutta
 
-from ..errors import EndedError
-from ..participants.model_exchange import FmuEquations
-from ..participants.model_exchange.crossing import cross, leave_zeros
-from ..participants.third_party import NamedLayout
-from ..participants.wrapping import Linear
+from ...errors import EndedError
+from ..third_party import NamedLayout
+from ..wrapping import Linear
+from .crossing import cross, leave_zeros
+from .equations import FmuEquations
 
 # Event iterations after which the system is taken to be stuck.
 MOST_ITERATIONS = 1000
