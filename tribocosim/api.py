@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time as clock
 import weakref
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -10,16 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from models.compile.temporary import TemporaryFolder
-from orchestrator.analyses.stability.chosen import choose_master
 from orchestrator.errors import MistakeError, RunError, one_of
-from orchestrator.run.pipeline import run as run_pipeline
 from orchestrator.run.pipeline import run_plan
+from orchestrator.store.output_folder import check_folder
 from orchestrator.store.result_file import find_result, open_result
 
 from .cached_fmus import build_fmu as build_cached_fmu
-from .cached_fmus import check_native
 from .fmu import build_fmu, compare_fmu, fmu_info, validate_fmu
-from .planning import plan
+from .planning import plan, resolve_run
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load, scenarios
 from .scenario_fmus import build_scenario_fmus
@@ -142,13 +141,12 @@ def run(
     done; an error that it raises ends the run.
     MistakeError for a fault of the scenario, RunError if the run fails; its folder has what was computed.
     """
+    began, reporter = clock.perf_counter(), SilentReporter(progress)
     checked = load(scenario).check()
-    check_native(checked)
-    reporter = SilentReporter(progress)
-    chosen = choose_master(checked, reporter)
-    return _keep_result(
-        out, lambda folder: run_pipeline(chosen, folder, build_cached_fmu, reporter, overwrite, figures)
-    )
+    if out is not None:
+        check_folder(Path(out), overwrite)
+    plan = resolve_run(checked, reporter, figures)
+    return _keep_result(out, lambda folder: run_plan(plan, folder, reporter, overwrite, began))
 
 
 def execute(

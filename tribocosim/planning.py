@@ -3,7 +3,10 @@
 from pathlib import Path
 
 from orchestrator.analyses.stability.chosen import choose_master
+from orchestrator.reporter import Reporter
 from orchestrator.run.plan import Plan, make_plan
+from orchestrator.scenario import Scenario as CheckedScenario
+from orchestrator.scenario.system import resolve
 
 from .cached_fmus import build_fmu, check_native
 from .reporting import Progress, SilentReporter
@@ -16,7 +19,12 @@ def plan(scenario: Scenario | str | Path, *, figures: bool = False, progress: Pr
     `execute` runs the plan, and `session` steps it, as often as you like. `figures` are drawn by `execute`
     into its folder. MistakeError for a fault of the scenario.
     """
-    checked = load(scenario).check()
+    return resolve_run(load(scenario).check(), SilentReporter(progress), figures)
+
+
+def resolve_run(checked: CheckedScenario, reporter: Reporter, figures: bool) -> Plan:
+    """The plan of a checked scenario, which speaks to the reporter; `auto` chooses its master."""
     check_native(checked)
-    reporter = SilentReporter(progress)
-    return make_plan(choose_master(checked, reporter), build_fmu, reporter, figures)
+    resolved = resolve(checked)
+    chosen = choose_master(resolved, reporter)
+    return make_plan(chosen, build_fmu, reporter, figures)

@@ -36,6 +36,7 @@ def analyse(
     from orchestrator.analyses._evaluate import compute_table
     from orchestrator.analyses.stability.analyse import is_scenario, parse_instants, survey_scenario
     from orchestrator.analyses.stability.report import build_dataset
+    from orchestrator.scenario.system import resolve
 
     if not isinstance(subject, Scenario) and not is_scenario(str(subject)):
         analysis = load_analysis(str(subject))
@@ -43,7 +44,7 @@ def analyse(
     scenario = load(subject)
     checked = scenario.with_(settings or {}).check()
     instants = parse_instants(at, checked.stop_time)
-    return build_dataset(survey_scenario(checked, instants, SilentReporter(progress)))
+    return build_dataset(survey_scenario(resolve(checked), instants, SilentReporter(progress)))
 
 
 def cam(

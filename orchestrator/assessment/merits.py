@@ -236,7 +236,7 @@ def write_merits(system: System, merits: Sequence[Merit], read: Read, path: Path
         value = format_number(shown.factor * merit.value, 6)
         table.writerow((merit.part, words, value, shown.text, *place))
     # Spreadsheets take a file for UTF-8 by its first three bytes.
-    atomic_write.replace(path, text.getvalue().encode("utf-8-sig"))
+    atomic_write.write_whole(path, text.getvalue().encode("utf-8-sig"))
 
 
 def _place(angle: Angle | None, time: float, read: Read) -> tuple[str, str]:

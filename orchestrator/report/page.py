@@ -50,7 +50,7 @@ def write_cycle(train: Train, path: Path) -> Path:
 def write_page(page: str, path: Path) -> Path:
     """Write a page to `path` at once; MistakeError if it cannot be written."""
     try:
-        atomic_write.replace(path, page.encode("utf-8"))
+        atomic_write.write_whole(path, page.encode("utf-8"))
     except OSError as error:
         raise MistakeError(f"{path}: cannot be written ({error.strerror}); choose another") from None
     return path

@@ -122,7 +122,7 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, summary: Summar
         advice = _advise_on_steps(plan, errors, solution, ends, coupled, reporter)
     witness = _hear_witness(plan, coupled, solution, reporter)
     agreed = within and (witness is None or witness.agrees)
-    said = join(text, advice, witness.judge() if witness else "", solution.doubts)
+    said = join(text, advice, witness.describe_agreement() if witness else "", solution.doubts)
     return replace(
         _conclude(summary, WITHIN if agreed else OUTSIDE, said),
         errors=errors,

@@ -25,7 +25,7 @@ from ..engine.coupling import Coupling
 from ..engine.observer import Observer
 from ..errors import CannotSerializeError, CheckpointError, Command, MistakeError, Option, start_over
 from ..participants.protocol import Participant
-from ..store.atomic_write import replace
+from ..store.atomic_write import write_whole
 from ..store.json_codec import Plain, from_text, to_text
 
 FORMAT = "tribocosim checkpoint 5"
@@ -93,7 +93,7 @@ def write(path: Path, identity: Identity, state: Plain) -> None:
     """Replace the checkpoint at `path`, down to the disk."""
     text = to_text({"identity": asdict(identity), "state": state}).encode("ascii")
     line = f"{FORMAT} {hashlib.sha256(text).hexdigest()}\n".encode("ascii")
-    replace(path, line + text)
+    write_whole(path, line + text)
 
 
 def read(path: Path) -> tuple[Identity, Plain]:

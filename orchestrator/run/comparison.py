@@ -26,6 +26,7 @@ from ..engine.signals import DEGREES
 from ..errors import Set, Words, join
 from ..scenario import Scenario, ScenarioError
 from ..scenario.fmu_limits import FmuLimits
+from ..scenario.origin import names_file
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -196,7 +197,7 @@ class WitnessComparison:
         """Whether the reference is within ALLOWED of the multibody model in every quantity."""
         return all(side.reference_difference <= ALLOWED for side in self.quantities.values())
 
-    def judge(self) -> str:
+    def describe_agreement(self) -> str:
         """The end of a verdict: whether it agrees, and what it cannot see."""
         if self.agrees:
             return f"; the multibody witness agrees within {ALLOWED:g} ({BLIND})"
@@ -210,6 +211,7 @@ class WitnessComparison:
         )
 
 
+@names_file
 def check_witness(scenario: Scenario, system: System) -> None:
     """Raise ScenarioError if a witness is asked for that does not know this system."""
     if scenario.reference.witness == "none":

@@ -10,7 +10,7 @@ from ..errors import Command, RefusedError, Words, in_command_line, join, start_
 from ..reporter import Reporter
 from ..scenario import Scenario, ScenarioError
 from ..scenario.files import load
-from ..scenario.system import Builder
+from ..scenario.system import Builder, resolve
 from ..store import atomic_write
 from ..store.journal import Recorded, journals
 from ..store.output_folder import (
@@ -50,7 +50,8 @@ def run(
     check_folder(out, overwrite)
     began = clock.perf_counter()
     reporter.times.clear()
-    return run_plan(make_plan(scenario, build, reporter, figures), out, reporter, overwrite, began)
+    plan = make_plan(resolve(scenario), build, reporter, figures)
+    return run_plan(plan, out, reporter, overwrite, began)
 
 
 def run_plan(
@@ -68,7 +69,7 @@ def run_plan(
     if plan.scenario.origin:
         refuse_overwriting_source(plan.scenario.origin.path, plan.toml, out)
     with open_folder(out, overwrite) as folder, keep_prints(plan, folder, reporter):
-        atomic_write.replace(out / SCENARIO, plan.toml.encode())
+        atomic_write.write_whole(out / SCENARIO, plan.toml.encode())
         try:
             summary = execute(plan, folder, reporter)
         except RefusedError as error:  # a mistake in the scenario or a given file
@@ -133,7 +134,8 @@ def resume(
         if before.get("complete"):  # killed while it tidied up
             clear_run_state(pending)
             return _report_ended(out, reporter)
-        plan = make_plan(load(out / SCENARIO), build, reporter, figures and before.get("figures", True))
+        resolved = resolve(load(out / SCENARIO))
+        plan = make_plan(resolved, build, reporter, figures and before.get("figures", True))
         folder = OutputFolder(out, pending, Backup(out))
         checkpoint = None
         recorded = _count_rows(pending, "coupled") > 1

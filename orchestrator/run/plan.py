@@ -31,19 +31,16 @@ from ..participants.wrapping import Linear
 from ..participants.wrapping import Transformed as transformed
 from ..reporter import Reporter
 from ..scenario import BUILT_KINDS, Scenario, ScenarioError
-from ..scenario.capabilities import MONOLITHIC, plan_proof
-from ..scenario.checks import check_units
+from ..scenario.capabilities import plan_proof
 from ..scenario.conversion import Transformations
 from ..scenario.files import to_full_toml
 from ..scenario.master_table import AUTO
 from ..scenario.oil_notices import list_oils
-from ..scenario.origin import names_file
 from ..scenario.system import (
     Builder,
-    assemble,
+    Resolved,
     list_doubtful_equilibrium,
     list_moved_starts,
-    resolve_start,
 )
 from ..scenario.warnings import list_warnings
 from ..stepping import RefinedSteps, Stepper
@@ -179,22 +176,15 @@ class Plan:
         }
 
 
-@names_file
-def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: bool = True) -> Plan:
-    """Make every check of the scenario and build its FMUs. Raises ScenarioError or ModelError."""
+def make_plan(resolved: Resolved, build: Builder, reporter: Reporter, figures: bool = True) -> Plan:
+    """Build the FMUs of a scenario and say what is doubted of it. Raises ScenarioError or ModelError."""
+    scenario, assembly, system = resolved.scenario, resolved.assembly, resolved.system
     if scenario.master.name == AUTO:
         named = Set("master.name", "gauss_seidel")
         raise ScenarioError((f"master.name = {AUTO!r}: is not chosen here; name one, e.g. ", named))
-    check_units(scenario)
-    assembly = assemble(scenario)
-    if assembly.reference == MONOLITHIC:
-        from models.monolithic import check_solvable
-
-        check_solvable(assembly.system)
-    check_witness(scenario, assembly.system)
+    check_witness(scenario, system)
     with reporter.stage("FMUs"):
         participants = plan_participants(scenario, assembly.linear, build)
-    system = resolve_start(scenario, assembly.system)
     starts = [*list_moved_starts(assembly.system, system), *list_doubtful_equilibrium(scenario, system)]
     notices = [*starts, *list_doubtful_gas(system), *list_oils(scenario), *list_warnings(scenario)]
     notices += [scenario.master.chosen] if scenario.master.chosen else []

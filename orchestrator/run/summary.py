@@ -143,7 +143,8 @@ class Summary:
         return _replace_infinite(content)
 
     def write(self, path: Path) -> None:
-        atomic_write.replace(path, (json.dumps(self.content(), indent=2, allow_nan=False) + "\n").encode())
+        text = json.dumps(self.content(), indent=2, allow_nan=False)
+        atomic_write.write_whole(path, f"{text}\n".encode())
 
 
 def begin_summary(plan: Plan) -> Summary:

@@ -16,6 +16,7 @@ from .scenario import Scenario, ScenarioError
 from .values import WithUnit, list_layouts
 
 
+@names_file
 def check_scenario(scenario: Scenario, system: System) -> str | None:
     """How the reference is solved, if at all; ScenarioError or ModelError for what a run could not do."""
     for name in scenario.tolerance:

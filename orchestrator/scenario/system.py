@@ -11,7 +11,8 @@ from models.core.system import Instance, ModelError, System
 from ..engine.instants import SideLines
 from ..participants.third_party import ThirdPartyComponent
 from ..scenario import Line, ScenarioError
-from .checks import check_scenario, list_doubtful
+from .capabilities import MONOLITHIC
+from .checks import check_scenario, check_units, list_doubtful
 from .component_table import ComponentTable
 from .conversion import Transformations, transform_inputs
 from .origin import names_file
@@ -91,6 +92,32 @@ def _assemble(scenario: Scenario) -> Assembly:
 def build_system(scenario: Scenario) -> System:
     """The system of `assemble`."""
     return assemble(scenario).system
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """A scenario, checked as a whole; `system` has the start values of a run."""
+
+    scenario: Scenario
+    assembly: Assembly
+    system: System
+
+    def with_master_of(self, scenario: Scenario) -> "Resolved":
+        """The same, to be run by the master and in the steps of this scenario; ScenarioError if it cannot."""
+        check_scenario(scenario, self.assembly.system)
+        return replace(self, scenario=scenario)
+
+
+@names_file
+def resolve(scenario: Scenario) -> Resolved:
+    """Check a scenario and find its start values. Raises ModelError or ScenarioError."""
+    check_units(scenario)
+    assembly = assemble(scenario)
+    if assembly.reference == MONOLITHIC:
+        from models.monolithic import check_solvable
+
+        check_solvable(assembly.system)
+    return Resolved(scenario, assembly, resolve_start(scenario, assembly.system))
 
 
 def _build_instance(table: ComponentTable) -> Instance:

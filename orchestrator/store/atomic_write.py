@@ -12,7 +12,7 @@ from pathlib import Path
 NO_ROOM = tuple(map(os.strerror, (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)))
 
 
-def replace(path: Path, content: bytes) -> None:
+def write_whole(path: Path, content: bytes) -> None:
     """Give the file this content, down to the disk."""
     new = partial(path)
     try:

@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from .atomic_write import naming, partial, replace
+from .atomic_write import naming, partial, write_whole
 from .coordinates import Coordinate, Extension
 from .journal import Recorded
 
@@ -43,7 +43,7 @@ def write_rows(path: Path, rows: Iterable[Iterable[object]]) -> None:
     """Write a table, its first row the head; the file appears when it is whole."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
-    replace(path, text.getvalue().encode())
+    write_whole(path, text.getvalue().encode())
 
 
 def write_units(path: Path, recorded: Recorded, coordinates: Mapping[str, Coordinate]) -> None:
@@ -53,4 +53,4 @@ def write_units(path: Path, recorded: Recorded, coordinates: Mapping[str, Coordi
     table.writerow(("variable", "unit", "description"))
     columns = Extension(recorded.columns, list_angles(coordinates)).columns
     table.writerows((name, of.unit, of.description) for name, of in columns.items())
-    replace(path, text.getvalue().encode())
+    write_whole(path, text.getvalue().encode())

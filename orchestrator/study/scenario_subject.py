@@ -21,11 +21,12 @@ from ..assessment.contacts import ContactSummary
 from ..errors import IncompleteError, MistakeError, in_command_line
 from ..reporter import Reporter
 from ..run.comparison import VariableError
-from ..run.pipeline import run
+from ..run.pipeline import run_plan
+from ..run.plan import make_plan
 from ..scenario import DURATIONS, Scenario, build_scenario, parse_ends
 from ..scenario.files import put, split_path, to_full_toml
 from ..scenario.oil_notices import list_oils
-from ..scenario.system import Builder, list_outputs
+from ..scenario.system import Builder, list_outputs, resolve
 from ..scenario.values import SECTIONS, Value, list_layouts, parse_value
 from ..scenario.warnings import list_warnings
 from ..store.output_folder import RESULT
@@ -161,13 +162,13 @@ class ScenarioSubject(Subject):
         quiet = Reporter(Console(quiet=True))
         # A lost point is computed again, without a checkpoint.
         asked = self.build_scenario_at(values).model_copy(update={"checkpoint_every": 0.0})
-        scenario = choose_master(asked, quiet)
+        plan = make_plan(choose_master(resolve(asked), quiet), self.build, quiet, figures=False)
         found: dict[str, float] = {}
         with TemporaryFolder() as folder:
-            summary = run(scenario, folder, self.build, quiet, figures=False)
+            summary = run_plan(plan, folder, quiet)
             if (folder / RESULT).exists():
                 found = _compute_statistics(folder)
-        for name, table in scenario.components.items():
+        for name, table in asked.components.items():
             if table.resolve().has_role(roles.Contact):
                 found |= _collect_contact(name, summary.contacts.get(name))
         found["macro_steps"] = summary.macro_steps

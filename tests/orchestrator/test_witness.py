@@ -53,9 +53,9 @@ def test_the_witness_judges_the_reference(difference, agrees):
     sides = {"cam_contact.load": Side(span, span, span, 0.0, difference)}
     witness = judging.WitnessComparison("", 26, 1, 0.0, 0.0, sides)
     assert witness.agrees is agrees
-    assert "sees no error in them" in witness.judge()
-    assert ("contradicts" in witness.judge()) is not agrees
-    assert ("cam_contact.load" in witness.judge()) is not agrees
+    assert "sees no error in them" in witness.describe_agreement()
+    assert ("contradicts" in witness.describe_agreement()) is not agrees
+    assert ("cam_contact.load" in witness.describe_agreement()) is not agrees
 
 
 @pytest.mark.long

@@ -19,6 +19,7 @@ from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.ssp import export
+from orchestrator.scenario.system import resolve
 from tests.fmus.conftest import isolated
 from tests.fmus.names import mark_long
 from tests.models.exact_oscillators import two_masses
@@ -104,7 +105,7 @@ def exported(scenario, tmp_path_factory):
 @pytest.fixture(scope="module")
 def expected(scenario):
     """After these steps of Jacobi's master with held inputs, over our own FMUs."""
-    plan, recorder = make_plan(scenario, build_fmu, Reporter()), Recorder()
+    plan, recorder = make_plan(resolve(scenario), build_fmu, Reporter()), Recorder()
     with open_participants(plan.system, plan.participants) as units:
         simulate(plan.system, units, Jacobi("hold"), STEP, STEPS * STEP, [recorder])
     return [recorder[f"{part}.{name}"][-1] for part in ("first", "second") for name in NAMES]

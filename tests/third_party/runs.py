@@ -15,6 +15,7 @@ from orchestrator.run.plan import Plan, make_plan, open_participants
 from orchestrator.run.simulation import simulate
 from orchestrator.run.summary import Summary
 from orchestrator.scenario import Scenario, build_scenario
+from orchestrator.scenario.system import resolve
 
 
 def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Scenario:
@@ -69,6 +70,6 @@ def find_texts(one: Scenario, name: str, variables: list[str]) -> list[str]:
 @contextmanager
 def opened(one: Scenario) -> Iterator[tuple[Plan, dict[str, Participant]]]:
     """Its plan and its participants, for the block."""
-    plan = make_plan(one, never, Reporter(), figures=False)
+    plan = make_plan(resolve(one), never, Reporter(), figures=False)
     with open_participants(plan.system, plan.participants) as units:
         yield plan, units

@@ -17,7 +17,7 @@ from orchestrator.participants.reopened import Reopened
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario import Scenario, ScenarioError
-from orchestrator.scenario.system import build_system
+from orchestrator.scenario.system import build_system, resolve
 
 from .c_fmus import fmu
 from .masses import masses as coupled_masses
@@ -36,7 +36,7 @@ IDLE = Trajectory(np.zeros(1), {}, np.zeros((1, 0)), np.zeros((1, 0)))
 
 
 def surveyed(one: Scenario) -> Survey:
-    return survey_scenario(one, [], Reporter())
+    return survey_scenario(resolve(one), [], Reporter())
 
 
 @pytest.mark.parametrize("process", ["shared", pytest.param("own", marks=pytest.mark.long)])

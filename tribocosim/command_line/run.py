@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -61,11 +62,11 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     Exit status 0: within the tolerance, or without a reference, 1: outside the tolerance, 2: a mistake in the
     scenario or the command, 3: the run failed, 4: the reference could not be computed, 130: interrupted.
     """
-    from orchestrator.analyses.stability.chosen import choose_master
-    from orchestrator.run.pipeline import run
+    from orchestrator.run.pipeline import run_plan
     from orchestrator.scenario.files import load
+    from orchestrator.store.output_folder import check_folder
 
-    from ..cached_fmus import build_fmu, check_native
+    from ..planning import resolve_run
 
     overrides = [f"master.name={master}"] if master else []
     overrides += [f"reference.witness={witness}"] if witness else []
@@ -73,12 +74,12 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     loaded = load(scenario, overrides)
     if native:
         loaded = loaded.with_native_fmus()
-    check_native(loaded)
     folder = out or Path("results") / loaded.name
     carry_out_apart(loaded, folder)
-    reporter = build_reporter(as_json, verbose)
-    chosen = choose_master(loaded, reporter)
-    summary = run(chosen, folder, build_fmu, reporter, overwrite, figures=not no_figures)
+    began, reporter = clock.perf_counter(), build_reporter(as_json, verbose)
+    check_folder(folder, overwrite)
+    plan = resolve_run(loaded, reporter, figures=not no_figures)
+    summary = run_plan(plan, folder, reporter, overwrite, began)
     return _finish(summary, folder, as_json)
 
 

@@ -61,7 +61,7 @@ def ssp_export(
     with writing(target):
         export(loaded, target, build_fmu, version)
         if run:
-            atomic_write.replace(written[1], write_metadata(described, run, target))
+            atomic_write.write_whole(written[1], write_metadata(described, run, target))
     show("\n".join(map(str, written)))
 
 

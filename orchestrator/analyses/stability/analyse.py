@@ -6,9 +6,8 @@ from pathlib import Path
 from ...errors import MistakeError, Option
 from ...reporter import Reporter
 from ...run.plan import plan_participants
-from ...scenario import Scenario
 from ...scenario.files import list_shipped, load
-from ...scenario.system import assemble, resolve_start
+from ...scenario.system import Resolved, resolve
 from ...scenario.units import UnitError, to_unit
 from .._evaluate import create_folder, find_results
 from .linearisation import open_linearisations
@@ -46,7 +45,7 @@ def analyse_scenario(
         printed = folder / f"{FILE}.log"
         printed.unlink(missing_ok=True)
         with reporter.keep_prints(printed):
-            found = survey_scenario(scenario, instants, reporter)
+            found = survey_scenario(resolve(scenario), instants, reporter)
         for file in held:
             file.unlink()
         files = write_survey(found, folder)
@@ -58,16 +57,12 @@ def analyse_scenario(
 
 
 def survey_scenario(
-    scenario: Scenario,
-    instants: Sequence[float],
-    reporter: Reporter,
-    scope: Scope = EVERY,
+    resolved: Resolved, instants: Sequence[float], reporter: Reporter, scope: Scope = EVERY
 ) -> Survey:
     """The survey about a scenario's start and these instants (s); `scope` is as in `survey`."""
+    scenario, system = resolved.scenario, resolved.system
     with reporter.stage("stability and errors of every method") as bar:
-        assembly = assemble(scenario)
-        system = resolve_start(scenario, assembly.system)
-        plans = plan_participants(scenario, assembly.linear, None)
+        plans = plan_participants(scenario, resolved.assembly.linear, None)
         with open_linearisations(scenario, system, plans) as participants:
             return survey(scenario, system, plans, participants, instants, bar.show, scope)
 

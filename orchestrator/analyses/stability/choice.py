@@ -26,6 +26,7 @@ from ...scenario import Scenario, ScenarioError
 from ...scenario.fmu_limits import FmuLimits
 from ...scenario.master_table import AUTO, MasterTable, StepControlTable
 from ...scenario.scenario import COMPARED_INTERVALS
+from ...scenario.system import Resolved
 from ...stepping.controlled import AIM
 from ...stepping.forward import find_extrapolated
 from .analyse import survey_scenario
@@ -59,27 +60,22 @@ class Choice:
     relative: float | None = None
 
 
-def choose(scenario: Scenario, reporter: Reporter) -> Scenario:
+def choose(resolved: Resolved, reporter: Reporter) -> Resolved:
     """The scenario with what `auto` chooses for it.
 
     ScenarioError, which says why, if nothing can be chosen.
     """
     remedy = "; name a master, e.g. ", Set("master.name", "gauss_seidel")
+    scope = Scope((GaussSeidel, Iterated), resolved.scenario.stop_time / LEAST, refuse_impacts)
     try:
-        found = survey_choices(scenario, reporter)
+        found = survey_scenario(resolved, [], reporter, scope)
     except (MistakeError, ModelError, RunError) as error:
         raise ScenarioError((f"master.name = {AUTO!r}: ", error, remedy)) from None
     best = min(list_choices(found), key=lambda one: one.cost, default=None)
     if best is None:
         none = "no master is stable and within the tolerance at any step tried"
         raise ScenarioError((f"master.name = {AUTO!r}: {none}", remedy))
-    return _apply(found, best)
-
-
-def survey_choices(scenario: Scenario, reporter: Reporter) -> Survey:
-    """The survey of what can be chosen."""
-    scope = Scope((GaussSeidel, Iterated), scenario.stop_time / LEAST, refuse_impacts)
-    return survey_scenario(scenario, [], reporter, scope)
+    return resolved.with_master_of(_apply(found, best))
 
 
 def refuse_impacts(system: System, motion: Trajectory) -> None:

@@ -1,14 +1,14 @@
 """`[master] name = "auto"` before a run; what it needs is imported only then."""
 
 from ...reporter import Reporter
-from ...scenario import Scenario
 from ...scenario.master_table import AUTO
+from ...scenario.system import Resolved
 
 
-def choose_master(scenario: Scenario, reporter: Reporter) -> Scenario:
+def choose_master(resolved: Resolved, reporter: Reporter) -> Resolved:
     """The scenario with what `auto` chooses for it; another scenario as it is."""
-    if scenario.master.name != AUTO:
-        return scenario
+    if resolved.scenario.master.name != AUTO:
+        return resolved
     from .choice import choose
 
-    return choose(scenario, reporter)
+    return choose(resolved, reporter)

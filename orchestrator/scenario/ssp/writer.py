@@ -32,7 +32,7 @@ from ...participants.description import (
 )
 from ...participants.description3 import STRUCTURAL
 from ...participants.open_fmu import collect_settings
-from ...store.atomic_write import replace
+from ...store.atomic_write import write_whole
 from .. import ComponentTable, Line, Scenario, ScenarioError, parse_line
 from ..system import Assembly, Builder, assemble, resolve_start
 from ..values import SECTIONS
@@ -103,7 +103,7 @@ def export(scenario: Scenario, target: Path, build: Builder, version: str = VERS
                 zipfile.ZIP_STORED if path.endswith(".fmu") else zipfile.ZIP_DEFLATED
             )  # is compressed already
             archive.writestr(zipfile.ZipInfo(path, _DATE), content, kind)
-    replace(target, buffer.getvalue())
+    write_whole(target, buffer.getvalue())
 
 
 def _check_packable(scenario: Scenario, sides: SideLines) -> None:

@@ -28,7 +28,7 @@ from ...run.plan import make_plan, open_participants
 from ...run.simulation import simulate
 from ...scenario import Scenario, build_scenario
 from ...scenario.files import put_parameters, to_full_toml
-from ...scenario.system import Builder, build_system, list_outputs, resolve_start
+from ...scenario.system import Builder, build_system, list_outputs, resolve, resolve_start
 from ...texts import parse_toml
 from ..scenario_subject import list_fmu_sums
 from ..speeds.finder import CycleFinder
@@ -189,7 +189,7 @@ class TransientModel(Model):
         return self.select(outputs[rows_of[1:]], system.outputs.names, np.zeros(0))
 
     def _couple(self, scenario: Scenario, experiment: Experiment) -> Prediction:
-        plan = make_plan(scenario, self.build, Reporter(Console(quiet=True)), figures=False)
+        plan = make_plan(resolve(scenario), self.build, Reporter(Console(quiet=True)), figures=False)
         rows = _Rows()
         with open_participants(plan.system, plan.participants) as participants:
             simulate(

@@ -34,7 +34,7 @@ def keep(out: Path, asked: Asked, train: DesignedTrain, found: Found) -> None:
     """Write the best cam so far, as a scenario, and from where the search goes on."""
     write_scenario(out, asked, train, found.unknowns)
     content = {"brief": _digest(asked), "unknowns": found.unknowns.tolist(), "objective": found.objective}
-    atomic_write.replace(out / PROGRESS, json.dumps(content, indent=1).encode())
+    atomic_write.write_whole(out / PROGRESS, json.dumps(content, indent=1).encode())
 
 
 def read_kept(out: Path, asked: Asked) -> Vector | None:
@@ -60,7 +60,7 @@ def write_scenario(out: Path, asked: Asked, train: DesignedTrain, unknowns: Vect
     import tomli_w
 
     points = train.lobe.points(unknowns[: train.lobe.count])
-    atomic_write.replace(out / LIFTS, format_lifts(points).encode())
+    atomic_write.write_whole(out / LIFTS, format_lifts(points).encode())
     base = asked.base if isinstance(asked.base, str) else os.path.relpath(asked.base, out.resolve())
     content: dict[str, Any] = {"components": {}}
     for text in asked.settings:
@@ -78,7 +78,7 @@ def write_scenario(out: Path, asked: Asked, train: DesignedTrain, unknowns: Vect
         _nest(content, ["components", part, "parameters"])[parameter] = found
     title = f"{train.scenario.name} with a designed cam"
     written = {"extends": str(base), "description": title} | content
-    atomic_write.replace(out / SCENARIO, tomli_w.dumps(written).encode())
+    atomic_write.write_whole(out / SCENARIO, tomli_w.dumps(written).encode())
 
 
 def _nest(content: dict[str, Any], tables: Sequence[str]) -> dict[str, Any]:

@@ -105,7 +105,7 @@ class _Simulations:
         content = io.BytesIO()
         scalars = json.dumps({"work": found.work, "distance": found.distance, "numbers": dict(found.numbers)})
         np.savez(content, scalars=scalars, rate=found.rate, follower=found.follower, end=found.end)
-        atomic_write.replace(path, content.getvalue())
+        atomic_write.write_whole(path, content.getvalue())
         return found
 
 
