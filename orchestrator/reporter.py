@@ -90,14 +90,20 @@ class SafeConsole(Console):
             self.quiet = True
 
 
+# Gets a stage in words and the share of it that is done, from 0 to 1.
+Tell = Callable[[str, float], object]
+
+
 class Reporter:
-    """Prints the progress of a command; of one that is `verbose` also tables and effort.
+    """Prints the progress of a command, and gives it to `tell`; `verbose` also prints tables and effort.
 
     `times` has the wall time (s) of each stage without compilations, and that of these (`COMPILING`).
     """
 
-    def __init__(self, console: Console | None = None, verbose: bool = False) -> None:
-        self.verbose = verbose
+    def __init__(
+        self, console: Console | None = None, verbose: bool = False, tell: Tell = lambda words, share: None
+    ) -> None:
+        self.verbose, self._progress = verbose, tell
         # Lines for a file or a log need no folding to 80 columns.
         wide = None if sys.stdout.isatty() else 110
         self.console = console or SafeConsole(highlight=False, width=wide)
@@ -125,6 +131,7 @@ class Reporter:
 
             def show(share: float, words: str = "", /) -> None:
                 nonlocal told, begun
+                self._progress(f"{text}{words}", share)
                 now = clock.monotonic()
                 if begun is None:
                     begun = share, now
@@ -136,7 +143,9 @@ class Reporter:
                     left = estimate_left((share - before) / (1.0 - before), now - then)
                     self.line(f"{text}: {100.0 * share:.0f} % done{words}{left}")
 
+            self._progress(text, 0.0)
             yield Bar(show, stop_time)
+            self._progress(text, 1.0)
 
     def _compiling(self) -> None:
         if COMPILING not in self.times:

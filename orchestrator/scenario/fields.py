@@ -20,18 +20,21 @@ from .values import Faults, Value, WithUnit
 FolderName = Annotated[str, Field(pattern=r"^[ .-]*\w[\w .-]*$", max_length=200)]
 
 
-def _in_seconds(zero: bool = False) -> BeforeValidator:
-    """A finite time in seconds, or a string with a unit; > 0, or with `zero` >= 0."""
+def in_unit(unit: str, zero: bool = False) -> BeforeValidator:
+    """A finite number in `unit`, or a string with a unit; > 0, or with `zero` >= 0."""
+    kind = f"a number in {unit}, or a string with a unit"
+    if unit == "s":
+        kind = "a time: a number of seconds, or a string such as '2 us'"
 
     def parse(value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float, str)):
             shown = str(value).lower() if isinstance(value, bool) else repr(value)
-            said = "must be a time: a number of seconds, or a string such as '2 us'"
-            raise Faults(("", f" = {shown}: {said}"))
-        number = to_unit(value, "s") if isinstance(value, str) else float(value)
-        if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
-            allowed = "finite and >= 0 s" if zero else "a finite number > 0 s"
-            raise Faults(("", f" = {value}: must be {allowed}"))
+            raise Faults(("", f" = {shown}: must be {kind}"))
+        number = to_unit(value, unit) if isinstance(value, str) else float(value)
+        if not math.isfinite(number):
+            raise Faults(("", f" = {value}: must be finite"))
+        if number < 0.0 or (number == 0.0 and not zero):
+            raise Faults(("", f" = {value}: must be {'>=' if zero else '>'} 0"))
         return number
 
     return BeforeValidator(parse, json_schema_input_type=float | str)
@@ -43,8 +46,8 @@ def _check_scalar(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
     return value if isinstance(value, WithUnit) else validate(value)
 
 
-Seconds = Annotated[float, _in_seconds()]
-SecondsOr0 = Annotated[float, _in_seconds(zero=True)]
+Seconds = Annotated[float, in_unit("s")]
+SecondsOr0 = Annotated[float, in_unit("s", zero=True)]
 # Written files state plain numbers.
 _Plain = PlainSerializer(lambda value: float(value) if isinstance(value, WithUnit) else value)
 Written = Annotated[Value, WrapValidator(_check_scalar), _Plain]
@@ -55,17 +58,3 @@ Tolerance = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
 
 class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-def in_unit(unit: str, zero: bool = False) -> BeforeValidator:
-    """A finite number in `unit`, or a string with a unit; > 0, or with `zero` >= 0."""
-
-    def parse(value: Any) -> float:
-        if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-            raise ValueError(f"must be a number in {unit}, or a string with a unit")
-        number = to_unit(value, unit) if isinstance(value, str) else float(value)
-        if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
-            raise ValueError(f"{value}: must be {'>=' if zero else '>'} 0")
-        return number
-
-    return BeforeValidator(parse, json_schema_input_type=float | str)

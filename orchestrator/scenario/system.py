@@ -192,17 +192,13 @@ def list_parameters(scenario: Scenario) -> dict[str, float]:
 
 def list_outputs(scenario: Scenario) -> dict[str, Quantity]:
     """What every output means, by "instance.output"."""
-    return {
-        f"{name}.{field.name}": field.quantity
-        for name, table in scenario.components.items()
-        for field in table.resolve().outputs.fields
-    }
+    return _name_fields({name: table.resolve().outputs for name, table in scenario.components.items()})
 
 
 def list_quantities(scenario: Scenario) -> dict[str, Quantity]:
     """What every parameter means, by "instance.parameter"."""
-    return {
-        f"{name}.{field.name}": field.quantity
-        for name, table in scenario.components.items()
-        for field in table.resolve().parameters.fields
-    }
+    return _name_fields({name: table.resolve().parameters for name, table in scenario.components.items()})
+
+
+def _name_fields(layouts: Mapping[str, Layout]) -> dict[str, Quantity]:
+    return {f"{n}.{f.name}": f.quantity for n, layout in layouts.items() for f in layout.fields}

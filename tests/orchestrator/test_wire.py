@@ -63,7 +63,7 @@ def test_a_valve_spring_counts_its_installed_length_on_the_seat(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("wire", "said"),
     [
-        ({"diameter": "0 mm"}, "wire.diameter: 0 mm: must be > 0"),
+        ({"diameter": "0 mm"}, "wire.diameter = 0 mm: must be > 0"),
         ({"diameter": 4}, "wire.diameter = 4 m: wires of springs measure 0.1 to 20 mm; write the unit"),
         ({"free_length": None}, "wire: needs pitch or free_length"),
         ({"pitch": "8 mm"}, "wire.free_length: follows from the pitch; leave one of them out"),

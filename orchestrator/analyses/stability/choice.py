@@ -23,7 +23,6 @@ from ...errors import MistakeError, RunError, Set
 from ...masters import GaussSeidel, Iterated, find_name
 from ...reporter import Reporter
 from ...scenario import Scenario, ScenarioError
-from ...scenario.fmu_limits import FmuLimits
 from ...scenario.master_table import AUTO, MasterTable, StepControlTable
 from ...scenario.scenario import COMPARED_INTERVALS
 from ...scenario.system import Resolved
@@ -100,7 +99,6 @@ def refuse_impacts(system: System, motion: Trajectory) -> None:
 def list_choices(found: Survey) -> Iterator[Choice]:
     """The methods with equal steps, and the explicit ones with steps that follow their defect."""
     scenario = found.scenario
-    limits = FmuLimits(scenario)
     longest = scenario.stop_time / (LEAST if found.partition.loops else 2 * LEAST)
     for method in found.methods:
         stable = min(method.limit / MARGIN, longest)
@@ -110,7 +108,7 @@ def list_choices(found: Survey) -> Iterator[Choice]:
         count = math.ceil(scenario.stop_time / step * (1.0 - 1e-9))
         per_step = method.cost * method.advised_step
         yield Choice(method, scenario.stop_time / count, count * per_step)
-        if not method.master.implicit and limits.variable_step and found.system.connections:
+        if not method.master.implicit and found.limits.variable_step and found.system.connections:
             control = _Defect(found, method).find_tolerance(stable)
             if control is not None:
                 relative, mean = control

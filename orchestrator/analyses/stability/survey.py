@@ -69,7 +69,7 @@ class Survey:
 
     Errors are predicted along the trajectory up to `until`, with the point at `typical` (s). `participants`
     were linearised as participants, the others as components; `left_out` says why instants were left out.
-    `surveyor` answers more about a method.
+    `surveyor` answers more about a method, `limits` are those of the FMU files.
     """
 
     scenario: Scenario
@@ -84,6 +84,7 @@ class Survey:
     participants: Mapping[str, ParticipantLinearisation]
     left_out: list[str]
     surveyor: Surveyor
+    limits: FmuLimits
 
     @property
     def kinks(self) -> list[str]:
@@ -172,7 +173,7 @@ def survey(
     return Survey(
         scenario, system, surveyor.partition, surveyor.points, methods, own,
         min(usable, key=lambda m: m.cost, default=None), float(trajectory.times[-1]), surveyor.typical.time,
-        participants, left, surveyor,
+        participants, left, surveyor, limits,
     )  # fmt: skip
 
 
