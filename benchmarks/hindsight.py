@@ -31,7 +31,7 @@ from orchestrator.run.simulation import simulate
 from orchestrator.scenario import Scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.master_table import AUTO, MasterTable
-from orchestrator.scenario.system import assemble, resolve_start
+from orchestrator.scenario.system import Resolved, resolve
 from orchestrator.stepping import FixedSteps, StepControl, Stepper, control_steps
 
 from .published import TWO_MASSES, describe_manipulator, describe_two_masses
@@ -45,12 +45,19 @@ SAMPLES = 1000
 
 @dataclass(frozen=True)
 class Problem:
-    """A scenario, its system, and the true values of the outputs that have a tolerance."""
+    """A scenario, and the true values of the outputs that have a tolerance."""
 
-    scenario: Scenario
-    system: System
+    resolved: Resolved
     times: Vector
     truth: Vector
+
+    @property
+    def scenario(self) -> Scenario:
+        return self.resolved.scenario
+
+    @property
+    def system(self) -> System:
+        return self.resolved.system
 
     def measure_error(self, trace: Trace) -> float:
         """The largest relative RMS error over what is allowed."""
@@ -77,13 +84,13 @@ class Problem:
 
 def solve_problem(scenario: Scenario) -> Problem:
     """The problem with its true solution."""
-    assembly = assemble(scenario)
-    system = resolve_start(scenario, assembly.system)
+    resolved = resolve(scenario)
+    system = resolved.system
     count = min(INSTANTS, FINER * round(scenario.stop_time / scenario.macro_step))
     times = np.linspace(0.0, scenario.stop_time, count + 1)
     outputs = compute_trajectory(system, times, EXACT).outputs
     columns = [system.outputs.names.index(name) for name in scenario.tolerance]
-    return Problem(scenario, system, times, outputs[:, columns])
+    return Problem(resolved, times, outputs[:, columns])
 
 
 @dataclass(frozen=True)
@@ -131,7 +138,7 @@ def run(problem: Problem, name: str, master: Master, steps: Stepper, most: float
     """Run the problem's components with a master and these steps, and at most so many doSteps."""
     scenario = problem.scenario
     trace = Trace(list(scenario.tolerance), most)
-    assembly = assemble(scenario)
+    assembly = problem.resolved.assembly
     plans = plan_participants(scenario, assembly.linear, None)
     try:
         with open_participants(problem.system, plans) as units:
@@ -251,9 +258,10 @@ def run_chosen(problem: Problem) -> Outcome:
     """The run that `auto` chooses; a note if it refuses."""
     asked = problem.scenario.model_copy(update={"master": MasterTable(name=AUTO), "step_control": None})
     try:
-        chosen = choose(asked, Reporter(Console(quiet=True)))
+        found = choose(problem.resolved.with_master_of(asked), Reporter(Console(quiet=True)))
     except MistakeError as error:
         return Outcome("refused", note=str(error))
+    chosen = found.scenario
     return run(problem, str(chosen.master.chosen), chosen.build_master(), chosen.build_steps())
 
 
