@@ -16,7 +16,6 @@ from .scenario import Scenario, ScenarioError
 from .values import WithUnit, list_layouts
 
 
-@names_file
 def check_scenario(scenario: Scenario, system: System) -> str | None:
     """How the reference is solved, if at all; ScenarioError or ModelError for what a run could not do."""
     for name in scenario.tolerance:
@@ -30,14 +29,20 @@ def check_scenario(scenario: Scenario, system: System) -> str | None:
             raise ScenarioError(f"tolerance.{name}: no such output; {suggestion(name, mine)}")
     if scenario.start == "given":
         check_start(system, 0.0, system.x0)
-    _check_master(scenario)
     reference = choose_reference(scenario)
-    _check_energy(scenario, system)
     for name, table in scenario.components.items():
         if table.file and not table.third_party:
             _check_file(name, table.file, list_required_variables(name, system, scenario.start))
-    check_capabilities(scenario)
+    check_steps(scenario, system)
     return reference
+
+
+@names_file
+def check_steps(scenario: Scenario, system: System) -> None:
+    """ScenarioError where the master or the steps do not suit the system, or its FMU files."""
+    _check_master(scenario)
+    _check_energy(scenario, system)
+    check_capabilities(scenario)
 
 
 @names_file

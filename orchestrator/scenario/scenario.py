@@ -167,35 +167,19 @@ class Scenario(Table):
             raise Faults(Fault("", ": missing", REMEDIES["tolerance"]))
         return tolerance
 
-    @field_validator("macro_step")
+    @field_validator("macro_step", "output_step")
     @classmethod
-    def _check_macro_step(cls, step: float, info: ValidationInfo) -> float:
-        if step > info.data.get("stop_time", math.inf):
-            stop = info.data["stop_time"]
-            raise Faults(("", f" = {step:g} s: must not be longer than stop_time = {stop:g} s"))
-        stop = info.data.get("stop_time", step)
-        if step < (least := SPACINGS * math.ulp(stop)):
-            raise Faults(
-                (
-                    "",
-                    f" = {step:g} s: must be at least {least:.2g} s with stop_time = {stop:g} s, because "
-                    "of the rounding of times; e.g. '5 us'",
-                )
-            )
-        return step
-
-    @field_validator("output_step")
-    @classmethod
-    def _check_output_step(cls, step: float | None, info: ValidationInfo) -> float | None:
+    def _check_step(cls, step: float | None, info: ValidationInfo) -> float | None:
         stop = info.data.get("stop_time", math.inf)
-        if step is not None and step > stop:
-            raise Faults(
-                (
-                    "",
-                    f" = {step:g} s: must not be longer than stop_time = {stop:g} s; make it shorter, or "
-                    "leave it out, which records every macro step",
-                )
-            )
+        if step is None or not math.isfinite(stop):
+            return step
+        if step > stop:
+            remedy = "make it shorter, or leave it out, which records every macro step"
+            end = f" = {step:g} s: must not be longer than stop_time = {stop:g} s"
+            raise Faults(Fault("", end, remedy if info.field_name == "output_step" else ""))
+        if step < (least := SPACINGS * math.ulp(stop)) and info.field_name == "macro_step":
+            end = f" = {step:g} s: must be at least {least:.2g} s with stop_time = {stop:g} s"
+            raise Faults(("", f"{end}, because of the rounding of times; e.g. '5 us'"))
         return step
 
     @field_validator("event_tolerance")
@@ -203,9 +187,8 @@ class Scenario(Table):
     def _check_event_tolerance(cls, tolerance: float | None, info: ValidationInfo) -> float | None:
         longest = info.data.get("macro_step", math.inf)
         if tolerance is not None and tolerance >= longest:
-            raise Faults(
-                ("", f" = {tolerance:g} s: must be shorter than macro_step = {longest:g} s; e.g. '1 ns'")
-            )
+            said = f" = {tolerance:g} s: must be shorter than macro_step = {longest:g} s; e.g. '1 ns'"
+            raise Faults(("", said))
         return tolerance
 
     @field_validator("master")
@@ -224,13 +207,8 @@ class Scenario(Table):
     ) -> StepControlTable | None:
         longest = info.data.get("macro_step", math.inf)
         if control is not None and control.minimum_step > longest:
-            raise Faults(
-                (
-                    "minimum_step",
-                    f" = {control.minimum_step:g} s: must not be longer than macro_step = {longest:g} s, the "
-                    "first step",
-                )
-            )
+            said = f" = {control.minimum_step:g} s: must not be longer than macro_step = {longest:g} s"
+            raise Faults(("minimum_step", f"{said}, the first step"))
         if control is not None and "master" in info.data:
             master = info.data["master"].build()
             try:

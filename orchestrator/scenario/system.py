@@ -12,7 +12,7 @@ from ..engine.instants import SideLines
 from ..participants.third_party import ThirdPartyComponent
 from ..scenario import Line, ScenarioError
 from .capabilities import MONOLITHIC
-from .checks import check_scenario, check_units, list_doubtful
+from .checks import check_scenario, check_steps, check_units, list_doubtful
 from .component_table import ComponentTable
 from .conversion import Transformations, transform_inputs
 from .origin import names_file
@@ -104,7 +104,7 @@ class Resolved:
 
     def with_master_of(self, scenario: Scenario) -> "Resolved":
         """The same, to be run by the master and in the steps of this scenario; ScenarioError if it cannot."""
-        check_scenario(scenario, self.assembly.system)
+        check_steps(scenario, self.assembly.system)
         return replace(self, scenario=scenario)
 
 
