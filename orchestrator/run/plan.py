@@ -35,14 +35,13 @@ from ..scenario.capabilities import plan_proof
 from ..scenario.conversion import Transformations
 from ..scenario.files import to_full_toml
 from ..scenario.master_table import AUTO
-from ..scenario.oil_notices import list_oils
 from ..scenario.system import (
     Builder,
     Resolved,
     list_doubtful_equilibrium,
     list_moved_starts,
 )
-from ..scenario.warnings import list_warnings
+from ..scenario.warnings import list_notices
 from ..stepping import RefinedSteps, Stepper
 from .comparison import check_witness
 
@@ -186,7 +185,7 @@ def make_plan(resolved: Resolved, build: Builder, reporter: Reporter, figures: b
     with reporter.stage("FMUs"):
         participants = plan_participants(scenario, assembly.linear, build)
     starts = [*list_moved_starts(assembly.system, system), *list_doubtful_equilibrium(scenario, system)]
-    notices = [*starts, *list_doubtful_gas(system), *list_oils(scenario), *list_warnings(scenario)]
+    notices = [*starts, *list_doubtful_gas(system), *list_notices(scenario)]
     notices += [scenario.master.chosen] if scenario.master.chosen else []
     for line in notices:
         reporter.line(line)

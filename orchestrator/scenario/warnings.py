@@ -9,13 +9,18 @@ from . import Scenario
 from .capabilities import WHOLE_STEPS, list_file_warnings
 from .checks import list_doubtful
 from .fmu_limits import list_limit_warnings
-from .oil_notices import doubt_oils
+from .oil_notices import doubt_oils, list_oils
 from .third_party_values import list_bare_numbers
 
 # A stop time (s) as long as this, in so many macro steps, is doubted.
 LONG, MANY_STEPS = 10.0, 1_000_000
 # Equal macro steps that a coupling needs for anything to come of it.
 FEW_STEPS = 10
+
+
+def list_notices(scenario: Scenario) -> list[str]:
+    """What each oil has at its temperature, and all warnings, a line each."""
+    return [*list_oils(scenario), *list_warnings(scenario)]
 
 
 def list_warnings(scenario: Scenario) -> list[str]:

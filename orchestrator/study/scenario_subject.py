@@ -25,10 +25,9 @@ from ..run.pipeline import run_plan
 from ..run.plan import make_plan
 from ..scenario import DURATIONS, Scenario, build_scenario, parse_ends
 from ..scenario.files import put, split_path, to_full_toml
-from ..scenario.oil_notices import list_oils
 from ..scenario.system import Builder, list_outputs, resolve
 from ..scenario.values import SECTIONS, Value, list_layouts, parse_value
-from ..scenario.warnings import list_warnings
+from ..scenario.warnings import list_notices
 from ..store.output_folder import RESULT
 from ..store.result_file import open_result
 from .subjects import MOST_DRAWN, Subject
@@ -151,8 +150,7 @@ class ScenarioSubject(Subject):
         return (found or list(self.results))[:MOST_DRAWN]
 
     def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
-        scenario = self.build_scenario_at(values)
-        return [*list_oils(scenario), *list_warnings(scenario)]
+        return list_notices(self.build_scenario_at(values))
 
     def content(self) -> str:
         return to_full_toml(self.scenario) + "".join(list_fmu_sums(self.scenario))

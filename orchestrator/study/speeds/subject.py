@@ -23,10 +23,9 @@ from ...assessment.trains import Angle, find_trains, list_ratios
 from ...errors import MistakeError
 from ...scenario import Scenario, build_scenario
 from ...scenario.files import put_parameters, to_full_toml
-from ...scenario.oil_notices import list_oils
 from ...scenario.system import build_system, resolve_start
 from ...scenario.values import Value
-from ...scenario.warnings import list_warnings
+from ...scenario.warnings import list_notices
 from ..subjects import NumberedSubject
 
 SPEED = Parameter(
@@ -69,7 +68,7 @@ class SpeedSubject(NumberedSubject):
         return {**describe_numbers(self.scenario), **STEADY}
 
     def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
-        return [*list_oils(self.scenario), *list_warnings(self.scenario)]
+        return list_notices(self.scenario)
 
     def content(self) -> str:
         return to_full_toml(self.scenario)
