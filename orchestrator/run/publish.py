@@ -19,7 +19,7 @@ from ..assessment.trains import find_angles
 from ..errors import Command, Words, in_command_line, join, start_over
 from ..reporter import Reporter
 from ..store.atomic_write import NO_ROOM, naming
-from ..store.csv_file import write_csv, write_units
+from ..store.csv_file import write_csv
 from ..store.journal import Recorded, journals
 from ..store.output_folder import (
     CSV,
@@ -53,8 +53,7 @@ def open_result(plan: Plan, folder: OutputFolder, reporter: Reporter) -> Iterato
                 for name, journal in recorded.items():
                     result.take(name, journal)
             if "coupled" in recorded:
-                write_csv(folder.path / CSV, recorded["coupled"], angles)
-                write_units(folder.path / UNITS, recorded["coupled"], angles)
+                write_csv(folder.path / CSV, folder.path / UNITS, recorded["coupled"], angles)
         yield result
 
 

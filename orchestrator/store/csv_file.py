@@ -18,15 +18,11 @@ from .journal import Recorded
 ROWS = 4096  # in memory at once
 
 
-def list_angles(coordinates: Mapping[str, Coordinate]) -> dict[str, Coordinate]:
-    """The columns of angles (rad), which are in degrees: people and spreadsheets read them."""
-    return {f"{name}_deg": one.in_degrees() for name, one in coordinates.items()}
-
-
-def write_csv(path: Path, recorded: Recorded, coordinates: Mapping[str, Coordinate]) -> None:
-    """Write "time","instance.variable",... in SI units and then angles; the file appears when it is whole."""
-    extension = Extension(recorded.columns, list_angles(coordinates))
-    new = partial(path)
+def write_csv(path: Path, units: Path, recorded: Recorded, coordinates: Mapping[str, Coordinate]) -> None:
+    """Write "time","instance.variable",... in SI units and then angles in degrees, which people read; into
+    `units` a line "variable","unit","description" for each column. Files appear when they are whole."""
+    angles = {f"{name}_deg": one.in_degrees() for name, one in coordinates.items()}
+    extension, new = Extension(recorded.columns, angles), partial(path)
     try:
         with naming(path), new.open("w", encoding="utf-8", newline="\n", buffering=1 << 20) as file:
             quoted = (name.replace('"', '""') for name in extension.columns)
@@ -37,20 +33,15 @@ def write_csv(path: Path, recorded: Recorded, coordinates: Mapping[str, Coordina
         os.replace(new, path)
     finally:
         new.unlink(missing_ok=True)
+    text = io.StringIO()
+    table = csv.writer(text, quoting=csv.QUOTE_ALL, lineterminator="\n")
+    table.writerow(("variable", "unit", "description"))
+    table.writerows((name, of.unit, of.description) for name, of in extension.columns.items())
+    write_whole(units, text.getvalue().encode())
 
 
 def write_rows(path: Path, rows: Iterable[Iterable[object]]) -> None:
     """Write a table, its first row the head; the file appears when it is whole."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
-    write_whole(path, text.getvalue().encode())
-
-
-def write_units(path: Path, recorded: Recorded, coordinates: Mapping[str, Coordinate]) -> None:
-    """Write a line "variable","unit","description" for each column, in its order."""
-    text = io.StringIO()
-    table = csv.writer(text, quoting=csv.QUOTE_ALL, lineterminator="\n")
-    table.writerow(("variable", "unit", "description"))
-    columns = Extension(recorded.columns, list_angles(coordinates)).columns
-    table.writerows((name, of.unit, of.description) for name, of in columns.items())
     write_whole(path, text.getvalue().encode())

@@ -23,7 +23,7 @@ from orchestrator.run.summary import OUTSIDE, Summary
 from orchestrator.scenario.files import load
 from orchestrator.stepping import FixedSteps
 from orchestrator.store.coordinates import Coordinate
-from orchestrator.store.csv_file import ROWS, write_csv, write_units
+from orchestrator.store.csv_file import ROWS, write_csv
 from orchestrator.store.journal import HELD, Journal, JournalError, Mark, Recorded, journals
 from orchestrator.store.result_file import CHUNK, ResultFile, open_result
 from tribocosim.cached_fmus import build_fmu
@@ -62,8 +62,7 @@ def test_angles_are_coordinates_of_the_result_and_last_columns_in_degrees(tmp_pa
         np.testing.assert_array_equal(coupled["crank_angle"], np.pi * np.arange(3))
         assert coupled["cam.angle"].coords["crank_angle"].attrs["display_units"] == "deg"
         assert set(tree["steps"].coords) == {"time"}
-    write_csv(tmp_path / "out.csv", found["coupled"], angles)
-    write_units(tmp_path / "units.csv", found["coupled"], angles)
+    write_csv(tmp_path / "out.csv", tmp_path / "units.csv", found["coupled"], angles)
     head, *rows = csv.reader((tmp_path / "out.csv").read_text().splitlines())
     assert head == ["time", "cam.angle", "crank_angle_deg"]
     assert [float(row[2]) for row in rows] == [0.0, 180.0, 360.0]
@@ -133,8 +132,7 @@ def test_csv_is_in_cross_check_layout_exact_and_has_its_units_beside_it(tmp_path
     values = [1.0 / 3.0, 1e-300]
     _record(tmp_path, QUANTITIES, [values] * (2 * ROWS + 3), every=2)
     recorded = Recorded(journals(tmp_path)["coupled"])
-    write_csv(tmp_path / "out.csv", recorded, {})
-    write_units(tmp_path / "units.csv", recorded, {})
+    write_csv(tmp_path / "out.csv", tmp_path / "units.csv", recorded, {})
     with (tmp_path / "out.csv").open() as file:
         first = file.readline().strip()
         rows = [[float(text) for text in row] for row in csv.reader(file)]

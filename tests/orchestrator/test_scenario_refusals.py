@@ -2,11 +2,13 @@
 
 import pytest
 
+import tribocosim
 from models.core.system import ModelError
 from orchestrator.errors import Option, ParticipantError, in_command_line
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
+from tribocosim.scenario import read_tables
 
 from .coupled import run_coupled
 
@@ -211,6 +213,16 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path):
     with pytest.raises(ScenarioError) as error:
         build_system(load("valve-train", ["tolerance.contact.lod=1e-3"]))
     assert in_command_line(error.value).startswith("--set tolerance.contact.lod: no such output")
+    with pytest.raises(ModelError, match=r"^set a.b: no component 'a'"):
+        build_system(load("quarter-car", ["connections=['a.b -> wheel.force']"]))
+    file.write_text('extends = "quarter-car"\n[tolerance]\n"wheel.lod" = 1e-3\n')
+    said = r"^mine.toml:3: tolerance.wheel.lod: no such output"
+    with pytest.raises(ScenarioError, match=said):  # as a study reads it
+        read_tables(file, ["stop_time=2 ms"])
+    with pytest.raises(ScenarioError, match=said):
+        build_system(tribocosim.load(file).native().check())
+    with pytest.raises(ScenarioError, match=said):
+        build_system(load(file).with_native_fmus())
 
 
 @pytest.mark.parametrize(
