@@ -91,36 +91,29 @@ def _step(fmu: Any, time: float, step: float) -> int:
 
 
 @compiled
-def give(fmu: Any) -> tuple[int, int]:
-    """Set the inputs; the call that did not succeed, or FINE, and its status."""
-    status = _transfer(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
+def _judge(fmu: Any, call: int, status: int) -> tuple[int, int]:
+    """The call that did not succeed, or FINE, and its status; a warning is counted."""
     if status > WARNING:
-        return SET, status
+        return call, status
     if status == WARNING:
         fmu.warned += 1
     return FINE, status
+
+
+@compiled
+def give(fmu: Any) -> tuple[int, int]:
+    """Set the inputs; the call that did not succeed, or FINE, and its status."""
+    return _judge(fmu, SET, _transfer(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given))
 
 
 @compiled
 def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
     """Set the inputs and make the step; as `give`."""
     call, status = give(fmu)
-    if call != FINE:
-        return call, status
-    status = _step(fmu, time, step)
-    if status > WARNING:
-        return STEP, status
-    if status == WARNING:
-        fmu.warned += 1
-    return FINE, status
+    return _judge(fmu, STEP, _step(fmu, time, step)) if call == FINE else (call, status)
 
 
 @compiled
 def take(fmu: Any) -> tuple[int, int]:
     """Get outputs and rates; as `give`."""
-    status = _transfer(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken)
-    if status > WARNING:
-        return GET, status
-    if status == WARNING:
-        fmu.warned += 1
-    return FINE, status
+    return _judge(fmu, GET, _transfer(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken))

@@ -81,7 +81,7 @@ class FmuLimits:
         if self.stepwise:
             return 0
         rated = not self.held_inputs and all(self._is_rated(c.source) for c in self._connections)
-        return min([*self._find_degrees().values(), HIGHEST if rated else 2])
+        return min([*self._degrees.values(), HIGHEST if rated else 2])
 
     def _is_rated(self, source: Port) -> bool:
         """Whether the rate of an output is given."""
@@ -92,11 +92,10 @@ class FmuLimits:
 
     def find_differentiated(self, degree: int) -> Iterator[tuple[Port, Port]]:
         """Outputs that are time derivatives of held inputs, each with its input."""
-        degrees = self._find_degrees()
         sources = {c.source for c in self._connections}
         for c in self._connections:
             about = self._about.get(c.target.instance)
-            if about is None or min(degree, degrees[c.source], self.get_degree(c.target)) > 0:
+            if about is None or min(degree, self._degrees[c.source], self.get_degree(c.target)) > 0:
                 continue
             for source in sources:
                 if source.instance == c.target.instance and _differentiates(about, source, c.target):
@@ -110,7 +109,9 @@ class FmuLimits:
         own = signal_degrees(about, [target.variable])[0]
         return HIGHEST if self._scenario.components[target.instance].substeps > 1 else own
 
-    def _find_degrees(self) -> dict[Port, int]:
+    @cached_property
+    def _degrees(self) -> dict[Port, int]:
+        """The highest degree of each source's signal."""
         followed = {c.target: self.get_degree(c.target) for c in self._connections}
         return find_highest_degrees(self._connections, followed)
 
