@@ -19,7 +19,6 @@ class Verdict(StrEnum):
     MET = "met"
     NOT_MET = "not met"
     CANNOT = "cannot be met"
-    UNCHECKED = "cannot be checked"
 
 
 @dataclass(frozen=True)

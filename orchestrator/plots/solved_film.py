@@ -7,7 +7,7 @@ Over the angle of the shaft that drives it; shaded where the contact is lost.
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from .data import FigureData
 from .style import (
@@ -29,6 +29,7 @@ ROWS = (
 )
 # Rows of heated films.
 HOT, SURFACE = "film_temperature", "surface_temperature"
+FREEZING = 273.15
 # Ratios of film and composite roughness; above the second hardly any asperities touch.
 EQUAL, FULL = 1.0, 3.0
 # Above the highest load, in ranges; beside the levels of the film ratio, as a factor.
@@ -95,16 +96,22 @@ def _draw_films(ax: Axes, data: FigureData, name: str) -> None:
 
 
 def _draw_surfaces(ax: Axes, data: FigureData, name: str) -> None:
-    """Draw the hottest place of both surfaces beside that of the film."""
-    factor, _ = data.shown(f"{name}.{SURFACE}")
-    hottest = factor * np.nanmax(data.coupled[f"{name}.{HOT}"])
-    ax.plot(data.x(), factor * data.coupled[f"{name}.{SURFACE}"], color=MUTED, lw=1.0, label="surfaces")
-    handles, words = ax.get_legend_handles_labels()
-    film = handles[words.index(data.names[0])]
+    """Draw the hottest place of both surfaces and the oil's temperature beside that of the film; in °C."""
+    hottest = np.nanmax(data.coupled[f"{name}.{HOT}"]) - FREEZING
+    oil = data.parameters[f"{name}.oil_temperature"]
+    (surfaces,) = ax.plot(data.x(), data.coupled[f"{name}.{SURFACE}"], color=MUTED, lw=1.0)
+    entering = ax.axhline(oil, color=ACCENT, lw=0.8, ls=(0, (4, 2)))
+    (film,) = (line for line in ax.lines if line.get_label() == data.names[0])
+    words = (f"film, at most {hottest:.0f} °C", "surfaces", f"entering oil, {oil - FREEZING:.0f} °C")
     ax.legend(
-        [film, handles[-1]], [f"film, at most {hottest:.0f} K", "surfaces"], fontsize=7.5, ncols=2,
-        loc="lower right", bbox_to_anchor=(1.0, 0.98), borderaxespad=0.0,
+        [film, surfaces, entering], words, fontsize=7.5, ncols=3, loc="lower right",
+        bbox_to_anchor=(1.0, 0.98), borderaxespad=0.0,
     )  # fmt: skip
+    low, high = ax.get_ylim()
+    ticks = np.asarray(MaxNLocator(6, steps=[1, 2, 5, 10]).tick_values(low - FREEZING, high - FREEZING))
+    ax.set_yticks(FREEZING + ticks, [f"{tick:g}" for tick in ticks])
+    ax.set_ylim(low, high)
+    ax.set_ylabel("Temperature (°C)")
 
 
 def _draw_levels(ax: Axes) -> None:

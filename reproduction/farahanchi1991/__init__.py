@@ -29,9 +29,8 @@ does not give its start values: records start at ψ = ψ' = 0. The kind of a mot
 {STARTS} random starts, each followed for {STARTS_SOUGHT} cycles; a transient of up to 30 cycles does not
 count ([motions](theory/motions.md)).
 
-**Verdicts.** *Met*; *not met*; *cannot be met* where F contradicts itself; *cannot be checked* where the
-data is missing. Both columns judge F's words, the first by F's equation, the second by the corrected one.
-No number is fitted to F's.
+**Verdicts.** *Met*; *not met*; *cannot be met* where F contradicts itself. Both columns judge F's words, the
+first by F's equation, the second by the corrected one. No number is fitted to F's.
 
 Impact distributions show velocities of approach, summed over the impacts and divided by the number of
 cycles rather than of impacts (F (3.6)).

@@ -120,6 +120,22 @@ def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine):
     factor, _ = data.shown("contact.load")
     assert figure.axes[0].get_ylim()[1] > 1.05 * factor * load.max()
 
+    hot = {
+        "contact.film_temperature": 363.15 + 0.05 * load,
+        "contact.surface_temperature": 363.15 + 0.0 * load,
+    }
+    heated = replace(
+        data, coupled=data.coupled | hot, quantities=quantities | dict.fromkeys(hot, NUMBER),
+        parameters=data.parameters | {"contact.oil_temperature": 363.15},
+    )  # fmt: skip
+    panel = solved_film.draw(heated).axes[4]
+    words = [text.get_text() for text in panel.get_legend().get_texts()]
+    assert words == [f"film, at most {90.0 + 0.05 * load.max():.0f} °C", "surfaces", "entering oil, 90 °C"]
+    assert panel.get_ylabel() == "Temperature (°C)"
+    assert [float(label.get_text()) for label in panel.get_yticklabels()] == pytest.approx(
+        panel.get_yticks() - 273.15
+    )
+
 
 def test_less_than_a_turn_has_angles_on_its_axis(engine):
     few = slice(0, 40)

@@ -99,7 +99,7 @@ def test_a_film_thinned_by_its_own_heat_is_nahmes(sliding, record):
     stress = 2.0 * simpson([find_viscosity(rise) for rise in path.y[0]], x=u) / 1e-6
     found = w.heat.rise[100, SOLID_LAYERS + layers // 2]
     record("Field", f"middle of a Couette film at {sliding:g} m/s (K)", found, middle, "Nahme", relative=2e-3)
-    record("Field", "its stress (Pa)", w.heat.stress[100], stress, "Nahme", relative=2e-3)
+    record("Field", "stress of a Couette film (Pa)", w.heat.stress[100], stress, "Nahme", relative=2e-3)
 
 
 @pytest.mark.parametrize("velocity", [1.0, -3.0])
