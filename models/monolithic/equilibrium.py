@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.integrate import BDF
 from scipy.optimize import least_squares, root
+from threadpoolctl import threadpool_limits
 
 from ..core.evaluation import Evaluation, Interpreted
 from ..core.quantities import Vector
@@ -40,15 +41,9 @@ def equilibrium(system: System, t: float = 0.0) -> Vector:
     cam should stand on its base circle at `t`, where a follower at rest is consistent. ModelError if there
     is no equilibrium.
     """
-    rest = _Rest(system, t)
-    rest.keep_slow()
-    if rest.index.size == 0:
-        return system.x0.copy()
-    found = rest.solve()
-    if not rest.is_close(found):
-        what = f"no equilibrium found at t = {t:g} s: {rest.worst(found)}"
-        raise ModelError("; ".join([what, *rest.list_moving_cams(), *implausible(system)]))
-    return rest.state(found)
+    # Threads of a linear algebra this small wait for each other ten times longer than they compute.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _Rest(system, t).find()
 
 
 def list_moving_cams(system: System, t: float, x: Vector) -> list[str]:
@@ -133,6 +128,17 @@ class _Rest:
         slow = self.positive & (rates <= SLOW * np.abs(x))
         self.index = every[~slow[every]]
         self.keep_undetermined()
+
+    def find(self) -> Vector:
+        """The whole state at rest."""
+        self.keep_slow()
+        if self.index.size == 0:
+            return self.x0
+        found = self.solve()
+        if not self.is_close(found):
+            what = f"no equilibrium found at t = {self.t:g} s: {self.worst(found)}"
+            raise ModelError("; ".join([what, *self.list_moving_cams(), *implausible(self.system)]))
+        return self.state(found)
 
     def solve(self) -> Vector:
         """The scaled states at rest, as far as they are found."""

@@ -95,7 +95,7 @@ def draw(data: FigureData) -> Figure:
     by_words = dict(zip(columns[0], axes[:, 0], strict=False))
     _add_kinematics(by_words, own, train)
     _add_margin(by_words["Spring force"], own, train)
-    _magnify_seat(by_words["Lift at the seat"], own, train)
+    _magnify_seat(by_words["Lift, magnified"], own, train)
     for ax in axes.flat:
         _show_zero(ax)
     _shade(axes, own, train)
@@ -172,7 +172,7 @@ def list_columns(data: FigureData, train: Train) -> list[Panels]:
     valve = train.valve
     motion = {
         "Lift": train.lift,
-        "Lift at the seat": train.lift,
+        "Lift, magnified": train.lift,
         "Velocity": f"{valve}.velocity",
         "Acceleration": f"{valve}.acceleration",
         "Spring force": SPRING if SPRING in data.coupled else f"{valve}.spring_force",
@@ -204,7 +204,7 @@ def _draw_pale(axes: np.ndarray, columns: list[Panels], data: FigureData, train:
 
 def _add_kinematics(panels: Mapping[str, Axes], data: FigureData, train: Train) -> None:
     found = find_kinematics(train, data.time, data.coupled)
-    shown = {"Lift": found.lift, "Lift at the seat": found.lift}
+    shown = {"Lift": found.lift, "Lift, magnified": found.lift}
     shown |= {"Velocity": found.velocity, "Acceleration": found.acceleration}
     for words, values in shown.items():
         factor = 1e3 if "Lift" in words else 1.0

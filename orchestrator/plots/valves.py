@@ -20,7 +20,10 @@ def draw(data: FigureData) -> Figure:
     lifts = {train.contacts[0]: train.lift for train in data.trains}
     names = [name for name in data.list_instances() if name in lifts]
     data = replace(data, angle=find_drive_angle(data.system)) if data.system else data
-    title = f"{data.title}: contact loads of {len(names)} valve trains, shaded where contact is lost"
+    lost = any(data.lost(name).any() for name in names)
+    title = (
+        f"{data.title}: contact loads of {len(names)} valve trains{', shaded where contact is lost' * lost}"
+    )
     columns = min(COLUMNS, len(names))
     figure, panels = create_grid(len(names), columns, title, (12.0, 1.9), 1.1, sharex=True, sharey=True)
     x, top = data.x(), 1.05 * max(float(np.max(data.coupled[f"{name}.load"])) for name in names)

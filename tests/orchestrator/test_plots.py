@@ -344,6 +344,9 @@ def test_many_valves_are_all_drawn_and_named(bouncing):
     for ax in valves.draw(pushed).axes:  # whatever moves the contact's other side, its valve's lift is drawn
         assert ax.collections[0].get_paths()[0].get_extents().y1 == pytest.approx(0.35 * ax.get_ylim()[1])
     assert panels[0].get_xlabel() == "Cam angle (°)"
+    kept = {name: values + name.endswith(".load") for name, values in both.coupled.items()}
+    for data, lost in ((both, True), (replace(both, coupled=kept), False)):
+        assert ("lost" in valves.draw(data).get_suptitle()) == lost
     load = next(ax for ax in valve_train.draw(both).axes if ax.get_ylabel().startswith("Load"))
     assert [max(line.get_ydata()) for line in load.lines[:2]] == [200.0, 400.0]  # pale below
 

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from models.core.evaluation import Evaluation
 from models.monolithic import equilibrium
+from models.monolithic.equilibrium import _Rest
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 
@@ -42,3 +44,17 @@ def test_a_lever_rests_on_its_cam_and_not_upside_down(temperature: int, speed: i
     system = build_system(load("roller-friction", given))
     x = dict(zip(system.state.names, equilibrium(system), strict=True))
     assert abs(x["finger.rotation"]) < 1e-4 / 40e-3
+
+
+def test_a_start_is_found_with_one_thread_of_the_linear_algebra(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And the caller's number of threads is his own again."""
+
+    def count() -> set[int]:
+        return {one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"}
+
+    seen = list[set[int]]()
+    find = _Rest.find
+    monkeypatch.setattr(_Rest, "find", lambda rest: seen.append(count()) or find(rest))
+    with threadpool_limits(limits=2, user_api="blas"):
+        equilibrium(build_system(load("quarter-car")))
+        assert (seen, count()) == ([{1}], {2})
