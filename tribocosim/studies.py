@@ -164,7 +164,7 @@ def design(
 
 def sensitivities(
     scenario: Scenario | str | Path,
-    speed: str,
+    speed: str | None = None,
     parameters: Sequence[str] = (),
     *,
     out: str | Path | None = None,
@@ -172,9 +172,10 @@ def sensitivities(
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> xarray.Dataset:
-    """How the figures of merit of the steady cycle at `speed` change with `parameters`, over (figure,
-    parameter): `elasticity`, the relative change over that of the parameter, and its `error`. The
-    attribute `method` is "tangents" where derivatives are exact, else "differences" of whole cycles.
+    """How the figures of merit of the steady cycle at `speed`, by default the scenario's, change with
+    `parameters`, over (figure, parameter): `elasticity`, the relative change over that of the parameter, and
+    its `error`. The attribute `method` is "tangents" where derivatives are exact, else "differences" of whole
+    cycles.
 
     Parameters are called "component.parameter", or "speed"; by default they are the speed and all continuous
     ones but zeros and elements of arrays. `out` keeps the cycles in a folder; a call that was stopped goes on
@@ -188,7 +189,7 @@ def sensitivities(
     content = load(scenario).content
     with _open_folder(out, "sensitivities") as folder:
         where, reporter = Where(workers=workers), SilentReporter(progress)
-        at = parse_speed("speed", speed)
+        at = None if speed is None else parse_speed("speed", speed)
         return find_sensitivities(content, at, parameters, folder, where, reporter, overwrite)
 
 

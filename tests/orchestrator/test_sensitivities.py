@@ -149,11 +149,12 @@ def test_parameters_are_named_as_in_a_scenario_and_refused_where_they_cannot_var
 
 def test_the_command_prints_what_moves_a_train_and_leaves_table_and_figure(tmp_path):
     done = called(
-        "sensitivities", "valve-train", "--speed", "2000 rpm", "--parameter", "valve_spring.preload",
+        "sensitivities", "valve-train", "--parameter", "valve_spring.preload",
         "--workers", "1", "--out", str(tmp_path / "found"), "--set", *DRY,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "valve_spring.preload" in done.stdout
+    assert "at 1000 r/min" in done.stdout  # the scenario's own speed
     head, *rows = (tmp_path / "found" / "sensitivities.csv").read_text("utf-8").splitlines()
     assert head == "figure,value,unit,valve_spring.preload"
     by_figure = {row.split(",")[0]: row.split(",") for row in rows}

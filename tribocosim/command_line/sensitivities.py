@@ -15,7 +15,10 @@ from .options import Restart, Settings, Workers, folder_option
 @report_errors
 def run_sensitivities(
     scenario: ScenarioName,
-    speed: Annotated[str, typer.Option(metavar="SPEED", help="Speed of the flywheel.")],
+    speed: Annotated[
+        str | None,
+        typer.Option(metavar="SPEED", help="Speed of the flywheel.", show_default="the scenario's"),
+    ] = None,
     parameter: Annotated[
         list[str] | None,
         typer.Option(
@@ -48,9 +51,11 @@ def run_sensitivities(
     checked = build_scenario(tables)
     folder = out or Path("results") / f"{checked.name}-sensitivities"
     reporter = build_reporter(as_json)
-    at, where = parse_speed("speed", speed), Where(workers=workers)
+    at = None if speed is None else parse_speed("speed", speed)
     with tell_interruption(lambda: "nothing is kept: the same command begins anew"):
-        found = find_sensitivities(tables, at, parameter or [], folder, where, reporter, overwrite)
+        found = find_sensitivities(
+            tables, at, parameter or [], folder, Where(workers=workers), reporter, overwrite
+        )
     publish(found, checked, folder, reporter)
     if as_json:
         print_json(found.to_dict())

@@ -39,7 +39,15 @@ from ..run import Where, run
 from ..store import DONE
 from ..subjects import NumberedSubject
 from .figure_slopes import SPEED, find_slopes
-from .subject import STEADY, SpeedSubject, check_varied, describe_numbers, find_flywheel, measure_cycle
+from .subject import (
+    STEADY,
+    SpeedSubject,
+    check_varied,
+    describe_numbers,
+    find_flywheel,
+    find_own_speed,
+    measure_cycle,
+)
 
 # Of a parameter; of the solver; of a cycle. At a tenth of this share the noise of figures, 1e-7, makes errors
 # of 1e-3; at ten times of it contacts' vibrations end in another phase.
@@ -148,17 +156,19 @@ def find_usable(cycles: xarray.Dataset, reporter: Reporter) -> NDArray[np.bool_]
 
 def find_sensitivities(
     tables: Mapping[str, Any],
-    speed: float,
+    speed: float | None,
     wanted: Sequence[str],
     out: Path,
     where: Where,
     reporter: Reporter,
     overwrite: bool = False,
 ) -> xarray.Dataset:
-    """The elasticities of all figures of the cycle at `speed` (rad/s), with their errors, over (figure,
-    parameter); the cycles are kept in the folder `out`. MistakeError before anything is computed."""
+    """The elasticities of all figures of the cycle at `speed` (rad/s), by default the scenario's own, with
+    their errors, over (figure, parameter); the cycles are kept in the folder `out`. MistakeError before
+    anything is computed."""
     scenario = build_scenario(tables)
     flywheel = find_flywheel(scenario)
+    speed = find_own_speed(scenario, flywheel) if speed is None else speed
     parameters = choose_parameters(scenario, flywheel, wanted)
     # With the numbers that oils, tables and drawings give, so that each may vary alone.
     base = SpeedSubject(parse_toml(to_full_toml(scenario)), flywheel)

@@ -23,7 +23,7 @@ from ...assessment.trains import Angle, find_trains, list_ratios
 from ...errors import MistakeError
 from ...scenario import Scenario, build_scenario
 from ...scenario.files import put_parameters, to_full_toml
-from ...scenario.system import build_system, resolve_start
+from ...scenario.system import build_system, list_parameters, resolve_start
 from ...scenario.values import Value
 from ...scenario.warnings import list_notices
 from ..subjects import NumberedSubject
@@ -98,6 +98,11 @@ class SpeedSubject(NumberedSubject):
             angle = Part(to_motion(cycle, self.flywheel), self.flywheel).angle
             save_cycle(cycle, angle, cycle_path(Path(self.folder), speed))
         return measure_cycle(cycle, self.flywheel)
+
+
+def find_own_speed(scenario: Scenario, flywheel: str) -> float:
+    """The speed of the flywheel in the scenario (rad/s)."""
+    return list_parameters(scenario)[f"{flywheel}.initial_speed"]
 
 
 def find_flywheel(scenario: Scenario) -> str:

@@ -25,8 +25,7 @@ from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, build_scenario
 from ...scenario.cams import read_cam
 from ...scenario.lift_table import replace_law
-from ...scenario.system import list_parameters
-from ..speeds.subject import SAMPLES, SpeedSubject, find_flywheel, find_period, to_motion
+from ..speeds.subject import SAMPLES, SpeedSubject, find_flywheel, find_own_speed, find_period, to_motion
 
 # Rows of a state: depth of the cam along its normal and its loss of lift, at PLACES; depth along the
 # follower, if it wears too.
@@ -187,7 +186,7 @@ def open_train(
     flywheel = find_flywheel(scenario)
     fresh = sample_cam(read_cam(scenario.components[cams[name]]))
     subject = SpeedSubject(put_points(tables, cams[name], fresh), flywheel)
-    turned = speed or list_parameters(scenario)[f"{flywheel}.initial_speed"]
+    turned = speed or find_own_speed(scenario, flywheel)
     system = subject.system_at(turned)
     period = find_period(system, turned)
     return WearingTrain(scenario, system, flywheel, name, cams[name], fresh, period, limit, follower_wears)
