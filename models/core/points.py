@@ -8,27 +8,32 @@ from .quantities import Vector
 
 
 class Segment(NamedTuple):
-    """Between two points: the first one's index, the angle from it, the angle to the second, its index."""
+    """Between two points: the angle from the first one, and that from it to the second."""
 
-    first: int
     into: float
     length: float
-    last: int
 
 
 @kernel
-def find_segment(at: float, points: Vector, period: float) -> Segment:
-    """The segment of `points`, which ascend within a period, by bisection; the last one closes the period."""
-    n = points.size
+def find_point(at: float, points: Vector, period: float) -> int:
+    """The last of `points`, which ascend within a period, that is not after `at`; by bisection."""
     into = at - points[0]
     into -= period * math.floor(into / period)
-    low, high = 0, n
+    low, high = 0, points.size
     while high - low > 1:
         middle = (low + high) // 2
         if points[middle] - points[0] <= into:
             low = middle
         else:
             high = middle
-    begin = points[low] - points[0]
-    end = points[high] - points[0] if high < n else period
-    return Segment(low, into - begin, end - begin, high if high < n else 0)
+    return low
+
+
+@kernel
+def measure_segment(first: int, at: float, points: Vector, period: float) -> Segment:
+    """That between point `first` and the next one; the segment of the last point closes the period."""
+    into = at - points[0]
+    into -= period * math.floor(into / period)
+    begin = points[first] - points[0]
+    end = points[first + 1] - points[0] if first + 1 < points.size else period
+    return Segment(into - begin, end - begin)

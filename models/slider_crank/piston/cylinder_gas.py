@@ -21,7 +21,7 @@ from ...compile.kernel import kernel
 from ...core import roles
 from ...core.bonds import counts_energies
 from ...core.component import Component, check_sizes
-from ...core.points import find_segment
+from ...core.points import find_point, measure_segment
 from ...core.quantities import Quantity, Vector, layouts
 from ...core.requirements import require
 from ...plausible import AREA
@@ -153,9 +153,10 @@ def pressure(theta: float, p: CylinderGasParameters) -> float:
 @kernel
 def pressure_through_points(theta: float, p: GasTableParameters) -> float:
     """Absolute pressure (Pa): Hermite's cubic between two points."""
-    segment = find_segment(theta - p.firing_angle, p.pressure_angle, p.cycle_turns * TURN)
-    i, j, h = segment.first, segment.last, segment.length
-    r = segment.into / h
+    at, period = theta - p.firing_angle, p.cycle_turns * TURN
+    i = find_point(at, p.pressure_angle, period)
+    into, h = measure_segment(i, at, p.pressure_angle, period)
+    j, r = (i + 1) % p.pressure_angle.size, into / h
     begin, end = p.point_pressure[i], p.point_pressure[j]
     rise, fall = h * p.pressure_slope[i], h * p.pressure_slope[j]
     return begin + r * (

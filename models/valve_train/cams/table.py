@@ -10,7 +10,7 @@ from typing import Any
 
 from ... import kinds
 from ...compile.kernel import kernel
-from ...core.points import find_segment
+from ...core.points import find_point, measure_segment
 from ...core.quantities import Vector
 from ...core.requirements import require
 from .lift import Lift
@@ -76,9 +76,9 @@ def check_table(points: int) -> None:
 @kernel
 def lift_between_points(angle: float, p: Any) -> Lift:
     """The polynomial of degree 5 that has s, s' and s'' of both ends of its segment."""
-    segment = find_segment(angle, p.table_angle, TURN)
-    i, j, h = segment.first, segment.last, segment.length
-    x = segment.into / h
+    i = find_point(angle, p.table_angle, TURN)
+    into, h = measure_segment(i, angle, p.table_angle, TURN)
+    j, x = (i + 1) % p.table_angle.size, into / h
     c0, c1, c2 = p.table_lift[i], h * p.table_slope[i], 0.5 * h * h * p.table_curvature[i]
     rest = p.table_lift[j] - (c0 + c1 + c2)
     slope_rest = h * p.table_slope[j] - (c1 + 2.0 * c2)
@@ -112,7 +112,7 @@ def find_table_breaks(angle: float, p: Any) -> Breaks:
     breaks = add_ramp_breaks(False, p.event_end, angle, breaks, p)
     if p.smooth != 0.0:
         return breaks
-    n, i = p.table_angle.size, find_segment(angle, p.table_angle, TURN).first
+    n, i = p.table_angle.size, find_point(angle, p.table_angle, TURN)
     for near in range(i - 1, i + 3):
         breaks = turn_to_break(p.table_angle[near % n], angle, breaks)
     return breaks

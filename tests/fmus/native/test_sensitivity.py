@@ -15,7 +15,6 @@ from fmpy.fmi1 import FMICallException
 
 from fmus.variable_layout import ENERGIES
 from models.core.component import Component
-from models.native.differentiate import DifferentiationError, differentiate
 
 from ..instance import Instance
 from ..kinds import EVERY_NATIVE
@@ -306,42 +305,3 @@ def test_what_has_no_derivative_is_said(native_files, unknown, known, said):
         slave.fmu.getDirectionalDerivative(*references, [1.0])
     assert said in slave.messages[-1][2]
     slave.free()
-
-
-def test_code_without_known_derivative_is_refused():
-    code = """
-    declare double @j0(double)
-    define i32 @kernel_output(ptr %retptr, ptr %excinfo, double %arg.t, ptr %arg.y) {
-      %v = call double @j0(double %arg.t)
-      store double %v, ptr %arg.y
-      ret i32 0
-    }
-    """
-    with pytest.raises(DifferentiationError, match="@j0"):
-        differentiate(code, ["output"])
-
-
-def test_constants_that_a_loop_walks_through_have_no_tangent():
-    """Nothing is read in the place of their tangents, which is none."""
-    code = """
-    @numbers = internal constant [4 x double] [double 1.0, double 2.0, double 4.0, double 8.0]
-    define i32 @kernel_output(ptr %retptr, ptr %excinfo, double %arg.t, ptr %arg.y) {
-    entry:
-      br label %loop
-    loop:
-      %at = phi ptr [ @numbers, %entry ], [ %next, %loop ]
-      %i = phi i64 [ 0, %entry ], [ %more, %loop ]
-      %sum = phi double [ 0.0, %entry ], [ %added, %loop ]
-      %number = load volatile double, ptr %at
-      %scaled = fmul double %number, %arg.t
-      %added = fadd double %sum, %scaled
-      %next = getelementptr i8, ptr %at, i64 8
-      %more = add i64 %i, 1
-      %last = icmp eq i64 %more, 4
-      br i1 %last, label %end, label %loop
-    end:
-      store double %added, ptr %arg.y
-      ret i32 0
-    }
-    """
-    assert differentiate(code, ["output"]).count("load") == 1
