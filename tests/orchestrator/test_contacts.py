@@ -226,11 +226,10 @@ FAST = [
 ]  # fmt: skip
 
 
-@pytest.mark.long
 def test_contacts_and_warnings_do_not_depend_on_what_is_recorded(tmp_path):
     """The follower leaves its cam and lands; from rows of 100 us its largest load was a sixth of it."""
     found, warned = [], []
-    for every in ("5 us", "20 us", "100 us"):
+    for every in ("5 us", "100 us"):
         out = tmp_path / every.replace(" ", "")
         done = called("run", "valve-train", *FAST, f"--set=output_step={every}", "--out", str(out))
         summary = json.loads((out / "summary.json").read_text())
@@ -238,9 +237,8 @@ def test_contacts_and_warnings_do_not_depend_on_what_is_recorded(tmp_path):
         found.append(summary["contacts"]["contact"])
         warned.append([line for line in done.stdout.splitlines() if line.startswith("contact:")])
     angles = [contact.pop("angles") for contact in found]
-    assert found[0] == found[1] == found[2]
-    for one in angles[1:]:
-        assert one == pytest.approx(angles[0], abs=1e-6)
-    assert warned[0] == warned[1] == warned[2]
+    assert found[0] == found[1]
+    assert angles[1] == pytest.approx(angles[0], abs=1e-6)
+    assert warned[0] == warned[1]
     assert any("yield" in line for line in warned[0])
     assert any("separation" in line and "cam" in line for line in warned[0])

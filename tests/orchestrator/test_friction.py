@@ -322,34 +322,58 @@ def test_long_labels_stay_inside_the_figure() -> None:
         assert all(ax.yaxis.label.get_window_extent().x0 >= 0.0 for ax in figure.axes)
 
 
-@pytest.mark.long
-def test_the_drive_gives_what_shares_dampers_and_stores_take(tmp_path):
-    """Energies of a run: of joints and pads as their bonds count them, of rolling from the records."""
+# A direct train whose shaft feels the friction of the contact, with a guide.
+RUBBING = """
+extends = "valve-train"
+stop_time = "62 ms"
+macro_step = "20 us"
+connections = [
+    "contact.friction_force -> camshaft.friction_force",
+    "valve_spring.velocity -> guide.velocity",
+    "guide.friction_force -> valve_spring.guide_friction",
+]
+[components]
+flywheel.participant = "in-process"
+camshaft.participant = "in-process"
+valve_spring.participant = "in-process"
+contact.participant = "in-process"
+guide = { component = "guide_friction", participant = "in-process" }
+"""
+
+
+@pytest.mark.parametrize(
+    ("scenario", "joints", "force", "speed"),
+    [
+        (RUBBING, ("guide",), "contact.friction_force", "camshaft.sliding_velocity"),
+        pytest.param(
+            'extends = "roller-friction"', ("pin", "pad", "guide"), "cam_contact.rolling_friction",
+            "finger.rolling_velocity", marks=pytest.mark.long,
+        ),
+    ],
+    ids=["direct train", "roller train"],
+)  # fmt: skip
+def test_the_drive_gives_what_shares_dampers_and_stores_take(scenario, joints, force, speed, tmp_path):
+    """Energies of a run: of joints and pads as their bonds count them, of rolling or sliding from records."""
+    (tmp_path / "train.toml").write_text(scenario)
     out = tmp_path / "out"
     changed = [part for name in ("reference.enabled=false", "energy.ledger=true") for part in ("--set", name)]
-    done = called("run", "roller-friction", *changed, "--no-figures", "--out", str(out))
+    done = called("run", str(tmp_path / "train.toml"), *changed, "--no-figures", "--out", str(out))
     assert done.returncode == 0, done.stderr
-    check_balance(out)
-
-
-def check_balance(out):
-    energy = json.loads((out / "summary.json").read_text("utf-8"))["energy"]
-    parts = energy["components"]
+    parts = json.loads((out / "summary.json").read_text("utf-8"))["energy"]["components"]
     with xarray.open_dataset(out / "result.nc", group="coupled", engine="h5netcdf") as result:
         columns = {str(name): result[name].values for name in result.variables}
-    time = columns["time"]
+    columns["finger.rolling_velocity"] = 2.0 * columns.get("finger.entraining_velocity", 0.0)
 
     def integrate(power):
-        return float(np.trapezoid(power, time))
+        return float(np.trapezoid(power, columns["time"]))
 
-    # Rows of 40 us; sticking takes elastic energy that it gives back.
-    for name in ("pin", "pad", "guide"):
+    # Rows of 20 and 40 us; sticking takes elastic energy that it gives back.
+    for name in joints:
         assert integrate(columns[f"{name}.power_loss"]) == pytest.approx(parts[name]["received"], rel=3e-4)
-    rolling = integrate(columns["cam_contact.rolling_friction"] * 2.0 * columns["finger.entraining_velocity"])
-    drive = parts["flywheel"]["sourced"]
     taken = sum(part["received"] for name, part in parts.items() if name != "flywheel")
-    # The trapezoidal rule of the rolling friction, an eighth of the drive's energy.
-    assert drive == pytest.approx(taken + rolling, rel=1e-4)
+    # The trapezoidal rule of the friction from records, an eighth of the roller train's energy.
+    taken += integrate(columns[force] * columns[speed])
+    assert parts["flywheel"]["sourced"] == pytest.approx(taken, rel=1e-4)
 
 
 @pytest.mark.long

@@ -78,18 +78,6 @@ def dependencies(described: ModelDescription, unknowns: str, named: Callable[[st
     return found
 
 
-@pytest.mark.long
-def test_event_indicators_have_derivatives(fmi3_files):
-    """Between the walls they are the distances to the upper and the lower one."""
-    slave = Instance3(fmi3_files["slider_crank"])
-    slave.fmu.enterInitializationMode()
-    names = ["event_indicator[1]", "event_indicator[2]", "event_indicator[3]", "stored_energy"]
-    unknown = [slave.variables[name].valueReference for name in names]
-    known = [slave.variables["psi_start"].valueReference]
-    assert slave.fmu.getDirectionalDerivative(unknown, known, [2.0])[:3] == [-2.0, 2.0, 0.0]
-    slave.free()
-
-
 WARNING = 1
 COILS = ["coil_position", "coil_velocity"]
 STARTS = {"coil_position_start": [1e-4, -2e-4], "coil_velocity_start": [0.3, 0.1]}

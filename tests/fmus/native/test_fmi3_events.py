@@ -97,6 +97,25 @@ def test_known_events_are_told(fmi3_files: Files) -> None:
     slave.free()
 
 
+@pytest.mark.parametrize(
+    ("name", "start", "expected"),
+    [
+        (BALL, "height_start", [2.0]),
+        # Between the walls they are the distances to the upper and the lower one.
+        pytest.param("slider_crank", "psi_start", [-2.0, 2.0, 0.0], marks=pytest.mark.long),
+    ],
+)
+def test_event_indicators_have_derivatives(name: str, start: str, expected: list, fmi3_files: Files) -> None:
+    """Also where another variable is asked for with them."""
+    slave = Instance3(fmi3_files[name])
+    slave.fmu.enterInitializationMode()
+    names = [*(f"event_indicator[{i + 1}]" for i in range(len(expected))), "stored_energy"]
+    unknown = [slave.variables[one].valueReference for one in names]
+    known = [slave.variables[start].valueReference]
+    assert slave.fmu.getDirectionalDerivative(unknown, known, [2.0])[:-1] == expected
+    slave.free()
+
+
 def test_a_host_runs_it_with_and_without_events(fmi3_files: Files) -> None:
     """fmpy's motion with event mode and early return is that without."""
     events = {"use_event_mode": True, "early_return_allowed": True}
