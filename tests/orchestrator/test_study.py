@@ -163,28 +163,6 @@ async def list_answers(ports: set[int]) -> list[str]:
     return [place for (place, _), yes in zip(places, found, strict=True) if yes]
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="reads the kernel's list of ports")
-@pytest.mark.long
-def test_a_local_study_answers_nobody_else(tmp_path):
-    """Another user of this machine, who can reach its ports, cannot have it run code."""
-    store, waits = tmp_path / "store.zarr", tmp_path / "waits"
-    arguments = [str(write_study(tmp_path, "SLOW", 8.0, 10)), "--out", str(store), "--workers", "1"]
-    running = start(*arguments, STUDY_WAITS_FOR=str(waits))
-    try:
-        wait_for(lambda: np.count_nonzero(read_status(store)) >= 3)
-        ports = list_ports(running.pid)
-        web = request_pages(ports)
-        assert set(web.values()) == {404}
-        assert len(ports - set(web)) >= 3  # of scheduler, worker and the worker's keeper
-        assert asyncio.run(list_answers(ports - set(web))) == []
-        waits.touch()
-        assert running.wait(60) == 1
-    finally:
-        with contextlib.suppress(OSError):
-            os.killpg(running.pid, signal.SIGKILL)
-        running.communicate()
-
-
 @pytest.fixture(scope="module")
 def cluster():
     with run_scheduler() as (address, _):
@@ -192,14 +170,44 @@ def cluster():
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory):
-    """The folder of a study of slow points that nothing disturbed; two of its points fail."""
+def listened(tmp_path_factory):
+    """The folder of a study of slow points that nothing disturbed, of which two fail; the ports at which it
+    listened, the pages that it had there, and where it answered others."""
     folder = tmp_path_factory.mktemp("undisturbed")
-    done = tribocosim("study", str(write_study(folder, "SLOW", 8.0, 10)), "--out", str(folder / "store.zarr"))
-    assert done.returncode == 1, done.stderr
-    assert done.stderr == ""
-    assert "18 points done, 2 failed, the first at x = -1.0, y = 1.0" in done.stdout
-    return folder
+    store, waits = folder / "store.zarr", folder.with_suffix(".waits")
+    file = str(write_study(folder, "SLOW", 8.0, 10))
+    running = start(file, "--out", str(store), STUDY_WAITS_FOR=str(waits))
+    ports, pages, answers = set(), {}, []
+    try:
+        if sys.platform == "linux":
+            wait_for(lambda: np.count_nonzero(read_status(store)) >= 3)
+            ports = list_ports(running.pid)
+            pages = request_pages(ports)
+            answers = asyncio.run(list_answers(ports - set(pages)))
+        waits.touch()
+        shown, message = running.communicate(timeout=120)
+    finally:
+        with contextlib.suppress(OSError):
+            os.killpg(running.pid, signal.SIGKILL)
+    assert running.returncode == 1, message
+    assert message == ""
+    assert "18 points done, 2 failed, the first at x = -1.0, y = 1.0" in shown
+    return folder, ports, pages, answers
+
+
+@pytest.fixture(scope="module")
+def undisturbed(listened):
+    """Its folder."""
+    return listened[0]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads the kernel's list of ports")
+def test_a_local_study_answers_nobody_else(listened):
+    """Another user of this machine, who can reach its ports, cannot have it run code."""
+    _, ports, pages, answers = listened
+    assert set(pages.values()) == {404}
+    assert len(ports - set(pages)) >= 3  # of scheduler, worker and the worker's keeper
+    assert answers == []
 
 
 def test_a_study_leaves_its_store_a_table_and_a_figure(undisturbed):
