@@ -30,9 +30,15 @@ NAMES = ("load", "film_thickness")
 LISTED = ("parameters", "inputs", "state", "nominal", "held", "positive")
 
 
+# Its temperature is none of those that every page has.
+WARM = 'extends = "valve-train"\noil = "SAE 5W-30"\ntemperature = "93 degC"\n'
+
+
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
-    return tribocosim.report("valve-train", tmp_path_factory.mktemp("cycle") / "cycle.html", cycle=True)
+    folder = tmp_path_factory.mktemp("cycle")
+    (folder / "warm.toml").write_text(WARM)
+    return tribocosim.report(folder / "warm.toml", folder / "cycle.html", cycle=True)
 
 
 def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path):
@@ -49,10 +55,15 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
             name: page.evaluate(f"Array.from(report.records.column('contact.{name}'))") for name in NAMES
         }
         told = page.locator("#cycle-figures").inner_text()
+        sliders = {one["name"]: one for one in page.evaluate("report.records.told.sliders")}
         page.evaluate("report.records.told.parameters.fill(NaN)")
         slider.press("ArrowLeft")
         wait(page, "document.querySelector('#cycle-state').textContent.startsWith('no step succeeds: ')")
-    subject = SpeedSubject(read_changed("valve-train"), "flywheel")
+    oil = sliders["oil temperature"]
+    own = oil["positions"][oil["at"]]
+    assert (own["shown"], own["parameters"]) == (93.0, [])
+    assert [one["shown"] for one in oil["positions"]] == sorted({93, *range(30, 155, 5)})
+    subject = SpeedSubject(read_changed(str(path.with_name("warm.toml"))), "flywheel")
     cycle = subject.find_cycle_at(1200.0 * math.pi / 30.0)
     for name in NAMES:
         right = cycle[f"contact.{name}"][:: (len(cycle.times) - 1) // SAMPLES]
