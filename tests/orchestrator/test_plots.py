@@ -22,7 +22,7 @@ from orchestrator.plots import (
     steps,
     valve_train,
     valves,
-)
+)  # fmt: skip
 from orchestrator.plots.data import FigureData
 from orchestrator.scenario import parse_ends
 from orchestrator.scenario.files import load
@@ -56,10 +56,7 @@ def engine():
         "slider_crank.psi_rate": (np.cos(angle), RADIAN),
         "slider_crank.upper_wall_force": (np.zeros(401), FORCE),
         "slider_crank.lower_wall_force": (np.zeros(401), FORCE),
-        "slider_crank.impact_count": (
-            np.where(time > 0.03, 1.0, 0.0) + np.where(time > 0.08, 2.0, 0.0),
-            NUMBER,
-        ),
+        "slider_crank.impact_count": (1.0 * (time > 0.03) + 2.0 * (time > 0.08), NUMBER),
     }
     for contact, load_size in (("contact", 500.0), ("upper_wall", 300.0), ("lower_wall", 0.0)):
         coupled[f"{contact}.load"] = (load_size * (1.0 + np.cos(angle)), FORCE)
@@ -101,13 +98,9 @@ def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine):
         "contact.maximum_pressure": 1e6 * load,
         "contact.film_ratio": 5e6 * engine.coupled["contact.film_thickness"],
     }
-    quantities = engine.quantities | dict.fromkeys(own, NUMBER)
-    data = replace(
-        engine,
-        coupled=engine.coupled | own,
-        quantities=quantities,
-        parameters=engine.parameters | {"contact.field_tolerance": 1e-4},
-    )
+    given = engine.parameters | {"contact.field_tolerance": 1e-4}
+    kinds = engine.quantities | dict.fromkeys(own, NUMBER)
+    data = replace(engine, coupled=engine.coupled | own, quantities=kinds, parameters=given)
     assert solved_film.find_solved_contacts(data) == ["contact"]
     figure = solved_film.draw(data)
     shaded = [len(ax.collections) for ax in figure.axes]
@@ -139,13 +132,8 @@ def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine):
 
 def test_less_than_a_turn_has_angles_on_its_axis(engine):
     few = slice(0, 40)
-    short = replace(
-        engine,
-        time=engine.time[few],
-        reference_time=engine.time[few],
-        coupled={name: values[few] for name, values in engine.coupled.items()},
-        reference={name: values[few] for name, values in engine.reference.items()},
-    )
+    time, coupled = engine.time[few], {name: values[few] for name, values in engine.coupled.items()}
+    short = replace(engine, time=time, reference_time=time, coupled=coupled, reference=coupled)
     figure = film_and_load.draw(short)
     figure.draw_without_rendering()
     low, high = figure.axes[-1].get_xlim()

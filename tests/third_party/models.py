@@ -211,6 +211,7 @@ MODELS = {
     ),
 }  # fmt: skip
 
+DECAY = MODELS["dahlquist"]
 # Two truths, as a number and as what it is, and the time.
 MODELS["switch"] = Model(
     (V("gear", "output", varying="discrete"), V("on", "output", False, "Boolean"), V("ramp", "output")),
@@ -236,18 +237,17 @@ for name, counted in {"forgetful": "h", "collecting": "$u * h"}.items():
     )
 LIMITED = "if (t > 0.495) "
 for _name, _code in VICES.items():
-    _decay = MODELS["dahlquist"]
-    MODELS[_name] = Model(_decay.variables, f"{LIMITED}{_code} {EXPONENTIAL}")
+    MODELS[_name] = Model(DECAY.variables, f"{LIMITED}{_code} {EXPONENTIAL}")
 # Print in every step, to both streams; the other one crashes.
 MODELS["printing"] = replace(
-    MODELS["dahlquist"], step='printf("at %g\\n", t); fprintf(stderr, "of %g\\n", h); ' + EXPONENTIAL
+    DECAY, step='printf("at %g\\n", t); fprintf(stderr, "of %g\\n", h); ' + EXPONENTIAL
 )
 MODELS["printing_crash"] = replace(
     MODELS["crashing"], step='printf("at %g\\n", t); ' + MODELS["crashing"].step
 )
 # Comes back halfway through every step that is longer than 6 ms.
 MODELS["early"] = Model(
-    MODELS["dahlquist"].variables,
+    DECAY.variables,
     "if (h > 6e-3) { $x *= exp(-$k * h / 2); m->reached = t + h / 2; return EARLY; } " + EXPONENTIAL,
     abilities='mightReturnEarlyFromDoStep="true" ',
 )
@@ -257,12 +257,12 @@ for _name, _reached in {"stuck": "t", "backwards": "t - 1", "timeless": "0.0 / 0
         MODELS["early"], step=f"if (t > 0.495) {{ m->reached = {_reached}; return EARLY; }} " + EXPONENTIAL
     )
 # Is a number until half of the run.
-MODELS["vanishing"] = replace(MODELS["dahlquist"], step=EXPONENTIAL + " if (t > 0.495) $x = 0.0 / 0.0;")
+MODELS["vanishing"] = replace(DECAY, step=EXPONENTIAL + " if (t > 0.495) $x = 0.0 / 0.0;")
 # Is finite until half of the run.
-MODELS["growing"] = replace(MODELS["dahlquist"], step=EXPONENTIAL + " if (t > 0.495) $x = 1.0 / 0.0;")
+MODELS["growing"] = replace(DECAY, step=EXPONENTIAL + " if (t > 0.495) $x = 1.0 / 0.0;")
 # Takes 600 MB in its first step after half a second.
 MODELS["greedy"] = replace(
-    MODELS["dahlquist"],
+    DECAY,
     step=LIMITED
     + '{ char *all = malloc(600000000); if (!all) { say(m, ERROR, "no memory left"); return ERROR; } '
     "memset(all, 1, 600000000); free(all); } " + EXPONENTIAL,
@@ -279,9 +279,7 @@ MODELS["sphere"] = Model(
     depends={"c": ("a", "b")},
 )
 # Diverges: Euler's steps of a tenth of a macro step, of what is 25 times too fast for them.
-MODELS["diverging"] = replace(
-    MODELS["dahlquist"], step="for (int i = 0; i < 10; i++) $x -= h / 10 * 5e4 * $k * $x;"
-)
+MODELS["diverging"] = replace(DECAY, step="for (int i = 0; i < 10; i++) $x -= h / 10 * 5e4 * $k * $x;")
 # Its output follows its input for the first 0.3 s only.
 MODELS["freezing"] = Model(
     (V("y", "output"), V("u", "input"), V("frozen")),
@@ -290,10 +288,10 @@ MODELS["freezing"] = Model(
     depends={"y": ("u",)},
 )
 # Takes 0.2 ms for a step.
-MODELS["slow"] = replace(MODELS["dahlquist"], step=f"usleep(200); {EXPONENTIAL}")
+MODELS["slow"] = replace(DECAY, step=f"usleep(200); {EXPONENTIAL}")
 # Reads standard input in every step, and expects its end.
 MODELS["listening"] = replace(
-    MODELS["dahlquist"], step="char byte; if (read(0, &byte, 1) != 0) return ERROR; " + EXPONENTIAL
+    DECAY, step="char byte; if (read(0, &byte, 1) != 0) return ERROR; " + EXPONENTIAL
 )
 # These give their rates by the standard's call only.
 MODELS["called"] = replace(
@@ -316,7 +314,7 @@ MODELS["first_slope"] = replace(MODELS["integral"], highest=1)
 # Takes none, though it says so.
 MODELS["claiming"] = replace(MODELS["integral"], highest=-1)
 # The mass that takes no slope of its force, and can be taken back.
-MODELS["held_mass"] = replace(MODELS["sprung"], abilities=MODELS["dahlquist"].abilities)
+MODELS["held_mass"] = replace(MODELS["sprung"], abilities=DECAY.abilities)
 MODELS["printing_mass"] = replace(
     MODELS["held_mass"], step='printf("moving\\n"); ' + MODELS["held_mass"].step
 )
@@ -363,7 +361,7 @@ MODELS["late"] = Model(
 )
 # Says why in a message with arguments, as FMI 2.0 has them.
 MODELS["formatting"] = Model(
-    MODELS["dahlquist"].variables,
+    DECAY.variables,
     LIMITED
     + '{ m->log->logger(m->environment, m->name, ERROR, "logStatus", "the %s of %s burst at %g s, 100 %%", '
     f'"boiler", m->name, t); return ERROR; }} {EXPONENTIAL}',
@@ -371,31 +369,31 @@ MODELS["formatting"] = Model(
 # Warn of every step after half a second, with a message and without.
 for _name, _said in (("warning", 'say(m, WARNING, "getting hot"); '), ("muttering", "")):
     MODELS[_name] = Model(
-        MODELS["dahlquist"].variables,
+        DECAY.variables,
         f"{EXPONENTIAL} {LIMITED}{{ {_said}m->reached = t + h; return WARNING; }}",
     )
 # Warns whenever it is read.
-MODELS["uneasy"] = replace(MODELS["dahlquist"], reading="m->initialised ? WARNING : OK")
+MODELS["uneasy"] = replace(DECAY, reading="m->initialised ? WARNING : OK")
 # Warns at the end of its initialisation.
-MODELS["starting"] = replace(MODELS["dahlquist"], leaving="WARNING")
+MODELS["starting"] = replace(DECAY, leaving="WARNING")
 # Return what is no status.
-MODELS["unreadable"] = replace(MODELS["dahlquist"], reading="m->initialised ? -1 : OK")
-MODELS["unready"] = replace(MODELS["dahlquist"], leaving='(say(m, ERROR, "not ready"), -1)')
-MODELS["unstepped"] = replace(MODELS["dahlquist"], step=f"{EXPONENTIAL} return 7;")
+MODELS["unreadable"] = replace(DECAY, reading="m->initialised ? -1 : OK")
+MODELS["unready"] = replace(DECAY, leaving='(say(m, ERROR, "not ready"), -1)')
+MODELS["unstepped"] = replace(DECAY, step=f"{EXPONENTIAL} return 7;")
 # Asks for the end of the simulation when it has come to a time.
 MODELS["landing"] = Model(
-    (*MODELS["dahlquist"].variables, V("until", "parameter", 0.51)),
+    (*DECAY.variables, V("until", "parameter", 0.51)),
     "double d = fmin(h, $until - t); $x *= exp(-$k * d); m->reached = t + d; "
     'if (t + h > $until - 1e-9) { say(m, OK, "has landed"); return ENDED; }',
 )
 # Goes on when its step has returned.
-MODELS["pending"] = Model(MODELS["dahlquist"].variables, f"{LIMITED}return 5; {EXPONENTIAL}")
+MODELS["pending"] = Model(DECAY.variables, f"{LIMITED}return 5; {EXPONENTIAL}")
 # Ends its process when it is first looked at.
-MODELS["absent"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, "exit(0);")
+MODELS["absent"] = Model(DECAY.variables, EXPONENTIAL, "exit(0);")
 # Cannot be looked at.
-MODELS["blind"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, "raise(SIGSEGV);")
+MODELS["blind"] = Model(DECAY.variables, EXPONENTIAL, "raise(SIGSEGV);")
 MODELS["printing_first"] = replace(MODELS["blind"], output='printf("no licence\\n"); raise(SIGSEGV);')
-MODELS["rigid"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, abilities="", variable_step=False)
+MODELS["rigid"] = Model(DECAY.variables, EXPONENTIAL, abilities="", variable_step=False)
 MODELS["single"] = Model(
-    MODELS["dahlquist"].variables, EXPONENTIAL, abilities='canBeInstantiatedOnlyOncePerProcess="true" '
+    DECAY.variables, EXPONENTIAL, abilities='canBeInstantiatedOnlyOncePerProcess="true" '
 )
