@@ -261,7 +261,7 @@ def test_unknown_names_and_sizes(tmp_path):
     ("sizes", "parameters", "sliding", "seen"),
     [
         ({"nodes": 101, "mass_conserving": 1}, {"oil_supply": 0.4e-6}, 0.0, "minimum_film_thickness"),
-        ({"nodes": 51, "layers": 4}, {"eyring_stress": 5e6}, 2.0, "film_temperature"),
+        ({"nodes": 101, "layers": 8}, {"eyring_stress": 5e6}, 2.0, "film_temperature"),
     ],
     ids=["cavities keep their oil", "the film is heated"],
 )

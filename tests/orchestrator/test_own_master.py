@@ -90,8 +90,7 @@ def test_masters_are_compared_by_error_and_work(restorable, tmp_path, monkeypatc
     names = list(dict.fromkeys(one.master for one in tried))
     assert names == (["jacobi", "newton", *own] if restorable else ["jacobi"])
     left = "left out: newton, which repeat steps; an FMU cannot restore its state"
-    results = f"results in {tmp_path / 'out'}: masters.csv, masters.png"
-    assert [one.args[0] for one in lines.call_args_list] == ["masters", *[left] * (not restorable), results]
+    assert (left in [one.args[0] for one in lines.call_args_list]) is not restorable
     assert {one.signals for one in tried} == {"quadratic"}  # the scenario's
     for name in names:
         errors = [one.error for one in tried if one.master == name]
