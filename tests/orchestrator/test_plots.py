@@ -118,7 +118,7 @@ def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine):
         "contact.surface_temperature": 363.15 + 0.0 * load,
     }
     heated = replace(
-        data, coupled=data.coupled | hot, quantities=quantities | dict.fromkeys(hot, NUMBER),
+        data, coupled=data.coupled | hot, quantities=kinds | dict.fromkeys(hot, NUMBER),
         parameters=data.parameters | {"contact.oil_temperature": 363.15},
     )  # fmt: skip
     panel = solved_film.draw(heated).axes[4]
