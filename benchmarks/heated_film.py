@@ -7,10 +7,9 @@ from functools import partial
 import numpy as np
 
 from models.contact.analysis.line.history import film_history
-from models.core.quantities import Layout
 from models.valve_train.cams.law import law_lift
 from models.valve_train.cams.profile import entraining_velocity, radius_of_curvature
-from models.valve_train.camshaft import CamshaftParameters
+from models.valve_train.camshaft import camshaft
 from models.valve_train.valve_spring import ValveSpringParameters
 
 from .measure import measure_medians
@@ -21,7 +20,7 @@ EYRING = 5e6
 
 def drive_cam() -> tuple[np.ndarray, ...]:
     """Times, load, entraining velocity, radius and sliding of the default cam under a massless spring."""
-    cam, spring = Layout(CamshaftParameters).defaults(), ValveSpringParameters()
+    cam, spring = camshaft().parameters.defaults(), ValveSpringParameters()
     angles = np.radians(np.linspace(95.0, 225.0, ANGLES + 1))
     found = []
     for lift in (law_lift(angle, cam) for angle in angles):

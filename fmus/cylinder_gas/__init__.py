@@ -1,11 +1,6 @@
 """FMU of the gas pressure of a four-stroke cycle."""
 
-from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-
-# Two cycles at 2000 rpm.
-EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
-
 
 SPEED, STOP = 200.0, 0.064
 

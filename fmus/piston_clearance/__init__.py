@@ -2,11 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-
-EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
-
 
 TIMES = np.arange(61) * 1e-3
 

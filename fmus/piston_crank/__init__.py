@@ -2,12 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-
-# Two four-stroke cycles at 2000 rpm.
-EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
-
 
 SPEED = 200.0  # rad/s
 TIMES = np.arange(64) * 1e-3

@@ -2,12 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-
-# Two turns at 1000 rpm.
-EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
-
 
 SPEED = 100.0  # rad/s
 TIMES = np.arange(41) * 1e-3

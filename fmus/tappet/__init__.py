@@ -2,12 +2,7 @@
 
 import numpy as np
 
-from ..fmi.description import Experiment
 from ..reference_results.stimulus import Stimulus
-
-# Two turns of the cam at 1000 rpm.
-EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
-
 
 SPEED = 50.0  # rad/s, of the cam
 TIMES = np.arange(66) * 2e-3

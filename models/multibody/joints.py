@@ -7,6 +7,7 @@ ground, whose axes are those of the global frame.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -60,29 +61,6 @@ def hold_axes(pairs: Sequence[tuple[Point, Point]], names: Sequence[str]) -> lis
     ]
 
 
-def _turn_about(
-    name: str, i: str, j: str, at: tuple[Point, Point], axes: tuple[Point, Point], held: int
-) -> Joint:
-    """The third axes are parallel, and P_j is held along so many of i's axes."""
-    a, b = map(make_axes, axes)
-    points = hold_points(a[:held], AXES[:held], *at)
-    parallel = hold_axes([(a[0], b[2]), (a[1], b[2])], ("second axis", "first axis"))
-    return Joint(name, i, j, [*points, *parallel], *at, alike=[(a[2], b[2])])
-
-
-def cylindrical(
-    name: str,
-    i: str,
-    j: str,
-    at_i: Point = ORIGIN,
-    at_j: Point = ORIGIN,
-    axis_i: Point = Z,
-    axis_j: Point = Z,
-) -> Joint:
-    """j turns about and slides along an axis: 4 constraints, K (12)."""
-    return _turn_about(name, i, j, (at_i, at_j), (axis_i, axis_j), held=2)
-
-
 def revolute(
     name: str,
     i: str,
@@ -91,9 +69,18 @@ def revolute(
     at_j: Point = ORIGIN,
     axis_i: Point = Z,
     axis_j: Point = Z,
+    *,
+    held: int = 3,
 ) -> Joint:
-    """j turns about an axis: 5 constraints."""
-    return _turn_about(name, i, j, (at_i, at_j), (axis_i, axis_j), held=3)
+    """j turns about an axis, the third of i's; P_j is held along so many of them: 5 constraints."""
+    a, b = make_axes(axis_i), make_axes(axis_j)
+    points = hold_points(a[:held], AXES[:held], at_i, at_j)
+    parallel = hold_axes([(a[0], b[2]), (a[1], b[2])], ("second axis", "first axis"))
+    return Joint(name, i, j, [*points, *parallel], at_i, at_j, alike=[(a[2], b[2])])
+
+
+# j turns about and slides along an axis: 4 constraints, K (12).
+cylindrical = partial(revolute, held=2)
 
 
 def support(name: str, i: str, j: str, at_i: Point = ORIGIN, at_j: Point = ORIGIN, axis: Point = Z) -> Joint:

@@ -15,7 +15,7 @@ from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
-from .cams.law import LAW, LawParameters
+from .cams.choice import choose_profile
 from .cams.lift import Lift
 from .cams.profile import (
     CamProfile,
@@ -25,7 +25,6 @@ from .cams.profile import (
     sliding_velocity,
     time_to_break,
 )
-from .cams.table import TABLE, TableParameters, check_table
 from .shaft_element import (
     Load,
     Shaft,
@@ -60,16 +59,6 @@ class ShaftParameters:
     shaft_damping_ratio: float = kinds.DAMPING_RATIO(
         "damping ratio of every mode of the shaft", 0.02, maximum=1.0
     )
-
-
-@dataclass
-class CamshaftParameters(ShaftParameters, LawParameters):
-    """A cam by a law on its shaft element."""
-
-
-@dataclass
-class TableCamshaftParameters(ShaftParameters, TableParameters):
-    """A cam through points on its shaft element."""
 
 
 @dataclass
@@ -237,8 +226,7 @@ def make_motion(profile: CamProfile) -> tuple[Any, Any]:
 @counts_energies
 def camshaft(table_points: int = 0) -> Component:
     """One cam on its shaft element: by a law, or through `table_points` points."""
-    check_table(table_points)
-    profile, parameters = (TABLE, TableCamshaftParameters) if table_points else (LAW, CamshaftParameters)
+    profile, parameters = choose_profile(table_points, ShaftParameters)
     sizes = {"table_points": table_points}
     derivative, output = make_motion(profile)
     records = layouts(parameters, CamshaftState, CamshaftInputs, CamshaftOutputs, sizes)

@@ -16,10 +16,9 @@ from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
 from ..core.requirements import Requirement, require
-from .cams.law import LAW, LawParameters
+from .cams.choice import choose_profile
 from .cams.lift import Lift
 from .cams.profile import CamProfile, time_to_break
-from .cams.table import TABLE, TableParameters, check_table
 from .followers.arc import CamContact, touch_arc
 from .followers.mechanisms import Finger, move_finger, touch_finger
 from .followers.overlap import (
@@ -73,16 +72,6 @@ class LeverParameters(TipParameters):
         "stiffness of the pivot's support; 0: a lash adjuster bears it", nominal=1e8, minimum=0.0
     )
     pivot_damping: float = kinds.DAMPING("damping of the pivot's support", nominal=1e2)
-
-
-@dataclass
-class FingerParameters(LeverParameters, LawParameters):
-    """A cam by a law."""
-
-
-@dataclass
-class TableFingerParameters(LeverParameters, TableParameters):
-    """A cam through points."""
 
 
 @dataclass
@@ -270,8 +259,7 @@ def make_motion(profile: CamProfile) -> tuple[Any, Any]:
 @counts_energies
 def finger(table_points: int = 0) -> Component:
     """A finger on a cam by a law, or through `table_points` points."""
-    check_table(table_points)
-    profile, parameters = (TABLE, TableFingerParameters) if table_points else (LAW, FingerParameters)
+    profile, parameters = choose_profile(table_points, LeverParameters)
     sizes = {"table_points": table_points}
     derivative, output = make_motion(profile)
     return Component(

@@ -15,10 +15,9 @@ from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
 from ..core.requirements import require
-from .cams.law import LAW, LawParameters
+from .cams.choice import choose_profile
 from .cams.lift import Lift
 from .cams.profile import CamProfile, time_to_break
-from .cams.table import TABLE, TableParameters, check_table
 from .followers.arc import CamContact
 from .followers.mechanisms import Flat, Translating, touch_flat, touch_translating
 from .followers.overlap import (
@@ -53,16 +52,6 @@ class FollowerParameters:
     )
     mass: float = kinds.PART_MASS("mass of the follower", 0.1, nominal=0.1, positive=True)
     guide_damping: float = kinds.DAMPING("viscous friction in the guide", nominal=10.0)
-
-
-@dataclass
-class TappetParameters(FollowerParameters, LawParameters):
-    """A cam by a law."""
-
-
-@dataclass
-class TableTappetParameters(FollowerParameters, TableParameters):
-    """A cam through points."""
 
 
 @dataclass
@@ -162,8 +151,7 @@ def make_motion(profile: CamProfile) -> tuple[Any, Any]:
 @counts_energies
 def tappet(table_points: int = 0) -> Component:
     """A follower in its guide, on a cam by a law, or through `table_points` points."""
-    check_table(table_points)
-    profile, parameters = (TABLE, TableTappetParameters) if table_points else (LAW, TappetParameters)
+    profile, parameters = choose_profile(table_points, FollowerParameters)
     sizes = {"table_points": table_points}
     derivative, output = make_motion(profile)
     return Component(

@@ -8,10 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from models.core.quantities import Layout
 from models.valve_train.cams.law import law_lift
 from models.valve_train.cams.table import table_lift
-from models.valve_train.camshaft import CamshaftParameters, camshaft
+from models.valve_train.camshaft import camshaft
 from models.valve_train.followers.mechanisms import (
     Finger,
     Flat,
@@ -23,7 +22,7 @@ from models.valve_train.followers.mechanisms import (
 )
 from models.valve_train.followers.shape import FOLLOWERS, sample_angles, trace_shape
 
-CAM = Layout(CamshaftParameters).defaults()
+CAM = camshaft().parameters.defaults()
 R0, WIDE = CAM.base_radius, CAM.dwell_half_width + CAM.rise_angle
 BREAKS = [math.pi + side * half for side in (-1.0, 1.0) for half in (WIDE, CAM.dwell_half_width)]
 ANGLES = sample_angles(720, BREAKS)

@@ -7,10 +7,9 @@ from decimal import Decimal, getcontext
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.core.quantities import Layout
 from models.valve_train.cams.law import LAW, law_lift
 from models.valve_train.cams.profile import entraining_velocity, find_smallest_radius, radius_of_curvature
-from models.valve_train.camshaft import CamshaftParameters
+from models.valve_train.camshaft import camshaft
 
 from .systems import outputs_of
 
@@ -18,7 +17,7 @@ pytestmark = pytest.mark.plain
 
 S, R0 = 8e-3, 2.610272395869072 * 8e-3
 B, DWELL = math.radians(88.66608103115016), math.radians(1.333918968849847)
-KUSHWAHA_CAM = Layout(CamshaftParameters).defaults()
+KUSHWAHA_CAM = camshaft().parameters.defaults()
 SPEED = 1000.0 * math.pi / 30.0
 KUSHWAHA, EVALUATION = "zeros stated by Kushwaha et al. (2000)", "independent evaluation"
 

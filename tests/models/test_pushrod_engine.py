@@ -7,14 +7,13 @@ import pytest
 
 from models.catalogue import CATALOGUE
 from models.core.evaluation import Evaluation
-from models.core.quantities import Layout
 from models.core.system import Instance, System
 from models.monolithic.cycle import find_cycle
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
 from models.valve_train.beam import find_torsion, list_parameters, rigid_bending
 from models.valve_train.cams.law import law_lift
-from models.valve_train.tappet import TappetParameters
+from models.valve_train.tappet import tappet
 
 from .systems import column, run, turn, wheel
 from .test_shaft import SHAFT
@@ -173,7 +172,7 @@ def pushrod_engine():
 
 def start_on_cams(system):
     """A state near that of trains without elasticity: all parts where their cams have them."""
-    start, cam = system.x0.copy(), Layout(TappetParameters).defaults()
+    start, cam = system.x0.copy(), tappet().parameters.defaults()
     names = system.state.names
     for k, phase in enumerate(PHASES, 1):
         lift = law_lift(phase, cam)

@@ -14,13 +14,13 @@ from models.core.bonds import counting
 from models.core.component import Component
 from models.core.composite import compose, with_values
 from models.core.evaluation import Evaluation, Interpreted
-from models.core.quantities import Field, FieldLayout, Layout, Quantity
+from models.core.quantities import Field, FieldLayout, Quantity
 from models.core.requirements import Requirement
 from models.core.system import Instance, ModelError, Port, System
 from models.core.transformed import Transformation, transform
 from models.oscillators.two_masses import sprung_mass
 from models.valve_train.cams.law import law_lift
-from models.valve_train.camshaft import CamshaftParameters
+from models.valve_train.camshaft import camshaft
 
 from .systems import VALVE_TRAIN, valve_train
 
@@ -105,7 +105,7 @@ def test_algebraic_loop_of_free_flywheel_and_rigid_camshaft():
         [c for c in VALVE_TRAIN if c[0].split(".")[0] in ("flywheel", "camshaft") and "contact" not in c[1]],
     )
     assert system.torn
-    offset = law_lift(math.radians(degrees), Layout(CamshaftParameters).defaults()).ds
+    offset = law_lift(math.radians(degrees), camshaft().parameters.defaults()).ds
     exact = (torque - ratio * load * offset) / (inertia + 3.0e-4 * ratio**2)
     evaluation = Evaluation(system)
     y = evaluation.outputs(0.0, system.x0)

@@ -9,10 +9,10 @@ from models.contact.analysis.line.history import FilmHistory, film_history
 from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance
 from models.contact.line.mixed import Bodies
-from models.core.quantities import Layout, Vector
+from models.core.quantities import Vector
 from models.valve_train.cams.law import law_lift
 from models.valve_train.cams.profile import entraining_velocity, radius_of_curvature
-from models.valve_train.camshaft import CamshaftParameters
+from models.valve_train.camshaft import camshaft
 from models.valve_train.valve_spring import ValveSpringParameters
 
 LENGTH = 12e-3
@@ -28,7 +28,7 @@ class Conditions(NamedTuple):
 
 def conditions(angle: float, speed: float) -> Conditions:
     """At a cam angle (rad, nose at pi) and speed (rad/s): W = f_p + k0 s + m3 s'' omega^2."""
-    cam, spring = Layout(CamshaftParameters).defaults(), ValveSpringParameters()
+    cam, spring = camshaft().parameters.defaults(), ValveSpringParameters()
     lift = law_lift(angle, cam)
     return Conditions(
         spring.preload + spring.spring_rate * lift.s + spring.valve_mass * lift.dds * speed**2,
