@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import http.client
 import json
 import os
 import re
@@ -14,14 +13,12 @@ import time
 import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import dask
 import numpy as np
 import pytest
 import xarray
-from distributed import Client, Security
-from distributed.comm import connect
+from distributed import Client
 
 from orchestrator.study.execution import DIED
 from orchestrator.study.files import load
@@ -29,6 +26,7 @@ from orchestrator.study.run import _publish
 from tribocosim.packages import STUDY_PACKAGES
 
 from .commands import ROOT, called, said, tribocosim
+from .listening import list_answers, list_ports, list_processes, request_pages
 from .studies import read_files
 
 DOCS = (ROOT / "docs" / "how-to" / "run-a-study.md").read_text()
@@ -81,17 +79,6 @@ def read_status(store: Path) -> np.ndarray:
     return np.zeros(0)
 
 
-def list_processes(group: int) -> list[int]:
-    """The processes that still run in a group."""
-    found = []
-    for entry in Path("/proc").iterdir():
-        with contextlib.suppress(OSError, ValueError):
-            status = (entry / "stat").read_text().rpartition(")")[2].split()
-            if int(status[2]) == group and status[0] != "Z":
-                found.append(int(entry.name))
-    return found
-
-
 @contextlib.contextmanager
 def run_scheduler(*options_of_workers: str, **variables: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
     """A scheduler and two workers as a user starts them; the scheduler's address and process."""
@@ -117,50 +104,6 @@ def run_scheduler(*options_of_workers: str, **variables: str) -> Iterator[tuple[
             process.terminate()
             process.wait(30)
         scheduler.stderr.close()
-
-
-def list_ports(group: int) -> set[int]:
-    """The ports of this machine at which processes of the group listen."""
-    sockets = set()
-    for process in list_processes(group):
-        with contextlib.suppress(OSError):
-            sockets |= {os.readlink(file) for file in Path(f"/proc/{process}/fd").iterdir()}
-    ports = set()
-    for table in ("tcp", "tcp6"):
-        for line in Path(f"/proc/net/{table}").read_text().splitlines()[1:]:
-            _, local, _, state, *_, inode = line.split()[:10]
-            if state == "0A" and f"socket:[{inode}]" in sockets:
-                ports.add(int(local.rpartition(":")[2], 16))
-    return ports
-
-
-def request_pages(ports: set[int]) -> dict[int, int]:
-    """The status of a page of dask's at each of the ports that answer as a web server."""
-    found = {}
-    for port in ports:
-        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=3.0)
-        with contextlib.suppress(OSError, http.client.HTTPException), contextlib.closing(connection):
-            connection.request("GET", "/health")
-            found[port] = connection.getresponse().status
-    return found
-
-
-async def list_answers(ports: set[int]) -> list[str]:
-    """Where dask answers one who has no certificate, or one of his own."""
-    own = Security.temporary().get_connection_args("client")
-    places = [(f"{kind}://127.0.0.1:{port}", options) for port in ports
-              for kind, options in (("tcp", {}), ("tls", own))]  # fmt: skip
-
-    async def answers(place: str, options: dict[str, Any]) -> bool:
-        try:
-            comm = await connect(place, timeout=3.0, **options)
-        except (OSError, ValueError):  # the latter for TLS where none is spoken
-            return False
-        comm.abort()
-        return True
-
-    found = await asyncio.gather(*(answers(*place) for place in places))
-    return [place for (place, _), yes in zip(places, found, strict=True) if yes]
 
 
 @pytest.fixture(scope="module")
