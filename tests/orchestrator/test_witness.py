@@ -58,6 +58,15 @@ def test_the_witness_judges_the_reference(difference, agrees):
     assert ("cam_contact.load" in witness.describe_agreement()) is not agrees
 
 
+@pytest.mark.parametrize(("known", "agrees"), [(1e-5, False), (1.5e-2, True), (math.nan, False)])
+def test_the_witness_judges_no_finer_than_the_reference_is_known(known, agrees):
+    """A valve that bounces over a quarter of its time: the two methods are 1.5e-2 apart, the witness 4e-2."""
+    sides = {"contact.load": Side((0.0, 1.0), (0.0, 1.0), (0.0, 1.0), 0.0, 4e-2)}
+    witness = judging.WitnessComparison("", 26, 1, 0.0, 0.0, sides, known)
+    assert witness.agrees is agrees
+    assert ("sensitive" in witness.describe_agreement()) is agrees
+
+
 @pytest.mark.long
 def test_a_run_in_small_steps_agrees_to_a_hundred_thousandth(tmp_path, record):
     out = run_whole(tmp_path / "out", [*RUN, "macro_step=2 us"])
