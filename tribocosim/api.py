@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from models.compile.temporary import TemporaryFolder
 from orchestrator.errors import MistakeError, RunError, one_of
 from orchestrator.run.pipeline import run_plan
-from orchestrator.store.output_folder import check_folder
+from orchestrator.store.output_folder import REPORT, check_folder
 from orchestrator.store.result_file import find_result, open_result
 
 from .cached_fmus import build_fmu as build_cached_fmu
@@ -194,7 +194,7 @@ def resume(
 
 
 def report(folder: str | Path, path: str | Path | None = None, *, cycle: bool = False) -> Path:
-    """Write the page of a run or a sweep over speed to `path`; its path.
+    """Write the page of a run or a sweep over speed to `path`, a file or a folder; its path.
 
     Without `path` it is written into the folder, and a run's figures are drawn anew; RunError names those
     that fail, once all others are drawn. With `cycle` only the page cycle.html, which computes the steady
@@ -203,10 +203,11 @@ def report(folder: str | Path, path: str | Path | None = None, *, cycle: bool = 
     """
     from orchestrator.report import draw_anew
 
-    from .cycle_page import write_cycle_page
+    from .cycle_page import CYCLE, write_cycle_page
 
-    write = write_cycle_page if cycle else draw_anew
-    return write(Path(folder), None if path is None else Path(path))
+    write, name = (write_cycle_page, CYCLE) if cycle else (draw_anew, REPORT)
+    target = None if path is None else Path(path)
+    return write(Path(folder), target / name if target and target.is_dir() else target)
 
 
 def open(folder: str | Path) -> Result:

@@ -12,7 +12,7 @@ CYCLE = "cycle.html"
 
 def write_cycle_page(folder: Path, path: Path | None = None) -> Path:
     """Write the page for the run in `folder`, by default into it as cycle.html; its path. In the place of a
-    folder a scenario may stand, by name or file: only there an oil has a slider for its temperature.
+    folder a scenario may stand, by name or file.
 
     MistakeError for a train without a prescribed speed, with events or
     with a part that needs Python; NativeBuildError without the tools.
@@ -33,7 +33,7 @@ def write_cycle_page(folder: Path, path: Path | None = None) -> Path:
         component = find_factory(own)()
         code = cycle_module(own, component, SAMPLES)
     train = Train(
-        checked, component, code, flywheel, count_turns(build_system(checked)),
+        checked, component, code, flywheel, count_turns(build_system(checked)), str(source),
         lambda text: load_checked(source, [text]),
     )  # fmt: skip
     return write_cycle(train, path or (folder / CYCLE if folder.is_dir() else Path(CYCLE)))

@@ -27,6 +27,8 @@ RPM = 30.0 / math.pi
 # Positions of sliders: shares of the scenario's number, and temperatures (degC).
 SHARES = tuple(k / 20 for k in range(8, 41))
 TEMPERATURES = tuple(range(30, 155, 5))
+# To which turns of a cam (r/min) the slider of the speed reaches: most trains lose contact at 1500 to 5500.
+HIGHEST = 6000.0
 # Parameters with a slider, by their endings, and the units that are shown.
 VARIED = {
     "spring_rate": (1e-3, "N/mm"),
@@ -39,13 +41,15 @@ VARIED = {
 @dataclass(frozen=True)
 class Train:
     """A scenario's whole train as one component, as code for a page, and what turns it: the flywheel, and its
-    turns in a period. `change(path=value)` is the scenario with another value."""
+    turns in a period. `source` is what commands call the scenario; `change("path=value")` is it with another
+    value."""
 
     scenario: Scenario
     component: Component
     code: bytes
     flywheel: str
     turns: int
+    source: str
     change: Callable[[str], Scenario]
 
 
@@ -55,6 +59,7 @@ def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
     names = list(component.outputs.names)
     angle = next((n for n in names if n.endswith(".cam_angle")), "")
     sketches = list_sketches(train.scenario, names)
+    cycle = _tell_train(train, f"{train.flywheel}.angle")
     content = {
         "bases": [{"rows": SAMPLES + 1, "stretch": 1, "begin": 0.0, "every": 1.0, "end": float(SAMPLES)}],
         "variables": [_describe(n, f.quantity) for n, f in zip(names, component.outputs.fields, strict=True)],
@@ -63,7 +68,7 @@ def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
         "panels": _choose(names),
         "marks": list_marks(names),
         "abscissa": angle,
-        "cycle": _tell_train(train, f"{train.flywheel}.angle"),
+        "cycle": cycle,
     }
     said = {
         "summary": {},
@@ -74,7 +79,7 @@ def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
         "notices": [],
         "version": "",
         "versions": "",
-        "command": f"tribocosim run {name}",
+        "command": cycle["command"],
         "fmus": {},
         "toml": "",
     }
@@ -107,6 +112,7 @@ def _tell_train(train: Train, turning: str) -> dict[str, Any]:
         "held": [int(f.name == turning or f.quantity.accumulates) for f in fields],
         "positive": [int(f.quantity.positive) for f in fields],
         "outputs": list(component.outputs.names),
+        "command": f"tribocosim run {train.source}",
         "sliders": [slider for slider in _list_sliders(train) if len(slider["positions"]) > 1],
         "lifted": LIFTED,
         "trains": list(_tell_parts(train)),
@@ -124,20 +130,48 @@ def _tell_parts(train: Train) -> Iterator[dict[str, Any]]:
 
 def _list_sliders(train: Train) -> Iterator[dict[str, Any]]:
     """Each with its positions: what they show, and what they change (see `_position`)."""
-    base = list_parameters(train.scenario)
-    speed = base[f"{train.flywheel}.initial_speed"]
-    positions = [_turn(train, base, share * speed) for share in SHARES]
-    yield {"name": "speed", "unit": "r/min", "at": SHARES.index(1.0), "positions": positions}
+    base, fields = list_parameters(train.scenario), train.component.parameters.fields
+    said = {field.name: field.quantity.description for field in fields}
+    yield _vary_speed(train, base)
     temperatures = list(_list_temperatures(train, base))
     for name, value in base.items():
-        ending = name.partition(".")[2]
+        part, _, ending = name.partition(".")
         if ending == "viscosity" and temperatures:
             continue
-        if ending in VARIED and value > 0.0 and name in train.component.parameters.names:
+        if ending in VARIED and value > 0.0 and name in said:
             factor, unit = VARIED[ending]
             positions = [_position(train, {name: s * value}, s * value * factor) for s in SHARES]
-            yield {"name": name, "unit": unit, "at": SHARES.index(1.0), "positions": positions}
+            label = f"{ending.replace('_', ' ')} of {part}"
+            yield _slider(label, said[name], unit, SHARES.index(1.0), positions, [_key(name)])
     yield from temperatures
+
+
+def _slider(
+    name: str, description: str, unit: str, at: int, positions: Sequence[Any], keys: Sequence[str]
+) -> dict[str, Any]:
+    """`at` is the scenario's position; `keys` of the scenario take what a position shows, in its unit."""
+    return {
+        "name": name, "description": description, "unit": unit, "at": at, "positions": positions, "keys": keys
+    }  # fmt: skip
+
+
+def _key(name: str) -> str:
+    return "components.{}.parameters.{}".format(*name.split(".", 1))
+
+
+def _vary_speed(train: Train, base: Mapping[str, float]) -> dict[str, Any]:
+    """Far beyond the speeds at which cams lose contact."""
+    speed = base[f"{train.flywheel}.initial_speed"]
+    ends = [name for end in ("initial", "final") if (name := f"{train.flywheel}.{end}_speed") in base]
+    state = train.component.state.names.index(f"{train.flywheel}.speed")
+    most = max(SHARES[-1], HIGHEST * train.turns / (speed * RPM))
+    positions = []
+    for k in range(round(SHARES[0] * 20), math.ceil(most * 20) + 1):
+        own = k / 20 * speed
+        turning = {"state": [[state, own]], "period": train.turns * 2.0 * math.pi / own}
+        positions.append(_position(train, dict.fromkeys(ends, own), own * RPM) | turning)
+    at = SHARES.index(1.0)
+    return _slider("speed", f"speed of {train.flywheel}", "r/min", at, positions, list(map(_key, ends)))
 
 
 def _list_temperatures(train: Train, base: Mapping[str, float]) -> Iterator[dict[str, Any]]:
@@ -155,17 +189,8 @@ def _list_temperatures(train: Train, base: Mapping[str, float]) -> Iterator[dict
         changed = {name: value for name, value in found.items() if value != base[name] and temperature != own}
         positions.append(_position(train, changed, temperature))
     if any(one["parameters"] for one in positions):
-        at = temperatures.index(own)
-        yield {"name": "oil temperature", "unit": "degC", "at": at, "positions": positions}
-
-
-def _turn(train: Train, base: Mapping[str, float], speed: float) -> dict[str, Any]:
-    """At another speed (rad/s) of the flywheel."""
-    ends = {f"{train.flywheel}.{name}": speed for name in ("initial_speed", "final_speed")}
-    changed = {name: value for name, value in ends.items() if name in base}
-    state = train.component.state.names.index(f"{train.flywheel}.speed")
-    period = train.turns * 2.0 * math.pi / speed
-    return {**_position(train, changed, speed * RPM), "state": [[state, speed]], "period": period}
+        at, said = temperatures.index(own), "temperature of the oil"
+        yield _slider("oil temperature", said, "degC", at, positions, ["temperature"])
 
 
 def _position(train: Train, changed: Mapping[str, float], shown: float) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from . import Scenario, ScenarioError, build_scenario, find_tables
 from .component_table import ComponentTable
 from .extending import EXTENDS, WITHOUT, drop, drop_other_options, merge, replace_cam
 from .lift_table import CAM_KEYS, replace_law
+from .oil import OILED, evaluate, name_oil
 from .origin import SET, Origin
 from .ssp import read_package as contents_of_package
 from .values import ALIKE, SECTIONS, Value, WithUnit, build_component, list_layouts, to_value
@@ -271,17 +272,24 @@ def _keep_units(layout: Layout, values: Mapping[str, Value]) -> dict[str, str]:
 
 
 def to_full_toml(scenario: Scenario) -> str:
-    """The scenario as TOML with all parameters; it gives the same run, bit for bit."""
+    """The scenario as TOML with all parameters but those that its oil gives; it gives the same run, bit for
+    bit."""
     import tomli_w
 
-    content = scenario.model_dump(exclude_none=True)
+    content, oil = scenario.model_dump(exclude_none=True), name_oil(scenario.oil, scenario.temperature)
+    content |= oil
+    given = evaluate(oil)[1] if oil else {}
     for name, table in scenario.components.items():
         layouts, written = list_layouts(table.resolve()), content["components"][name]
         if not table.third_party:  # its file holds its defaults
             values = {f.name: to_value(f.quantity, f.start) for f in layouts["parameters"].fields}
             written["parameters"] = values | table.parameters
+        if table.resolve().has_role(*OILED):
+            for parameter in [key for key, value in written["parameters"].items() if value == given.get(key)]:
+                del written["parameters"][parameter]
         for section, values in table.values.items():
-            written[section] |= _keep_units(layouts[section], values)
+            kept = _keep_units(layouts[section], values).items()
+            written[section] |= {key: value for key, value in kept if key in written[section]}
         for empty in ("structure", *SECTIONS):
             if not written.get(empty, True):
                 del written[empty]

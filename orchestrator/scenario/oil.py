@@ -78,6 +78,13 @@ def share_oil(content: dict[str, Any]) -> dict[str, Any]:
     return content | {"components": shared}
 
 
+def name_oil(oil: str | OilSheet | None, temperature: float | None) -> dict[str, Any]:
+    """The keys of a scenario that state its oil; empty without one."""
+    if oil is None or temperature is None:
+        return {}
+    return {"oil": oil if isinstance(oil, str) else oil.model_dump(), "temperature": float(temperature)}
+
+
 def evaluate(table: Mapping[str, Any]) -> tuple[float, dict[str, WithUnit]]:
     """The temperature (K) of the table's `oil`, and its numbers by the names of parameters; Faults."""
     for key, other in (("oil", "temperature"), ("temperature", "oil")):

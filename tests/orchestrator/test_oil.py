@@ -13,6 +13,7 @@ from orchestrator.run.pipeline import run
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import SHIPPED, list_shipped, load, read_contents, to_full_toml
 from orchestrator.scenario.oil_notices import list_oils
+from orchestrator.scenario.system import list_parameters
 from orchestrator.scenario.warnings import list_warnings
 from tribocosim.cached_fmus import build_fmu
 
@@ -48,6 +49,15 @@ def test_a_scenario_with_an_oil_is_the_one_with_its_numbers(tmp_path, base, text
     assert "oil =" not in written
     assert list_oils(numbers) == []
     assert not any("contact.parameters" in line for line in list_warnings(scenario))
+
+
+def test_what_a_run_writes_names_the_oil_of_the_scenario(tmp_path):
+    """And takes its numbers from it, at another temperature too."""
+    file = tmp_path / "written.toml"
+    file.write_text(to_full_toml(load("seat-and-lash")))
+    for changes in ([], ["temperature=40 degC"]):
+        assert to_full_toml(load(file, changes)) == to_full_toml(load("seat-and-lash", changes))
+        assert list_parameters(load(file, changes)) == list_parameters(load("seat-and-lash", changes))
 
 
 PARAMETERS = (

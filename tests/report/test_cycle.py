@@ -3,6 +3,7 @@
 import math
 import platform
 import re
+import shlex
 import subprocess
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from models.native.translate import TranslationError
 from orchestrator.errors import MistakeError
 from orchestrator.report.cycle import SAMPLES
 from orchestrator.scenario.files import load, read_changed
+from orchestrator.scenario.system import list_parameters
 from orchestrator.study.speeds.subject import SpeedSubject, measure_cycle
 from tribocosim.scenario_fmus import write_whole
 
@@ -36,16 +38,20 @@ WARM = 'extends = "valve-train"\noil = "SAE 5W-30"\ntemperature = "93 degC"\n'
 
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
+    """In a folder that is given for it."""
     folder = tmp_path_factory.mktemp("cycle")
     (folder / "warm.toml").write_text(WARM)
-    return tribocosim.report(folder / "warm.toml", folder / "cycle.html", cycle=True)
+    assert tribocosim.report(folder / "warm.toml", folder, cycle=True) == folder / "cycle.html"
+    return folder / "cycle.html"
 
 
 def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path):
     """At another speed than the scenario's, by its slider. A thousandth is a fifth of a pixel of a plot."""
     with opened(browser, path) as page:
-        slider = page.locator("[data-slider=speed]")
+        slider = page.get_by_label("speed (r/min)", exact=True)
         slider.focus()
+        page.evaluate("report.view.zoom(0.25 * report.view.whole[1], 0.5)")
+        part = page.evaluate("report.view.part")
         for _ in range(4):
             slider.press("ArrowRight")
         wait(page, "document.querySelector('#sliders output').textContent === '1200 r/min'")
@@ -56,6 +62,15 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
         }
         told = page.locator("#cycle-figures").inner_text()
         sliders = {one["name"]: one for one in page.evaluate("report.records.told.sliders")}
+        assert slider.get_attribute("aria-valuetext") == "1200 r/min"
+        assert page.evaluate("report.view.part") == pytest.approx(part) != [0.0, 1.0]
+        command = shlex.split(page.locator("#command").inner_text())
+        assert command[:3] == ["tribocosim", "run", str(path.with_name("warm.toml"))]
+        repeated = list_parameters(load(command[2], command[4::2]))
+        assert repeated["flywheel.initial_speed"] == pytest.approx(1200.0 * math.pi / 30.0)
+        slider.press("End")
+        wait(page, "document.querySelector('#cycle-state').textContent.includes('steady after ')")
+        assert page.locator("#cycle-figures").inner_text().startswith("least load while the cam lifts 0 N")
         page.evaluate("report.records.told.parameters.fill(NaN)")
         slider.press("ArrowLeft")
         wait(page, "document.querySelector('#cycle-state').textContent.startsWith('no step succeeds: ')")
@@ -69,9 +84,9 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
         right = cycle[f"contact.{name}"][:: (len(cycle.times) - 1) // SAMPLES]
         assert np.abs(np.array(found[name]) - right).max() < 1e-3 * right.max(), name
     # Three digits, of the page's instants.
-    load, film = (float(number) for number in re.findall(r"(\S+) (?:N|µm) \(contact\)", told))
+    least, film = (float(number) for number in re.findall(r"(\S+) (?:N|µm) \(contact\)", told))
     thinnest = cycle["contact.minimum_film_thickness"][:: (len(cycle.times) - 1) // SAMPLES].min()
-    assert load == pytest.approx(measure_cycle(cycle, "flywheel")["contact.least_load"], rel=6e-3)
+    assert least == pytest.approx(measure_cycle(cycle, "flywheel")["contact.least_load"], rel=6e-3)
     assert 1e-6 * film == pytest.approx(thinnest, rel=6e-3)
 
 

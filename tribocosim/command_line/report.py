@@ -15,7 +15,9 @@ def write_page(
     ],
     out: Annotated[
         Path | None,
-        typer.Option(help="File of the page.", show_default="report.html or cycle.html in FOLDER"),
+        typer.Option(
+            help="File of the page, or a folder for it.", show_default="report.html or cycle.html in FOLDER"
+        ),
     ] = None,
     cycle: Annotated[
         bool,

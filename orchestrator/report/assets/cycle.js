@@ -3,8 +3,9 @@
 
 // A period is steady when it changes no state by more than this, over nominal + |value|: less than a plot shows.
 const STEADY = 1e-4, MOST_PERIODS = 12;
-// Of the integrator, over nominal + |value|; it leaves less than a thousandth of the largest load.
-const TOLERANCE = 3e-6;
+// Of the integrator, over nominal + |value|; it leaves less than a thousandth of the largest load. While sliders
+// move a looser one is three times as fast, and leaves a hundredth at most.
+const TOLERANCE = 3e-6, MOVING = 1e-4;
 
 const least = (values) => values ? values.reduce((a, b) => Math.min(a, b), Infinity) : Infinity;
 
@@ -38,12 +39,12 @@ class CycleRecords extends Records {
   }
 
   // Whether there is another cycle to show.
-  async compute() {
+  async compute(tolerance = TOLERANCE) {
     const { told } = this, began = performance.now(), base = this.bases[0];
     this.overtaken = false;
     this.settle();
-    let found = await this.turn();
-    if (!(found.change <= STEADY) && !this.overtaken) { this.begin(); this.settle(); found = await this.turn(); }
+    let found = await this.turn(tolerance);
+    if (!(found.change <= STEADY) && !this.overtaken) { this.begin(); this.settle(); found = await this.turn(tolerance); }
     if (this.overtaken) return false;
     this.found = { ...found, milliseconds: performance.now() - began };
     if (found.change !== found.change) return false;
@@ -68,10 +69,10 @@ class CycleRecords extends Records {
   }
 
   // Periods until they are steady, or the sliders have moved on.
-  async turn() {
+  async turn(tolerance) {
     let change = NaN, periods = 0;
     do {
-      change = this.train.revolve(this.period, TOLERANCE); periods++;
+      change = this.train.revolve(this.period, tolerance); periods++;
       await new Promise((done) => setTimeout(done));
     } while (change > STEADY && periods < MOST_PERIODS && !this.overtaken);
     return { change, periods };
@@ -131,38 +132,54 @@ class Cycle {
 
   add(slider, k) {
     const root = document.createElement("label"), name = document.createElement("span"), input = document.createElement("input"), value = document.createElement("output");
-    const last = slider.positions.length - 1, show = () => {
-      value.textContent = readable(+slider.positions[+input.value].shown.toPrecision(4)) + " " + slider.unit;
-      input.setAttribute("aria-valuetext", value.textContent);
-    };
+    const last = slider.positions.length - 1, said = (i) => slider.positions[i].shown.toPrecision(4) * 1 + " " + slider.unit;
+    const show = () => { value.textContent = said(+input.value); input.setAttribute("aria-valuetext", value.textContent); };
     name.textContent = slider.name;
-    Object.assign(input, { type: "range", min: "0", max: String(last), step: "1", value: String(slider.at) });
+    Object.assign(input, { type: "range", min: "0", max: String(last), step: "1", value: String(slider.at), id: "slider-" + k });
+    input.setAttribute("aria-label", slider.name + " (" + slider.unit + ")");
+    root.title = slider.description + ", " + said(0) + " to " + said(last) + "; the scenario has " + said(slider.at);
+    root.htmlFor = value.htmlFor.value = input.id;
     input.dataset.slider = slider.name;
-    input.oninput = () => { show(); this.records.chosen[k] = +input.value; this.ask(); };
+    input.oninput = () => { show(); this.records.chosen[k] = +input.value; this.repeat(); this.ask(); };
     show();
     root.append(name, value, input);
     get("sliders").append(root);
   }
 
-  // What is computed as a slider moves on is given up after its period.
+  // The command of a run with the numbers of the sliders that were moved.
+  repeat() {
+    const { command, sliders } = this.records.told, moved = sliders.flatMap((slider, k) => {
+      const at = this.records.chosen[k], value = +slider.positions[at].shown.toPrecision(9) + " " + slider.unit.replace("r/min", "rpm");
+      return at === slider.at ? [] : slider.keys.map((key) => " --set " + key + "='" + value + "'");
+    });
+    get("command").textContent = command + moved.join("");
+  }
+
+  // What is computed as a slider moves on is given up after its period; where it rests a steady cycle is computed
+  // exactly.
   async ask() {
     this.records.overtaken = this.wanted = true;
     if (this.busy) return;
     this.busy = true;
-    while (this.wanted) { this.wanted = false; await this.change(); }
+    while (this.wanted) {
+      this.wanted = false;
+      await this.change(MOVING);
+      if (!this.wanted && !(this.records.found.change > STEADY)) await this.change(TOLERANCE);
+    }
     this.busy = false;
+    this.tell();
   }
 
-  // Another cycle, at the same share of it.
-  async change() {
-    const share = this.report.now / (this.report.base.end || 1), view = this.report.view;
+  // Another cycle, at the same share of it, and the same part of it in the plots.
+  async change(tolerance) {
+    const share = this.report.now / (this.report.base.end || 1), view = this.report.view, part = view.part;
     get("cycle-state").textContent = "computing";
-    if (await this.records.compute()) {
-      await view.over(view.name);
-      await this.report.reload();
-      this.report.setTime(share * this.report.base.end);
-    }
-    if (!this.wanted) this.tell();
+    if (!await this.records.compute(tolerance)) return;
+    await view.over(view.name);
+    view.part = part;
+    await this.report.reload();
+    this.report.setTime(share * this.report.base.end);
+    get("cycle-figures").textContent = this.records.figures();
   }
 
   tell() {

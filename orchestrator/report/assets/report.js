@@ -107,7 +107,7 @@ class ReportPage {
     document.addEventListener("keydown", () => { pointed = false; }, true);
     for (const kind of ["click", "change"]) document.addEventListener(kind, (e) => {
       const at = /** @type {HTMLElement} */ (e.target), tag = at.tagName;
-      if (pointed && (tag === "BUTTON" || tag === "SUMMARY" || kind === "change")) at.blur();
+      if (pointed && !at.dataset.slider && (tag === "BUTTON" || tag === "SUMMARY" || kind === "change")) at.blur();
     });
   }
 

@@ -83,6 +83,10 @@ class View {
     this.tell();
   }
 
+  // The shares of the whole from and to which is shown.
+  get part() { return this.shown.map((x) => (x - this.whole[0]) / (this.whole[1] - this.whole[0])); }
+  set part(shares) { this.shown = shares.map((s) => this.whole[0] + s * (this.whole[1] - this.whole[0])); this.tell(); }
+
   point(x) { this.pointer = x; this.tell(); }
 
   reset() { this.shown = [...this.whole]; this.tell(); }
