@@ -68,16 +68,16 @@ class Scenario:
         return Scenario(content, self.origin)
 
 
-def read_tables(source: str | Path, settings: Sequence[str] = ()) -> dict[str, Any]:
-    """The tables of a scenario with these settings ("path=value"), checked as for a run, for a study.
+def read_tables(source: Scenario | str | Path, settings: Sequence[str] = ()) -> dict[str, Any]:
+    """The tables of a scenario for a study, checked as for a run; `settings` ("path=value") change a file's.
 
     MistakeError for a fault, with the file and its line, or the option.
     """
-    content, origin = read(source, settings)
-    checked = build_from(content, origin)
+    loaded = Scenario(*read(source, settings)) if isinstance(source, str | Path) else load(source)
+    checked = loaded.check()
     check_units(checked)
     build_system(checked)
-    return content
+    return dict(loaded.content)
 
 
 def scenarios() -> dict[str, str]:

@@ -15,7 +15,7 @@ from orchestrator.analyses import load as load_analysis
 from .cached_fmus import build_fmu
 from .packages import check_fit_packages, check_study_packages
 from .reporting import Progress, SilentReporter
-from .scenario import Scenario, load
+from .scenario import Scenario, load, read_tables
 
 if TYPE_CHECKING:
     import xarray
@@ -128,7 +128,7 @@ def speeds(
     chosen = parse_range(low, high, count)
     with _open_folder(out, "speeds") as folder:
         where, reporter = Where(workers=workers), SilentReporter(progress)
-        found = sweep(load(scenario).content, chosen, folder, where, reporter, overwrite, second_film)
+        found = sweep(read_tables(scenario), chosen, folder, where, reporter, overwrite, second_film)
     attributes: dict[str, Any] = {}
     for name in ("separation", "second_separation"):
         stated = found.summary.get(name) or {}
@@ -186,7 +186,7 @@ def sensitivities(
     from orchestrator.study.speeds.sensitivities import find_sensitivities
     from orchestrator.study.speeds.sweep import parse_speed
 
-    content = load(scenario).content
+    content = read_tables(scenario)
     with _open_folder(out, "sensitivities") as folder:
         where, reporter = Where(workers=workers), SilentReporter(progress)
         at = None if speed is None else parse_speed("speed", speed)
@@ -219,10 +219,9 @@ def calibrate(  # noqa: PLR0913  # options of the command
     from orchestrator.study.calibration.run import calibrate as fit
     from orchestrator.study.run import Where
 
-    found = load(scenario)
     files = [Path(data)] if isinstance(data, str | Path) else [Path(one) for one in data]
     asked = Asked(parameters, bounds, signals, starts, profile)
-    source = Source(found.content, "" if isinstance(scenario, Scenario) else str(scenario))
+    source = Source(read_tables(scenario), "" if isinstance(scenario, Scenario) else str(scenario))
     with _open_folder(out, "calibration") as folder:
         reporter = SilentReporter(progress)
         return fit(source, files, asked, folder, Where(workers=workers), build_fmu, reporter, overwrite)
@@ -291,7 +290,7 @@ def tolerances(
     from orchestrator.study.tolerances.run import find_tolerances
     from orchestrator.study.tolerances.table import parse_tolerances, read_tolerances
 
-    content = load(scenario).content
+    content = read_tables(scenario)
     read = parse_tolerances(dict(given)) if isinstance(given, Mapping) else read_tolerances(Path(given))
     with _open_folder(out, "tolerances") as folder:
         where, reporter = Where(workers=workers), SilentReporter(progress)
@@ -326,7 +325,7 @@ def wear(  # noqa: PLR0913  # options of the command
 
     asked = parse_asked(until, wear_coefficient, tolerance, contact, speed, wear_follower)
     with _open_folder(out, "wear") as folder:
-        return wear_cam(load(scenario).content, asked, folder, SilentReporter(progress), overwrite)
+        return wear_cam(read_tables(scenario), asked, folder, SilentReporter(progress), overwrite)
 
 
 @contextmanager
