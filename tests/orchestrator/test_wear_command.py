@@ -42,7 +42,7 @@ def list_settings(folder: Path) -> list[str]:
         f"components.camshaft.lift_table={table}",
         "components.camshaft.parameters.base_radius=20 mm",
         "components.flywheel.parameters.initial_speed=200 rpm",
-        "components.valve_spring.parameters.spring_rate=100",
+        "components.valve_spring.parameters.spring_rate=100 N/m",
         "components.contact.parameters.roughness=0.0",
         "components.contact.parameters.film_model=dry",
     ]
