@@ -16,7 +16,7 @@ from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
-from ..core.quantities import Layout, Quantity
+from ..core.quantities import Layout, Quantity, join
 from ..core.requirements import require
 from .films import FILMS, moes_venner
 from .fluid import DENSITY_LAWS
@@ -60,23 +60,10 @@ class LineContactOutputs(SharedOutputs):
 
 
 @dataclass
-class KeptOilOutputs(LineContactOutputs):
+class KeptOilOutputs:
+    """Of cavities that keep their oil."""
+
     oil_volume: float = Quantity("m3", "oil on the grid", nominal=1e-12).default()
-
-
-@dataclass
-class HeatedLineContactParameters(FilmHeatParameters, LineContactParameters):
-    """Of a heated film."""
-
-
-@dataclass
-class HeatedLineContactOutputs(FilmHeatOutputs, LineContactOutputs):
-    """Of a heated film."""
-
-
-@dataclass
-class HeatedKeptOilOutputs(FilmHeatOutputs, KeptOilOutputs):
-    """Of a heated film whose cavities keep their oil."""
 
 
 @kernel
@@ -158,15 +145,6 @@ def make_output(keeps_oil: bool, heated: bool) -> Any:
     return shown if keeps_oil or heated else output
 
 
-# By whether cavities keep their oil, and whether the film has temperatures.
-_OUTPUTS = {
-    (False, False): LineContactOutputs,
-    (True, False): KeptOilOutputs,
-    (False, True): HeatedLineContactOutputs,
-    (True, True): HeatedKeptOilOutputs,
-}
-
-
 @counts_energies
 def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0, layers: int = 0) -> Component:
     """The lubricated line contact with a pressure field of so many nodes; ValueError if they cannot be.
@@ -179,19 +157,25 @@ def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0, layers: int =
     inputs = Layout(ContactInputs)
     filled = nodes * mass_conserving
     state = field_layout(nodes, filled, layers)
-    kind = bool(mass_conserving), bool(layers)
+    parameters: list[type] = [LineContactParameters]
+    outputs: list[type] = [LineContactOutputs]
+    if mass_conserving:
+        outputs.insert(0, KeptOilOutputs)
+    if layers:
+        parameters.insert(0, FilmHeatParameters)
+        outputs.insert(0, FilmHeatOutputs)
     surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
     rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
     return Component(
         name="ehl_line_contact",
         description="Elastohydrodynamic line contact with its pressure field: load and film thickness",
         roles=(roles.Contact(),),
-        parameters=Layout(HeatedLineContactParameters if layers else LineContactParameters),
+        parameters=Layout(join(*parameters)),
         state=state,
         inputs=inputs,
-        outputs=Layout(_OUTPUTS[kind]),
+        outputs=Layout(join(*outputs)),
         derivative=derivative,
-        output=make_output(*kind),
+        output=make_output(bool(mass_conserving), bool(layers)),
         energy=make_field_energy(nodes, filled, layers),
         feedthrough={
             **feedthrough_of_load(inputs, surfaces),

@@ -282,6 +282,11 @@ def layouts(
     )
 
 
+def join(*records: type) -> type:
+    """A record with the fields of all of these, those of the last first."""
+    return make_dataclass(records[0].__name__, [], bases=records)
+
+
 class FieldLayout(Layout):
     """A layout of given scalars, whose names need not be Python's."""
 

@@ -10,8 +10,7 @@ from models.multibody.forces import ElasticField, beam_stiffness
 from models.multibody.ida import solve_ida
 from models.multibody.joints import prescribed_rotation, revolute, support, translational
 from models.multibody.mechanism import Mechanism
-from models.slider_crank.piston.records import FLORES
-from tests.models.slider_cranks import FREE, advance
+from tests.models.slider_cranks import FLORES, FREE, advance
 
 from .page import COMPUTED, Published
 

@@ -13,6 +13,32 @@ from models.slider_crank.piston.piston_crank import free_piston_crank, piston_cr
 from models.slider_crank.records import WALL_FILMS
 from models.slider_crank.slider_crank import slider_crank
 
+# Flores, Leine and Glocker (2010), table 1; the gravity acts across the cylinder.
+FLORES: Mapping[str, float] = {
+    "crank_radius": 0.153,
+    "rod_length": 0.306,
+    "crank_mass": 0.038,
+    "crank_centre": 0.5 * 0.153,
+    "crank_inertia": 7.4e-5,
+    "rod_mass": 0.038,
+    "rod_centre": 0.5 * 0.306,
+    "rod_inertia": 5.9e-4,
+    "piston_mass": 0.076,
+    "piston_inertia": 2.7e-6,
+    "half_length": 0.05,
+    "half_height": 0.025,
+    "clearance": 0.001,
+    "pin_height": 0.0,
+    "pin_offset": 0.0,
+    "mass_height": 0.0,
+    "mass_offset": 0.0,
+    "crank_pin_friction": 0.0,
+    "piston_pin_friction": 0.0,
+    "wall_friction": 0.01,
+    "restitution": 0.4,
+    "gravity_across": -9.81,
+}
+
 CRANK, DRIVEN, FREE = slider_crank(), piston_crank(), free_piston_crank()
 STATE, INPUTS, OUTPUTS = CRANK.state, CRANK.inputs, CRANK.outputs
 FORMS = (forms.AS_PUBLISHED, forms.CORRECTED, forms.NONLINEAR)

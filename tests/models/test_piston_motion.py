@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from models.monolithic import solve
-from models.slider_crank.piston.records import FLORES
+from tests.models.slider_cranks import FLORES
 
 from .slider_cranks import (
     CRANK,

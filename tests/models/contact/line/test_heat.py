@@ -9,7 +9,7 @@ from scipy.integrate import quad, simpson, solve_ivp
 from scipy.optimize import brentq
 
 from models.contact.asperities import Asperities, pressure_scale
-from models.contact.ehl_line_contact import HeatedLineContactParameters, ehl_line_contact
+from models.contact.ehl_line_contact import ehl_line_contact
 from models.contact.fluid import Lubricant
 from models.contact.friction import profile_friction
 from models.contact.line.cavities import start_filling
@@ -23,12 +23,11 @@ from models.contact.line.transient import GAMMA, Drives, place_film, step, wante
 from models.contact.line.workspace import workspace_in, workspace_size
 from models.contact.rheology import thin_by_heat
 from models.core.integrator import OK
-from models.core.quantities import Layout
 
 from .cam_cycle import BODIES, FLUID, LENGTH
 from .stepped import NODES, Contact
 
-LAWS = build_heat(Layout(HeatedLineContactParameters).defaults())
+LAWS = build_heat(ehl_line_contact(layers=8).parameters.defaults())
 # Temperatures that any load and speed of these tests leave at the inlet's.
 IDEAL = {"capacity_1": 1e15, "capacity_2": 1e15, "conductivity_1": 1e9, "conductivity_2": 1e9}
 UNLIMITED = LAWS.traction._replace(limiting_stress=1e12)
