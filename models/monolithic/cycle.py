@@ -1,7 +1,7 @@
 """Steady cycles: motions of a system that repeat themselves after a period."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -29,8 +29,8 @@ MEMORY, SETTLED = 6, 3
 class Cycle:
     """One period of a motion, sampled at equal distances, both ends included.
 
-    `inputs` and `outputs` are (n, variables of the system), `end` is the last state. `change` is the largest
-    change of a state over the period, relative to nominal + |value|. `periods` were computed.
+    `inputs`, `outputs` and `states` are (n, variables of the system), `end` is the last state. `change` is
+    the largest change of a state over the period, relative to nominal + |value|. `periods` were computed.
     """
 
     system: System
@@ -40,6 +40,7 @@ class Cycle:
     end: Vector
     change: float
     periods: int
+    states: Vector = field(default_factory=lambda: np.zeros((0, 0)))
 
     @property
     def steady(self) -> bool:
@@ -119,7 +120,7 @@ def find_cycle(
     if len(states) < times.size:
         states = _move(problem, best.begin, times, times, tolerance)
     inputs, outputs = observe(problem.evaluation, times, states)
-    return Cycle(system, times, inputs, outputs, best.end, best.change, len(found))
+    return Cycle(system, times, inputs, outputs, best.end, best.change, len(found), states[:, :n])
 
 
 class _Period(NamedTuple):

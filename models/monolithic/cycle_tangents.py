@@ -4,6 +4,7 @@ With Phi and b the tangents of a period's end by its start and by a parameter, t
 by s = Phi s + b. The same Phi leads from a cycle that is nearly closed to the closed one, by Newton's method.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -55,6 +56,11 @@ class CycleTangents:
     _slopes: Slopes = field(repr=False)
     _flow: Flow = field(repr=False)
     _start: Vector = field(repr=False)
+
+    @property
+    def begin(self) -> float:
+        """Of the motion (s)."""
+        return self._flow.steps[0].t
 
     @property
     def steps(self) -> int:
@@ -110,16 +116,16 @@ class CycleTangents:
 
 
 def differentiate_cycle(
-    system: System, period: float, turning: Sequence[str], directions: Sequence[Direction], start: Vector
-) -> CycleTangents:
+    system: System, period: float, turning: Sequence[str], directions: Sequence[Direction], start: Vector,
+    closed: float = CLOSED, coarse: float = 1.0,
+) -> CycleTangents:  # fmt: skip
     """The cycle of that period (s) near the state `start`, as `find_cycle` finds one, and its tangents.
 
+    A change of states by `closed` over the period is none; errors of steps may be `coarse` times as large.
     ModelError where no kernel's derivative is known, or where the motion does not close.
     """
-    names = system.parameters.names
-    places = [[(names.index(name), size) for name, size in one.parameters.items()] for one in directions]
-    slopes = Slopes(system, places)
-    variation, n = Variation(slopes), system.state.size
+    slopes = _find_slopes(system, directions)
+    variation, n = Variation(slopes, coarse), system.state.size
     free = ~list_held(system, turning)
     nominal = system.state.nominal[free]
     x = np.array(start)
@@ -137,12 +143,12 @@ def differentiate_cycle(
         by_period = np.outer(slopes.rates(ends, end[None])[0], [one.period for one in directions])
         right = np.column_stack([(tangents[:, n:] + by_period)[free], missing]) / nominal[:, None]
         moved = close_period(np.eye(nominal.size) - turned, right) * nominal[:, None]
-        if change <= CLOSED or change > 0.5 * before:
+        if change <= closed or change > 0.5 * before:
             break
         before = change
         x[free] += moved[:, -1]
     # Each step may be off by its tolerance.
-    if change > max(1e3 * CLOSED, STATES * len(flow.steps)):
+    if change > max(1e3 * closed, coarse * STATES * len(flow.steps)):
         raise ModelError(
             f"the cycle does not close: a period changes its states by {change:.2g} of their sizes"
         )
@@ -150,6 +156,24 @@ def differentiate_cycle(
     begin[free] = moved[:, :-1]
     multipliers = np.linalg.eigvals(turned)
     return CycleTangents(system, period, change, multipliers, directions, slopes, flow, begin)
+
+
+def differentiate_part(
+    system: System, begin: float, duration: float, directions: Sequence[Direction], start: Vector,
+    coarse: float = 1.0,
+) -> CycleTangents:  # fmt: skip
+    """A part of a cycle (s) from the state `start`, which no direction changes, with its tangents."""
+    slopes = _find_slopes(system, directions)
+    flow = Variation(slopes, coarse).move(start, duration, begin)
+    still = np.zeros((start.size, len(directions)))
+    return CycleTangents(system, duration, math.nan, np.empty(0), directions, slopes, flow, still)
+
+
+def _find_slopes(system: System, directions: Sequence[Direction]) -> Slopes:
+    index = {name: i for i, name in enumerate(system.parameters.names)}
+    return Slopes(
+        system, [[(index[name], size) for name, size in one.parameters.items()] for one in directions]
+    )
 
 
 def close_period(opening: Vector, right: Vector) -> Vector:

@@ -118,13 +118,16 @@ class _Stages:
 
 
 class Variation:
-    """Motions of a system, with tangents in all directions of its slopes."""
+    """Motions of a system, with tangents in all directions of its slopes.
 
-    def __init__(self, slopes: Slopes) -> None:
+    Errors of steps may be `coarse` times as large.
+    """
+
+    def __init__(self, slopes: Slopes, coarse: float = 1.0) -> None:
         for name, instance in slopes.system.instances.items():
             if instance.component.events:
                 raise ModelError(f"{name}: {instance.component.name} has events; its motion has no tangents")
-        self._slopes = slopes
+        self._slopes, self._coarse = slopes, coarse
         self._nominal = slopes.system.state.nominal
         n = self._n = self._nominal.size
         outputs = slopes.system.outputs
@@ -140,19 +143,24 @@ class Variation:
         shares = np.max(np.abs(self._steps) / np.where(p == 0.0, sizes, np.abs(p)), axis=1)
         self._least = np.maximum(shares * STATES / TANGENTS, 1e-12)
 
-    def move(self, x: Vector, duration: float) -> Flow:
-        """From the state `x` at time 0, with the tangents by the start, then by parameters."""
-        found, events, t, h = list[Step](), list[Event](), 0.0, FIRST_SHARE * duration
+    def move(self, x: Vector, duration: float, begin: float = 0.0) -> Flow:
+        """From the state `x` at time `begin`, with the tangents by the start, then by parameters."""
+        found, events, t, h = list[Step](), list[Event](), begin, FIRST_SHARE * duration
+        end = begin + duration
         instant = INSTANT * duration
         tangents = np.eye(self._n, self._slopes.count)
         sizes = self._size(tangents)
-        slope = self._slopes.at(np.zeros(1), x[None])[0]
-        while t < duration:
-            planned = h = min(h, duration - t)
+        slope = self._slopes.at(np.array([t]), x[None])[0]
+        while t < end:
+            planned = h = min(h, end - t)
             if h < 0.01 * instant:
                 raise ModelError(f"tangents: at t = {t:.9g} s no step is short enough")
             stages = self._solve(t, h, x, slope, found[-1] if found else None)
-            error = math.inf if stages is None else _error(h, stages.coefficients, STATES * self._nominal)
+            error = (
+                math.inf
+                if stages is None
+                else _error(h, stages.coefficients, self._coarse * STATES * self._nominal)
+            )
             if stages is None or error > 1.0:
                 h *= _factor(error)
                 continue
@@ -164,12 +172,13 @@ class Variation:
                     continue
             step, after, slopes = self._follow(stages, tangents)
             larger = np.maximum(sizes, self._size(after))
-            wrong = _error(step.h, step.tangent_rates, TANGENTS * self._nominal[:, None] * larger)
+            allowed = self._coarse * TANGENTS * self._nominal[:, None] * larger
+            wrong = _error(step.h, step.tangent_rates, allowed)
             if wrong > 1.0 and step.h > LEAST * duration:
                 h = step.h * _factor(wrong)
                 continue
             found.append(step)
-            t = duration if t + step.h >= duration - instant else t + step.h
+            t = end if t + step.h >= end - instant else t + step.h
             x, tangents, sizes, slope = stages.states[-1].copy(), after, larger, slopes[-1]
             if event < math.inf:
                 crossed, tangents = self._cross(t, x, tangents, indicator, instant)

@@ -17,7 +17,7 @@ RPM = 30.0 / math.pi
 
 
 def draw_design(table: xarray.Dataset) -> Figure:
-    """Kinematics on the left, the cam and its contacts at the highest of the speeds on the right."""
+    """Kinematics on the left, the cam and its contacts on the right, each at the speed where it is worst."""
     limits, speed = json.loads(table.attrs["limits"]), float(table.attrs["cam_speed"])
     contacts = [str(n).removesuffix(".load") for n in table.data_vars if str(n).endswith(".load")]
     contact = contacts[0]
@@ -25,7 +25,8 @@ def draw_design(table: xarray.Dataset) -> Figure:
     degrees = np.degrees(table["angle"].values)
     square, cube = speed**2, speed**3
     sizes = {key: limits[key] for key in limits}
-    at = f"at {speed * RPM:.0f} r/min of the cam"
+    shaft, top = table.attrs["shaft"], float(table.attrs["top_speed"])
+    at = f"at {top * RPM:.0f} r/min of {shaft}"
     left: Sequence[tuple[str, float, str, list[float]]] = (
         ("lift", 1e3, "Lift (mm)", [1e3 * sizes["largest_lift"]] if "largest_lift" in sizes else []),
         ("slope", speed, f"Velocity (m/s)\n{at}", _both(sizes, "largest_velocity")),
@@ -37,19 +38,19 @@ def draw_design(table: xarray.Dataset) -> Figure:
     curved = [1.0 / sizes["least_radius"]] if "least_radius" in sizes else []
     curved += [-1.0 / sizes["wheel_radius"]] if sizes.get("wheel_radius", math.inf) < 10.0 else []
     _plot(axes[0, 1], degrees, table["curvature"].values, "Curvature of the cam (1/m)", curved)
-    shown = float(table["speed"].values[-1])
-    at = f"at {shown * RPM:.0f} r/min"
+    worst: dict[str, float] = json.loads(table.attrs["worst"])
     right: Sequence[tuple[str, float, str, list[float]]] = (
-        ("load", 1.0, f"Load of {contact} (N)\n{at}", []),
+        ("load", 1.0, f"Load of {contact} (N)", []),
         (
-            "maximum_pressure", 1e-6, f"Hertz pressure (MPa)\n{at}",
+            "maximum_pressure", 1e-6, "Hertz pressure (MPa)",
             [1e-6 * sizes[f"{contact}.maximum_pressure"]] if f"{contact}.maximum_pressure" in sizes else [],
         ),
-        ("film_ratio", 1.0, f"Film over roughness\n{at}", [one for one in [sizes["film_ratio"]] if one]),
+        ("film_ratio", 1.0, "Film over roughness", [one for one in [sizes["film_ratio"]] if one]),
     )  # fmt: skip
     for panel, (name, factor, label, lines) in zip(axes[1:, 1], right, strict=True):
-        values = factor * table[f"{contact}.{name}"].sel(speed=shown).values
-        _plot(panel, degrees, np.where(np.isfinite(values), values, np.nan), label, lines)
+        values = factor * table[f"{contact}.{name}"].sel(speed=worst[name]).values
+        at = f"at {worst[name] * RPM:.0f} r/min of {shaft}"
+        _plot(panel, degrees, np.where(np.isfinite(values), values, np.nan), f"{label}\n{at}", lines)
     lifted = table["lift"].values.max(axis=0) > 1e-3 * table["lift"].values.max()
     for panel in axes[-1]:
         panel.set_xlabel("Cam angle (°)")

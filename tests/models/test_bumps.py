@@ -44,17 +44,16 @@ def test_areas_are_integrals() -> None:
     assert np.trapezoid(lift, angles) == pytest.approx(float(BUMPS.areas @ coefficients), rel=1e-6)
 
 
-def test_splines_at_the_ends_are_sums_of_equal_ones() -> None:
-    """So that what one equal spline does can be moved to all places."""
-    angles, coefficients = sample()
-    inner = Bumps(BUMPS.begin - 5 * BUMPS.spacing, BUMPS.end + 5 * BUMPS.spacing, BUMPS.count + 10)
-    matrix = BUMPS.from_equal
-    middle = BUMPS.count // 2
-    alone = np.zeros(matrix.shape[0])
-    alone[BUMPS.equal_place(middle)] = 1.0
-    np.testing.assert_allclose(matrix[:, middle], alone, atol=1e-9)
-    equal = inner.at(angles)[:, 2:-2]
-    np.testing.assert_allclose(equal @ (matrix @ coefficients), BUMPS.at(angles) @ coefficients, atol=1e-9)
+def test_symmetric_lifts_are_those_with_equal_coefficients_on_both_sides() -> None:
+    for count in (9, 10):
+        alike = Bumps(BUMPS.begin, BUMPS.end, count, symmetric=True)
+        every, half = Bumps(BUMPS.begin, BUMPS.end, count), np.random.default_rng(1).normal(size=alike.count)
+        both = np.append(half, half[::-1][count % 2 :])
+        angles = np.linspace(BUMPS.begin + 1e-6, BUMPS.end - 1e-6, 101)
+        lift = alike.at(angles) @ half
+        np.testing.assert_allclose(lift, every.at(angles) @ both, atol=1e-12)
+        np.testing.assert_allclose(lift, lift[::-1], atol=1e-12)
+        assert alike.areas @ half == pytest.approx(every.areas @ both)
 
 
 def test_a_fit_has_the_lift_of_its_coefficients() -> None:

@@ -4,26 +4,21 @@ import math
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import tribocosim
-from models.core.quantities import Vector
 from models.core.system import ModelError
 from models.valve_train.followers.mechanisms import Flat
-from orchestrator.assessment.motion import Found
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.scenario.system import list_parameters
 from orchestrator.scenario.wire import insert_wire
-from orchestrator.study.design.answers import Answer, Column, mend
 from orchestrator.study.design.brief import Brief, Limits, read_bounds, read_brief
 from orchestrator.study.design.deliverables import deliver
-from orchestrator.study.design.figures import Bound, Objective, Slopes, find_objective, list_bounds
+from orchestrator.study.design.figures import Bound, Objective, find_objective, list_bounds
 from orchestrator.study.design.files import keep
-from orchestrator.study.design.film import find_reversals
 from orchestrator.study.design.limits import Limit, Model
 from orchestrator.study.design.run import find_own_limits
 from orchestrator.study.design.search import Search
@@ -37,55 +32,6 @@ from orchestrator.study.speeds.subject import describe_numbers
 from .test_design import build_lobe, write_brief
 
 SPEED = 2500.0 * math.pi / 30.0
-
-
-class Quadratic(Slopes):
-    """Figures a.x + x.B x of unknowns, whose cycles are the unknowns themselves."""
-
-    def _read(self, cycle: Any) -> dict[str, Found]:
-        bend = np.diag([0.1, 0.2, 0.3])
-        return {
-            name: Found(float(a @ cycle + cycle @ bend @ cycle), 0)
-            for name, a in zip(self.names, np.array([[1.0, -2.0, 3.0], [0.5, 0.0, 1.0]]), strict=True)
-        }
-
-
-def test_derivatives_of_figures_learn_from_every_cycle() -> None:
-    """Broyden's secant condition: they give the change to the last cycle, and stay across it."""
-
-    class Train:
-        def simulate(self, x: Vector, speed: float) -> Vector:
-            return x
-
-    steps = np.full(3, 1e-6)
-    slopes = Quadratic(Train(), ["p.a", "p.b"], steps, np.array([1.0, 2.0, 4.0]))  # type: ignore[arg-type]
-    x = np.array([1.0, 1.0, 1.0])
-    found = slopes.observe(x, 1.0, x)  # type: ignore[arg-type]
-    first = slopes.settle(x, 1.0, found)
-    np.testing.assert_allclose(first, [[1.2, -1.6, 3.6], [0.7, 0.4, 1.6]], atol=1e-5)
-    step = np.array([0.3, -0.4, 0.8])
-    there = slopes.observe(x + step, 1.0, x + step)
-    mended = slopes.settle(x, 1.0, found)
-    change = [there[name].value - found[name].value for name in slopes.names]
-    np.testing.assert_allclose(mended @ step, change, rtol=1e-12)
-    across = np.array([1.0, 0.0, -0.3 * 16.0 / 0.8])  # to the step over the sizes of the unknowns
-    np.testing.assert_allclose(mended @ across, first @ across, rtol=1e-12)
-
-
-def test_answers_learn_from_other_cycles_but_where_contact_is_lost() -> None:
-    """The change to the last cycle is theirs; rows behind a loss, nan, stay as they were."""
-    random = np.random.default_rng(4)
-    rows, n = 7, 3
-    here, there = (Column(*random.normal(size=(2, rows))) for _ in range(2))
-    there.low[5:] = np.nan
-    gradient = random.normal(size=(rows, n))
-    answer = Answer(1.0, {"c.load": here}, {"c.load": gradient}, None)  # type: ignore[arg-type]
-    place, other = np.ones(n), np.array([1.1, 0.8, 1.3])
-    mended = mend(answer, place, [(other, {"c.load": there}), (place, {})], np.array([1.0, 2.0, 3.0]))
-    found = mended.gradients["c.load"] @ (other - place)
-    change = 0.5 * (there.low + there.high - here.low - here.high)
-    np.testing.assert_allclose(found[:5], change[:5], rtol=1e-12)
-    np.testing.assert_array_equal(mended.gradients["c.load"][5:], gradient[5:])
 
 
 def test_a_line_is_an_objective_and_a_limit() -> None:
@@ -118,32 +64,6 @@ def test_the_speed_of_separation_is_an_unknown() -> None:
     assert found.unknowns[-1] == pytest.approx(0.03, abs=1e-9)
 
 
-def test_the_film_of_another_cam_is_foreseen() -> None:
-    """A lift that is lower by 5 % in the middle, against a cycle of it. Away from reversals of the velocity a
-    film follows the formula's exponents: to 1 % in the mean. At a reversal, where it stays, to 20 %."""
-    train = open_train(read_changed("valve-train"), 16)
-    x = train.lobe.start
-    there = x * (1.0 - 0.05 * np.exp(-(((np.arange(16) - 7.5) / 3.0) ** 2)))
-    film = train.film(0.0, SPEED)
-    assert film
-    looks = []
-    for unknowns in (x, there):
-        cycle = train.simulate(unknowns, SPEED)
-        touch = train.lobe.touch(train.lobe.curve(unknowns), train.lobe.kind.geometry)
-        load = train.read(cycle.__getitem__, ["contact.load"])["contact.load"]
-        looks.append((train.film_ratios(cycle.__getitem__), touch, load.high))
-    (before, here, force), (after, changed, other) = looks
-    foreseen = film.foresee(before, here, force)(changed, other)
-    reversals = find_reversals(changed)
-    assert len(reversals) == 4
-    for i in reversals:
-        assert foreseen[i] == pytest.approx(after[i - 8 : i + 9].min(), rel=0.2)
-    foreseen[reversals] = np.nan
-    assert np.isfinite(foreseen).mean() > 0.7
-    assert np.nanmean(np.abs(foreseen / after - 1.0)) < 0.01
-    assert np.nanmean(np.abs(np.where(np.isfinite(foreseen), before, np.nan) / after - 1.0)) > 0.03
-
-
 WIRE = {
     "component": "valve_spring",
     "wire": {"diameter": "4 mm", "mean_diameter": "25 mm", "active_coils": 6.0, "free_length": "50 mm",
@@ -167,8 +87,8 @@ def test_a_wire_as_an_unknown_gives_its_spring() -> None:
 
 
 def test_parameters_beside_the_lift_have_their_answers() -> None:
-    """A newton of preload is one of load along the event; in at most 5 % of it the squeeze adds
-    more than 2 % to it. A larger base circle is the follower's too."""
+    """A newton of preload is one of load along the event, about which it vibrates. A larger base circle
+    is that of the follower too."""
     train = open_train(read_changed("valve-train"), 16)
     own = list_parameters(train.scenario)
     bounds = {"camshaft.base_radius": (0.018, 0.024), "valve_spring.preload": (200.0, 600.0)}
@@ -177,9 +97,11 @@ def test_parameters_beside_the_lift_have_their_answers() -> None:
     x = np.append(train.lobe.start, list(train.given.values()))
     cycle = train.simulate(x, SPEED)
     train.begin_with(cycle, SPEED)
-    found = train.answer(x, cycle, SPEED, ["contact.load"]).gradients["contact.load"]
+    answer = train.answer(train.differentiate(x, cycle, True), cycle, SPEED, ["contact.load"])
+    found = answer.gradients["contact.load"]
     assert found.shape == (train.lobe.angles.size, 18)
-    assert np.mean(np.abs(found[:, -1] - 1.0) < 0.02) > 0.95
+    assert found[:, -1].mean() == pytest.approx(1.0, abs=5e-3)
+    assert np.mean(np.abs(found[:, -1] - 1.0) < 0.05) > 0.9
     wanted = Wanted({}, {}, {}, 0.0, [SPEED], [])
     search = Search(train, wanted, np.array(list(bounds.values())), SPEED, 1.0, print)
     x[-2] = 0.022

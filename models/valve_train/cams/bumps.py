@@ -21,15 +21,28 @@ RESTING = 3
 
 @dataclass(frozen=True)
 class Bumps:
-    """`count` splines between the cam angles `begin` and `end` (rad), with equally spaced knots."""
+    """`splines` between the cam angles `begin` and `end` (rad), with equally spaced knots; where `symmetric`,
+    each has the same coefficient as its mirror image."""
 
     begin: float
     end: float
-    count: int
+    splines: int
+    symmetric: bool = False
 
     @property
     def intervals(self) -> int:
-        return self.count + 2 * RESTING - DEGREE
+        return self.splines + 2 * RESTING - DEGREE
+
+    @cached_property
+    def _shares(self) -> Vector:
+        """Of the coefficients (columns) in the splines (rows)."""
+        every = np.eye(self.splines)
+        return np.maximum(every, every[::-1])[:, : self.count] if self.symmetric else every
+
+    @property
+    def count(self) -> int:
+        """Of coefficients."""
+        return (self.splines + 1) // 2 if self.symmetric else self.splines
 
     @property
     def spacing(self) -> float:
@@ -43,32 +56,19 @@ class Bumps:
 
     @cached_property
     def _splines(self) -> BSpline:
-        every = np.eye(self.count + 2 * RESTING)[:, RESTING:-RESTING]
+        every = np.eye(self.splines + 2 * RESTING)[:, RESTING:-RESTING] @ self._shares
         return BSpline(self._knots, every, DEGREE, extrapolate=False)
 
-    @cached_property
-    def from_equal(self) -> Vector:
-        """Each of these splines (columns) as a sum of equal ones (rows), of which the first begins DEGREE
-        knots before the event, and each other one knot after the one before."""
-        knots = self.begin + self.spacing * np.arange(-DEGREE, self.intervals + DEGREE + 1)
-        equal = BSpline(knots, np.eye(self.intervals + DEGREE), DEGREE)
-        at = np.linspace(self.begin, self.end, 8 * self.intervals + 1)
-        return np.asarray(np.linalg.lstsq(equal(at), self.at(at), rcond=None)[0])
-
-    def equal_place(self, which: int) -> int:
-        """The row of `from_equal` that one of the splines inside is alone."""
-        return which + RESTING
-
     def at(self, angles: Vector, derivative: int = 0) -> Vector:
-        """Values of all splines (columns) or of a derivative, at cam angles (rows), in any turn."""
+        """Lift of each coefficient (columns) or a derivative of it, at cam angles (rows), in any turn."""
         into = self.begin + (angles - self.begin) % TURN
         return np.nan_to_num(self._splines(into, nu=derivative))
 
     @property
     def areas(self) -> Vector:
-        """The integral of each spline over the cam angle (rad)."""
+        """The integral of that over the cam angle (rad)."""
         knots = self._knots[RESTING:-RESTING]
-        return np.asarray((knots[DEGREE + 1 :] - knots[: -DEGREE - 1]) / (DEGREE + 1))
+        return np.asarray((knots[DEGREE + 1 :] - knots[: -DEGREE - 1]) / (DEGREE + 1) @ self._shares)
 
     def fit(self, angles: Vector, lift: Vector, curvature: Vector, smoothing: float = 0.0) -> Vector:
         """The coefficients (m) whose lift (m) and second derivative (m/rad^2) are nearest to these, by least

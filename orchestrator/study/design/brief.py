@@ -77,6 +77,8 @@ class Limits(Table):
     largest_offset: Length = FREE
     # Of curvature, where the cam is convex.
     least_radius: Length = OWN
+    # Of curvature in the middle third of the event, above which a nose is called flat.
+    largest_nose_radius: Length = FREE
     # Of the grinding wheel that a hollow flank takes; own: no hollow, where there is none.
     wheel_radius: Length = OWN
     # By Hertz, of each contact.
@@ -144,6 +146,8 @@ class Brief(Table):
     cam: str | None = None
     # Bumps that the lift is made of.
     coefficients: int = Field(30, ge=FEWEST, le=MOST, strict=True)
+    # Both flanks alike, so that half as many coefficients vary.
+    symmetric: bool = False
     # Cam angles at which the ramps join the event; left out, as the ramps: as in the scenario.
     event: tuple[Angle, Angle] | None = None
     ramps: Annotated[Ramps | None, BeforeValidator(lambda value: parse_table(Ramps, value))] = None

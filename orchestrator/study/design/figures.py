@@ -1,28 +1,18 @@
-"""Figures of merit in a design: what is asked of them, and how they change with all unknowns.
-
-Their derivatives are measured once, by a cycle with a bump in each unknown, and then mended by what further
-cycles show (Broyden 1965).
-"""
+"""Figures of merit in a design: what is asked of them, and their limits as lines."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
-
-import numpy as np
 
 from models.core.quantities import Vector
 from models.core.system import ModelError
-from models.monolithic.cycle import Cycle
 
 from ...analyses import Result
 from ...assessment.figures_of_merit import measure
 from ...assessment.motion import Found, Motion
 from ...errors import MistakeError, one_of
-from ..speeds.subject import to_motion
 from .brief import FIGURES, FREE, OWN, Brief, Size
 from .slp import Line
-from .train import DesignedTrain
 
 AREA, SEPARATION = "lift_area", "separation_speed"
 MOST, LEAST = 1.0, -1.0
@@ -107,57 +97,6 @@ def read_figures(motion: Motion, names: Sequence[str]) -> dict[str, Found]:
     if missing := [name for name in names if not math.isfinite(found[name].value)]:
         raise ModelError(f"{', '.join(missing)}: no value in the cycle")
     return {name: found[name] for name in names}
-
-
-class _Known(NamedTuple):
-    place: Vector
-    values: Vector
-    slopes: Vector
-
-
-@dataclass(frozen=True)
-class Slopes:
-    """Derivatives of figures at speeds by all unknowns, of which `steps` are bumps and `scale` are sizes."""
-
-    train: DesignedTrain
-    names: Sequence[str]
-    steps: Vector
-    scale: Vector
-    _known: dict[float, _Known] = field(default_factory=dict)
-
-    def observe(self, x: Vector, speed: float, cycle: Cycle) -> dict[str, Found]:
-        """The figures of a cycle, which teach their derivatives."""
-        found = self._read(cycle)
-        values = np.array([one.value for one in found.values()])
-        if before := self._known.get(speed):
-            step = (x - before.place) / self.scale
-            if square := float(step @ step):
-                error = values - before.values - before.slopes @ step
-                mended = before.slopes + np.outer(error, step) / square
-                self._known[speed] = before._replace(slopes=mended)
-        return found
-
-    def _read(self, cycle: Cycle) -> dict[str, Found]:
-        return read_figures(to_motion(cycle, self.train.subject.flywheel), self.names)
-
-    def settle(self, x: Vector, speed: float, found: Mapping[str, Found]) -> Vector:
-        """The derivatives at a place from which the search goes on, (figures, unknowns)."""
-        values = np.array([found[name].value for name in self.names])
-        before = self._known.get(speed)
-        slopes = self._measure(x, speed, values) if before is None else before.slopes
-        self._known[speed] = _Known(x.copy(), values, slopes)
-        return slopes / self.scale
-
-    def _measure(self, x: Vector, speed: float, values: Vector) -> Vector:
-        columns = np.zeros((values.size, x.size))
-        for which in np.flatnonzero(self.steps):
-            changed = x.copy()
-            changed[which] += self.steps[which]
-            there = self._read(self.train.simulate(changed, speed))
-            columns[:, which] = [one.value for one in there.values()]
-            columns[:, which] -= values
-        sizes = np.where(self.steps == 0.0, 1.0, self.steps) / self.scale
-        return np.asarray(columns / sizes)
 
 
 def bound_lines(

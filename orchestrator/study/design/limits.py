@@ -5,16 +5,17 @@ differentiated by central differences in s, s', s'', s''' and in the load, at ev
 rule in the unknowns.
 """
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.core.quantities import Vector
 
 from .answers import Answer
-from .film import Film
 from .lobe import Curve, Lobe, Touch
 from .slp import Line, Local, Rows
 
@@ -69,14 +70,20 @@ def _most_values(speed: float) -> dict[str, Callable[[State], Vector]]:
     }
 
 
-def find_own_sizes(lobe: Lobe, speed: float) -> dict[str, float]:
-    """The sizes of the limits of the scenario's own cam, in SI units, at a speed of the cam (rad/s)."""
-    touch, none = lobe.touch(lobe.own, lobe.kind.geometry), np.empty(0)
-    here, bend = State(lobe.own, touch, none, none), touch.turn / touch.cam_rate
+def find_sizes(lobe: Lobe, curve: Curve, geometry: Any, speed: float) -> dict[str, float]:
+    """What a lift has of the limits of the cam itself, in SI units, at a speed of the cam (rad/s)."""
+    touch, none = lobe.touch(curve, geometry), np.empty(0)
+    here, bend = State(curve, touch, none, none), touch.turn / touch.cam_rate
     return {name: float(value(here).max()) for name, value in _most_values(speed).items()} | {
         "least_radius": float(1.0 / bend.max()),
         "wheel_radius": float(-1.0 / bend.min()) if bend.min() < 0.0 else 1e3,
+        "largest_nose_radius": float(1.0 / max(bend[_middle(bend.size)].min(), 1e-3)),
     }
+
+
+def _middle(rows: int) -> NDArray[np.bool_]:
+    """Whether a row is in the part of the event with the nose."""
+    return np.asarray(np.abs(np.linspace(-1.0, 1.0, rows)) <= NOSE)
 
 
 def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: float) -> Iterator[Limit]:
@@ -87,6 +94,9 @@ def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: floa
     bends: dict[str, Callable[[State, float], Vector]] = {
         "least_radius": lambda q, size: (q.touch.turn * size - q.touch.cam_rate) / base_radius,
         "wheel_radius": lambda q, size: -(q.touch.turn * size + q.touch.cam_rate) / base_radius,
+        "largest_nose_radius": lambda q, size: np.where(
+            _middle(q.curve.s.size), (q.touch.cam_rate - q.touch.turn * size) / base_radius, -1.0
+        ),
     }
     for name, excess in bends.items():
         if name in sizes:
@@ -94,8 +104,7 @@ def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: floa
     yield Limit("undercut", CUSP, lambda q, size: size - q.touch.cam_rate / base_radius)
 
     def rises(state: State, size: float) -> Vector:
-        middle = np.abs(np.linspace(-1.0, 1.0, state.curve.dds.size)) <= NOSE
-        return np.where(middle, state.curve.dds / base_radius - size, -1.0)
+        return np.where(_middle(state.curve.dds.size), state.curve.dds / base_radius - size, -1.0)
 
     yield Limit("dip of the nose", 0.0, rises)
 
@@ -139,17 +148,12 @@ def pressure_limit(
     return Limit(name, most, excess, column, speed)
 
 
-def film_limit(
-    name: str, column: str, speed: float, least: float, ratios: Vector, film: Film, here: State
-) -> Limit:  # fmt: skip
-    """The contact keeps at least this film over roughness, of which `ratios` are those of a cycle with the
-    state `here`; nan where there are none."""
-    foresee = film.foresee(ratios, here.touch, here.high)
-
-    def excess(state: State, size: float) -> Vector:
-        return np.asarray(np.nan_to_num(1.0 - foresee(state.touch, state.high) / size, nan=-1.0))
-
-    return Limit(name, least, excess, column, speed)
+def film_limit(name: str, column: str, speed: float, least: float, ratios: Vector) -> Limit:
+    """The contact keeps at least this film over roughness, of which `ratios` are those of a cycle (nan:
+    none), where it is thinner than on both sides: such a place may move without harm."""
+    beside = np.pad(np.nan_to_num(ratios, nan=math.inf), 1, constant_values=math.inf)
+    thin = np.isfinite(ratios) & (ratios <= np.minimum(beside[:-2], beside[2:]))
+    return Limit(name, least, lambda q, size: np.where(thin, 1.0 - q.low / size, -1.0), column, speed)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,34 +32,37 @@ class Curve(NamedTuple):
 
 class Touch(NamedTuple):
     """The contact along a curve: see `CamContact`; `turn` of the normal by the cam angle in the cam's frame,
-    so that `cam_rate`/`turn` is the cam's radius of curvature. The mean velocity of both surfaces over the
-    cam's speed is `entrained` (m), its derivative by the cam angle `entrained_by` (m/rad)."""
+    so that `cam_rate`/`turn` is the cam's radius of curvature."""
 
     cam_rate: Vector
     turn: Vector
     pressure_angle: Vector
     arm: Vector
-    entrained: Vector
-    entrained_by: Vector
 
 
 @dataclass(frozen=True)
 class Lobe:
-    """The event between cam angles `begin` and `end` (rad) where the ramps join, and `count` bumps in it."""
+    """The event between cam angles `begin` and `end` (rad) where the ramps join, and so many bumps in it."""
 
     kind: CamKind
     begin: float
     end: float
-    count: int
+    splines: int
+    symmetric: bool = False
 
     @cached_property
     def bumps(self) -> Bumps:
-        return Bumps(self.begin, self.end, self.count)
+        return Bumps(self.begin, self.end, self.splines, self.symmetric)
+
+    @property
+    def count(self) -> int:
+        """Of coefficients."""
+        return self.bumps.count
 
     @cached_property
     def angles(self) -> Vector:
         """Cam angles (rad) of the event at which limits are looked at."""
-        rows = FINE * (self.count + 5) + 1
+        rows = FINE * (self.splines + 5) + 1
         return np.linspace(self.begin, self.end, rows)
 
     @cached_property
@@ -114,21 +116,10 @@ class Lobe:
 
     def touch(self, curve: Curve, geometry: Any) -> Touch:
         """Where the follower touches the cam of this lift."""
-        rows = self._touch(curve, geometry)
-        _, _, n_x, n_y, arm, _, cam_rate, _, normal_turn = rows.T
-        ahead = [one + STEP * slope for one, slope in pairwise(curve)]
-        entrained = self._entrain(rows)
-        slope = (self._entrain(self._touch(curve._replace(s=ahead[0], ds=ahead[1], dds=ahead[2]), geometry))
-                 - entrained) / STEP  # fmt: skip
-        return Touch(cam_rate, normal_turn + 1.0, np.arctan2(n_x, n_y), arm, entrained, slope)
-
-    def _touch(self, curve: Curve, geometry: Any) -> Vector:
         touch = self.kind.follower.touch
-        return np.array([touch(Lift(*row), geometry) for row in zip(*curve[:3], strict=True)])
-
-    def _entrain(self, rows: Vector) -> Vector:
-        cam_rate, follower_rate = rows[:, 6], rows[:, 7]
-        return np.asarray(cam_rate if self.kind.follower.rolling else 0.5 * (cam_rate + follower_rate))
+        rows = np.array([touch(Lift(*row), geometry) for row in zip(*curve[:3], strict=True)])
+        _, _, n_x, n_y, arm, _, cam_rate, _, normal_turn = rows.T
+        return Touch(cam_rate, normal_turn + 1.0, np.arctan2(n_x, n_y), arm)
 
 
 def find_event(kind: CamKind, given: tuple[float, float] | None) -> tuple[float, float]:

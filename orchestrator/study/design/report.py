@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib import metadata
 from typing import NamedTuple
 
@@ -19,6 +19,7 @@ from ...reporter import Reporter
 from ...scenario.display import format_number, show
 from ..wear.report import describe_place
 from .figures import AREA, Objective
+from .limits import find_sizes
 from .lobe import Curve, Lobe
 from .slp import Active
 from .train import DesignedTrain
@@ -28,9 +29,25 @@ RPM = 30.0 / math.pi
 CAMS = ("before", "after")
 # Figures that are compared, the first ones first.
 COMPARED = (
-    "lift_area", "largest_lift", "least_load", "peak_pressure", "least_film_ratio", "spring_margin",
-    "seating_velocity", "bounce", "friction_power", "surge_force",
+    "lift_area", "largest_lift", "largest_load", "least_load", "peak_pressure", "least_film_ratio",
+    "spring_margin", "seating_velocity", "bounce", "friction_power", "surge_force",
 )  # fmt: skip
+# The worse of two values; other figures are shown at the highest of the speeds.
+WORST: Mapping[str, Callable[..., float]] = {
+    "largest_load": max, "least_load": min, "peak_pressure": max, "least_film_ratio": min,
+    "spring_margin": min, "seating_velocity": max, "bounce": max,
+}  # fmt: skip
+# Of the cam alone, at the highest speed of the brief, in these units of so many SI ones.
+SIZES = {
+    "largest_acceleration": ("m/s²", 1.0), "largest_deceleration": ("m/s²", 1.0),
+    "largest_jerk": ("m/s³", 1.0), "least_radius": ("mm", 1e3),
+}  # fmt: skip
+# A flat nose: how long the lift is within 1 % of its largest, over that of the scenario's own cam. Flanks
+# that differ by more than this part of the largest lift are not symmetric.
+FLAT, NEAR_TOP, ALIKE = 1.25, 0.99, 2e-3
+DIP = "dip of the nose"
+# Outputs over the angle, drawn at the speed where a figure of the new cam is worst.
+DRAWN = {"load": "least_load", "maximum_pressure": "peak_pressure", "film_ratio": "least_film_ratio"}
 OUTPUTS = {"load": "N", "maximum_pressure": "Pa", "film_ratio": "1"}
 
 
@@ -98,15 +115,20 @@ def tabulate(
     }
     table["unit"] = xarray.Variable("figure", [shown[name].text for name in common])
     table["factor"] = xarray.Variable("figure", [shown[name].factor for name in common])
+    top = max((*wanted.speeds, *wanted.kept)) * train.ratio
+    own = lobe.own, lobe.curve(unknowns[: lobe.count])
+    sizes = [find_sizes(lobe, curve, g, top) for curve, g in zip(own, geometries, strict=True)]
     limits = {
         **wanted.sizes,
         **{f"{name}.maximum_pressure": size for name, size in wanted.pressures.items()},
         "least_load": wanted.least_load,
         "film_ratio": wanted.film,
     }
-    return xarray.Dataset(
-        table, {"cam": list(CAMS), "angle": PLACES, "speed": speeds, "figure": common}
-    ).assign_attrs(
+    found = xarray.Dataset(table, {"cam": list(CAMS), "angle": PLACES, "speed": speeds, "figure": common})
+    names = {output: f"{train.train.contacts[0]}.{figure}" for output, figure in DRAWN.items()}
+    worst = {o: find_worst(found, n)[0][1] if n in common else speeds[-1] for o, n in names.items()}
+    return found.assign_attrs(
+        worst=json.dumps(worst),
         title=f"{train.scenario.name}: {train.cam} before and after",
         separation=[math.nan if one.separation is None else one.separation for one in checks],
         area=improved.found.area,
@@ -114,11 +136,15 @@ def tabulate(
         feasible=int(not improved.found.beyond),
         active=json.dumps([describe_active(*one, wanted.objective) for one in improved.active]),
         limits=json.dumps(limits),
+        sizes=json.dumps(sizes),
+        shape=json.dumps(list(describe_shape(lobe, *own, [one["largest_nose_radius"] for one in sizes]))),
+        shaft=train.subject.flywheel,
         parameters=json.dumps(
             {name: [own, train.values(unknowns)[name]] for name, own in train.given.items()}
         ),
         objective=wanted.objective.name,
-        cam_speed=max((*wanted.speeds, *wanted.kept)) * train.ratio,
+        cam_speed=top,
+        top_speed=top / train.ratio,
         version=metadata.version("tribocosim"),
     )
 
@@ -140,40 +166,77 @@ def _list_figures(motions: Mapping[float, Motion], asked: Sequence[str]) -> dict
     return {name: whole[name] for name in order if name in whole}
 
 
+def describe_shape(lobe: Lobe, own: Curve, designed: Curve, radii: Sequence[float]) -> Iterator[str]:
+    """What a designed lift has lost: symmetry, a round nose, or having one nose, and what forbids that.
+    `radii` are the largest ones (m) of both noses."""
+    before, after = (float(np.abs(one.s - one.s[::-1]).max()) for one in (own, designed))
+    if after > max(2.0 * before, ALIKE * float(designed.s.max())):
+        yield (
+            f"the flanks differ by up to {1e3 * after:.2g} mm of lift, before by {1e3 * before:.2g} mm; "
+            "symmetric = true forbids it"
+        )
+    step = math.degrees(lobe.angles[1] - lobe.angles[0])
+    short, long = (step * np.count_nonzero(one.s > NEAR_TOP * one.s.max()) for one in (own, designed))
+    if long > FLAT * short:
+        yield (
+            f"the nose is flat: within 1 % of the largest lift for {long:.0f} deg of the cam, before for "
+            f"{short:.0f} deg; limits.largest_nose_radius forbids it: that is {1e3 * radii[1]:.3g} mm, "
+            f"before {1e3 * radii[0]:.3g} mm"
+        )
+    rising = designed.ds[lobe.ramps.s < designed.s] > 0.0
+    if (noses := int(np.count_nonzero(rising[:-1] & ~rising[1:]))) > 1:
+        yield f"the lift has {noses} noses with a dip between them; a limits.largest_nose_radius forbids it"
+
+
 def describe_active(active: Active, angle: float, objective: Objective) -> str:
     """E.g. "least_radius limits 3 deg after the nose: 1 % more of it gives -0.4 % of area"."""
     gain = 100.0 * active.gain * objective.sign
     place = "" if math.isnan(angle) else f" {describe_place(angle)}"
     wanted = "area" if objective.name == AREA else objective.name.replace("_", " ")
     effect = f": 1 % more of it changes the {wanted} by {gain:+.2g} %" if abs(gain) > 1e-3 else ""
-    return f"{active.name.replace('_', ' ')} limits{place}{effect}"
+    name = active.name.replace("_", " ")
+    if name == DIP:
+        name = "that the nose must not dip, with no acceleration above 0 in the middle third of the event,"
+    return f"{name} limits{place}{effect}"
 
 
 def report(table: xarray.Dataset, improved: Improved, reporter: Reporter) -> None:
     """A table of both cams, and what holds the new one."""
-    speed = float(table["speed"].values[-1])
     shown = Table(
-        Column("figure", no_wrap=True), "before", "after", "change",
-        title=f"{table.attrs['title']}, at {speed * RPM:.0f} r/min", title_justify="left", padding=0,
+        Column("figure", no_wrap=True), f"r/min of {table.attrs['shaft']}", "before", "after", "change",
+        title=f"{table.attrs['title']}, each where it is worst", title_justify="left", padding=0,
     )  # fmt: skip
     before, after = table.attrs["separation"]
     if math.isfinite(before) and math.isfinite(after):
-        shown.add_row("separation speed (r/min)", *_cells(RPM * before, RPM * after))
-    shown.add_row("area of the cam's lift, its ramps left out", "1", f"{table.attrs['area']:.4f}",
+        shown.add_row("separation speed (r/min)", "", *_cells(RPM * before, RPM * after))
+    shown.add_row("area of the cam's lift, its ramps left out", "", "1", f"{table.attrs['area']:.4f}",
                   f"{100.0 * (table.attrs['area'] - 1.0):+.2f} %")  # fmt: skip
+    sizes, top = json.loads(table.attrs["sizes"]), f"{RPM * table.attrs['top_speed']:.0f}"
+    for name, (unit, factor) in SIZES.items():
+        values = (factor * one[name] for one in sizes)
+        shown.add_row(f"{name.replace('_', ' ')} of the cam ({unit})", top, *_cells(*values))
     for name, unit, factor in zip(
         table["figure"].values, table["unit"].values, table["factor"].values, strict=True
     ):
-        values = float(factor) * table["value"].sel(figure=name).values[:, -1]
-        shown.add_row(f"{name} ({unit})".removesuffix(" ()"), *_cells(*values))
+        at, values = find_worst(table, str(name))
+        where = " and ".join(f"{RPM * speed:.0f}" for speed in dict.fromkeys(at))
+        shown.add_row(f"{name} ({unit})".removesuffix(" ()"), where, *_cells(*(float(factor) * values)))
     for name, values in json.loads(table.attrs["parameters"]).items():
-        shown.add_row(name, *_cells(*values))
+        shown.add_row(name, "", *_cells(*values))
     reporter.console.print(shown)
-    for text in json.loads(table.attrs["active"]):
+    for text in [*json.loads(table.attrs["active"]), *json.loads(table.attrs["shape"])]:
         reporter.line(text)
     if beyond := improved.found.beyond:
         worst = ", ".join(f"{name} by {100.0 * share:.2g} %" for name, share in beyond.items())
         reporter.line(f"no cam within all limits was found; the nearest one is beyond {worst}")
+
+
+def find_worst(table: xarray.Dataset, name: str) -> tuple[Vector, Vector]:
+    """The speeds (rad/s) and values of a figure "part.name" of both cams."""
+    values, speeds = table["value"].sel(figure=name).values, table["speed"].values
+    worse = WORST.get(name.rpartition(".")[2], lambda row: row[-1])
+    columns = [list(row).index(worse(row)) for row in values]
+    return speeds[columns], values[[0, 1], columns]
 
 
 def _cells(before: float, after: float) -> tuple[str, str, str]:

@@ -29,7 +29,7 @@ from .brief import FREE, OWN, Asked, Limits, Size, read_bounds
 from .deliverables import deliver
 from .figures import find_objective, list_bounds, read_figures
 from .files import CAM, DESIGN, FIGURE, FILES, LIFTS, PROGRESS, SCENARIO, TABLE, keep, read_kept
-from .limits import find_own_sizes
+from .limits import find_sizes
 from .report import Check, report, tabulate
 from .search import Search
 from .train import DesignedTrain, open_train
@@ -75,7 +75,7 @@ class _Cycles:
 def find_own_limits(train: DesignedTrain, limits: Limits, speed: float) -> dict[str, float]:
     """The sizes that are asked for the limits of the cam itself (SI); `speed` is the cam's (rad/s)."""
     found = {}
-    for name, size in find_own_sizes(train.lobe, speed).items():
+    for name, size in find_sizes(train.lobe, train.lobe.own, train.lobe.kind.geometry, speed).items():
         asked = getattr(limits, name)
         if asked != FREE and not (asked == OWN and size < 1e-9):
             found[name] = size if asked == OWN else float(asked)
@@ -131,7 +131,7 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
 
     pressures = {part: _choose(limits.peak_pressure, partial(find_pressure, part)) for part in parts}
     gaps = {part: _choose(limits.least_gap, partial(find_gap, part)) for part in train.springs}
-    film = _choose(limits.least_film_ratio, find_film) if train.film(0.0, top) else None
+    film = _choose(limits.least_film_ratio, find_film) if train.has_film else None
 
     def figure(name: str, speed: float) -> float:
         return read_figures(cycles[speed], [name])[name].value
@@ -170,7 +170,7 @@ def design(
     begun = None if overwrite else read_kept(out, asked)
     held = [] if begun is not None else find_results(out, DESIGN, overwrite, *FILES)
     brief = asked.brief
-    train = open_train(asked.tables, brief.coefficients, brief.cam, brief.event, brief.ramps)
+    train = open_train(asked.tables, brief.coefficients, brief.cam, brief.event, brief.ramps, brief.symmetric)
     bounds = read_bounds(brief, train.scenario, train.subject.flywheel, train.wires)
     train = train.with_parameters(bounds)
     with create_folder(out):

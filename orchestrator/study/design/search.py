@@ -1,6 +1,6 @@
 """The search for the best cam: cycles of the train, an optimum of what they say, and cycles again.
 
-The answers of the train's cycles to bumps of the lift make a linear model of its loads, with its vibrations.
+The tangents of the train's cycles make a linear model of its loads, with its vibrations.
 The optimum within a box around the last lift is taken where the cycles confirm it; else the box shrinks.
 A contact that is lost answers nothing: loads at a speed of separation are then continued from the next lower
 speed that keeps contact, by the square of the speed.
@@ -8,8 +8,7 @@ speed that keeps contact, by the square of the speed.
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,15 +19,15 @@ from models.monolithic.cycle import Cycle
 
 from ...assessment.figures_of_merit import CONTACT
 from ...assessment.motion import Found as Value
-from ...assessment.motion import Part
+from ...assessment.motion import Motion, Part
+from ..speeds.figure_slopes import differentiate_figures
 from ..speeds.separation import is_separated
 from ..speeds.subject import to_motion
-from .answers import Answer, Column, differ_by_speed, go_on, mend
-from .figures import AREA, LEAST, SEPARATION, Slopes, bound_lines
+from .answers import Answer, differ_by_speed, go_on
+from .figures import AREA, LEAST, SEPARATION, bound_lines, read_figures
 from .limits import (
     Limit,
     Model,
-    State,
     closing_limit,
     film_limit,
     gap_limit,
@@ -42,7 +41,7 @@ from .wanted import Found, Improved, Wanted, describe
 
 # Of the largest lift: the box of the coefficients at first, at most, and where the search ends.
 BOX, LARGEST, SMALLEST = 0.05, 0.15, 2e-3
-SHORTER, MOST_ROUNDS = 0.35, 16
+SHORTER, LONGER, MOST_ROUNDS = 0.35, 2.0, 40
 # A round that adds less of the objective is the last.
 LITTLE = 5e-4
 # Weights of the jerk in a first lift; the largest takes 3 % of the area.
@@ -59,8 +58,6 @@ RPM = 30.0 / math.pi
 # A limit of loads is met with this share of their scale to spare. Cams within all limits of the model have
 # lost contact at a speed 0.8 % lower, which is 1.6 % of load.
 SPARE = 0.025
-# Looks that a model learns from.
-MEMORY = 4
 # Of a limit by cycles, that a confirmed lift may exceed it.
 CONFIRMED = 5e-3
 
@@ -75,10 +72,6 @@ class Seen(NamedTuple):
     cycle: Cycle
     figures: Mapping[str, Value]
     parting: float
-
-
-# Unknowns with the columns of their cycle.
-Look = tuple[Vector, Mapping[str, Column]]
 
 
 @dataclass(frozen=True)
@@ -96,7 +89,6 @@ class Search:
     tell: Callable[[str], None]
     starts: int = 1
     seed: int = 1
-    past: dict[float, list[Look]] = field(default_factory=dict)
 
     @property
     def stretched(self) -> bool:
@@ -107,11 +99,6 @@ class Search:
         """Figures that are limited or wanted."""
         objective = self.wanted.objective
         return sorted({*(one.name for one in self.wanted.figures), *[objective.name] * objective.is_figure})
-
-    @cached_property
-    def slopes(self) -> Slopes:
-        steps = np.append(self.train.steps, [0.0] * self.stretched)
-        return Slopes(self.train, self.measured, steps, self.scale)
 
     def kept(self, x: Vector) -> list[float]:
         """Speeds (rad/s) up to which contact is to be kept."""
@@ -124,8 +111,9 @@ class Search:
 
     @property
     def columns(self) -> list[str]:
-        outputs = [f"{name}.{kind}" for name in self.contacts for kind in ("load", "maximum_pressure")]
-        return [*outputs, *(f"{name}.least_gap" for name in self.wanted.gaps)]
+        film = [f"{self.contacts[0]}.film_ratio"] * bool(self.wanted.film)
+        gaps = (f"{name}.least_gap" for name in self.wanted.gaps)
+        return [*(f"{name}.load" for name in self.contacts), *film, *gaps]
 
     def all_speeds(self, x: Vector) -> list[float]:
         return sorted({*self.wanted.speeds, *self.kept(x)})
@@ -138,7 +126,10 @@ class Search:
         return np.array([*[lift] * self.train.lobe.count, *np.ptp(self.bounds, axis=1), *stretch])
 
     def is_lost(self, cycle: Cycle) -> bool:
-        return is_separated(to_motion(cycle, self.train.subject.flywheel), "lost")
+        return is_separated(self.to_motion(cycle), "lost")
+
+    def to_motion(self, cycle: Cycle) -> Motion:
+        return to_motion(cycle, self.train.subject.flywheel)
 
     def begin(self) -> Vector:
         """The scenario's cam in bumps, with as little less jerk as the limits of the cam itself need: corners
@@ -156,25 +147,30 @@ class Search:
     def improve(self, start: Vector, best: Callable[[Found], None]) -> Improved:
         """Rounds of cycles and optima from `start`; `best` hears of each better one that cycles confirm."""
         seen = self.look(start)
-        found = self.judge(start, seen, 0)
+        found = self.judge(start, seen)
+        self.tell(f"start: {describe(found, self.wanted.objective)}")
         best(found)
-        model, box = self.learn(self.model(start, seen)), BOX
+        model, box = self.model(start, seen), BOX
         for number in range(1, MOST_ROUNDS):
             x = self.solve(model, found.unknowns, box, self.starts if number == 1 else 1).unknowns
             try:
                 seen = self.look(x)
+                here = self.judge(x, seen)
+                gain = here.rank - found.rank
+                if gain > 0.0:
+                    model = self.model(x, seen)
             except ModelError as error:
-                self.tell(f"round {number}: no cycles ({error}); a smaller step is tried")
+                self.tell(f"round {number} refused: no cycles ({error}); a smaller step is tried")
                 box *= SHORTER
                 continue
-            here = self.judge(x, seen, number)
-            gain = here.rank - found.rank
+            said = describe(here, self.wanted.objective)
             if gain > 0.0:
-                box, found = min(LARGEST, 1.5 * box), here
+                self.tell(f"round {number}: {said}")
+                box, found = min(LARGEST, LONGER * box), here
                 best(found)
-                model = self.learn(self.model(x, seen))
             else:
-                box, model = SHORTER * box, self.learn(model)
+                self.tell(f"round {number} refused: {said}; a smaller step is tried")
+                box *= SHORTER
             if 0.0 < gain <= LITTLE or box < SMALLEST:
                 break
         # What holds the cam that was found, by its own cycles.
@@ -189,14 +185,13 @@ class Search:
         kept = self.kept(x)
         for speed in self.all_speeds(x):
             near, cycle = speed, self.cycle(x, speed)
-            self.past.setdefault(speed, []).append((x, self.read_sure(x, cycle)))
             for _ in range(MOST_LOWER * (speed in kept)):
                 if not self.is_lost(cycle):
                     break
                 near *= LOWER
                 cycle = self.cycle(x, near)
             watched = self.measured and speed in self.wanted.speeds
-            figures = self.slopes.observe(x, speed, cycle) if watched else {}
+            figures = read_figures(self.to_motion(cycle), self.measured) if watched else {}
             found[speed] = Seen(near, cycle, figures, near)
         lost = {speed: self.find_parting(x, one.near) for speed, one in found.items() if one.near < speed}
         return found | {speed: found[speed]._replace(parting=parting) for speed, parting in lost.items()}
@@ -215,34 +210,14 @@ class Search:
             self.train.begin_with(found, speed)
         return found
 
-    def read_sure(self, x: Vector, cycle: Cycle) -> dict[str, Column]:
-        """The columns of a cycle up to where a contact is first lost, behind it nan."""
-        found = self.train.read(cycle.__getitem__, self.columns)
-        lifted = self.train.lifted(self.train.lobe.curve(x[: self.train.lobe.count]).s)
-        lost = [
-            np.flatnonzero(np.where(lifted, found[f"{name}.load"].low, 1.0) <= 0.0) for name in self.contacts
-        ]
-        behind = np.arange(lifted.size) > min((rows[0] for rows in lost if rows.size), default=lifted.size)
-        return {
-            name: Column(*(np.where(behind, np.nan, side) for side in one)) for name, one in found.items()
-        }
-
-    def learn(self, model: Model) -> Model:
-        """The model with answers that give what the last cycles at their speeds showed."""
-        answers = {}
-        for speed, answer in model.answers.items():
-            past = self.past.get(speed, [])[-MEMORY:]
-            answers[speed] = mend(answer, model.place, past, self.scale)
-        return replace(model, answers=answers)
-
-    def judge(self, x: Vector, seen: Mapping[float, Seen], number: int) -> Found:
-        """What the cycles say of the limits, and the cam of its own, in the round of that number."""
+    def judge(self, x: Vector, seen: Mapping[float, Seen]) -> Found:
+        """What the cycles say of the limits, and the cam of its own."""
         excesses: dict[str, float] = {}
         for speed, (_, cycle, figures, parting) in seen.items():
             at = f"at {speed * RPM:.0f} r/min"
             if parting < speed:
                 excesses[f"separation {at}"] = SEVERE * (1.0 - parting / speed)
-            motion = to_motion(cycle, self.train.subject.flywheel)
+            motion = self.to_motion(cycle)
             for name in self.contacts:
                 part = Part(motion, name)
                 if (least := self.wanted.least_load) > 0.0:
@@ -268,9 +243,7 @@ class Search:
             values = {v: one.figures[objective.name].value for v, one in seen.items() if one.figures}
             reached = math.exp(float(x[-1])) if self.stretched else objective.weigh(values)
         beyond = {name: excess for name, excess in excesses.items() if excess > CONFIRMED}
-        found = Found(x, reached, beyond | self.own_excesses(x), area.value)
-        self.tell(f"round {number}: {describe(found, objective)}")
-        return found
+        return Found(x, reached, beyond | self.own_excesses(x), area.value)
 
     def own_excesses(self, x: Vector) -> dict[str, float]:
         """The limits of the cam itself that it exceeds, each with the share."""
@@ -291,14 +264,6 @@ class Search:
         gradient[: lobe.count] = lobe.bumps.areas / self.area0
         return Line("least_lift_area", float(gradient @ x), gradient, x, self.wanted.area, LEAST)
 
-    def list_answers(self, x: Vector, seen: Mapping[float, Seen]) -> Iterator[tuple[float, Answer]]:
-        """By speed; those of lost contact are continued from lower speeds."""
-        lowest: Answer | None = None
-        for speed, (near, cycle, _, _) in seen.items():
-            answer = self.train.answer(x, cycle, near, self.columns)
-            lowest = lowest or answer
-            yield speed, answer if near == speed else go_on(lowest, answer, speed)
-
     def own_limits(self, x: Vector) -> Iterator[Limit]:
         lobe = self.train.lobe
         base = self.geometry(x).base_radius
@@ -318,15 +283,18 @@ class Search:
     def model(self, x: Vector, seen: Mapping[float, Seen]) -> Model:
         """The limits, with the answers and figures around `x`."""
         lobe, limits, lines = self.train.lobe, list(self.own_limits(x)), list[Line]()
-        answers = dict(self.list_answers(x, seen))
-        for speed, answer in answers.items():
-            limits += self.list_limits(x, answer, answers[min(answers)], f"at {speed * RPM:.0f} r/min")
+        answers: dict[float, Answer] = {}
+        whole = bool(self.measured or self.train.parameters)
         slopes: dict[float, Mapping[str, Vector]] = {}
-        for speed, (_, cycle, figures, _) in seen.items():
+        for speed, (near, cycle, figures, _) in seen.items():
+            at, tangents = f"at {speed * RPM:.0f} r/min", self.train.differentiate(x, cycle, whole)
+            answer = self.train.answer(tangents, cycle, near, self.columns)
+            # Those of lost contact are continued from lower speeds.
+            answers[speed] = answer if near == speed else go_on(answers[min(answers)], answer, speed)
+            limits += self.list_limits(x, answers[speed], answers[min(answers)], at)
             if figures:
-                found = self.slopes.settle(x, speed, figures)
-                slopes[speed] = dict(zip(self.measured, found, strict=True))
-                at = f"at {speed * RPM:.0f} r/min"
+                found = differentiate_figures(tangents, self.train.subject.flywheel)
+                slopes[speed] = {name: found[name].slopes for name in self.measured}
                 angles = self.train.angles(cycle)
                 lines += bound_lines(self.wanted.figures, figures, slopes[speed], x, at, angles)
         objective, area = self.wanted.objective, self.area_line(x)
@@ -366,17 +334,16 @@ class Search:
                 yield load_limit(word, column, speed, least + SPARE * scale, scale, lifted, change)
             if name in wanted.pressures:
                 bend = touch.turn / touch.cam_rate + arc if name == first else np.ones(curve.s.size)
-                pressure = answer.columns[f"{name}.maximum_pressure"]
-                strong = load.high * bend
-                row = int(np.argmax(np.where(load.high > 0.2 * scale, strong, 0.0)))
-                stiffness = float(pressure.high[row] ** 2 / strong[row])
+                own = self.train.read(answer.cycle.__getitem__, [column, f"{name}.maximum_pressure"])
+                force, pressure = (one.high for one in own.values())
+                strong = np.where(force > 0.2 * force.max(), force * bend, 0.0)
+                row = int(np.argmax(strong))
+                stiffness = float(pressure[row] ** 2 / strong[row])
                 word, most = f"pressure in {name} {at}", wanted.pressures[name]
                 yield pressure_limit(word, column, speed, most, stiffness, arc if name == first else None)
-        if wanted.film and (film := self.train.film(arc, speed * self.train.ratio)):
-            load = answer.columns[f"{first}.load"]
-            here = State(curve, touch, load.low, load.high)
+        if wanted.film:
             ratios = self.train.film_ratios(answer.cycle.__getitem__)
-            yield film_limit(f"film ratio {at}", f"{first}.load", speed, wanted.film, ratios, film, here)
+            yield film_limit(f"film ratio {at}", f"{first}.film_ratio", speed, wanted.film, ratios)
         for name, gap in wanted.gaps.items():
             yield gap_limit(f"gap of {name} {at}", f"{name}.least_gap", speed, gap)
 

@@ -1,4 +1,4 @@
-"""The steady cycles of a train with a designed cam, and how its contacts answer to a bump of the lift."""
+"""The steady cycles of a train with a designed cam, and how its contacts answer to a change of the lift."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from models.contact.films import FILMS
 from models.core import roles
 from models.core.quantities import Vector
-from models.monolithic.cycle import Cycle
+from models.monolithic.cycle import STEADY, Cycle
+from models.monolithic.cycle_tangents import CycleTangents, Direction, differentiate_cycle, differentiate_part
 from models.valve_train.cams.table import TURN
 from models.valve_train.worn_cam import sample_cam
 
@@ -27,16 +29,16 @@ from ..speeds.subject import SpeedSubject, count_turns, find_flywheel
 from ..wear.train import put_points
 from .answers import Answer, Column
 from .brief import Ramps
-from .film import Film
 from .lobe import Lobe, find_event
 from .wires import WireLength, list_wires, wind
 
-# Of the largest lift, a bump whose answer is measured; of a parameter, its change.
-BUMP, SHARE = 2e-3, 1e-3
+# Of the largest lift and of a parameter, the changes along which settings are differentiated.
+SHARE = 1e-5
+# Tangents may be off by 1e-5 in a step, over those of exact ones.
+COARSE = 1e3
+DRY = list(FILMS).index("dry")
 # Of the distance of angles, where the rows around one begin: half, but not where a row could stand.
 BEFORE = 0.4953
-# Where in the event bumps are measured, as a share of their count; answers between are interpolated.
-MEASURED = (0.2, 0.65)
 
 
 @dataclass(frozen=True)
@@ -89,21 +91,24 @@ class DesignedTrain:
     @property
     def steps(self) -> Vector:
         """Of differences by the unknowns."""
-        bump = BUMP * float(self.lobe.own.s.max())
         given = zip(self.given.values(), self.parameters.values(), strict=True)
-        return np.array([bump] * self.lobe.count + [SHARE * (abs(own) or width) for own, width in given])
+        sizes = [abs(own) or width for own, width in given]
+        return SHARE * np.array([float(self.lobe.own.s.max())] * self.lobe.count + sizes)
 
     def values(self, unknowns: Vector) -> dict[str, float]:
         """Of the parameters among the unknowns."""
         return dict(zip(self.parameters, map(float, unknowns[self.lobe.count :]), strict=False))
 
-    def simulate(self, unknowns: Vector, speed: float) -> Cycle:
-        """The steady cycle at a speed (rad/s)."""
+    def settings(self, unknowns: Vector) -> dict[str, float]:
+        """All parameters of the system that the unknowns give."""
         points = self.lobe.points(unknowns[: self.lobe.count]).parameters()
         values = {f"{self.cam}.{name}": value for name, value in points.items()}
-        values |= wind(self.wires, self.values(unknowns))
+        return values | wind(self.wires, self.values(unknowns))
+
+    def simulate(self, unknowns: Vector, speed: float) -> Cycle:
+        """The steady cycle at a speed (rad/s)."""
         nearest = min(self._ends, key=lambda one: abs(one - speed), default=speed)
-        return self.finder.find(values, speed, self._ends.get(nearest))
+        return self.finder.find(self.settings(unknowns), speed, self._ends.get(nearest))
 
     def begin_with(self, cycle: Cycle, speed: float) -> None:
         """Further cycles at this speed begin with the last state of this one."""
@@ -118,18 +123,15 @@ class DesignedTrain:
         edges = np.append(self.lobe.angles, self.lobe.angles[-1] + np.diff(self.lobe.angles[-2:]))
         cell = np.searchsorted(edges - self.lobe.begin - BEFORE * np.diff(edges[:2]), at, side="right") - 1
         inside = (cell >= 0) & (cell < self.lobe.angles.size)
+        rows, cells, every = np.flatnonzero(last)[inside], cell[inside], np.arange(self.lobe.angles.size)
         found = {}
         for name in names:
-            values, cells = column(name)[last][inside], cell[inside]
-            low, high = np.full(self.lobe.angles.size, np.inf), np.full(self.lobe.angles.size, -np.inf)
-            np.minimum.at(low, cells, values)
-            np.maximum.at(high, cells, values)
-            missing = ~np.isfinite(low)
-            for side in (low, high):
-                side[missing] = np.interp(
-                    self.lobe.angles[missing], self.lobe.angles[~missing], side[~missing]
-                )
-            found[name] = Column(low, high)
+            values = column(name)[rows]
+            order = np.lexsort((values, cells))
+            seen, first = np.unique(cells[order], return_index=True)
+            end = np.append(first[1:], order.size) - 1
+            sides = values[order[first]], values[order[end]], rows[order[first]]
+            found[name] = Column(*(np.interp(every, seen, side) for side in sides))
         return found
 
     def angles(self, cycle: Cycle) -> Callable[[int | None], float]:
@@ -137,10 +139,13 @@ class DesignedTrain:
         angle = cycle[f"{self.cam}.{self.train.role.angle}"] % TURN
         return lambda row: math.nan if row is None else float(angle[row])
 
-    def film(self, arc: float, speed: float) -> Film | None:
-        """That of the cam's contact with a follower of curvature `arc` (1/m), at a speed of the cam (rad/s);
-        None where it has no meaning."""
-        return Film.of(self.finder.system.instances[self.train.contacts[0]], arc, speed)
+    @property
+    def has_film(self) -> bool:
+        """Whether the film of the cam's contact has a meaning."""
+        contact = self.finder.system.instances[self.train.contacts[0]]
+        layout = contact.component.parameters
+        p = layout.view(layout.vector(contact.parameters))
+        return bool(p.roughness != 0.0 and getattr(p, "film_model", math.nan) != DRY)
 
     def film_ratios(self, column: Callable[[str], Vector]) -> Vector:
         """The least film over roughness of the cam's contact, at the event's angles; nan under light load."""
@@ -149,43 +154,37 @@ class DesignedTrain:
         under = has_film("film_ratio", found[f"{name}.load"].low)
         return np.where(under, found[f"{name}.film_ratio"].low, np.nan)
 
-    def answer(self, unknowns: Vector, cycle: Cycle, speed: float, names: Sequence[str]) -> Answer:
-        """The outputs of a cycle, with their derivatives by differences of cycles."""
-        base, count, steps = self.read(cycle.__getitem__, names), self.lobe.count, self.steps
-        places = [round(share * (count - 1)) for share in MEASURED]
-
-        def differ(which: int) -> dict[str, Vector]:
-            changed, step = unknowns.copy(), float(steps[which])
+    def differentiate(self, unknowns: Vector, cycle: Cycle, whole: bool) -> CycleTangents:
+        """The tangents of a cycle by the unknowns: of the `whole` one, or of the event alone, whose start
+        coefficients of the lift do not change: bounces on the base circle before it may be endless."""
+        here, directions = self.settings(unknowns), []
+        steps = np.append(self.steps, np.ones(unknowns.size - self.steps.size))
+        for which, step in enumerate(steps):
+            changed = unknowns.copy()
             changed[which] += step
-            there = self.read(self.simulate(changed, speed).__getitem__, names)
-            return {
-                name: 0.5 * (there[name].low + there[name].high - base[name].low - base[name].high) / step
-                for name in names
-            }
+            there = self.settings(changed).items()
+            directions.append(Direction({n: (v - here[n]) / step for n, v in there if v != here[n]}))
+        period = float(cycle.times[-1])
+        if whole:
+            turning = [f"{self.subject.flywheel}.angle"]
+            return differentiate_cycle(cycle.system, period, turning, directions, cycle.end, STEADY, COARSE)
+        angle, margin = cycle[f"{self.cam}.{self.train.role.angle}"], np.ptp(self.lobe.angles[:2])
+        first = int(np.argmin((angle - self.lobe.begin + margin) % TURN))
+        duration = period * float((np.ptp(self.lobe.angles) + 3.0 * margin) / np.ptp(angle))
+        begin, start = float(cycle.times[first]), cycle.states[first]
+        return differentiate_part(cycle.system, begin, duration, directions, start, COARSE)
 
-        bumps = {place: differ(place) for place in places}
-        others = [differ(which) for which in range(count, steps.size)]
-        gradients = {}
-        for name in names:
-            columns = self._spread({place: found[name] for place, found in bumps.items()})
-            rest = [found[name] for found in others] + [0.0 * base[name].low] * (unknowns.size - steps.size)
-            gradients[name] = np.column_stack([columns, *rest])
-        return Answer(speed, base, gradients, cycle)
-
-    def _spread(self, answers: Mapping[int, Vector]) -> Vector:
-        """The answers to all coefficients (columns): those of the measured ones, moved and interpolated."""
-        angles, bumps = self.lobe.angles, self.lobe.bumps
-        measured = {bumps.equal_place(which): answer for which, answer in answers.items()}
-        first, last = min(measured), max(measured)
-        equal = []
-        for place in range(bumps.from_equal.shape[0]):
-            weight = min(1.0, max(0.0, (place - first) / (last - first)))
-            moved = (
-                np.interp(angles - bumps.spacing * (place - at), angles, measured[at], 0.0, 0.0)
-                for at in (first, last)
-            )
-            equal.append(np.array([1.0 - weight, weight]) @ list(moved))
-        return np.asarray(np.transpose(equal) @ bumps.from_equal)
+    def answer(self, tangents: CycleTangents, cycle: Cycle, speed: float, names: Sequence[str]) -> Answer:
+        """The outputs of a cycle at the event's angles, with their derivatives."""
+        columns = self.read(cycle.__getitem__, names)
+        begin, period = tangents.begin, cycle.times[-1]
+        times = {name: begin + (one.row * cycle.times[1] - begin) % period for name, one in columns.items()}
+        every = np.unique(list(times.values()))
+        by, gradients = tangents.rows_at(every).outputs_by, {}
+        for name, own in times.items():
+            places = np.searchsorted(every, own)
+            gradients[name] = by[:, places, tangents.system.outputs.names.index(name)].T
+        return Answer(speed, columns, gradients, cycle)
 
     def lifted(self, curve_s: Vector) -> Vector:
         """Where the cam lifts, as the figures of merit count it."""
@@ -198,6 +197,7 @@ def open_train(
     component: str | None = None,
     event: tuple[float, float] | None = None,
     ramps: Ramps | None = None,
+    symmetric: bool = False,
 ) -> DesignedTrain:
     """The train of a scenario; MistakeError or ModelError for one without a cam on a flywheel."""
     own, scenario = tables, build_scenario(tables)
@@ -213,7 +213,7 @@ def open_train(
         scenario = build_scenario(own)
     kind = read_cam(scenario.components[cam])
     begin, end = find_event(kind, event)
-    lobe = Lobe(kind, begin, end, count)
+    lobe = Lobe(kind, begin, end, count, symmetric)
     subject = SpeedSubject(put_points(own, cam, sample_cam(kind)), flywheel)
     return DesignedTrain(scenario, subject, cam, lobe, wires=dict(list_wires(own)))
 
