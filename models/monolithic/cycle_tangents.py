@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from ..core.quantities import Vector
 from ..core.system import ModelError, System
@@ -132,7 +133,9 @@ def differentiate_cycle(
     x[~free] = system.x0[~free]
     before = np.inf
     for _ in range(ITERATIONS):
-        flow = variation.move(x, period)
+        # Threads of a linear algebra this small wait for each other longer than they compute.
+        with threadpool_limits(limits=1, user_api="blas"):
+            flow = variation.move(x, period)
         last = flow.steps[-1]
         ends = np.array([period])
         end, tangents = last.states_at(ends)[0], last.tangents_at(ends)[0]
@@ -164,7 +167,8 @@ def differentiate_part(
 ) -> CycleTangents:  # fmt: skip
     """A part of a cycle (s) from the state `start`, which no direction changes, with its tangents."""
     slopes = _find_slopes(system, directions)
-    flow = Variation(slopes, coarse).move(start, duration, begin)
+    with threadpool_limits(limits=1, user_api="blas"):
+        flow = Variation(slopes, coarse).move(start, duration, begin)
     still = np.zeros((start.size, len(directions)))
     return CycleTangents(system, duration, math.nan, np.empty(0), directions, slopes, flow, still)
 

@@ -19,10 +19,11 @@ from .brief import Asked
 from .train import DesignedTrain
 from .wanted import Found
 
-DESIGN, SCENARIO, LIFTS, TABLE, FIGURE, PROGRESS, CAM = (
-    "design", "designed.toml", "designed.csv", "design.nc", "design.png", "progress.json", "cam",
+DESIGN, SCENARIO, LIFTS, TABLE, FIGURE, PAGE, PROGRESS, CAM = (
+    "design", "designed.toml", "designed.csv", "design.nc", "design.png", "design.html", "progress.json",
+    "cam",
 )  # fmt: skip
-FILES = (SCENARIO, LIFTS, FIGURE)
+FILES = (SCENARIO, LIFTS, FIGURE, PAGE)
 
 
 def _digest(asked: Asked) -> str:

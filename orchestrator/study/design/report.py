@@ -15,7 +15,7 @@ from models.valve_train.worn_cam import PLACES
 
 from ...assessment.figures_of_merit import measure
 from ...assessment.motion import Motion
-from ...reporter import Reporter
+from ...report.answer import Answer
 from ...scenario.display import format_number, show
 from ..wear.report import describe_place
 from .figures import AREA, Objective
@@ -45,6 +45,8 @@ SIZES = {
 # A flat nose: how long the lift is within 1 % of its largest, over that of the scenario's own cam. Flanks
 # that differ by more than this part of the largest lift are not symmetric.
 FLAT, NEAR_TOP, ALIKE = 1.25, 0.99, 2e-3
+# A dip of this part of the largest lift is one.
+DEEP = 1e-4
 DIP = "dip of the nose"
 # Outputs over the angle, drawn at the speed where a figure of the new cam is worst.
 DRAWN = {"load": "least_load", "maximum_pressure": "peak_pressure", "film_ratio": "least_film_ratio"}
@@ -180,12 +182,13 @@ def describe_shape(lobe: Lobe, own: Curve, designed: Curve, radii: Sequence[floa
     if long > FLAT * short:
         yield (
             f"the nose is flat: within 1 % of the largest lift for {long:.0f} deg of the cam, before for "
-            f"{short:.0f} deg; limits.largest_nose_radius forbids it: that is {1e3 * radii[1]:.3g} mm, "
-            f"before {1e3 * radii[0]:.3g} mm"
+            f"{short:.0f} deg; a limits.largest_nose_radius below {1e3 * radii[1]:.3g} mm forbids it, "
+            f"before it was {1e3 * radii[0]:.3g} mm"
         )
-    rising = designed.ds[lobe.ramps.s < designed.s] > 0.0
-    if (noses := int(np.count_nonzero(rising[:-1] & ~rising[1:]))) > 1:
-        yield f"the lift has {noses} noses with a dip between them; a limits.largest_nose_radius forbids it"
+    s = designed.s
+    sides = np.maximum.accumulate(s), np.maximum.accumulate(s[::-1])[::-1]
+    if (dip := float((np.minimum(*sides) - s).max())) > DEEP * float(s.max()):
+        yield f"the lift dips by {1e6 * dip:.3g} um between two noses; limits.largest_nose_radius forbids it"
 
 
 def describe_active(active: Active, angle: float, objective: Objective) -> str:
@@ -200,7 +203,7 @@ def describe_active(active: Active, angle: float, objective: Objective) -> str:
     return f"{name} limits{place}{effect}"
 
 
-def report(table: xarray.Dataset, improved: Improved, reporter: Reporter) -> None:
+def report(table: xarray.Dataset, improved: Improved, answer: Answer) -> None:
     """A table of both cams, and what holds the new one."""
     shown = Table(
         Column("figure", no_wrap=True), f"r/min of {table.attrs['shaft']}", "before", "after", "change",
@@ -223,12 +226,12 @@ def report(table: xarray.Dataset, improved: Improved, reporter: Reporter) -> Non
         shown.add_row(f"{name} ({unit})".removesuffix(" ()"), where, *_cells(*(float(factor) * values)))
     for name, values in json.loads(table.attrs["parameters"]).items():
         shown.add_row(name, "", *_cells(*values))
-    reporter.console.print(shown)
+    answer.table(shown)
     for text in [*json.loads(table.attrs["active"]), *json.loads(table.attrs["shape"])]:
-        reporter.line(text)
+        answer.line(text)
     if beyond := improved.found.beyond:
         worst = ", ".join(f"{name} by {100.0 * share:.2g} %" for name, share in beyond.items())
-        reporter.line(f"no cam within all limits was found; the nearest one is beyond {worst}")
+        answer.line(f"no cam within all limits was found; the nearest one is beyond {worst}")
 
 
 def find_worst(table: xarray.Dataset, name: str) -> tuple[Vector, Vector]:

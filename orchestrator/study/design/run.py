@@ -18,6 +18,7 @@ from ...assessment.motion import Motion, Part
 from ...errors import MistakeError, Words
 from ...plots.design import draw_design
 from ...plots.style import save_figure
+from ...report.answer import Answer
 from ...reporter import Bar, Reporter
 from ...run.pipeline import run
 from ...scenario.files import load, read_changed
@@ -28,7 +29,7 @@ from ..speeds.subject import SpeedSubject, describe_numbers, find_flywheel, to_m
 from .brief import FREE, OWN, Asked, Limits, Size, read_bounds
 from .deliverables import deliver
 from .figures import find_objective, list_bounds, read_figures
-from .files import CAM, DESIGN, FIGURE, FILES, LIFTS, PROGRESS, SCENARIO, TABLE, keep, read_kept
+from .files import CAM, DESIGN, FIGURE, FILES, LIFTS, PAGE, PROGRESS, SCENARIO, TABLE, keep, read_kept
 from .limits import find_sizes
 from .report import Check, report, tabulate
 from .search import Search
@@ -209,10 +210,11 @@ def design(
         table.to_netcdf(out / TABLE, engine="h5netcdf")
         save_figure(lambda: draw_design(table), out / FIGURE)
         (out / PROGRESS).unlink()
-    report(table, improved, reporter)
+    answer = Answer(table.attrs["title"], reporter)
+    report(table, improved, answer)
     for text in said:
-        reporter.line(text)
-    reporter.line(f"results in {out}: {', '.join((SCENARIO, LIFTS, TABLE, FIGURE))}, {CAM}/")
+        answer.line(text)
+    answer.write(out, PAGE, (FIGURE, SCENARIO, LIFTS, TABLE, f"{CAM}/"))
     return table
 
 
