@@ -216,8 +216,8 @@ def report(table: xarray.Dataset, improved: Improved, answer: Answer) -> None:
                   f"{100.0 * (table.attrs['area'] - 1.0):+.2f} %")  # fmt: skip
     sizes, top = json.loads(table.attrs["sizes"]), f"{RPM * table.attrs['top_speed']:.0f}"
     for name, (unit, factor) in SIZES.items():
-        values = (factor * one[name] for one in sizes)
-        shown.add_row(f"{name.replace('_', ' ')} of the cam ({unit})", top, *_cells(*values))
+        cells = _cells(*(factor * one[name] for one in sizes))
+        shown.add_row(f"{name.replace('_', ' ')} of the cam ({unit})", top, *cells)
     for name, unit, factor in zip(
         table["figure"].values, table["unit"].values, table["factor"].values, strict=True
     ):
