@@ -86,6 +86,7 @@ def compare_masters(
         save_figure(lambda: _draw(scenario, tried), folder / f"{NAME}.png")
     answer = Answer(f"{scenario.name}: masters", reporter)
     answer.table(_tabulate(scenario, tried))
+    answer.line(judge(tried))
     if left := [name for name in MASTERS if name not in names]:
         answer.line(f"left out: {', '.join(left)}, which repeat steps; an FMU cannot restore its state")
     answer.write(folder, f"{NAME}.html", (f"{NAME}.csv", f"{NAME}.png"))
@@ -108,6 +109,23 @@ def _try(
     output = max(shares, key=shares.__getitem__)
     steps = math.nan if summary.do_steps is None else float(summary.do_steps)
     return Tried(name, step, shares[output], output, steps, summary.coupled_time_s, signals=signals)
+
+
+def judge(tried: Sequence[Tried]) -> str:
+    """The run within the tolerance with the fewest steps, or the one nearest to it, in a sentence."""
+    ran = [one for one in tried if not one.message]
+    within = [one for one in ran if one.error <= 1.0]
+    best = min(within, key=lambda one: one.steps) if within else min(ran, key=lambda one: one.error)
+    keys = f"`--set master.name={best.master} --set macro_step={best.macro_step:g}`"
+    if not within:
+        return (
+            f"verdict: no master keeps the tolerance at these steps; {best.master} comes nearest, with "
+            f"{best.error:.2g} of it in {best.output}: {keys}, with a shorter macro_step"
+        )
+    return (
+        f"verdict: {best.master} at {best.macro_step:g} s keeps the tolerance ({best.error:.2g} of it) with "
+        f"the fewest participant steps, {best.steps:.0f}: {keys}"
+    )
 
 
 def _tabulate(scenario: Scenario, tried: Sequence[Tried]) -> Table:

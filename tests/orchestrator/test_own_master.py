@@ -14,7 +14,7 @@ from orchestrator.errors import MistakeError, RunError
 from orchestrator.masters import MASTERS
 from orchestrator.scenario.files import load
 from orchestrator.scenario.fmu_limits import FmuLimits
-from orchestrator.study.masters import LONGER, compare_masters
+from orchestrator.study.masters import LONGER, Tried, compare_masters, judge
 from tribocosim.cached_fmus import build_fmu
 from tribocosim.reporting import SilentReporter
 
@@ -122,3 +122,12 @@ def test_only_masters_that_the_fmus_can_take_are_ranked(monkeypatch):
     table = tribocosim.analyse(tribocosim.load("two-masses").with_({"stop_time": 0.5}))
     assert set(table["master"].values) == {n for n, kind in MASTERS.items() if not kind.implicit}
     assert surveying.MASTERS is MASTERS
+
+
+def test_the_verdict_on_masters_is_the_least_work_within_the_tolerance():
+    """Without one it is the least error."""
+    failed = Tried("newton", 1.0, message="no convergence")
+    runs = [Tried("jacobi", 4.0, 1.2, "a.x", 50.0), Tried("jacobi", 2.0, 0.9, "a.x", 100.0), failed]
+    more = [Tried("iterated", 4.0, 0.2, "a.x", 140.0)]
+    assert judge([*runs, *more]).endswith("100: `--set master.name=jacobi --set macro_step=2`")
+    assert "no master keeps the tolerance" in judge([runs[0], failed])

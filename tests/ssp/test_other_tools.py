@@ -156,6 +156,8 @@ def test_a_public_package_runs(name, tmp_path):
     ended = {one.keyword: one.text for one in told["tribocosim.run"]}
     assert ended["verdict"] == str(summary.verdict)
     assert ended["exit_status"] == str(summary.exit_status)
+    assert ended["macro_step"] == f"{step!r} s"
+    assert "largest_error" not in ended  # there is no reference
     assert {one.keyword: one.text for one in told["tribocosim.fmu-sha256"]} == summary.fmus
     files = [(one.link, one.text) for one in told["tribocosim.file-sha3-256"]]
     assert {"out/result.nc", "out/scenario.toml", "out/summary.json"} <= {link for link, _ in files}

@@ -19,9 +19,7 @@ from .names import add_element, expand_tag, to_bytes
 SUFFIX = ".srmd"
 # The only algorithm of the standard, by its name there.
 CHECKSUM = "SHA3-256"
-VERDICT = (
-    "verdict", "largest_error", "message", "exit_status", "reference_method", "macro_step", "macro_steps",
-)  # fmt: skip
+VERDICT = "verdict", "message", "exit_status", "reference_method", "macro_steps"
 
 
 def describe_run(run: Path) -> Any:
@@ -31,7 +29,7 @@ def describe_run(run: Path) -> Any:
         with h5py.File(run / RESULT) as file:
             versions = dict(one.rsplit(" ", 1) for one in str(file.attrs["versions"]).split(", "))
         content: dict[str, Mapping[str, Any]] = {
-            "run": {key: summary[key] for key in VERDICT},
+            "run": {key: summary[key] for key in VERDICT} | _list_numbers(summary),
             "tolerance": summary["tolerance"],
             "relative-rms-error": {name: error["relative_rms"] for name, error in summary["errors"].items()},
             "version": versions,
@@ -55,6 +53,17 @@ def describe_run(run: Path) -> Any:
             f"{run}: its {SUMMARY} or {RESULT} cannot be read ({error}); run it anew"
         ) from None
     return root
+
+
+def _list_numbers(summary: Mapping[str, Any]) -> dict[str, str]:
+    """Numbers of the run with their units; of what the tolerance judges, the largest share of it."""
+    judged = {name: error for name, error in summary["errors"].items() if error["tolerance"]}
+    numbers = {"macro_step": f"{summary['macro_step']!r} s"}
+    if judged:
+        name = max(judged, key=lambda one: judged[one]["relative_rms"] / judged[one]["tolerance"])
+        error, allowed = judged[name]["relative_rms"], judged[name]["tolerance"]
+        numbers |= {"largest_error_over_tolerance": f"{error / allowed!r}", "largest_error_output": name}
+    return numbers
 
 
 def write_metadata(root: Any, run: Path, package: Path) -> bytes:
