@@ -33,12 +33,9 @@ from .recorder import Recorder
 from .two_masses import two_masses
 
 OUTPUTS = (
-    "flywheel.angle",
-    "camshaft.surface_position",
-    "contact.load",
-    "valve_spring.velocity",
+    "flywheel.angle", "camshaft.surface_position", "contact.load", "valve_spring.velocity",
     "camshaft.drive_torque",
-)
+)  # fmt: skip
 LOAD, ANGLE, TORQUE = 2, 0, 4
 
 
