@@ -22,6 +22,8 @@ Numbers are therefore those of the shipped scenarios `qin2000-train`, with parts
 `exhaust-valve`, whose gas is that of a petrol engine at full load (4.9 MPa at most); the source gives no
 pressures and no phases. Nothing was fitted. Speeds are those of the camshaft; 1600 r/min is near the rated
 speed of such an engine. Cycles are steady, from the equations of the whole train.
+`tribocosim analyse cam` computes the ample factor of a cam's lift and the slope of its lubrication
+characteristic.
 
 `python -m reproduction qin2000 --out FOLDER` writes this page and its figure. After a change of the models,
 copy `qin2000.md` and `figures` to `docs`.
