@@ -370,10 +370,13 @@ def test_the_drive_gives_what_shares_dampers_and_stores_take(scenario, joints, f
     # Rows of 20 and 40 us; sticking takes elastic energy that it gives back.
     for name in joints:
         assert integrate(columns[f"{name}.power_loss"]) == pytest.approx(parts[name]["received"], rel=3e-4)
-    taken = sum(part["received"] for name, part in parts.items() if name != "flywheel")
+    drive = parts.pop("flywheel")["sourced"]
+    taken = sum(part["received"] for part in parts.values())
     # The trapezoidal rule of the friction from records, an eighth of the roller train's energy.
     taken += integrate(columns[force] * columns[speed])
-    assert parts["flywheel"]["sourced"] == pytest.approx(taken, rel=1e-4)
+    assert drive == pytest.approx(taken, rel=1e-4)
+    # What the parts take they dissipate or store, measured to 2.2e-4 in the roller train.
+    assert abs(sum(part["outside_bonds"] for part in parts.values())) < 5e-4 * drive
 
 
 @pytest.mark.long
