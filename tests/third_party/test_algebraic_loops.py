@@ -24,6 +24,7 @@ from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.run.summary import Summary
 from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.system import resolve
 
 from .c_fmus import fmu
 from .runs import never, opened, ran, scenario
@@ -92,7 +93,7 @@ def test_a_ring_with_a_gain_of_one_is_named(tmp_path):
     assert "gain of 1" in summary.message
     asked = scenario(tables, connections=lines, master={"name": "auto"}, tolerance={"unit0.y": 1e-3})
     with pytest.raises(ScenarioError, match=r"'auto': .*gain of 1"):
-        choose(asked, Reporter())
+        choose(resolve(asked), Reporter())
 
 
 def test_a_ring_starts_with_rates_that_agree(tmp_path):

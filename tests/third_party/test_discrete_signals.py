@@ -10,7 +10,7 @@ from orchestrator.analyses.stability.choice import choose
 from orchestrator.participants.wrapping import Linear
 from orchestrator.reporter import Reporter
 from orchestrator.scenario import ScenarioError
-from orchestrator.scenario.system import assemble
+from orchestrator.scenario.system import assemble, resolve
 from orchestrator.scenario.warnings import list_warnings
 
 from .c_fmus import fmu
@@ -51,7 +51,7 @@ def test_no_error_is_predicted_of_what_is_discrete(tmp_path: Path) -> None:
     tables = {name: {"participant": fmu(name, 2, tmp_path)} for name in ("switch", "lookup")}
     one = scenario(tables, connections=LINES, tolerance={"switch.ramp": 1e-3}, master={"name": "auto"})
     with pytest.raises(ScenarioError, match=r"'auto': switch\.gear, switch\.on: declared discrete"):
-        choose(one, Reporter())
+        choose(resolve(one), Reporter())
 
 
 @pytest.mark.parametrize(("count", "factor", "said"), [(2, 0.25, "gets 0.5"), (3, 1e9, "gets 3000000000")])
