@@ -22,8 +22,7 @@ the paper:
 
 Values that the paper does not give (lift, preload, steel, lubricant, spring damping, shaft) were chosen
 once, as the defaults of the components (parameter set `kushwaha2000`). No value was fitted to the paper's
-results. Statements about other authors' cams and measurements are left out, and so is the algebra of the
-appendices.
+results. Statements about other authors' cams and measurements are left out.
 
 All runs are the scenario `valve-train` in adherence form (the follower stays on the cam, as in the paper),
 in the steady state. Speeds are those of the camshaft. The film follows (10) with its squeeze term, as the
