@@ -39,9 +39,18 @@ def list_shipped() -> dict[str, Path]:
 
 
 def find(name: str | Path, beside: Path | None = None) -> Path:
-    """The file of a shipped scenario, or the path itself; ScenarioError if there is no such file."""
-    if str(name) in list_shipped():
-        return list_shipped()[str(name)]
+    """The file of a shipped scenario, or the path itself; ScenarioError if there is no such file.
+
+    Also where a file of a shipped scenario's name lies in the working folder: either may be meant.
+    """
+    if shipped := list_shipped().get(str(name)):
+        own = Path(f"{name}.toml")
+        if beside is None and own.is_file() and not own.samefile(shipped):
+            raise ScenarioError(
+                f"{name}: is a shipped scenario, but {own} lies here",
+                f"give {own} for that file, or rename it to use the shipped scenario",
+            )
+        return shipped
     path = (beside or Path()) / to_path(name)
     if path.is_file():
         return path

@@ -305,6 +305,15 @@ def test_files_that_cannot_be_read(tmp_path):
         assert all(word in str(error.value) for word in words), error.value
 
 
+def test_a_name_that_may_mean_two_files_is_refused(tmp_path, monkeypatch):
+    """A file of a shipped scenario's name may extend that scenario; on the command line it is named."""
+    (tmp_path / "my-cam.toml").write_text('extends = "my-cam"\ndescription = "mine"\n')
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ScenarioError, match=r"my-cam: is a shipped scenario, but my-cam\.toml lies here"):
+        load("my-cam")
+    assert load("my-cam.toml").description == "mine"
+
+
 @pytest.mark.parametrize("setting", ["motion=free", "final_speed=2000 rpm", "initial_speed=0"])
 def test_without_a_constant_speed_revolutions_are_refused(setting):
     with pytest.raises(ScenarioError) as error:

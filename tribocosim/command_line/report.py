@@ -16,7 +16,8 @@ def write_page(
     out: Annotated[
         Path | None,
         typer.Option(
-            help="File of the page, or a folder for it.", show_default="report.html or cycle.html in FOLDER"
+            help="File of the page, or a folder for it.",
+            show_default="report.html or cycle.html in FOLDER; of a scenario here",
         ),
     ] = None,
     cycle: Annotated[
@@ -35,4 +36,7 @@ def write_page(
 
     from ..api import report
 
-    Reporter().line(f"report in {report(folder, out, cycle=cycle)}")
+    reporter = Reporter()
+    if cycle:
+        reporter.line("compiling the train for browsers: up to minutes the first time")
+    reporter.line(f"report in {report(folder, out, cycle=cycle)}")
