@@ -88,11 +88,12 @@ class CycleRecords extends Records {
       const lifts = this.column(lift), high = -this.told.lifted * least(lifts.map((one) => -one));
       for (const part of contacts) {
         add("least load while the cam lifts", part, "load", least(this.column(part + ".load").filter((_, i) => lifts[i] > high)));
+        add("highest pressure", part, "maximum_pressure", least(this.column(part + ".maximum_pressure").map((one) => -one)));
         add("least film", part, "minimum_film_thickness", least(this.column(part + ".minimum_film_thickness")));
       }
       for (const part of valves) add("seating velocity", part, "velocity", this.land(part));
     }
-    return [...found].map(([kind, { text }]) => kind + " " + text).join(", ");
+    return [...found].map(([kind, { value, text }]) => (kind.endsWith("lifts") && value <= 0 ? "contact is lost: " : "") + kind + " " + text).join(", ");
   }
 
   // The velocity at the last row before the seat, of the hardest landing of a flight from the cam's lift.
