@@ -1,6 +1,7 @@
 """What limited the steps of a run: numbers by their definitions, rules that speak only with ground."""
 
 import json
+import re
 import shutil
 from itertools import pairwise
 from pathlib import Path
@@ -10,10 +11,11 @@ import pytest
 
 from models.core.quantities import Quantity
 from orchestrator.assessment.diagnosis import RULES, Facts, Steps, brief, diagnose_steps, full, read_steps
-from orchestrator.assessment.diagnosis.answer import LIMITING
+from orchestrator.assessment.diagnosis.answer import LIMITING, answer
 from orchestrator.assessment.diagnosis.report import diagnose
-from orchestrator.assessment.diagnosis.times import list_parts, read_spending
+from orchestrator.assessment.diagnosis.times import Spending, list_parts, read_spending
 from orchestrator.assessment.friction.judge import judge_friction
+from orchestrator.engine.effort import Spent
 from orchestrator.engine.energy import Trimmed, add_counting
 from orchestrator.engine.step import REASONS, Step
 from orchestrator.errors import MistakeError
@@ -320,6 +322,24 @@ def test_parts_of_the_time_add_up_to_the_whole(finished, tmp_path):
     spending = read_spending(tmp_path / "out" / "summary.json")
     assert (spending.effort["dahlquist"].own_steps, spending.effort["dahlquist"].failed) == (30, 0)
     assert sum(part.seconds for part in list_parts(one, spending)) == pytest.approx(spending.wall_s, rel=1e-9)
+
+
+def test_the_answer_names_what_the_user_can_change():
+    """The choice of a master is no reference; keys exist; an error of zero is room."""
+    spent = {"contact": Spent(1000, 0, 0.0, 0.0, 0.01, 0.0)}
+    times = {"stability and errors of every method": 6.0, "result file": 3.0, "monolithic reference": 1.0}
+    spending = Spending(10.1, 0.1, 1000, times, spent, errors={"contact.load": 0.0})
+    found = facts(made(np.full(9, 1e-5)))
+    time, _, change = answer(found, spending, list_parts(found.scenario, spending), [])
+    assert "59 % went into the choice of a master (`scenario.toml`" in time
+    assert f"--set step_control.relative={10.0 * found.scenario.step_control.relative:.2g}" in change
+    command = re.search("`tribocosim masters (.+?)`", change)
+    assert command
+    assert load(command[1]) == load("valve-train-controlled")
+    fixed = facts(made(np.full(9, 5e-6), "fixed"), scenario="valve-train")
+    remedies = {part.name: part.remedy for part in list_parts(fixed.scenario, spending)}
+    (key,) = re.findall("`(.+?)`", remedies["result files"])
+    assert load("valve-train", [f"{key}=100 us"]).record_every > fixed.scenario.record_every
 
 
 def test_a_killed_run_is_diagnosed_from_its_journals(finished, tmp_path):

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...engine.step import REASONS
 from ...scenario.units import choose_time_unit
+from ...store.output_folder import format_path
 from .facts import Facts
 from .suggestions import percent
 from .times import MUCH, Part, Spending
@@ -43,9 +44,10 @@ def _tell_time(spending: Spending, parts: Sequence[Part]) -> list[str]:
     left = wall - spent if spent > WORTH_TELLING * wall else wall
     first, second, *_ = [part for part in parts if not part.once] + 2 * [Part("", 0.0)]
     said += f"{left:.3g} s, {percent(first.seconds / left)} went into {first.name}"
+    said += f" ({first.remedy})" if first.remedy else ""
     if first.seconds < MUCH * left:
         said += f" and {percent(second.seconds / left)} into {second.name}"
-    return [f"Time: {said}{': ' * bool(first.remedy)}{first.remedy}."]
+    return [f"Time: {said}."]
 
 
 def _tell_limit(facts: Facts) -> str:
@@ -88,14 +90,15 @@ def _tell_change(facts: Facts, spending: Spending, suggestions: Sequence[str]) -
         return f"Change: {suggestions[0]}."
     output, share = spending.error
     control, scenario = facts.scenario.step_control, facts.scenario
-    if output and share < WELL_WITHIN:
+    subject = format_path(scenario.origin.path) if scenario.origin else scenario.name
+    if output and share < WELL_WITHIN and next(iter(facts.diagnosis.reasons)) in ("error", "fixed"):
         key, value = (
             ("step_control.relative", control.relative) if control else ("macro_step", scenario.macro_step)
         )
-        more = min(10.0, 0.5 / share) if control else 2.0
+        more = 0.5 / max(share, 0.05) if control else 2.0
         return (
             f"Change: {output}, the least exact, has {percent(share)} of the error allowed: try "
-            f"`--set {key}={more * value:.2g}` for fewer steps; `tribocosim masters {scenario.name}` "
+            f"`--set {key}={more * value:.2g}` for fewer steps; `tribocosim masters {subject}` "
             "compares others."
         )
     if not output:

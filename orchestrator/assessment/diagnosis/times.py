@@ -11,7 +11,7 @@ from ...scenario import Scenario
 from ...texts import parse_json, read_text
 
 MASTER = "coupled run, master"  # begins the name of that stage
-FMUS, DRAWING = "FMUs", ("figures and report", "report")
+CHOICE, FMUS, DRAWING = "stability and errors of every method", "FMUs", ("figures and report", "report")
 # Of a participant's time in an FMU's own process: what the messages of a call take (s), measured.
 MESSAGES_S = 60e-6
 MUCH = 0.5  # of the time
@@ -90,28 +90,35 @@ def list_parts(scenario: Scenario, spending: Spending) -> list[Part]:
     """By falling time; empty where the run left no times."""
     if not spending.effort or not spending.wall_s:
         return []
-    parts = [*_list_coupled(scenario, spending), *_list_stages(spending)]
+    parts = [*_list_coupled(scenario, spending), *_list_stages(scenario, spending)]
     rest = spending.wall_s - sum(part.seconds for part in parts)
     parts.append(Part("checks, start values and assessment", max(0.0, rest)))
     return sorted((part for part in parts if part.seconds > 0.0), key=lambda part: -part.seconds)
 
 
-def _list_stages(spending: Spending) -> Iterator[Part]:
+def _list_stages(scenario: Scenario, spending: Spending) -> Iterator[Part]:
     """What is not the coupled run."""
     references = 0.0
     for name, seconds in spending.stages.items():
         if name == FMUS:
             yield Part("building and finding FMUs", seconds, once=True)
+        elif name == CHOICE:
+            remedy = "`scenario.toml` in the folder of the run names the chosen one and runs without it"
+            yield Part("the choice of a master", seconds, remedy)
         elif name == COMPILING:
             yield Part("compiling", seconds, once=True)
         elif name in DRAWING:
             yield Part(name, seconds, "`--no-figures` leaves them out, `tribocosim report` draws them later")
         elif name == "result file":
-            yield Part("result files", seconds, "a larger `record_every` writes fewer rows")
+            yield Part("result files", seconds, _record_less(scenario))
         elif not name.startswith(MASTER):
             references += seconds
     remedy = "`--set reference.enabled=false` runs without the comparison"
     yield Part("the reference", references, remedy)
+
+
+def _record_less(scenario: Scenario) -> str:
+    return "" if scenario.step_control else "a longer `output_step` records fewer rows"
 
 
 def _list_coupled(scenario: Scenario, spending: Spending) -> Iterator[Part]:
@@ -160,7 +167,7 @@ def _quicken(scenario: Scenario, name: str, spent: Spent) -> str:
 def _compile(scenario: Scenario, spending: Spending) -> str:
     """What makes the master cheaper."""
     if not spending.python_sweeps:
-        return "" if scenario.step_control else "a larger `record_every` records fewer rows"
+        return _record_less(scenario)
     name, why = next(iter(spending.python_sweeps.items()))
     own = [name for name in spending.python_sweeps if scenario.process_limits(name)]
     remedy = _share_process(scenario, lambda other: other in own) if own else ""
