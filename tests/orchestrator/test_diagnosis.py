@@ -293,17 +293,19 @@ def test_a_run_whose_summary_is_damaged_is_diagnosed_without_times(text, finishe
 
 
 def test_the_slow_fmu_is_named_with_its_time(tmp_path):
-    """Of steps that take 0.2 ms at least, made by compiled code, which times few of them."""
+    """Of steps that take 2 ms at least, made by compiled code, which times few of them: one that waits for
+    the processor counts as 127, so that only a least time is certain."""
     tables = {
         name: {"participant": fmu(name, 2, tmp_path), "process": "shared"} for name in ("dahlquist", "slow")
     }
     out, steps = tmp_path / "out", 1000
+    ran(scenario(tables, master={"name": "jacobi"}, macro_step=0.5), tmp_path / "compiled")
     summary, _ = ran(scenario(tables, master={"name": "jacobi"}, macro_step=1.0 / steps), out)
     slow, quick = summary.effort["slow"], summary.effort["dahlquist"]
     assert slow.do_steps == quick.do_steps == steps
     # The steps after the last that is timed are left out: one of 127 at most, of 1000.
-    assert 0.85 * 0.2e-3 * steps < slow.stepping_s < 1.2 * summary.coupled_time_s
-    assert quick.stepping_s < 0.2 * slow.stepping_s
+    assert slow.stepping_s > 0.85 * 2e-3 * steps
+    assert quick.stepping_s < 0.5 * slow.stepping_s
     lines = called("diagnose", str(out)).stdout.splitlines()
     head = next(i for i, line in enumerate(lines) if line.startswith("participant"))
     assert [line.split()[0] for line in lines[head + 1 : head + 3]] == ["slow", "dahlquist"]

@@ -288,7 +288,7 @@ MODELS["freezing"] = Model(
     depends={"y": ("u",)},
 )
 # Takes 0.2 ms for a step.
-MODELS["slow"] = replace(DECAY, step=f"usleep(200); {EXPONENTIAL}")
+MODELS["slow"] = replace(DECAY, step=f"usleep(2000); {EXPONENTIAL}")
 # Reads standard input in every step, and expects its end.
 MODELS["listening"] = replace(
     DECAY, step="char byte; if (read(0, &byte, 1) != 0) return ERROR; " + EXPONENTIAL
