@@ -395,10 +395,3 @@ def test_a_designed_cam_has_more_area_at_the_same_speed_of_separation(tmp_path: 
     lift = found["value"].sel(figure="valve_spring.lift_area").values[:, 0]
     assert lift[1] > 1.03 * lift[0]
     assert tribocosim.load(tmp_path / "design" / "designed.toml").check()
-
-
-def test_a_scenario_is_a_brief_with_the_limits_of_its_own_cam() -> None:
-    asked = read_brief("valve-train")
-    assert asked.brief.limits == Limits()
-    with pytest.raises(MistakeError, match="did you mean"):
-        read_brief("valve-trian")

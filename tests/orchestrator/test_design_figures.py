@@ -208,3 +208,10 @@ def test_a_designed_cam_needs_less_torque_with_the_same_area(tmp_path: Path) -> 
     assert found.attrs["area"] > 0.985
     power = found["value"].sel(figure="contact.friction_power").values[:, 0]
     assert power[1] < 0.99 * power[0]
+
+
+def test_a_scenario_is_a_brief_with_the_limits_of_its_own_cam() -> None:
+    asked = read_brief("valve-train")
+    assert asked.brief.limits == Limits()
+    with pytest.raises(MistakeError, match="did you mean"):
+        read_brief("valve-trian")

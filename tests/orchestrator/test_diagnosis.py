@@ -27,8 +27,6 @@ from orchestrator.run.record import ResultRecorder
 from orchestrator.scenario.files import load, to_full_toml
 from orchestrator.store.output_folder import RESULT, SCENARIO, find_run_state
 
-from ..third_party.c_fmus import fmu
-from ..third_party.runs import ran, scenario
 from .commands import called
 from .commands import said as said_by
 from .recorder import Recorder
@@ -292,38 +290,12 @@ def test_a_run_whose_summary_is_damaged_is_diagnosed_without_times(text, finishe
     assert "where the time went" not in done.stdout
 
 
-def test_the_slow_fmu_is_named_with_its_time(tmp_path):
-    """Of steps that take 2 ms at least, made by compiled code, which times few of them: one that waits for
-    the processor counts as 127, so that only a least time is certain."""
-    tables = {
-        name: {"participant": fmu(name, 2, tmp_path), "process": "shared"} for name in ("dahlquist", "slow")
-    }
-    out, steps = tmp_path / "out", 1000
-    ran(scenario(tables, master={"name": "jacobi"}, macro_step=0.5), tmp_path / "compiled")
-    summary, _ = ran(scenario(tables, master={"name": "jacobi"}, macro_step=1.0 / steps), out)
-    slow, quick = summary.effort["slow"], summary.effort["dahlquist"]
-    assert slow.do_steps == quick.do_steps == steps
-    # The steps after the last that is timed are left out: one of 127 at most, of 1000.
-    assert slow.stepping_s > 0.85 * 2e-3 * steps
-    assert quick.stepping_s < 0.5 * slow.stepping_s
-    lines = called("diagnose", str(out)).stdout.splitlines()
-    head = next(i for i, line in enumerate(lines) if line.startswith("participant"))
-    assert [line.split()[0] for line in lines[head + 1 : head + 3]] == ["slow", "dahlquist"]
-    assert "into steps of slow" in lines[0]
-
-
-def test_parts_of_the_time_add_up_to_the_whole(finished, tmp_path):
-    """A complete run, with figures; and what a participant does within macro steps is counted."""
+def test_parts_of_the_time_add_up_to_the_whole(finished):
+    """A complete run, with figures."""
     spending, found = read_spending(finished / "summary.json"), load(finished / "scenario.toml")
     parts = list_parts(found, spending)
     assert sum(part.seconds for part in parts) == pytest.approx(spending.wall_s, rel=1e-9)
     assert {"figures and report", "result files", "steps of contact"} <= {part.name for part in parts}
-    tables = {"dahlquist": {"participant": fmu("dahlquist", 2, tmp_path), "substeps": 3}}
-    one = scenario(tables, master={"name": "jacobi"}, macro_step=0.1)
-    ran(one, tmp_path / "out")
-    spending = read_spending(tmp_path / "out" / "summary.json")
-    assert (spending.effort["dahlquist"].own_steps, spending.effort["dahlquist"].failed) == (30, 0)
-    assert sum(part.seconds for part in list_parts(one, spending)) == pytest.approx(spending.wall_s, rel=1e-9)
 
 
 def test_the_answer_names_what_the_user_can_change():
