@@ -23,8 +23,15 @@ from .engine.effort import timed
 from .engine.observer import Observer
 from .engine.step import Step
 
-# The time of compilations among those of the stages.
-COMPILING = "compiling"
+# Stages of a run, by which `times` tells its parts apart; the time of compilations is among them.
+COMPILING, COUPLED, REFERENCE, WITNESS = (
+    "compiling",
+    "coupled run, master",
+    "monolithic reference",
+    "multibody witness",
+)
+CHOICE, FMUS, RECORDS = "stability and errors of every method", "FMUs", "result file"
+DRAWING, PAGE = "figures and report", "report"
 SHOWN_EVERY_S = 0.1
 # Without a terminal a line says at least so often how far a long stage is.
 TOLD_EVERY_S = 20.0

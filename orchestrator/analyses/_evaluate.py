@@ -18,7 +18,7 @@ from ..errors import REPLACE, MistakeError, Option, another
 from ..reporter import Reporter
 from ..scenario.units import to_unit
 from ..scenario.values import Value
-from ..store.output_folder import OutputFolderError, writing
+from ..store.output_folder import OutputFolderError, refuse_file, writing
 from ..texts import parse_value
 from . import Analysis, Result, list_analyses, load
 
@@ -97,8 +97,7 @@ def find_results(folder: Path, name: str, overwrite: bool, *others: str) -> list
 
     OutputFolderError if there are some, unless `overwrite`.
     """
-    if folder.exists() and not folder.is_dir():
-        raise OutputFolderError(f"{folder}: is a file", another())
+    refuse_file(folder)
     names = dict.fromkeys((*(f"{name}.{ending}" for ending in ENDINGS), *others))
     held = [path for path in (folder / own for own in names) if path.exists()]
     if held and not overwrite:

@@ -13,7 +13,7 @@ from models.core.component import Component
 
 from ..assessment.motion import LIFTED
 from ..assessment.trains import find_trains
-from ..errors import MistakeError
+from ..errors import Command, MistakeError, in_command_line
 from ..scenario import Scenario, ScenarioError
 from ..scenario.oil import evaluate
 from ..scenario.system import build_system, list_parameters
@@ -112,7 +112,7 @@ def _tell_train(train: Train, turning: str) -> dict[str, Any]:
         "held": [int(f.name == turning or f.quantity.accumulates) for f in fields],
         "positive": [int(f.quantity.positive) for f in fields],
         "outputs": list(component.outputs.names),
-        "command": f"tribocosim run {train.source}",
+        "command": in_command_line(Command("run", (train.source,))),
         "sliders": [slider for slider in _list_sliders(train) if len(slider["positions"]) > 1],
         "lifted": LIFTED,
         "trains": list(_tell_parts(train)),

@@ -11,12 +11,12 @@ import jinja2
 import numpy as np
 from markupsafe import Markup
 
-from ..errors import MistakeError
+from ..errors import Command, MistakeError, in_command_line
 from ..scenario import Scenario, ScenarioError
 from ..scenario.display import show_unit
 from ..scenario.files import load
 from ..store import atomic_write
-from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY
+from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY, format_path
 from ..store.records import Records, open_records
 from ..texts import parse_json, read_text
 from .content import collect_run
@@ -60,7 +60,7 @@ def _render_run(folder: Path) -> str:
     summary = _read_summary(folder)
     with open_records(folder) as records:
         content = collect_run(records, _read_scenario(folder), summary)
-        return _render(_tell_run(records, summary), content)
+        return _render(_tell_run(folder, records, summary), content)
 
 
 def _read_summary(folder: Path) -> Mapping[str, Any]:
@@ -79,7 +79,7 @@ def _read_scenario(folder: Path) -> Scenario | None:
         return None
 
 
-def _tell_run(records: Records, summary: Mapping[str, Any]) -> dict[str, Any]:
+def _tell_run(folder: Path, records: Records, summary: Mapping[str, Any]) -> dict[str, Any]:
     """What the page says of a run besides its content."""
     attributes = records.attributes
     errors = [
@@ -94,7 +94,7 @@ def _tell_run(records: Records, summary: Mapping[str, Any]) -> dict[str, Any]:
         "verdict": _describe_verdict(records, summary),
         "version": summary.get("version", ""),
         "versions": attributes.get("versions", ""),
-        "command": "tribocosim run scenario.toml",
+        "command": in_command_line(Command("run", (format_path(folder / SCENARIO),))),
         "errors": sorted(errors, key=lambda error: error.get("tolerance") is None),
         "contacts": summary.get("contacts", {}),
         "energy": summary.get("energy"),

@@ -13,9 +13,9 @@ import xarray
 from models.core.quantities import Vector
 
 from ..assessment.lost_contact import find_lost
-from ..errors import MistakeError
+from ..errors import Command, MistakeError, Option, in_command_line
 from ..scenario import Scenario, ScenarioError, build_scenario
-from ..store.output_folder import CYCLES, STORE, SUMMARY
+from ..store.output_folder import CYCLES, SCENARIO, STORE, SUMMARY
 from .content import describe, list_marks, read_film
 from .mechanism import list_sketches
 from .packing import pack
@@ -55,7 +55,10 @@ def _read_scenario(toml: str) -> Scenario | None:
 def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector) -> dict[str, Any]:
     separation = summary.get("separation")
     name = str(summary["scenario"])
-    low, high = (f"{speed * RPM:.6g} rpm" for speed in speeds[[0, -1]])
+    ends = [
+        Option(end, f"{speed * RPM:.6g} rpm")
+        for end, speed in zip(("from", "to"), speeds[[0, -1]], strict=True)
+    ]
     return {
         "summary": {},
         "name": name,
@@ -65,7 +68,7 @@ def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector) -> dict[str, An
         "notices": summary.get("notices", []),
         "version": summary.get("version", ""),
         "versions": "",
-        "command": f"tribocosim speeds scenario.toml --from '{low}' --to '{high}' --count {speeds.size}",
+        "command": in_command_line(Command("speeds", (SCENARIO,), (*ends, Option("count", speeds.size)))),
         "fmus": {},
         "toml": toml,
     }

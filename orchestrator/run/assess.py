@@ -17,7 +17,7 @@ from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, su
 from ..assessment.frozen import list_frozen
 from ..assessment.merits import Merit, describe_bearings, describe_trains, list_merits
 from ..errors import RunError, Set, Words, join
-from ..reporter import Reporter
+from ..reporter import WITNESS, Reporter
 from ..scenario.capabilities import MONOLITHIC
 from ..store.result_file import ResultFile
 from .comparison import (
@@ -181,7 +181,7 @@ def _hear_witness(
 ) -> WitnessComparison | None:
     if solution.reference is None or plan.scenario.reference.witness == "none":
         return None
-    with reporter.stage("multibody witness"):
+    with reporter.stage(WITNESS):
         return compare_witness(plan.system, solution.reference, coupled)
 
 

@@ -296,7 +296,7 @@ def compare_witness(system: System, reference: Reference, coupled: Mapping[str, 
         drift=motion.drift.position,
         wall_time_s=clock.perf_counter() - begun,
         quantities=sides,
-        known=max(known),
+        known=max(known, default=0.0),
     )
     if witness.agrees:
         return witness
@@ -305,7 +305,7 @@ def compare_witness(system: System, reference: Reference, coupled: Mapping[str, 
         difference(other.values, seen.values).relative_rms
         for other, seen in zip(rougher, observed, strict=True)
     ]
-    return replace(witness, known=max(known), wall_time_s=clock.perf_counter() - begun)
+    return replace(witness, known=max(known, default=0.0), wall_time_s=clock.perf_counter() - begun)
 
 
 def _compare_sides(coupled: Vector, reference: Vector, multibody: Vector, weights: Vector) -> Side:

@@ -18,7 +18,7 @@ from ..engine.observer import Observer
 from ..engine.step import Step
 from ..errors import ParticipantError, RefusedError, RunError, StalledError
 from ..participants.protocol import Participant
-from ..reporter import Reporter
+from ..reporter import COUPLED, Reporter
 from ..store.journal import FLUSH_SECONDS
 from ..store.json_codec import Plain
 from ..store.output_folder import SCENARIO, SUMMARY, TEXTS, OutputFolder, format_path
@@ -116,7 +116,7 @@ def _couple(
 ) -> Statistics:
     """Make the participants and step them."""
     system, stop = observation.system, plan.stop_time
-    stage = reporter.stage(f"coupled run, master {plan.scenario.master.name}", stop)
+    stage = reporter.stage(f"{COUPLED} {plan.scenario.master.name}", stop)
     with open_participants(system, plan.participants, observation.lifetimes) as participants:
         try:
             with stage as bar, Interruption() as interruption:

@@ -29,7 +29,7 @@ from ..participants.proven import Proof, Proven
 from ..participants.third_party import ThirdPartyComponent
 from ..participants.wrapping import Linear
 from ..participants.wrapping import Transformed as transformed
-from ..reporter import Reporter
+from ..reporter import FMUS, Reporter
 from ..scenario import BUILT_KINDS, Scenario, ScenarioError
 from ..scenario.capabilities import plan_proof
 from ..scenario.conversion import Transformations
@@ -182,7 +182,7 @@ def make_plan(resolved: Resolved, build: Builder, reporter: Reporter, figures: b
         named = Set("master.name", "gauss_seidel")
         raise ScenarioError((f"master.name = {AUTO!r}: is not chosen here; name one, e.g. ", named))
     check_witness(scenario, system)
-    with reporter.stage("FMUs"):
+    with reporter.stage(FMUS):
         participants = plan_participants(scenario, assembly.linear, build)
     starts = [*list_moved_starts(assembly.system, system), *list_doubtful_equilibrium(scenario, system)]
     notices = [*starts, *list_doubtful_gas(system), *list_notices(scenario)]

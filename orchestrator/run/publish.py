@@ -17,7 +17,7 @@ from models.core.quantities import Vector
 from ..assessment.merits import write_merits
 from ..assessment.trains import find_angles
 from ..errors import Command, Words, in_command_line, join, start_over
-from ..reporter import Reporter
+from ..reporter import DRAWING, PAGE, RECORDS, Reporter
 from ..store.atomic_write import NO_ROOM, naming
 from ..store.csv_file import write_csv
 from ..store.journal import Recorded, journals
@@ -47,7 +47,7 @@ def open_result(plan: Plan, folder: OutputFolder, reporter: Reporter) -> Iterato
     """The result file of what the journals hold, and the CSV files beside it."""
     angles = {name: angle.coordinate for name, angle in find_angles(plan.system).items()}
     with ResultFile(folder.path / RESULT, _describe(plan), angles) as result:
-        with reporter.stage("result file"):
+        with reporter.stage(RECORDS):
             with naming(folder.path / RESULT):
                 recorded = {name: Recorded(path) for name, path in journals(folder.unfinished).items()}
                 for name, journal in recorded.items():
@@ -131,7 +131,7 @@ def _draw(folder: Path, figures: bool, reporter: Reporter) -> None:
     again = in_command_line(Command("report", (format_path(folder),)))
     with (
         tell_interruption(lambda: f"all numbers are written, {again} draws figures and report"),
-        reporter.stage("figures and report" if figures else "report"),
+        reporter.stage(DRAWING if figures else PAGE),
     ):
         told = draw_pictures(folder, figures)
     for line in told:

@@ -32,7 +32,7 @@ from ..engine.step import Step
 from ..participants.description import MODEL_EXCHANGE
 from ..participants.model_exchange import FmuEquations, open_equations
 from ..participants.open_fmu import collect_settings
-from ..reporter import Reporter
+from ..reporter import REFERENCE, Reporter
 from ..scenario.capabilities import BY_PARTS, MONOLITHIC, REFINEMENT
 from .plan import Plan, open_participants
 from .simulation import simulate
@@ -179,7 +179,7 @@ def solve_reference(
 def _solve_whole(plan: Plan, times: Vector, reporter: Reporter) -> Solution:
     from models.monolithic import LONGEST_STEP, solve
 
-    with reporter.stage("monolithic reference", plan.stop_time) as bar:
+    with reporter.stage(REFERENCE, plan.stop_time) as bar:
         found = solve(
             plan.system,
             times,
@@ -216,7 +216,7 @@ def _solve_by_parts(plan: Plan, times: Vector, reporter: Reporter) -> Solution:
 
     linear = {name: how.linear for name, how in plan.participants.items()}
     tolerance = plan.scenario.reference.tolerance
-    with reporter.stage("monolithic reference", plan.stop_time) as bar:
+    with reporter.stage(REFERENCE, plan.stop_time) as bar:
         found = solve_equations(system, open_fmus, linear, times, plan.stop_time, tolerance, bar.show)
     uncertainty = uncertainties(system, times, found.outputs, found.others)
     stepping = [name for name, component in plan.third_party.items() if not component.about.integrated]

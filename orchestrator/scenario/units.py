@@ -61,6 +61,16 @@ def choose_time_unit(span: float) -> tuple[str, float]:
     return next((shown for shown in TIMES if span * shown[1] >= 1.0), TIMES[-1])
 
 
+def format_time(seconds: float) -> str:
+    """A duration with a unit, e.g. 5 us; "-" for none."""
+    if not (math.isfinite(seconds) and seconds > 0.0):
+        return "-"
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
+        if seconds >= 0.9999 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
 def to_unit(text: str, unit: str, relative: bool = False) -> float:
     """Convert a string to a number in `unit` (SI symbols as in `Quantity`); UnitError if it does not fit.
 

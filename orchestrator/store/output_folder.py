@@ -15,6 +15,7 @@ from pathlib import Path
 import locket
 
 from ..errors import REPLACE, Command, MistakeError, another
+from ..texts import parse_toml, read_text
 from .atomic_write import partial
 
 UNFINISHED, LOCK, CHECKPOINT = "unfinished", "lock", "checkpoint"
@@ -104,10 +105,16 @@ class OutputFolder:
             file.unlink()
 
 
+def refuse_file(out: Path) -> None:
+    """Raise OutputFolderError if a file stands in the place of an output folder, or of one around it."""
+    for folder in (out, *out.parents):
+        if folder.exists() and not folder.is_dir():
+            raise OutputFolderError(f"{format_path(folder)}: is a file", another())
+
+
 def check_folder(out: Path, overwrite: bool) -> None:
     """Raise OutputFolderError unless a run can write into `out`."""
-    if out.exists() and not out.is_dir():
-        raise OutputFolderError(f"{format_path(out)}: is a file", another())
+    refuse_file(out)
     if overwrite:
         return
     if find_run_state(out).exists() and (out / SCENARIO).exists():
@@ -168,6 +175,22 @@ def suggest_folder(path: Path) -> str | None:
     close = difflib.get_close_matches(path.name, [name for name in beside if beside[name] != path], n=1)
     folders = [path.parent, Path("results") / path.name, *(beside[name] for name in close)]
     return next((str(folder) for folder in folders if (folder / SCENARIO).is_file()), None)
+
+
+def find_newest(scenario: str, beside: Path) -> Path | None:
+    """The folder in results, or `beside`, of the run of the scenario of that name which was begun last."""
+    folders = {
+        folder.resolve(): folder for parent in (Path("results"), beside) for folder in _list_runs(parent)
+    }
+    own = [folder for folder in folders.values() if _read_name(folder / SCENARIO) == scenario]
+    return max(own, key=lambda folder: (folder / SCENARIO).stat().st_mtime, default=None)
+
+
+def _read_name(scenario: Path) -> object:
+    try:
+        return parse_toml(read_text(scenario)).get("name")
+    except (OSError, ValueError):
+        return None
 
 
 def _list_runs(parent: Path) -> list[Path]:

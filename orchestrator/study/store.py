@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ..analyses import Result
 from ..errors import REPLACE, MistakeError, RunError, another
-from ..store.output_folder import refuse_unwritable
+from ..store.output_folder import refuse_file, refuse_unwritable
 from .files import MESSAGE, STATUS, Plan
 from .points import POINT
 from .source import describe_difference
@@ -105,6 +105,7 @@ class Store:
 @contextmanager
 def open_store(path: Path, plan: Plan, versions: Mapping[str, str], overwrite: bool) -> Iterator[Store]:
     """Open or create the store at `path`; MistakeError if another study or process owns it."""
+    refuse_file(path.parent)
     with _lock(path):
         try:
             _prepare(path, plan, versions, overwrite)

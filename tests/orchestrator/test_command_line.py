@@ -202,6 +202,7 @@ MISTAKES = {
     ): "is a folder; give the path of a .toml file, or a shipped scenario: tribocosim scenarios lists",
     ("run", "valve-train", "--master", "jacob"): "did you mean jacobi?",
     ("run", "valve-train", "--out", "pyproject.toml"): "is a file",
+    ("speeds", "valve-train", "--count", "2", "--out", "pyproject.toml/x"): "pyproject.toml: is a file",
     ("resume", "none"): "none: holds no run (there is no scenario.toml)",
     ("resume", "docs"): "docs: holds no run",
     ("calibrate", "valve-train", "none.csv", "--parameters", "contact.viscosity"): "none.csv: cannot be read",

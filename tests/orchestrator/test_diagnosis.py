@@ -1,6 +1,7 @@
 """What limited the steps of a run: numbers by their definitions, rules that speak only with ground."""
 
 import json
+import os
 import re
 import shutil
 from itertools import pairwise
@@ -18,7 +19,7 @@ from orchestrator.assessment.friction.judge import judge_friction
 from orchestrator.engine.effort import Spent
 from orchestrator.engine.energy import Trimmed, add_counting
 from orchestrator.engine.step import REASONS, Step
-from orchestrator.errors import MistakeError
+from orchestrator.errors import MistakeError, in_command_line
 from orchestrator.plots import steps as figure
 from orchestrator.plots.style import save_figure
 from orchestrator.reporter import Reporter
@@ -154,7 +155,7 @@ GROUNDS = {
     "suggest_longer_start": (
         made(np.r_[1e-6 * 2.0 ** np.arange(20), np.full(80, 1.0)], ["growth"] * 20 + ["error"] * 80),
         ["macro_step=1 us"],
-        'macro_step = "0.52 s"',
+        'macro_step = "524 ms"',
     ),
     "longest": (
         made(np.full(100, 1e-5), "maximum_step", error=0.01),
@@ -370,7 +371,15 @@ def test_a_wrong_folder_or_figure_is_told_before_anything_else(finished, tmp_pat
     monkeypatch.chdir(tmp_path)
     own = tmp_path / "results" / "valve-train-controlled"
     shutil.copytree(finished, own)
-    assert diagnose(Path("valve-train-controlled")).lines == diagnose(own).lines
+    shutil.copytree(finished, tmp_path / "results" / "older")
+    os.utime(tmp_path / "results" / "older" / SCENARIO, (0, 0))
+    (tmp_path / "own train.toml").write_text(f'name = "{load(own / SCENARIO).name}"\nextends = "valve-train"')
+    for subject in ("valve-train-controlled", "own train.toml", own / SCENARIO):
+        assert diagnose(Path(subject)).lines == diagnose(own).lines
+    (tmp_path / "my train.toml").write_text('extends = "valve-train"')
+    with pytest.raises(MistakeError) as caught:
+        diagnose(Path("my train.toml"))
+    assert in_command_line(caught.value).endswith("make one with tribocosim run 'my train.toml'")
     with pytest.raises(MistakeError, match=r"did you mean results/valve-train-controlled\?$"):
         diagnose(Path("results/valve-trian-controlled"))
     with pytest.raises(MistakeError, match=r"did you mean results/valve-train-controlled\?$"):

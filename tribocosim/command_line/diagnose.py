@@ -12,7 +12,8 @@ from .json_output import Json, build_reporter, print_json
 @report_errors
 def print_diagnosis(
     folder: Annotated[
-        Path, typer.Argument(help="Output folder of a run, or the scenario of the run in results.")
+        Path,
+        typer.Argument(help="Output folder of a run; or a scenario, by name or file, for its newest run."),
     ],
     figure: Annotated[Path | None, typer.Option(help="Draw the steps to this file (.png).")] = None,
     as_json: Json = False,

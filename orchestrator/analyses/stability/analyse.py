@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...errors import MistakeError, Option
-from ...reporter import Reporter
+from ...reporter import CHOICE, Reporter
 from ...run.plan import plan_participants
 from ...scenario.files import list_shipped, load
 from ...scenario.system import Resolved, resolve
@@ -61,7 +61,7 @@ def survey_scenario(
 ) -> Survey:
     """The survey about a scenario's start and these instants (s); `scope` is as in `survey`."""
     scenario, system = resolved.scenario, resolved.system
-    with reporter.stage("stability and errors of every method") as bar:
+    with reporter.stage(CHOICE) as bar:
         plans = plan_participants(scenario, resolved.assembly.linear, None)
         with open_linearisations(scenario, system, plans) as participants:
             return survey(scenario, system, plans, participants, instants, bar.show, scope)

@@ -260,13 +260,3 @@ def find_hardest_point(
                 worst, limit = point, found
     assert worst is not None
     return worst, limit
-
-
-def format_time(seconds: float) -> str:
-    """Format a step with a unit, e.g. 5 us; "-" for none."""
-    if not (math.isfinite(seconds) and seconds > 0.0):
-        return "-"
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
-        if seconds >= 0.9999 * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds / 1e-9:.3g} ns"

@@ -26,10 +26,11 @@ from ...scenario import Scenario, ScenarioError
 from ...scenario.master_table import AUTO, MasterTable, StepControlTable
 from ...scenario.scenario import COMPARED_INTERVALS
 from ...scenario.system import Resolved
+from ...scenario.units import format_time
 from ...stepping.controlled import AIM
 from ...stepping.forward import find_extrapolated
 from .analyse import survey_scenario
-from .behaviour import Behaviour, format_time
+from .behaviour import Behaviour
 from .survey import WITHIN, AssessedMethod, Scope, Survey
 
 # Safety factor towards the stability limit: steps that follow their defect become shorter where values swing.

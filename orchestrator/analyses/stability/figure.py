@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from ...masters import find_name
 from ...plots.style import SIGNALS, create_subplots
-from .behaviour import format_time
+from ...scenario.units import format_time
 from .survey import AssessedMethod, Survey
 
 STABLE = "#dfeadf"

@@ -17,7 +17,8 @@ from rich.text import Text
 
 from ...masters import find_name
 from ...scenario.files import to_full_toml
-from .behaviour import SPACING, format_time
+from ...scenario.units import format_time
+from .behaviour import SPACING
 from .survey import AssessedMethod, Survey
 
 if TYPE_CHECKING:

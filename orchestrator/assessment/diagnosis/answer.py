@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...engine.step import REASONS
-from ...scenario.units import choose_time_unit
+from ...errors import Command, Set, in_command_line
+from ...scenario.units import format_time
 from ...store.output_folder import format_path
 from .facts import Facts
 from .suggestions import percent
@@ -54,8 +55,7 @@ def _tell_limit(facts: Facts) -> str:
     """What sets most steps, and who has most of the refused attempts."""
     d = facts.diagnosis
     reason, share = next(iter(d.reasons.items()))
-    unit, factor = choose_time_unit(d.end - d.start)
-    length = f"{factor * d.length['median']:.3g} {unit} in the median"
+    length = f"{format_time(d.length['median'])} in the median"
     if reason == "error" and d.limits:
         variable, limit = next(iter(d.limits.items()))
         name, _, output = variable.partition(".")
@@ -95,12 +95,11 @@ def _tell_change(facts: Facts, spending: Spending, suggestions: Sequence[str]) -
         key, value = (
             ("step_control.relative", control.relative) if control else ("macro_step", scenario.macro_step)
         )
-        more = 0.5 / max(share, 0.05) if control else 2.0
-        return (
-            f"Change: {output}, the least exact, has {percent(share)} of the error allowed: try "
-            f"`--set {key}={more * value:.2g}` for fewer steps; `tribocosim masters {subject}` "
-            "compares others."
-        )
+        more = (0.5 / max(share, 0.05) if control else 2.0) * value
+        longer = Set(key, f"{more:.2g}" if control else format_time(more))
+        words = "`", longer, "` for fewer steps; `", Command("masters", (subject,)), "` compares others."
+        said = f"Change: {output}, the least exact, has {percent(share)} of the error allowed: try "
+        return in_command_line((said, words))
     if not output:
         return (
             "Change: none is advised for the steps; whether their error leaves room for longer ones only a "

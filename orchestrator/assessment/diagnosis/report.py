@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...engine.effort import Spent
-from ...errors import MistakeError
+from ...errors import Command, MistakeError
 from ...scenario import Scenario, ScenarioError
-from ...scenario.files import load
-from ...scenario.units import choose_time_unit
-from ...store.output_folder import SCENARIO, SUMMARY
+from ...scenario.files import list_shipped, load, read
+from ...scenario.units import choose_time_unit, format_time
+from ...store.output_folder import SCENARIO, SUMMARY, find_newest
 from .answer import answer
 from .facts import Facts
 from .numbers import Diagnosis, diagnose_steps
@@ -46,7 +46,7 @@ def brief(d: Diagnosis, suggestions: Sequence[str]) -> list[str]:
             parts = [f"{name} {percent(limit.steps / whole)}" for name, limit in list(d.limits.items())[:3]]
             lines.append(f"error limited by: {', '.join(parts)}")
         lines.append(
-            f"step length {d.length['p05']:.2g} to {d.length['p95']:.2g} s (5 and 95 %), "
+            f"step length {format_time(d.length['p05'])} to {format_time(d.length['p95'])} (5 and 95 %), "
             f"{d.mean_iterations:.1f} iterations a step"
         )
     lines += _over(d)
@@ -78,6 +78,7 @@ def full(facts: Facts, suggestions: Sequence[str], message: str, spending: Spend
     ]
     if parts:
         taken = [(one.name, f"{one.seconds:.3g}", percent(one.seconds / spending.wall_s)) for one in parts]
+        taken.append(("the run; the command's own start is before it", f"{spending.wall_s:.3g}", "100 %"))
         lines += [*_table(("where the time went", "s", "share"), taken), ""]
     rows = [
         (WORDS[reason], percent(share.steps), percent(share.time), str(d.rejections.get(reason, "")))
@@ -138,7 +139,7 @@ def _efforts(effort: Mapping[str, Spent], d: Diagnosis) -> list[str]:
 def _quantiles(d: Diagnosis) -> list[str]:
     lengths, counts = d.length.values(), d.iterations.values()
     rows = [
-        ("step length (s)", *(f"{value:.3g}" for value in lengths)),
+        ("step length", *map(format_time, lengths)),
         ("iterations", *(f"{value:.0f}" for value in counts)),
     ]
     return _table(("", "least", "5 %", "median", "95 %", "most"), rows)
@@ -189,10 +190,26 @@ class Findings:
     lines: Sequence[str]
 
 
+def find_run(subject: Path) -> Path:
+    """The folder of a run: given itself, by its name in results, or by its scenario (the newest one)."""
+    if subject.is_dir():
+        return subject
+    if ((own := Path("results") / subject) / SCENARIO).is_file():
+        return own
+    if subject.name == SCENARIO and (subject.parent / SUMMARY).is_file():
+        return subject.parent
+    if subject.suffix != ".toml" and str(subject) not in list_shipped():
+        return subject  # what is missing there is said by who reads it
+    content, _ = read(subject)
+    if newest := find_newest(content["name"], subject.parent):
+        return newest
+    remedy = "make one with ", Command("run", (subject,))
+    raise MistakeError(f"{subject}: there is no run of it in results", remedy)
+
+
 def diagnose(out: Path) -> Findings:
-    """Of the run in `out`, or of the one in results/`out`; MistakeError without a run."""
-    own = Path("results") / out
-    out = own if not out.exists() and (own / SCENARIO).is_file() else out
+    """Of the run that `find_run` finds; MistakeError without a run."""
+    out = find_run(out)
     steps, message = read_steps(out)
     spending = read_spending(out / SUMMARY)
     diagnosis = diagnose_steps(steps, spending.do_steps)

@@ -10,6 +10,7 @@ import numpy as np
 from ...engine.signals import DEGREES
 from ...engine.step import REASONS
 from ...scenario import CONVERGED
+from ...scenario.units import format_time
 from .facts import Facts
 
 MOST = 0.5  # of the steps: what sets so many is what limits the run
@@ -125,7 +126,8 @@ def convergence(facts: Facts) -> str | None:
     else:
         most = 2 * facts.master.maximum_iterations
         remedy = (
-            f'[master] maximum_iterations = {most}, or step_control.maximum_step = "{d.length["p95"]:.2g} s"'
+            f"[master] maximum_iterations = {most}, or step_control.maximum_step = "
+            f'"{format_time(d.length["p95"])}"'
         )
     return f"{percent(share)} of the attempts were rejected because the iteration did not converge: {remedy}"
 
@@ -146,9 +148,9 @@ def many_iterations(facts: Facts) -> str | None:
     if facts.weaker:
         return f'{said}[master] acceleration = "quasi_newton" goes on with what earlier steps learnt'
     return f"{said}the iteration contracts faster with shorter steps: lower " + (
-        f"step_control.maximum_step (now the longest are {facts.diagnosis.length['p95']:.2g} s)"
+        f"step_control.maximum_step (now the longest are {format_time(facts.diagnosis.length['p95'])})"
         if control
-        else f"macro_step (now {facts.scenario.macro_step:g} s)"
+        else f"macro_step (now {format_time(facts.scenario.macro_step)})"
     )
 
 
@@ -176,7 +178,8 @@ def suggest_longer_start(facts: Facts) -> str | None:
     reached = float(facts.steps.length[:first].max())
     return (
         f"the first {first} steps ({percent(first / len(growing))}) only grow, from macro_step = "
-        f'{facts.scenario.macro_step:g} s: macro_step = "{reached:.2g} s", where they arrive, saves them'
+        f'{format_time(facts.scenario.macro_step)}: macro_step = "{format_time(reached)}", where they '
+        "arrive, saves them"
     )
 
 
@@ -189,8 +192,8 @@ def longest(facts: Facts) -> str | None:
     chosen = facts.steps.reason == REASONS.index("maximum_step")
     error = float(np.median(facts.steps.error[chosen]))
     return (
-        f"{percent(share)} of the steps were cut at step_control.maximum_step = {control.maximum_step:g} s, "
-        f"with {error:.2g} of the allowed error in the median: raise it"
+        f"{percent(share)} of the steps were cut at step_control.maximum_step = "
+        f"{format_time(control.maximum_step)}, with {error:.2g} of the allowed error in the median: raise it"
     )
 
 
@@ -234,7 +237,7 @@ def discards(facts: Facts) -> str | None:
         return None
     return (
         f"{percent(share)} of the attempts were refused by a participant: give it retries (components.NAME."
-        f'retries = 3), or step_control.maximum_step = "{d.length["p95"]:.2g} s"'
+        f'retries = 3), or step_control.maximum_step = "{format_time(d.length["p95"])}"'
     )
 
 

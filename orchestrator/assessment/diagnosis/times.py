@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from ...engine.effort import Spent
-from ...reporter import COMPILING
+from ...reporter import CHOICE, COMPILING, COUPLED, DRAWING, FMUS, PAGE, RECORDS, WITNESS
 from ...scenario import Scenario
+from ...scenario.units import format_time
 from ...texts import parse_json, read_text
 
-MASTER = "coupled run, master"  # begins the name of that stage
-CHOICE, FMUS, DRAWING = "stability and errors of every method", "FMUs", ("figures and report", "report")
 # Of a participant's time in an FMU's own process: what the messages of a call take (s), measured.
 MESSAGES_S = 60e-6
 MUCH = 0.5  # of the time
@@ -50,7 +49,7 @@ class Spending:
     @property
     def compiling_s(self) -> float:
         """Of the coupled run: its stage goes without."""
-        stage = sum(seconds for name, seconds in self.stages.items() if name.startswith(MASTER))
+        stage = sum(seconds for name, seconds in self.stages.items() if name.startswith(COUPLED))
         return min(max(0.0, self.initialising_s + self.coupled_s - stage), self.stages.get(COMPILING, 0.0))
 
     @property
@@ -107,11 +106,13 @@ def _list_stages(scenario: Scenario, spending: Spending) -> Iterator[Part]:
             yield Part("the choice of a master", seconds, remedy)
         elif name == COMPILING:
             yield Part("compiling", seconds, once=True)
-        elif name in DRAWING:
+        elif name in (DRAWING, PAGE):
             yield Part(name, seconds, "`--no-figures` leaves them out, `tribocosim report` draws them later")
-        elif name == "result file":
+        elif name == RECORDS:
             yield Part("result files", seconds, _record_less(scenario))
-        elif not name.startswith(MASTER):
+        elif name == WITNESS:
+            yield Part(f"the {WITNESS}", seconds, "`--set reference.witness=none` runs without it")
+        elif not name.startswith(COUPLED):
             references += seconds
     remedy = "`--set reference.enabled=false` runs without the comparison"
     yield Part("the reference", references, remedy)
@@ -161,7 +162,7 @@ def _quicken(scenario: Scenario, name: str, spent: Spent) -> str:
     if scenario.components[name].participant == "fmu":
         return "`--native` runs it as C code"
     longer = "a larger `step_control.relative`" if scenario.step_control else "a longer `macro_step`"
-    return f"each of its {spent.do_steps} doStep calls takes {1e6 * each:.3g} us; {longer} makes fewer"
+    return f"each of its {spent.do_steps} doStep calls takes {format_time(each)}; {longer} makes fewer"
 
 
 def _compile(scenario: Scenario, spending: Spending) -> str:

@@ -23,7 +23,6 @@ from models.core.quantities import Vector
 from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 
 from ...analyses import Parameter, Result
-from ...analyses._evaluate import find_results
 from ...errors import MistakeError, Option, RunError, one_of
 from ...plots.sensitivities import draw_tornado
 from ...plots.style import save_figure
@@ -34,6 +33,7 @@ from ...scenario.display import format_number
 from ...scenario.files import put_parameters, to_full_toml
 from ...scenario.system import list_parameters, list_quantities
 from ...scenario.values import Value
+from ...store.output_folder import refuse_file
 from ...texts import parse_toml
 from ..files import plan_axis
 from ..run import Where, run
@@ -167,7 +167,7 @@ def find_sensitivities(
     """The elasticities of all figures of the cycle at `speed` (rad/s), by default the scenario's own, with
     their errors, over (figure, parameter); the cycles are kept in the folder `out`. MistakeError before
     anything is computed."""
-    find_results(out, "sensitivities", overwrite=True)  # refuses a file in the folder's place
+    refuse_file(out)
     scenario = build_scenario(tables)
     flywheel = find_flywheel(scenario)
     speed = find_own_speed(scenario, flywheel) if speed is None else speed
