@@ -160,7 +160,7 @@ GROUNDS = {
     "longest": (
         made(np.full(100, 1e-5), "maximum_step", error=0.01),
         ["step_control.maximum_step=1e-5"],
-        "step_control.maximum_step = 1e-05 s",
+        "step_control.maximum_step = 10 us",
     ),
     "discontinuity": (made([1e-5, 1e-12, 1e-5], ["error", "discontinuity", "error"]), [], "contact.load"),
     "rough": (
