@@ -201,7 +201,8 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
 @kernel
 def energy(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, e: Vector) -> None:
     """Stored: elastic. Dissipated: contact damping. Source: the film growing under the load (the
-    entrainment's work, negative while it is squeezed); a changing radius adds dE/dR dR/dt."""
+    entrainment's work, negative while it is squeezed). A changing radius R gives it, through no bond, the
+    power c W^2 R'/(2 pi L R), with the elastic load W and the compliance c of the bodies."""
     c = contact(x, u, p)
     e[0] = elastic_energy(c.elastic_load, u.radius_of_curvature, p.length, c.compliance)
     e[1] = (c.load - c.elastic_load) * c.deflection_rate

@@ -77,19 +77,29 @@ class Rocker(Role):
     outputs = ("rotation", "rod_position", "tip_position")
 
 
-class Contact(Role):
+class Losing(Role):
+    """Loses power by its output `friction`, which the parts that it brakes take."""
+
+    friction: ClassVar[str] = "friction_force"
+
+    @property
+    def promised(self) -> list[str]:
+        return [*super().promised, self.friction]
+
+
+class Contact(Losing):
     """A lubricated contact. Parameters: `length`, `roughness`, `elastic_limit` and the oil's."""
 
     outputs = (
         "load", "maximum_pressure", "film_thickness", "minimum_film_thickness", "film_ratio",
-        "friction_force", "squeeze_velocity", "asperity_load",
+        "squeeze_velocity", "asperity_load",
     )  # fmt: skip
 
 
-class RollingContact(Role):
+class RollingContact(Losing):
     """A contact with a rolling friction of both its surfaces. Input: `entraining_velocity`."""
 
-    outputs = ("rolling_friction",)
+    friction = "rolling_friction"
 
 
 class Valve(Role):
@@ -116,8 +126,10 @@ class Adjuster(Role):
     outputs = ("pressure", "extension")
 
 
-class Bearing(Role):
+class Bearing(Losing):
     """A bearing with a film, and an oil. Films are known up to the eccentricity `near` (of the clearance)."""
+
+    friction = "friction_torque"
 
     near: ClassVar[float] = 0.95
 
@@ -127,13 +139,15 @@ class Bearing(Role):
     )  # fmt: skip
 
 
-class Pivot(Role):
+class Pivot(Losing):
     """A joint with friction."""
+
+    friction = "friction_torque"
 
     outputs = ("power_loss",)
 
 
-class Guide(Role):
+class Guide(Losing):
     """A guide with friction along it, or a follower's spin in it."""
 
     outputs: ClassVar[Sequence[str]] = ("power_loss",)
@@ -142,6 +156,7 @@ class Guide(Role):
 class Spin(Guide):
     """A tappet's spin in its bore, between cam and contact. Input: `sliding_velocity` without spin."""
 
+    friction = "cam_friction"
     outputs = ("contact_sliding", "power_loss")
 
 
@@ -149,7 +164,7 @@ class Oiled(Role):
     """Has the `viscosity` of an oil among its parameters, and is no contact, bearing or adjuster."""
 
 
-class Surface(Role):
+class Surface(Losing):
     """Its friction takes the place of that of the contact whose `load` it takes."""
 
     outputs: ClassVar[Sequence[str]] = ("power_loss",)
@@ -158,6 +173,7 @@ class Surface(Role):
 class Roller(Surface):
     """A follower's roller, which may slip."""
 
+    friction = "traction"
     outputs = ("slip", "power_loss")
 
 

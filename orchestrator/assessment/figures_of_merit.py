@@ -24,6 +24,7 @@ AFTER = math.pi / 3.0
 
 Figure = tuple[Quantity, Callable[[Part], Found]]
 NONE = Found(math.nan)
+PRESSURE = Quantity("Pa", display_unit="MPa")
 
 
 def _at(values: Vector, row: int | np.intp) -> Found:
@@ -44,6 +45,10 @@ def _least(variable: str) -> Callable[[Part], Found]:
 
 def _mean(variable: str) -> Callable[[Part], Found]:
     return lambda part: Found(part.mean(part[variable]))
+
+
+def _mean_power(force: str, velocity: str) -> Callable[[Part], Found]:
+    return lambda part: Found(part.mean(part[force] * part[velocity]))
 
 
 def _list_flights(valve: Part) -> list[tuple[int, int, bool]]:
@@ -144,10 +149,7 @@ def _fatigue_safety(force: str) -> Callable[[Part], Found]:
 
 def _wire(force: str) -> Mapping[str, Figure]:
     return {
-        "largest_stress": (
-            Quantity("Pa", "largest shear stress in the wire", display_unit="MPa"),
-            _stress(force),
-        ),
+        "largest_stress": (PRESSURE.of("largest shear stress in the wire"), _stress(force)),
         "fatigue_safety": (Quantity("1", "safety of the wire against fatigue"), _fatigue_safety(force)),
     }
 
@@ -155,10 +157,6 @@ def _wire(force: str) -> Mapping[str, Figure]:
 def _twist(shaft: Part) -> Found:
     driven = shaft.parameter("drive_ratio") * shaft["drive_angle"] + shaft.parameter("phase")
     return _at_largest(np.abs(shaft["cam_angle"] - driven))
-
-
-def _slip(roller: Part) -> Found:
-    return _at_largest(np.abs(roller["slip"]))
 
 
 def _least_load(contact: Part) -> Found:
@@ -179,19 +177,11 @@ def _least_film(contact: Part) -> Found:
     return film if film.value >= ATOM else Found(0.0, film.row)
 
 
-def _film_power(contact: Part) -> Found:
-    return Found(contact.mean(contact["load"] * contact["squeeze_velocity"]))
-
-
 def _film_feed(contact: Part) -> Found:
     """Of the power that goes through the film, to and fro, the share that stays in the motion."""
     power = contact["load"] * contact["squeeze_velocity"]
     gross = contact.mean(np.abs(power))
     return Found(contact.mean(power) / gross if gross > 0.0 else 0.0)
-
-
-def _lost(contact: Part) -> Found:
-    return Found(contact.mean((contact["load"] <= 0.0) & contact.lifted))
 
 
 def _lost_on_nose(contact: Part) -> Found:
@@ -208,8 +198,7 @@ def _lost_on_nose(contact: Part) -> Found:
     return Found(contact.mean(lost & slows[begin]))
 
 
-def _friction_power(part: Part) -> Found:
-    return Found(part.mean(part["friction_force"] * part["sliding_velocity"]))
+_friction_power = _mean_power("friction_force", "sliding_velocity")
 
 
 def _friction_torque(part: Part) -> Found:
@@ -255,15 +244,15 @@ CONTACT: Mapping[str, Figure] = {
         _least_load_angle,
     ),
     "largest_load": (Quantity("N", "largest load"), _largest("load")),
-    "lost": (Quantity("1", "share of the time that lifts without load"), _lost),
+    "lost": (
+        Quantity("1", "share of the time that lifts without load"),
+        lambda c: Found(c.mean((c["load"] <= 0.0) & c.lifted)),
+    ),
     "lost_on_nose": (
         Quantity("1", "share of the time in losses of contact that begin where the cam slows the valve"),
         _lost_on_nose,
     ),
-    "peak_pressure": (
-        Quantity("Pa", "largest Hertz pressure", display_unit="MPa"),
-        _largest("maximum_pressure"),
-    ),
+    "peak_pressure": (PRESSURE.of("largest Hertz pressure"), _largest("maximum_pressure")),
     "stress_ratio": (
         Quantity("1", "largest Hertz pressure over the permissible one, elastic_limit"),
         lambda c: Found(float(np.max(c["maximum_pressure"])) / c.parameter("elastic_limit")),
@@ -276,7 +265,10 @@ CONTACT: Mapping[str, Figure] = {
         Quantity("1", "least film over roughness; the film bears the fluid's share of the load"),
         _least("film_ratio"),
     ),
-    "film_power": (Quantity("W", "mean power that the growing film gives to the motion"), _film_power),
+    "film_power": (
+        Quantity("W", "mean power that the growing film gives to the motion"),
+        _mean_power("load", "squeeze_velocity"),
+    ),
     "film_feed": (Quantity("1", "share of the film's power that the motion keeps"), _film_feed),
     "friction_power": (Quantity("W", "mean friction power"), _friction_power),
     "friction_torque": (Quantity("N.m", "mean friction power over the speed of the cam"), _friction_torque),
@@ -320,10 +312,7 @@ SHAFT: Mapping[str, Figure] = {
     "largest_twist": (Quantity("rad", "largest twist", display_unit="deg"), _twist)
 }
 ADJUSTER: Mapping[str, Figure] = {
-    "peak_pressure": (
-        Quantity("Pa", "largest pressure of the chamber", display_unit="MPa"),
-        _largest("pressure"),
-    ),
+    "peak_pressure": (PRESSURE.of("largest pressure of the chamber"), _largest("pressure")),
     "largest_extension": (
         Quantity("m", "largest length over that of the start", display_unit="um"),
         _largest("extension"),
@@ -351,7 +340,10 @@ CLEARANCE: Mapping[str, Figure] = {
 }
 LOSS: Mapping[str, Figure] = {"friction_power": (Quantity("W", "mean friction power"), _mean("power_loss"))}
 ROLLER: Mapping[str, Figure] = {
-    "largest_slip": (Quantity("m/s", "largest velocity by which the roller slides"), _slip)
+    "largest_slip": (
+        Quantity("m/s", "largest velocity by which the roller slides"),
+        lambda roller: _at_largest(np.abs(roller["slip"])),
+    )
 }
 BEARING: Mapping[str, Figure] = {
     "bearing_load": (Quantity("N", "largest load of the bearing"), _largest("load")),
@@ -360,10 +352,7 @@ BEARING: Mapping[str, Figure] = {
         Quantity("1", "largest eccentricity over the clearance"),
         _largest("eccentricity_ratio"),
     ),
-    "peak_pressure": (
-        Quantity("Pa", "highest pressure of the film", display_unit="MPa"),
-        _largest("maximum_pressure"),
-    ),
+    "peak_pressure": (PRESSURE.of("highest pressure of the film"), _largest("maximum_pressure")),
     **LOSS,
 }
 # By the role of the part.

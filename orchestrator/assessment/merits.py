@@ -17,7 +17,7 @@ from ..scenario.display import format_number, show
 from ..store import atomic_write
 from .contacts import ContactSummaries, ContactSummary
 from .figures_of_merit import measure
-from .friction.shares import list_losses
+from .friction.losses import list_losses, name_outside, note_friction
 from .motion import Motion
 from .trains import Angle, Train, find_angle, find_drive_angle, find_trains, list_parts
 
@@ -111,7 +111,10 @@ def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
             *_list_clearance(train, found),
         ]
         lossy = train.parts if len(trains) > 1 else tuple(system.instances)
-        if said := [*said, *_list_contacts(train, found), *_list_friction(system, lossy, found)]:
+        said += _list_contacts(train, found)
+        if friction := sum_friction(system, merits, lossy):
+            said.append(_describe_friction(friction))
+        if said:
             told.append((margin, f"{train.valve}: {'; '.join(said)}"))
     if len(told) <= SHOWN:
         return [text for _, text in told]
@@ -206,14 +209,40 @@ def _list_contacts(train: Train, found: Merits) -> Iterator[str]:
             yield f"least film ratio {ratios[0].value:.2g} in {ratios[0].part}"
 
 
-def _list_friction(system: System, parts: Sequence[str], found: Merits) -> Iterator[str]:
-    """Mean power of all shares of friction (see `friction.shares`) of these parts."""
-    losses = [(loss.part, loss.figure) for loss in list_losses(system) if loss.part in parts]
-    if powers := [found[loss].value for loss in losses if loss in found]:
-        yield f"friction {sum(powers):.3g} W in the mean of the run"
+@dataclass(frozen=True)
+class Friction:
+    """Mean powers (W) that the motion and the drive's torque contain and do not, and names of the latter."""
+
+    in_the_motion: float
+    outside: float
+    left_out: str
 
 
-HEAD = ("part", "figure of merit", "value", "unit", "angle [deg]", "angle of", "time [ms]", "speed [r/min]")
+def sum_friction(system: System, merits: Sequence[Merit], parts: Sequence[str] = ()) -> Friction | None:
+    """All shares of friction (see `friction.losses`) of these parts, or of all; None where there are none."""
+    found = {(merit.part, merit.figure): merit.value for merit in merits}
+    own = [loss for loss in list_losses(system) if loss.part in (parts or system.instances)]
+    powers = {loss: found[key] for loss in own if (key := (loss.part, loss.figure)) in found}
+    if not powers:
+        return None
+    inside = sum(power for loss, power in powers.items() if loss.acts)
+    return Friction(inside, sum(powers.values()) - inside, name_outside(powers))
+
+
+def _describe_friction(found: Friction) -> str:
+    said = f"friction {found.in_the_motion + found.outside:.3g} W in the mean of the run"
+    if not found.left_out:
+        return f"{said}, all of it in the motion and the drive's torque"
+    return (
+        f"{said}: {found.in_the_motion:.3g} W in the motion and the drive's torque, {found.outside:.3g} W "
+        f"outside, of {found.left_out}"
+    )
+
+
+HEAD = (
+    "part", "figure of merit", "value", "unit", "angle [deg]", "angle of", "time [ms]", "speed [r/min]",
+    "friction",
+)  # fmt: skip
 
 
 def write_merits(system: System, merits: Sequence[Merit], read: Read, path: Path) -> None:
@@ -234,7 +263,8 @@ def write_merits(system: System, merits: Sequence[Merit], read: Read, path: Path
             ]
         words = merit.quantity.description
         value = format_number(shown.factor * merit.value, 6)
-        table.writerow((merit.part, words, value, shown.text, *place))
+        note = note_friction(system, merit.part, merit.figure)
+        table.writerow((merit.part, words, value, shown.text, *place, note))
     # Spreadsheets take a file for UTF-8 by its first three bytes.
     atomic_write.write_whole(path, text.getvalue().encode("utf-8-sig"))
 

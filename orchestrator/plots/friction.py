@@ -11,7 +11,7 @@ from matplotlib.ticker import MultipleLocator
 from models.core.quantities import Vector
 
 from ..assessment.friction.cycle import TURN, Cycle, Wear
-from ..assessment.friction.shares import SHARES
+from ..assessment.friction.losses import SHARES
 from .solved_film import FULL
 from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_legend_above, create_grid, create_subplots
 

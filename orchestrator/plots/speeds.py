@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from models.core.quantities import Vector
 
+from ..assessment.friction.losses import describe_content
 from ..assessment.lost_contact import find_lost
 from .style import (
     ACCENT,
@@ -35,6 +36,7 @@ LEAST_SHOWN = 3
 LEAST_RANGE = 0.02
 # Colours of natural frequencies, by their kind.
 NATURAL = {"surge": REFERENCE, "torsion": COUPLED, "bending": ACCENT}
+TORQUE = "Drive torque (N m)"
 # Title, unit with its factor, endings of results: a panel for each that the table has.
 PANELS = (
     ("Contact load (N)", 1.0, (".least_load", ".largest_load")),
@@ -43,7 +45,7 @@ PANELS = (
     ("Seating velocity (m/s)", 1.0, (".seating_velocity",)),
     ("Least film (µm)", 1e6, (".least_film",)),
     ("Largest pressure (MPa)", 1e-6, (".peak_pressure",)),
-    ("Drive torque (N m)", 1.0, (".least_torque", ".largest_torque", ".mean_torque")),
+    (TORQUE, 1.0, (".least_torque", ".largest_torque", ".mean_torque")),
     ("Friction power (W)", 1.0, (".friction_power",)),
     ("Largest lift (mm)", 1e3, (".largest_lift",)),
     ("Largest twist (°)", math.degrees(1.0), (".largest_twist",)),
@@ -76,6 +78,9 @@ def draw_summary(
         for design, table in tables.items():
             shade_lost(panel, table, (separations or {}).get(design))
         panel.set_ylabel(title)
+        if title == TORQUE:
+            for text in dict.fromkeys(describe_content(t.attrs.get("outside", "")) for t in tables.values()):
+                panel.text(0.02, 0.02, text, transform=panel.transAxes, fontsize=6.0, color="0.35")
     return figure
 
 

@@ -12,8 +12,8 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from models.core.quantities import Vector
 
-from ..assessment.diagnosis.report import percent
 from ..assessment.diagnosis.steps import Steps
+from ..assessment.diagnosis.suggestions import percent
 from ..engine.step import REASONS
 from ..scenario.display import SYMBOLS
 from ..scenario.units import choose_time_unit

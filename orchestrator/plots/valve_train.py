@@ -18,6 +18,7 @@ from models.core.quantities import Quantity, Vector
 
 from ..assessment.figures_of_merit import OPENED, VALVE
 from ..assessment.films import LIGHT
+from ..assessment.friction.losses import describe_content, list_losses, name_outside
 from ..assessment.merits import read_motion
 from ..assessment.motion import Found, Part
 from ..assessment.trains import Angle, Train, find_kinematics
@@ -96,6 +97,9 @@ def draw(data: FigureData) -> Figure:
     _add_kinematics(by_words, own, train)
     _add_margin(by_words["Spring force"], own, train)
     _magnify_seat(by_words["Lift, magnified"], own, train)
+    losses = [loss for loss in list_losses(train.system) if loss.part in train.parts]
+    if losses and "Cam torque" in by_words:
+        write_remark(by_words["Cam torque"], describe_content(name_outside(losses)))
     for ax in axes.flat:
         _show_zero(ax)
     _shade(axes, own, train)

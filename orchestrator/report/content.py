@@ -8,7 +8,8 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ..assessment.diagnosis.report import WORDS, percent
+from ..assessment.diagnosis.report import WORDS
+from ..assessment.diagnosis.suggestions import percent
 from ..assessment.films import FILMS, has_film
 from ..engine.step import REASONS
 from ..scenario import Scenario, parse_ends

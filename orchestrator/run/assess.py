@@ -15,7 +15,7 @@ from models.core.system import System
 from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, suggestions
 from ..assessment.frozen import list_frozen
-from ..assessment.merits import Merit, describe_bearings, describe_trains, list_merits
+from ..assessment.merits import Merit, describe_bearings, describe_trains, list_merits, sum_friction
 from ..errors import RunError, Set, Words, join
 from ..reporter import WITNESS, Reporter
 from ..scenario.capabilities import MONOLITHIC
@@ -85,7 +85,10 @@ def _summarise_contacts(system: System, summary: Summary, result: ResultFile) ->
         contacts = with_angles(system, contacts, read)
         figures = list_merits(system, contacts, lambda name: read([name])[name])
     told = [*describe_trains(system, figures), *describe_bearings(system, figures)]
-    return replace(summary, contacts=contacts, contacts_from=source, merits=told, figures_of_merit=figures)
+    return replace(
+        summary, contacts=contacts, contacts_from=source, merits=told, figures_of_merit=figures,
+        friction=sum_friction(system, figures),
+    )  # fmt: skip
 
 
 def _diagnose(plan: Plan, summary: Summary, result: ResultFile) -> Summary:

@@ -13,7 +13,7 @@ from models.contact.records import ATOM
 from ..assessment.contacts import ContactSummaries
 from ..assessment.contacts import lines as contact_lines
 from ..assessment.diagnosis import Diagnosis, brief
-from ..assessment.merits import Merit
+from ..assessment.merits import Friction, Merit
 from ..engine.effort import Spent
 from ..engine.energy.account import Account
 from ..engine.energy.account import lines as energy_lines
@@ -71,6 +71,7 @@ class Summary:
     contacts: ContactSummaries = field(default_factory=dict)
     contacts_from: str = MACRO_STEPS
     merits: Sequence[str] = field(default_factory=list)
+    friction: Friction | None = None
     figures_of_merit: Sequence[Merit] = ()  # in a table of their own
     times: Mapping[str, float] = field(default_factory=dict)  # wall time (s) by stage
     effort: Mapping[str, Spent] = field(default_factory=dict)

@@ -38,6 +38,14 @@ def compare_runs(first: Path, second: Path, out: Path | None, reporter: Reporter
         shown.add_row(figure, unit, *map(_describe_merit, rows.values()))
         merits[figure] = {"unit": unit, **{name: _to_numbers(row) for name, row in rows.items()}}
     reporter.console.print(shown)
+    for name, table in tables.items():
+        notes = {
+            figure: note
+            for figure, row in table.items()
+            if (note := row.get("friction")) and "torque" in figure
+        }
+        for note in dict.fromkeys(note for note in notes.values() if note.startswith("with")):
+            reporter.line(f"{name}: the drive's torque is {note}")
     if drawn:
         reporter.line(f"figure: {drawn}")
     return {"merits": merits, "figure": drawn}

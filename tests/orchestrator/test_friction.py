@@ -12,11 +12,12 @@ import xarray
 from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from models.contact.hertz import elastic_compliance
 from models.core.remedies import find_actions
+from models.core.system import System
 from orchestrator.assessment.friction.cycle import OF_CAM, OF_CONTACT, Cycle, last_revolution, summary, wear
 from orchestrator.assessment.friction.judge import find_cams, judge_friction, judge_losses
-from orchestrator.assessment.friction.report import WORN, Judged, remarks, tables
-from orchestrator.assessment.friction.shares import (
+from orchestrator.assessment.friction.losses import (
     BEARING,
     BORE,
     CONTACT,
@@ -27,14 +28,16 @@ from orchestrator.assessment.friction.shares import (
     SLIP,
     TIP,
     list_losses,
+    name_outside,
 )  # fmt: skip
+from orchestrator.assessment.friction.report import WORN, Judged, remarks, tables
 from orchestrator.errors import MistakeError, Option
 from orchestrator.plots.friction import draw_friction
 from orchestrator.plots.style import RC
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario.files import load
-from orchestrator.scenario.system import build_system
+from orchestrator.scenario.system import build_system, list_parameters
 from tribocosim.command_line.friction import name_file
 
 from .commands import called, said
@@ -308,7 +311,26 @@ def test_the_shares_are_the_work_of_their_parts(folder: Path) -> None:
     assert losses.shares[CONTACT] == pytest.approx(contact.summary.mean_power, rel=1e-2)
     assert losses.total == losses.shares[CONTACT] + losses.shares[ROLLING]
     assert f"{losses.total / losses.speed:.4g}" in said_by(folder)
-    assert "does not feel it" in said_by(folder)
+    assert "friction outside the motion: cam contact (contact), rolling (contact)" in said_by(folder)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "cut", "outside"),
+    [
+        ("roller-friction", "roller.rolling_friction", "rolling (cam_contact)"),
+        ("roller-friction", "finger.tip_friction", "valve tip (pad)"),
+        ("bucket-friction", "tappet.cam_friction", "cam contact (contact), tappet bore (spin)"),
+        ("rocker-friction", "rocker.pivot_torque", "rolling (cam_contact), lever pivot (pivot)"),
+        ("rocker-friction", "flywheel.load_torque[1]",
+         "cam contact (cam_contact), rolling (cam_contact), lever pivot (pivot), valve tip (pad)"),
+    ],
+)  # fmt: skip
+def test_friction_is_in_the_motion_where_all_that_it_brakes_take_it(scenario, cut, outside) -> None:
+    """Not where one of two surfaces does, where only a side load hears of it, or where no torque goes on."""
+    whole = build_system(load(scenario))
+    kept = [(str(c.source), str(c.target)) for c in whole.connections if str(c.target) != cut]
+    assert len(kept) == len(whole.connections) - 1
+    assert name_outside(list_losses(System(whole.instances, kept))) == outside
 
 
 def test_long_labels_stay_inside_the_figure() -> None:
@@ -342,41 +364,54 @@ guide = { component = "guide_friction", participant = "in-process" }
 
 
 @pytest.mark.parametrize(
-    ("scenario", "joints", "force", "speed"),
+    ("scenario", "joints", "cam", "outside"),
     [
-        (RUBBING, ("guide",), "contact.friction_force", "camshaft.sliding_velocity"),
+        (RUBBING, ("guide",), ("contact", "camshaft"), "rolling (contact)"),
         pytest.param(
-            'extends = "roller-friction"', ("pin", "pad", "guide"), "cam_contact.rolling_friction",
-            "finger.rolling_velocity", marks=pytest.mark.long,
+            'extends = "roller-friction"', ("pin", "pad", "guide", "roller"), ("cam_contact", "finger"), "",
+            marks=pytest.mark.long,
         ),
     ],
     ids=["direct train", "roller train"],
 )  # fmt: skip
-def test_the_drive_gives_what_shares_dampers_and_stores_take(scenario, joints, force, speed, tmp_path):
-    """Energies of a run: of joints and pads as their bonds count them, of rolling or sliding from records."""
+def test_the_drive_gives_the_friction_in_the_motion_and_no_other(scenario, joints, cam, outside, tmp_path):
+    """Besides, what dampers and stores take. Both sides of the friction add up to the sum that is printed."""
     (tmp_path / "train.toml").write_text(scenario)
     out = tmp_path / "out"
     changed = [part for name in ("reference.enabled=false", "energy.ledger=true") for part in ("--set", name)]
     done = called("run", str(tmp_path / "train.toml"), *changed, "--no-figures", "--out", str(out))
     assert done.returncode == 0, done.stderr
-    parts = json.loads((out / "summary.json").read_text("utf-8"))["energy"]["components"]
+    summary = json.loads((out / "summary.json").read_text("utf-8"))
+    parts, friction = summary["energy"]["components"], summary["friction"]
     with xarray.open_dataset(out / "result.nc", group="coupled", engine="h5netcdf") as result:
         columns = {str(name): result[name].values for name in result.variables}
-    columns["finger.rolling_velocity"] = 2.0 * columns.get("finger.entraining_velocity", 0.0)
-
-    def integrate(power):
-        return float(np.trapezoid(power, columns["time"]))
-
+    time = columns["time"]
     # Rows of 20 and 40 us; sticking takes elastic energy that it gives back.
     for name in joints:
-        assert integrate(columns[f"{name}.power_loss"]) == pytest.approx(parts[name]["received"], rel=3e-4)
+        work = float(np.trapezoid(columns[f"{name}.power_loss"], time))
+        assert work == pytest.approx(parts[name]["received"], rel=3e-4, abs=1e-5)
     drive = parts.pop("flywheel")["sourced"]
-    taken = sum(part["received"] for part in parts.values())
-    # The trapezoidal rule of the friction from records, an eighth of the roller train's energy.
-    taken += integrate(columns[force] * columns[speed])
-    assert drive == pytest.approx(taken, rel=1e-4)
-    # What the parts take they dissipate or store, measured to 2.2e-4 in the roller train.
-    assert abs(sum(part["outside_bonds"] for part in parts.values())) < 5e-4 * drive
+    besides = sum(part["received"] for name, part in parts.items() if name not in joints)
+    # The trapezoidal rule of the friction from records.
+    assert drive == pytest.approx(np.ptp(time) * friction["in_the_motion"] + besides, rel=1e-4)
+    assert friction["left_out"] == outside
+    assert f"friction {friction['in_the_motion'] + friction['outside']:.3g} W" in done.stdout
+    rows = list(csv.DictReader((out / "summary.csv").read_text("utf-8-sig").splitlines()))
+    for side, note in (("in_the_motion", "in the motion"), ("outside", "outside the motion")):
+        own = [float(r["value"]) for r in rows if r["friction"] == note and r["unit"] == "W"]
+        assert sum(own) == pytest.approx(friction[side], rel=1e-5)
+    (note,) = {
+        row["friction"] for row in rows if "torque" in row["figure of merit"] and row["part"] == "flywheel"
+    }
+    assert note == (f"without the friction of {outside}" if outside else "with all friction")
+    # What parts take they dissipate or store, but for a changing radius R of the cam, which gives the elastic
+    # energy dE/dR = c W^2/(2 pi L R) at a constant deflection, with the compliance c of the bodies.
+    contact, values = cam[0], list_parameters(load(out / "scenario.toml"))
+    bodies = (values[f"{contact}.{name}_{k}"] for k in "12" for name in ("youngs_modulus", "poissons_ratio"))
+    squared = (columns[f"{contact}.load"] / columns[f"{contact}.damping_margin"]) ** 2
+    given = float(np.trapezoid(squared, np.log(columns[f"{cam[1]}.radius_of_curvature"])))
+    given *= elastic_compliance(*bodies) / (2.0 * math.pi * values[f"{contact}.length"])
+    assert sum(part["outside_bonds"] for part in parts.values()) == pytest.approx(given, abs=1e-5 * drive)
 
 
 @pytest.mark.long

@@ -72,7 +72,7 @@ def print_friction(
     losses, motion = judge_losses(folder, scenario)
     if as_json:
         contacts = {one.cycle.contact: of(one.cycle, one.worn, one.coefficient).to_dict() for one in found}
-        print_json({**contacts, "shares": losses.shares})
+        print_json({**contacts, "shares": losses.shares, "in_the_motion": losses.inside})
     for page in tables(found):
         reporter.console.print(page)
     for one in found:
@@ -105,6 +105,7 @@ def _report_sweeps(
 
     if (folder / RESULT).exists() or not folder.is_dir():
         return False
+    from orchestrator.assessment.friction.losses import describe_content
     from orchestrator.study.speeds import friction
 
     if not (sweeps := friction.list_sweeps(folder)):
@@ -119,13 +120,18 @@ def _report_sweeps(
     if as_json:
         print_json(
             {
-                one.design: {"speed_rpm": one.speeds.tolist(), "drive": one.drive.tolist()}
+                one.design: {
+                    "speed_rpm": one.speeds.tolist(),
+                    "drive": one.drive.tolist(),
+                    "outside": one.outside,
+                }
                 | {share: torque.tolist() for share, torque in one.torques.items()}
                 for one in sheets
             }
         )
     reporter.console.print(friction.tabulate_sheets(sheets))
     for one in sheets:
+        reporter.line(f"{one.design}: what the drive gives is {describe_content(one.outside)}")
         if one.unsteady.size:
             speeds = ", ".join(f"{speed:.0f}" for speed in one.unsteady)
             reporter.line(f"{one.design}: no steady cycle at {speeds} r/min; left out")

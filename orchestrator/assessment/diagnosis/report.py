@@ -14,7 +14,7 @@ from .answer import answer
 from .facts import Facts
 from .numbers import Diagnosis, diagnose_steps
 from .steps import Steps, read_steps
-from .suggestions import suggestions
+from .suggestions import percent, suggestions
 from .times import UNKNOWN, Spending, list_parts, read_spending
 
 SHOWN = 5  # variables, and spans of each
@@ -168,13 +168,6 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
         ).rstrip()
         for row in whole
     ]
-
-
-def percent(share: float) -> str:
-    """A share as it is written."""
-    if 0.0 < share < 0.001:
-        return "< 0.1 %"
-    return f"{100.0 * share:.3g} %"
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,9 @@ OFTEN = 0.1  # of the attempts, or of the steps
 
 
 def percent(share: float) -> str:
-    """A share in a sentence."""
+    """A share as it is written."""
+    if 0.0 < share < 0.001:
+        return "< 0.1 %"
     return f"{100.0 * share:.2g} %" if share < 0.995 else "100 %"
 
 

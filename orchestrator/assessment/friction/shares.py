@@ -1,7 +1,7 @@
 """The friction of a whole system by shares, which are named by what a part does in its train."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,99 +17,17 @@ from ...scenario.display import format_number
 from ..figures_of_merit import measure
 from ..motion import Motion, Part
 from ..trains import list_parts
-
-POWER, ROLLING_POWER = "friction_power", "rolling_power"
-CONTACT, ROLLING, SLIP, TIP = "cam contact", "rolling", "roller slip", "valve tip"
-PIN, PIVOT, BORE, GUIDE = "roller pin", "lever pivot", "tappet bore", "valve guide"
-BEARING = "camshaft bearing"
-SHARES = (CONTACT, ROLLING, SLIP, PIN, PIVOT, TIP, BORE, GUIDE, BEARING)
-# The share of a joint or guide by the role of the part on which it acts; of none of these it is a bearing.
-JOINTS: Mapping[type[roles.Role], str] = {
-    roles.Roller: PIN,
-    roles.PivotedFollower: PIVOT,
-    roles.Rocker: PIVOT,
-    roles.TranslatingFollower: BORE,
-    roles.Valve: GUIDE,
-}
-
-
-@dataclass(frozen=True)
-class Loss:
-    """A part that loses power to friction: its figure, its share, and whether it acts on the motion."""
-
-    part: str
-    share: str
-    acts: bool = True
-    figure: str = POWER
-
-
-def list_losses(system: System) -> list[Loss]:
-    """All losses to friction, in the order of their shares."""
-    found = [loss for name in system.instances for loss in _find_losses(system, name)]
-    return sorted(found, key=lambda loss: SHARES.index(loss.share))
+from .losses import CONTACT, POWER, SHARES, Loss, list_losses, name_outside, remark_outside
 
 
 def add_losses(table: xarray.Dataset, system: System) -> xarray.Dataset:
-    """The table of cycles with the sum of all losses to friction, of a train with several."""
-    losses = [f"{loss.part}.{loss.figure}" for loss in list_losses(system)]
+    """The table of cycles with the sum of all losses to friction, of a train with several; the attribute
+    `outside` names those that the motion does not contain."""
+    losses = list_losses(system)
+    table = table.assign_attrs(outside=name_outside(losses))
     if len(losses) < 2:
         return table
-    return table.assign({f"whole train.{POWER}": sum(table[name] for name in losses)})
-
-
-def _find_losses(system: System, name: str) -> Iterator[Loss]:
-    component = system.instances[name].component
-    if component.has_role(roles.Roller):
-        yield Loss(name, SLIP)
-    elif component.has_role(roles.Surface):
-        yield Loss(name, _name_place(system, name))
-    elif component.has_role(roles.Contact):
-        place = _name_place(system, name)
-        if not any(
-            other.component.has_role(roles.Surface) and _gives(system, name, "load", part)
-            for part, other in system.instances.items()
-        ):
-            yield Loss(name, place, _drives(system, name, "friction_force"))
-        if place == CONTACT and component.has_role(roles.RollingContact):
-            yield Loss(name, ROLLING, _drives(system, name, "rolling_friction"), ROLLING_POWER)
-    elif component.has_role(roles.Pivot, roles.Bearing, roles.Guide):
-        yield Loss(name, _name_joint(system, name))
-
-
-def _name_place(system: System, name: str) -> str:
-    """Under a cam, or of a lever on its valve."""
-    under = (roles.Cam, roles.FlatFollower, roles.Spin)
-    velocities = ("sliding_velocity", "rolling_velocity")
-    cams = (
-        system.instances[connection.source.instance].component.has_role(*under)
-        for connection in system.connections
-        if connection.target.instance == name
-        and connection.target.variable in velocities
-        and connection.source.variable in (*velocities, "contact_sliding")
-    )
-    return CONTACT if any(cams) else TIP
-
-
-def _name_joint(system: System, name: str) -> str:
-    for connection in system.connections:
-        if connection.source.instance == name:
-            taker = system.instances[connection.target.instance].component
-            for role, share in JOINTS.items():
-                if taker.has_role(role):
-                    return share
-    return BEARING
-
-
-def _gives(system: System, name: str, variable: str, part: str) -> bool:
-    return any(
-        (c.source.instance, c.source.variable, c.target.instance, c.target.variable)
-        == (name, variable, part, variable)
-        for c in system.connections
-    )
-
-
-def _drives(system: System, name: str, variable: str) -> bool:
-    return any((c.source.instance, c.source.variable) == (name, variable) for c in system.connections)
+    return table.assign({f"whole train.{POWER}": sum(table[f"{one.part}.{one.figure}"] for one in losses)})
 
 
 @dataclass(frozen=True)
@@ -124,23 +42,27 @@ class Losses:
     @property
     def shares(self) -> dict[str, float]:
         """Power of each share (W)."""
-        return {
-            share: self._add(loss for loss in self.losses if loss.share == share)
-            for share in SHARES
-            if any(loss.share == share for loss in self.losses)
-        }
+        return self._sum(lambda _: True)
+
+    @property
+    def inside(self) -> dict[str, float]:
+        """What of each share the motion contains (W)."""
+        return self._sum(lambda loss: loss.acts)
 
     @property
     def total(self) -> float:
-        return self._add(self.losses)
+        return sum(self.shares.values())
 
     @property
     def rest(self) -> float:
         """What the drives give besides: to dampers of springs, seats and contacts, and to what they drive."""
-        return self.drive - self._add(loss for loss in self.losses if loss.acts)
+        return self.drive - sum(self.inside.values())
 
-    def _add(self, losses: Iterable[Loss]) -> float:
-        return sum(self.powers[loss.part, loss.figure] for loss in losses)
+    def _sum(self, counts: Callable[[Loss], bool]) -> dict[str, float]:
+        found = {share: 0.0 for share in SHARES if share in (loss.share for loss in self.losses)}
+        for loss in filter(counts, self.losses):
+            found[loss.share] += self.powers[loss.part, loss.figure]
+        return found
 
 
 def measure_losses(motion: Motion) -> Losses:
@@ -168,21 +90,20 @@ def tabulate_losses(found: Losses) -> Table:
         title="Friction of the whole train, means over that revolution",
         title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False,
     )  # fmt: skip
-    for head in ("share", "power (W)", "torque on the drive (N m)", "%", "parts"):
+    heads = ("share", "power (W)", "in the motion (W)", "torque on the drive (N m)", "%", "parts")
+    for head in heads:
         table.add_column(head, justify="left" if head in ("share", "parts") else "right", overflow="fold")
-    for share, power in found.shares.items():
+    rows = [(share, power, found.inside[share]) for share, power in found.shares.items()]
+    for share, *powers in [*rows, ("sum", found.total, sum(found.inside.values()))]:
         parts = ", ".join(loss.part for loss in found.losses if loss.share == share)
-        percent = format_number(100.0 * power / found.total, 3) if found.total else ""
-        table.add_row(share, format_number(power), format_number(power / found.speed), percent, parts)
-    total = format_number(found.total), format_number(found.total / found.speed)
-    table.add_row("sum", *total, "100" if found.total else "", "")
+        percent = format_number(100.0 * powers[0] / found.total, 3) if found.total else ""
+        table.add_row(share, *map(format_number, (*powers, powers[0] / found.speed)), percent, parts)
     return table
 
 
 def remark_losses(found: Losses, motion: Motion) -> Iterator[Words]:
     """What the shares leave out."""
-    if idle := [f"{loss.part} ({loss.share})" for loss in found.losses if not loss.acts]:
-        yield f"{', '.join(idle)}: no connection takes the friction to the motion, which does not feel it"
+    yield from remark_outside(motion.system)
     for loss in found.losses:
         if loss.share == CONTACT and not np.any(Part(motion, loss.part)["sliding_velocity"]):
             yield (

@@ -14,6 +14,7 @@ from models.core.quantities import Vector
 
 from ...analyses._evaluate import create_folder, find_results
 from ...assessment.figures_of_merit import CONTACT
+from ...assessment.friction.losses import remark_outside
 from ...assessment.motion import Motion, Part
 from ...errors import MistakeError, Words
 from ...plots.design import draw_design
@@ -22,7 +23,7 @@ from ...report.answer import Answer
 from ...reporter import Bar, Reporter
 from ...run.pipeline import run
 from ...scenario.files import load, read_changed
-from ...scenario.system import Builder
+from ...scenario.system import Builder, build_system
 from ..speeds.finder import CycleFinder
 from ..speeds.separation import bisect_separation, is_separated
 from ..speeds.subject import SpeedSubject, describe_numbers, find_flywheel, to_motion
@@ -213,6 +214,8 @@ def design(
     answer = Answer(table.attrs["title"], reporter)
     report(table, improved, answer)
     for text in said:
+        answer.line(text)
+    for text in remark_outside(build_system(train.scenario)):
         answer.line(text)
     answer.write(out, PAGE, (FIGURE, SCENARIO, LIFTS, TABLE, f"{CAM}/"))
     return table

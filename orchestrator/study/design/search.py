@@ -151,6 +151,10 @@ class Search:
         self.tell(f"start: {describe(found, self.wanted.objective)}")
         best(found)
         model, box = self.model(start, seen), BOX
+        own = model.objective.gradient[self.train.lobe.count :]
+        for name, slope in zip(self.train.parameters, own, strict=False):
+            if slope == 0.0 and self.wanted.objective.is_figure:
+                self.tell(f"{model.objective.name} does not change with {name}: only limits hold it")
         for number in range(1, MOST_ROUNDS):
             x = self.solve(model, found.unknowns, box, self.starts if number == 1 else 1).unknowns
             try:

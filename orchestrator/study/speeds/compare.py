@@ -13,6 +13,7 @@ from rich.table import Table
 
 from models.core.system import System
 
+from ...assessment.friction.losses import describe_content
 from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
 from ...errors import Command, MistakeError, Option
@@ -107,9 +108,12 @@ def compare(
         for name, separation in found[kind].items():
             if separation:
                 reporter.line(f"{name}: {separation['text']}")
+    whole = {name: add_losses(sweep.table, sweep.build_system()) for name, sweep in sweeps.items()}
+    found["friction_outside"] = {name: table.attrs["outside"] for name, table in whole.items()}
+    for name, outside in found["friction_outside"].items():
+        reporter.line(f"{name}: the drive's torque is {describe_content(outside)}")
     if out is not None:
         separations = {name: one and one["speed"] for name, one in found["separation"].items()}
-        whole = {name: add_losses(sweep.table, sweep.build_system()) for name, sweep in sweeps.items()}
         reporter.line(f"figure: {save_figure(lambda: draw_summary(whole, separations), out)}")
     return found
 

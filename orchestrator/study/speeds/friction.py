@@ -13,7 +13,7 @@ from models.core.quantities import Vector
 from models.core.roles import Drive
 from models.monolithic.cycle import STEADY
 
-from ...assessment.friction.shares import SHARES, list_losses
+from ...assessment.friction.losses import SHARES, list_losses, name_outside
 from ...assessment.trains import list_parts
 from ...errors import MistakeError
 from ...scenario.display import format_number
@@ -29,7 +29,8 @@ DRIVE = "drive"
 class Sheet:
     """A design's speeds (r/min) of the drive, and mean torques (N m) on it by share; what the drive gives.
 
-    `unsteady` are speeds at which no steady cycle was found: they have no means and are left out.
+    `unsteady` are speeds at which no steady cycle was found: they have no means and are left out. `outside`
+    names the friction that what the drive gives does not contain.
     """
 
     design: str
@@ -37,6 +38,7 @@ class Sheet:
     torques: dict[str, Vector]
     drive: Vector
     unsteady: Vector
+    outside: str
 
     @property
     def total(self) -> Vector:
@@ -65,7 +67,8 @@ def read_sheet(folder: Path) -> Sheet:
         power = table[f"{loss.part}.{loss.figure}"].values
         torques[loss.share] = torques.get(loss.share, 0.0) + power / speed
     given = np.sum([table[f"{name}.mean_torque"].values for name in list_parts(system, Drive)], axis=0)
-    return Sheet(folder.name, RPM * speed, torques, given, RPM * every["speed"].values[~steady])
+    unsteady, outside = RPM * every["speed"].values[~steady], name_outside(list_losses(system))
+    return Sheet(folder.name, RPM * speed, torques, given, unsteady, outside)
 
 
 def _list_shares(sheets: Sequence[Sheet]) -> list[str]:

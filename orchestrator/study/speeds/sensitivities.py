@@ -23,6 +23,7 @@ from models.core.quantities import Vector
 from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 
 from ...analyses import Parameter, Result
+from ...assessment.friction.losses import remark_outside
 from ...errors import MistakeError, Option, RunError, one_of
 from ...plots.sensitivities import draw_tornado
 from ...plots.style import save_figure
@@ -31,7 +32,7 @@ from ...reporter import Reporter
 from ...scenario import Scenario, build_scenario
 from ...scenario.display import format_number
 from ...scenario.files import put_parameters, to_full_toml
-from ...scenario.system import list_parameters, list_quantities
+from ...scenario.system import build_system, list_parameters, list_quantities
 from ...scenario.values import Value
 from ...store.output_folder import refuse_file
 from ...texts import parse_toml
@@ -258,6 +259,8 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
         shown.add_row(str(main["parameter"].values[k]), *(_cell(one, error) for one, error in cells))
     answer = Answer(f"{at}: sensitivities", reporter)
     answer.table(shown)
+    for text in remark_outside(build_system(scenario)):
+        answer.line(text)
     out.mkdir(parents=True, exist_ok=True)
     frame = dataset["elasticity"].to_pandas()
     frame.insert(0, "value", dataset["value"].values)

@@ -20,6 +20,7 @@ from models.core.system import System
 from models.monolithic.cycle import STEADY
 
 from ...assessment.contacts.lines import FED
+from ...assessment.friction.losses import remark_outside
 from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
 from ...assessment.trains import list_parts, parameter_of
@@ -99,7 +100,8 @@ def sweep(
             second = compare_films(subject, table, first, second_film, reporter)
     texts = [second["text"]] if second else []
     notices = [
-        *texts, *describe_unsteady(table), *describe_lift_loss(table), *describe_feeding(subject, table)
+        *texts, *describe_unsteady(table), *describe_lift_loss(table), *describe_feeding(subject, table),
+        *remark_outside(build_system(subject.scenario)),
     ]  # fmt: skip
     for text in notices:
         reporter.line(text)

@@ -37,6 +37,8 @@ def publish(
     answer.table(_tabulate(main, limits, title))
     for line in describe(main, limits):
         answer.line(line)
+    if dataset.attrs.get("friction"):
+        answer.line(dataset.attrs["friction"])
     dataset.to_netcdf(out / RESULTS, engine="h5netcdf")
     write_rows(out / PERCENTILES, _list_percentiles(dataset))
     write_rows(out / INDICES, _list_indices(dataset))

@@ -14,12 +14,13 @@ from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 from models.valve_train.worn_cam import sample_cam
 
 from ...analyses import Result
+from ...assessment.friction.losses import remark_outside
 from ...errors import MistakeError, RunError
 from ...reporter import Reporter
 from ...scenario import build_scenario
 from ...scenario.cams import read_cam
 from ...scenario.files import to_full_toml
-from ...scenario.system import list_quantities
+from ...scenario.system import build_system, list_quantities
 from ...scenario.units import is_bare
 from ..files import plan_axis
 from ..run import Where, run
@@ -106,7 +107,8 @@ def find_tolerances(
     parts = [_describe(values, subject.results), _percentiles(values, design), _compare(values, design)]
     found = xarray.merge([*parts, _yields(values, design, limits)])
     counts = {"lost": int(np.sum(~usable)), "trains": len(design), "sampled": 2 * design.half}
-    return found.assign_attrs(speed_rpm=RPM * subject.speed, status=status, **counts)
+    outside = " ".join(remark_outside(build_system(build_scenario(tables))))
+    return found.assign_attrs(speed_rpm=RPM * subject.speed, status=status, friction=outside, **counts)
 
 
 def _describe(values: Mapping[str, Vector], results: Mapping[str, Result]) -> xarray.Dataset:
