@@ -178,8 +178,8 @@ def test_a_method_that_fails_says_so_by_its_error_alone(monkeypatch, capfd):
         ({"times": np.array([0.0, math.nan])}, "ascending finite"),
         ({"times": np.array([0.0, 1.0]), "t0": 0.5}, "must not be behind the first instant 0 s"),
         ({"times": np.array([0.0, 1.0]), "tolerance": 0.0}, "tolerance = 0: must be > 0"),
-        ({"times": np.array([0.0, 1.0]), "x0": np.zeros(3)}, "3 elements: the system has 5 states"),
-        ({"times": np.array([0.0, 1.0]), "x0": np.full(5, math.nan)}, "not finite"),
+        ({"times": np.array([0.0, 1.0]), "x0": np.zeros(3)}, "3 elements: the system has 6 states"),
+        ({"times": np.array([0.0, 1.0]), "x0": np.full(6, math.nan)}, "not finite"),
     ],
 )
 def test_refusals(arguments, said):

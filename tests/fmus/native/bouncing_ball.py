@@ -1,4 +1,8 @@
-"""A ball that bounces until it rests: a component with events, whose instants are a geometric series."""
+"""A ball that bounces until it rests, if given on a spring and shaken: a component with events.
+
+Falling freely, its bounces are a geometric series. On the spring, shaken without gravity, it is the harmonic
+impact oscillator.
+"""
 
 import math
 from dataclasses import dataclass
@@ -14,6 +18,10 @@ GRAVITY, HEIGHT = 10.0, 1.0  # m/s^2, m
 class Parameters:
     restitution: float = Quantity("1", "velocity after over before", minimum=0.0).default(0.5)
     threshold: float = Quantity("m/s", "rebound below which it rests", minimum=0.0).default(1e-6)
+    gravity: float = Quantity("m/s2", "acceleration downwards").default(GRAVITY)
+    spring: float = Quantity("1/s2", "rate over mass of a spring from the ground").default()
+    amplitude: float = Quantity("m/s2", "of a periodic acceleration downwards").default()
+    frequency: float = Quantity("rad/s", "its frequency").default(1.0)
 
 
 @dataclass
@@ -22,6 +30,7 @@ class State:
     velocity: float = Quantity("m/s", "velocity").default()
     bounces: float = Quantity("1", "bounces", count=True, internal=True).default()
     last_bounce: float = Quantity("s", "time of the last bounce", internal=True).default()
+    approach: float = Quantity("m/s", "velocity before it", internal=True).default()
     resting: float = Quantity("1", "at rest", boolean=True, internal=True).default()
 
 
@@ -40,12 +49,18 @@ class Outputs:
 
 
 @kernel
+def shake(t: float, p: Parameters) -> float:
+    return p.amplitude * math.cos(p.frequency * t)
+
+
+@kernel
 def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
     moving = 1.0 - x.resting
     dx.height = moving * x.velocity
-    dx.velocity = moving * (u.push - GRAVITY)
+    dx.velocity = moving * (u.push - p.gravity - p.spring * x.height - shake(t, p))
     dx.bounces = 0.0
     dx.last_bounce = 0.0
+    dx.approach = 0.0
     dx.resting = 0.0
 
 
@@ -60,9 +75,9 @@ def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
 
 @kernel
 def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
-    e[0] = GRAVITY * x.height + 0.5 * x.velocity**2
+    e[0] = p.gravity * x.height + 0.5 * (x.velocity**2 + p.spring * x.height**2)
     e[1] = 0.0
-    e[2] = u.push * x.velocity
+    e[2] = (u.push - shake(t, p)) * x.velocity
 
 
 @kernel
@@ -73,6 +88,7 @@ def guards(t: float, x: State, u: Inputs, p: Parameters, g: Vector) -> None:
 @kernel
 def transition(k: int, t: float, x: State, u: Inputs, p: Parameters) -> None:
     x.height = 0.0
+    x.approach = x.velocity
     x.velocity = abs(x.velocity) * p.restitution
     x.bounces += 1.0
     x.last_bounce = t
