@@ -54,7 +54,6 @@ class ImplicitMethod(Protocol):
 
     def step(self, h: float) -> Vector:
         """The state x after a step of length h; NotSolvedError."""
-        ...
 
 
 class _Stages:

@@ -25,11 +25,9 @@ class Method(Protocol):
 
     def begin(self, t: float, z: Vector, end: float) -> None:
         """Start at (t, z); no target will lie behind `end`."""
-        ...
 
     def to(self, target: float) -> tuple[float, Vector, tuple[int, ...]]:
         """(t, z, fallen guards): at the target, or at the first event before it. ModelError on failure."""
-        ...
 
 
 def march(

@@ -50,7 +50,6 @@ class Problem(Protocol):
 
     def transition(self, guard: int, t: float, z: Vector) -> Event:
         """Change z in place because `guard` has fallen."""
-        ...
 
 
 class CompiledProblem(Problem, Protocol):

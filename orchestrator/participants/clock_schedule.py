@@ -30,11 +30,9 @@ class Intervals(Protocol):
 
     def ask_intervals(self, references: Sequence[int]) -> list[tuple[float, int]]:
         """Intervals (s) with their qualifiers: UNKNOWN, 1 unchanged, CHANGED."""
-        ...
 
     def ask_shifts(self, references: Sequence[int]) -> list[float]:
         """Times (s) from the start to the first tick."""
-        ...
 
 
 class ClockSchedule:

@@ -39,20 +39,16 @@ class SideChannel(Protocol):
 
     def next_event(self) -> float:
         """When something is due next (s); infinite if nothing is known."""
-        ...
 
     def handle(self, time: float, clocks: Sequence[str]) -> list[str] | None:
         """Handle what is due at `time`, the present, with these triggered input clocks ticking; the output
         clocks that tick then, or None if nothing is due."""
-        ...
 
     def get_texts(self, names: Sequence[str]) -> list[str]:
         """Strings, and binary values as hexadecimal digits."""
-        ...
 
     def set_texts(self, values: Mapping[str, str]) -> None:
         """As `get_texts`, for inputs."""
-        ...
 
 
 class Derivatives(Protocol):
@@ -60,16 +56,13 @@ class Derivatives(Protocol):
 
     def get_followed(self) -> Any:
         """After `connect`: which of the bound `inputs` it takes, values and derivatives."""
-        ...
 
     def find_states(self, names: Sequence[str]) -> Sequence[tuple[str, str, float]] | None:
         """Its states, each with the name of its derivative by time and its nominal size; None unless
         directional derivatives by and of these variables and the states are its linearisation."""
-        ...
 
     def jacobian(self, unknown: Sequence[str], known: Sequence[str]) -> Vector:
         """d unknown / d known (rows x columns), at the present point, by directional derivatives."""
-        ...
 
 
 def no_warnings() -> tuple[int, str]:
@@ -114,64 +107,48 @@ class Participant(Protocol):
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         """The degree of the polynomial in time that it follows, for each input; 0: it holds the value."""
-        ...
 
     def connect(self, bound: BoundVariables) -> Sequence[bool]:
         """Bind the exchanged variables; for each output, whether its rate will be given."""
-        ...
 
     def compiled_calls(self) -> CompiledCalls:
         """After `connect`: the calls that compiled code can make itself; else NotCompiledError."""
-        ...
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         """Apply parameters, start values and constant inputs; afterwards outputs can be read."""
-        ...
 
     def finish_initialisation(self) -> None:
         """Initial inputs and outputs are consistent; time may advance now."""
-        ...
 
     def set_inputs(self, values: Mapping[str, float]) -> None:
         """Between steps: other values of inputs that nothing drives, by name."""
-        ...
 
     def write(self) -> None:
         """Take over the bound inputs."""
-        ...
 
     def advance(self, time: float, step: float) -> None:
         """Advance from `time` to `time + step`; a RecoverableError may be tried again."""
-        ...
 
     def read(self) -> None:
         """Fill the bound outputs and the rates that are given."""
-        ...
 
     def read_all(self, values: Vector) -> None:
         """Fill `values` with all outputs, in the order of the component's output layout."""
-        ...
 
     def save(self) -> Any:
         """The complete evolving data; valid until `release`."""
-        ...
 
     def restore(self, saved: Any) -> None:
         """Back to what `save` returned, bit for bit."""
-        ...
 
     def to_bytes(self, saved: Any) -> bytes:
         """What `save` returned, for another process; CannotSerializeError if it has not the ability."""
-        ...
 
     def from_bytes(self, data: bytes) -> Any:
         """What `to_bytes` was given by a participant of the same kind; to be released as if saved here."""
-        ...
 
     def release(self, saved: Any) -> None:
         """The saved data is no longer needed."""
-        ...
 
     def close(self) -> None:
         """Free everything; calling it twice does no harm."""
-        ...

@@ -32,47 +32,36 @@ class FmuEquations(Protocol):
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         """Enter initialisation mode, with all values that the settings have."""
-        ...
 
     def finish_initialisation(self) -> None:
         """Go on to event mode."""
-        ...
 
     def outputs(self, t: float, x: Vector, u: Vector) -> Vector:
         """All outputs; `u` are the driven inputs."""
-        ...
 
     def rate(self) -> Vector:
         """The states' derivatives by time, where `outputs` was called last."""
-        ...
 
     def guards(self) -> Vector:
         """The event indicators there, with the signs that they had after the last event."""
-        ...
 
     def enter_events(self) -> None:
         """From continuous-time to event mode."""
-        ...
 
     def iterate(self) -> bool:
         """One event iteration; whether the FMU needs another. EndedError if it ends the simulation."""
-        ...
 
     def leave_events(self) -> float:
         """From event mode to continuous-time mode; the time of the next time event (s), or infinite."""
-        ...
 
     def complete_step(self) -> bool:
         """An integrator's step ends where `outputs` was called last; whether the FMU asks for event mode."""
-        ...
 
     def get_states(self) -> Vector:
         """The continuous states."""
-        ...
 
     def get_nominal(self) -> Vector:
         """Their nominal sizes."""
-        ...
 
     def close(self) -> None: ...
 
