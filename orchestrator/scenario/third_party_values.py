@@ -1,4 +1,4 @@
-"""Values for third-party FMUs: strings, enumerations, numbers in units other than SI."""
+"""Values for third-party FMUs: strings and enumerations."""
 
 from collections.abc import Mapping
 from string import hexdigits
@@ -6,8 +6,7 @@ from string import hexdigits
 from ..errors import one_of
 from ..participants.description import BINARY
 from ..participants.third_party import ThirdPartyComponent
-from .units import to_base_units
-from .values import Faults, Value, WithUnit
+from .values import Faults, Value
 
 
 def select_strings(
@@ -70,21 +69,3 @@ def _format_numbers(numbers: list[float]) -> str:
     if len(ordered) > 2 and ordered[-1] - ordered[0] == len(ordered) - 1:
         return f"{ordered[0]} to {ordered[-1]}"
     return ", ".join(map(str, ordered))
-
-
-def list_bare_numbers(component: ThirdPartyComponent, tables: Mapping[str, Mapping[str, Value]]) -> list[str]:
-    """The values without a unit of variables whose unit is not SI, as they are understood:
-    "start.x = 0.002 mm"."""
-    found = []
-    for table, values in tables.items():
-        for name, value in values.items():
-            variable = component.about.variables.get(name)
-            if variable is None or not variable.unit or not variable.numeric:
-                continue
-            unit = component.about.units.get(variable.unit) or to_base_units(variable.unit)
-            shifted = unit is not None and unit.offset != 0.0 and not variable.relative
-            same = unit is None or (not shifted and (unit.factor == 1.0 or value == 0.0))
-            if same or isinstance(value, str | WithUnit):
-                continue
-            found.append(f"{table}.{name} = {value:g} {variable.unit}")
-    return found

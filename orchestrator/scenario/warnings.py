@@ -1,21 +1,29 @@
-"""Warnings about scenarios that run, but probably not as intended."""
+"""What is said of a scenario before it runs: its oils, and what is probably not as intended."""
 
 import math
+from collections.abc import Iterator
 
+from models.contact.oil_grades import describe_grade
+from models.contact.oils import evaluate_oil
 from models.core import roles
 
 from ..participants.third_party import ThirdPartyComponent
-from . import Scenario
+from . import ComponentTable, Scenario
 from .capabilities import WHOLE_STEPS, list_file_warnings
 from .checks import list_doubtful
 from .fmu_limits import list_limit_warnings
-from .oil_notices import doubt_oils, list_oils
-from .third_party_values import list_bare_numbers
+from .oil import OILED, OilSheet, evaluate, in_celsius, read_oil
+from .units import to_base_units
+from .values import WithUnit
 
 # A stop time (s) as long as this, in so many macro steps, is doubted.
 LONG, MANY_STEPS = 10.0, 1_000_000
 # Equal macro steps that a coupling needs for anything to come of it.
 FEW_STEPS = 10
+# Numbers of an oil that parts state, with their units.
+STATED = {"viscosity": "Pa.s", "pressure_viscosity": "1/Pa"}
+# Of a scenario's parts with the same oil, so many are named in a line.
+NAMED = 3
 
 
 def list_notices(scenario: Scenario) -> list[str]:
@@ -73,15 +81,28 @@ def _list_notes(scenario: Scenario) -> list[str]:
 
 
 def _list_other_units(scenario: Scenario) -> list[str]:
-    """Warn of numbers without a unit in units other than SI."""
-    found = []
-    for name, table in scenario.components.items():
-        component = table.resolve()
-        if isinstance(component, ThirdPartyComponent):
-            found += [f"components.{name}.{value}" for value in list_bare_numbers(component, table.values)]
+    """Warn of numbers without a unit in units other than SI, as they are understood:
+    "start.x = 0.002 mm"."""
+    found = [text for name, table in scenario.components.items() for text in _list_bare_numbers(name, table)]
     if not found:
         return []
     return [f"{', '.join(found)}: numbers without a unit are in the FMU's unit, which is not SI"]
+
+
+def _list_bare_numbers(component: str, table: ComponentTable) -> Iterator[str]:
+    resolved = table.resolve()
+    if not isinstance(resolved, ThirdPartyComponent):
+        return
+    about = resolved.about
+    for key, values in table.values.items():
+        for name, value in values.items():
+            variable = about.variables.get(name)
+            if isinstance(value, str | WithUnit) or not (variable and variable.unit and variable.numeric):
+                continue
+            unit = about.units.get(variable.unit) or to_base_units(variable.unit)
+            shifted = unit is not None and unit.offset != 0.0 and not variable.relative
+            if unit is not None and (shifted or (unit.factor != 1.0 and value != 0.0)):
+                yield f"components.{component}.{key}.{name} = {value:g} {variable.unit}"
 
 
 def _check_records(scenario: Scenario, asked: float) -> list[str]:
@@ -115,3 +136,72 @@ def _list_unloaded(scenario: Scenario) -> list[str]:
         and f"{name}.applied_load" not in driven
         and not table.inputs.get("applied_load")
     ]
+
+
+def list_oils(scenario: Scenario) -> list[str]:
+    """What each oil of a scenario has at its temperature, a line each."""
+    lines: dict[str, list[str]] = {}
+    for name, table in _list_oiled(scenario).items():
+        if (own := table if table.oil is not None else scenario).oil is not None:
+            lines.setdefault(_describe(own.oil, own.temperature or 0.0), []).append(name)
+    return [f"{_name_parts(names)}: {text}" for text, names in lines.items()]
+
+
+def doubt_oils(scenario: Scenario) -> list[str]:
+    """Tell of numbers beside the scenario's oil, and of parts without one oil."""
+    values: dict[tuple[str, float], list[str]] = {}
+    parts = _list_oiled(scenario)
+    for name, table in parts.items():
+        if scenario.oil is not None and table.oil is not None:
+            continue
+        layout = table.resolve().parameters
+        for key in STATED:
+            if key in layout:
+                value = float(table.parameters.get(key, layout.field(key).start))
+                values.setdefault((key, value), []).append(name)
+    if scenario.oil is not None:
+        temperature, oil = evaluate({"oil": scenario.oil, "temperature": scenario.temperature})
+        return [
+            f"{key} of components.{_name_parts(names)} is set by hand: {value:.4g} {STATED[key]}; the oil "
+            f"has {oil[key]:.4g} {STATED[key]} at {in_celsius(temperature)}"
+            for (key, value), names in values.items()
+            if f"{value:.4g}" != f"{oil[key]:.4g}"  # as it is printed
+        ]
+    oils = [table.oil for table in parts.values()]
+    if None not in oils and all(oil == oils[0] for oil in oils):
+        return []  # at the temperature of each part
+    found = []
+    for key, unit in STATED.items():
+        each = [f"{v:.4g} {unit} in {_name_parts(names)}" for (k, v), names in values.items() if k == key]
+        if len(each) > 1:
+            found.append(f"{key} is {', '.join(each)}")
+    if not found:
+        return []
+    return [
+        f"{'; '.join(found)}: no oil has all of these at one temperature; state one for all parts, above the "
+        'first table, e.g. oil = "SAE 5W-30" and temperature = "100 degC"'
+    ]
+
+
+def _list_oiled(scenario: Scenario) -> dict[str, ComponentTable]:
+    """The parts with an oil; a dry contact has none."""
+    return {
+        name: table
+        for name, table in scenario.components.items()
+        if table.resolve().has_role(*OILED) and table.parameters.get("film_model") != "dry"
+    }
+
+
+def _describe(written: str | OilSheet, temperature: float) -> str:
+    state = evaluate_oil(read_oil(written), temperature)
+    name, about = ("own oil", "") if isinstance(written, OilSheet) else (written, describe_grade(written))
+    return (
+        f"{name} at {in_celsius(temperature)} has a viscosity of {1e3 * state.viscosity:.4g} mPa.s and a "
+        f"pressure-viscosity coefficient of {1e9 * state.pressure_viscosity:.4g} 1/GPa (Roelands' exponent "
+        f"{state.roelands_exponent:.3g})" + (f"; {about}" if about else "")
+    )
+
+
+def _name_parts(names: list[str]) -> str:
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + more

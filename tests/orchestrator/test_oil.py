@@ -12,9 +12,8 @@ from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import SHIPPED, list_shipped, load, read_contents, to_full_toml
-from orchestrator.scenario.oil_notices import list_oils
 from orchestrator.scenario.system import list_parameters
-from orchestrator.scenario.warnings import list_warnings
+from orchestrator.scenario.warnings import list_oils, list_warnings
 from tribocosim.cached_fmus import build_fmu
 
 from .whole_runs import SHORT, assert_same_run, quiet
