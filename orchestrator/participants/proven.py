@@ -1,6 +1,6 @@
 """An FMU that says it can restore its state, which is tried before a run depends on it."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,7 +10,6 @@ import numpy as np
 from models.core.quantities import Layout, Vector
 
 from ..errors import EndedError, ParticipantError, RecoverableError
-from .compiled_calls import CompiledCalls
 from .protocol import BoundVariables, Participant
 from .reopened import Reopened
 
@@ -25,6 +24,15 @@ class Proof:
 
     step: float
     required: str = ""
+
+
+def pass_on(method: str) -> Any:
+    """A method that calls that of the present unit, also where it was bound before the proof."""
+
+    def call(proven: "Proven", *arguments: Any) -> Any:
+        return getattr(proven._unit, method)(*arguments)
+
+    return call
 
 
 class Proven:
@@ -126,49 +134,22 @@ class Proven:
         self._bound = bound
         return self._unit.connect(bound)
 
-    def compiled_calls(self) -> CompiledCalls:
-        return self._unit.compiled_calls()
-
-    def initialise(self, start_time: float, stop_time: float) -> None:
-        self._unit.initialise(start_time, stop_time)
-
-    def finish_initialisation(self) -> None:
-        self._unit.finish_initialisation()
-
-    def set_inputs(self, values: Mapping[str, float]) -> None:
-        self._unit.set_inputs(values)
-
-    def write(self) -> None:
-        self._unit.write()
-
-    def advance(self, time: float, step: float) -> None:
-        self._unit.advance(time, step)
-
-    def read(self) -> None:
-        self._unit.read()
-
-    def read_all(self, values: Vector) -> None:
-        self._unit.read_all(values)
-
-    def save(self) -> Any:
-        return self._unit.save()
-
-    def restore(self, saved: Any) -> None:
-        self._unit.restore(saved)
-
-    def to_bytes(self, saved: Any) -> bytes:
-        return self._unit.to_bytes(saved)
-
-    def from_bytes(self, data: bytes) -> Any:
-        return self._unit.from_bytes(data)
-
-    def release(self, saved: Any) -> None:
-        self._unit.release(saved)
+    compiled_calls = pass_on("compiled_calls")
+    initialise = pass_on("initialise")
+    finish_initialisation = pass_on("finish_initialisation")
+    set_inputs = pass_on("set_inputs")
+    write = pass_on("write")
+    advance = pass_on("advance")
+    read = pass_on("read")
+    read_all = pass_on("read_all")
+    save = pass_on("save")
+    restore = pass_on("restore")
+    to_bytes = pass_on("to_bytes")
+    from_bytes = pass_on("from_bytes")
+    release = pass_on("release")
+    close = pass_on("close")
 
     def _count_warnings(self) -> tuple[int, str]:
         """Without those of the steps that were tried."""
         count, first = self._first.unit.abilities.warnings()
         return count - self._warned, first
-
-    def close(self) -> None:
-        self._unit.close()
