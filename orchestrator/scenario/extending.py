@@ -79,31 +79,26 @@ def merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     result = dict(base)
     if "wire" in over:
         replace_rate(result)
-    for key in CAM_KEYS & over.keys():
+    cams, parameters = CAM_KEYS & over.keys(), over.get("parameters")
+    for key in cams:
         replace_law(result, key)
-    if not CAM_KEYS & over.keys():
-        replace_cam(result, over.get("parameters"))
+    if not cams and isinstance(parameters, Mapping) and "law" in parameters:
+        for key in CAM_KEYS:
+            result.pop(key, None)
     for key, value in over.items():
         below = result.get(key)
         if key == "connections" and isinstance(below, list) and isinstance(value, list):
             result[key] = [*below, *value]
         elif isinstance(below, dict) and isinstance(value, dict) and key != "oil":
             if key == "master" and "name" in value:
-                below = drop_other_options(below, value["name"])
+                below = _drop_other_options(below, str(value["name"]))
             result[key] = merge(below, value)
         else:
             result[key] = value
     return result
 
 
-def replace_cam(table: dict[str, Any], parameters: object) -> None:
-    """Take the lift table or the segments out of a component's table that gets a law."""
-    if isinstance(parameters, Mapping) and "law" in parameters:
-        for key in CAM_KEYS:
-            table.pop(key, None)
-
-
-def drop_other_options(table: Mapping[str, Any], name: str) -> dict[str, Any]:
+def _drop_other_options(table: Mapping[str, Any], name: str) -> dict[str, Any]:
     """The [master] table for the master `name`, without the options that it does not have."""
     try:
         known = {field.name for field in fields(find_master(name))}

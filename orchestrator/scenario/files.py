@@ -21,8 +21,7 @@ from ..errors import Command, MistakeError, Set, Words
 from ..texts import DEEPEST, parse_value, read_toml, to_path
 from . import Scenario, ScenarioError, build_scenario, find_tables
 from .component_table import ComponentTable
-from .extending import EXTENDS, WITHOUT, drop, drop_other_options, merge, replace_cam
-from .lift_table import CAM_KEYS, replace_law
+from .extending import EXTENDS, WITHOUT, drop, merge
 from .oil import OILED, evaluate, name_oil
 from .origin import SET, Origin
 from .ssp import read_package as contents_of_package
@@ -199,7 +198,7 @@ def change(content: dict[str, Any], path: str, value: Any) -> None:
 
 
 def put(content: dict[str, Any], path: str, value: Any) -> None:
-    """Put `value` at `path`, e.g. components.camshaft.parameters.lift."""
+    """Put `value` at `path`, e.g. components.camshaft.parameters.lift, as a file would that extends this."""
     keys = split_path(path)
     known = list(Scenario.model_fields)
     if keys[0] not in known:
@@ -210,21 +209,18 @@ def put(content: dict[str, Any], path: str, value: Any) -> None:
     own = keys[0] != "components" or len(keys) != 3 or keys[2] in ComponentTable.model_fields
     if not own and (meant := " or ".join(find_paths(content, keys))):
         raise ScenarioError(f"{path}: unknown key; did you mean {meant}?")
-    if path == "master.name":
-        content["master"] = drop_other_options(content.get("master", {}), str(value))
-        return
-    table = content
+    table, over = content, value
     for i, key in enumerate(keys[:-1]):
         if i == 1 and key not in table:
             raise ScenarioError(f"{path}: no component {key!r}; {suggestion(key, table)}")
         table = table.setdefault(key, {})
         if not isinstance(table, dict):
             raise ScenarioError(f"{path}: {'.'.join(keys[: i + 1])} is not a table")
-    if keys[-1] in CAM_KEYS:
-        replace_law(table, keys[-1])
-    if keys[0] == "components" and len(keys) == 4 and keys[2] == "parameters":
-        replace_cam(content["components"][keys[1]], {keys[3]: value})
-    table[keys[-1]] = value
+    if isinstance(value, dict | list):
+        table.pop(keys[-1], None)  # it replaces the whole
+    for key in reversed(keys):
+        over = {key: over}
+    content |= merge(content, over)
 
 
 def find_paths(content: Mapping[str, Any], keys: Sequence[str]) -> list[str]:
