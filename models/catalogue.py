@@ -1,7 +1,5 @@
 """The components by name, as scenarios and FMU builds ask for them."""
 
-from __future__ import annotations
-
 import functools
 import importlib
 import importlib.util

@@ -1,7 +1,5 @@
 """Functions that numba compiles as it does by default, for code that is never part of an FMU."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 

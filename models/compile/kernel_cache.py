@@ -7,8 +7,6 @@ a file is never out of date and never written with two contents. It appears whol
 leaves files behind: whoever adds one deletes those that were not used of late, once a day.
 """
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import hashlib

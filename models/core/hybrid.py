@@ -4,8 +4,6 @@ It remembers nothing between calls. A guard that is negative at the start of a c
 makes its transition at once.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ..compile.kernel import borrow, kernel, shaped

@@ -1,7 +1,5 @@
 """A component whose inputs are linear functions of what they are connected to: other units, gains."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace

@@ -1,7 +1,5 @@
 """State at a position of an exact flight, and samples of the flight between two events."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

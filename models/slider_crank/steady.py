@@ -5,8 +5,6 @@ that is tabulated once for the parameters and the speed. All other steps use the
 is in the scratch vector and follows from the parameters: results depend on the state alone.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

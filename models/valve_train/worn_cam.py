@@ -5,8 +5,6 @@ lowers the follower by that depth over the overlap's derivative by the lift. Und
 is that of the lift, and the depth is what its support function R0 + s loses.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """The phase at which a cam opens a valve against the gas of its cylinder."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -3,8 +3,6 @@
 The calls, their order and the numbers are those of sweeps in Python (see `sweeps`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from time import perf_counter
 from typing import Any

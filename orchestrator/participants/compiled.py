@@ -4,8 +4,6 @@ Compiled code calls an FMU's functions by their addresses. Between two calls the
 take longer than the call of a small FMU. `compiled_calls` has the record that it needs of each FMU.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numba

@@ -1,7 +1,5 @@
 """What compiled code needs to make the calls of a participant (see `compiled`). Nothing is compiled here."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

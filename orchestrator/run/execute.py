@@ -1,7 +1,5 @@
 """Execute a plan: the coupled run with its participants and observers."""
 
-from __future__ import annotations
-
 import time as clock
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Ctrl-C in a command: what is kept is told, and a run ends after its macro step."""
 
-from __future__ import annotations
-
 import signal
 import threading
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """The oil of a scenario or of a part: a grade or data of a sheet, at a temperature, for parameters."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """Numbers with units, such as "8 mm", "1000 rpm", "20 degree"."""
 
-from __future__ import annotations
-
 import contextlib
 import difflib
 import functools

@@ -7,8 +7,6 @@ law and data: nothing of `models` but the data. Its error falls with the first p
 finds impacts to a step only.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

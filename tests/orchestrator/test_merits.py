@@ -1,7 +1,5 @@
 """What a run says first of its trains, and figures of merit, from columns whose answers are known."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections import defaultdict

@@ -1,7 +1,5 @@
 """Reads an SSP package as a scenario: ours with all settings, others with what they state."""
 
-from __future__ import annotations
-
 import hashlib
 import logging
 import re

@@ -1,7 +1,5 @@
 """The brief of a design: what may vary, what is wanted, and the limits; read from a TOML file."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
