@@ -5,10 +5,12 @@ is read here. A fault is a ValueError of one sentence, without the file's name.
 """
 
 import json
+import math
 import os
 import re
 import tomllib
 from collections.abc import Mapping
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -87,6 +89,23 @@ def parse_json(text: str) -> Any:
         raise ValueError(f"more than {DEEPEST} objects and lists inside each other") from None
     _check(found)
     return found
+
+
+def to_plain(value: Any) -> Any:
+    """What JSON has of values, also of numpy, and dataclasses: null for numbers that it has not."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return to_plain(asdict(value))
+    if isinstance(value, dict):
+        return {str(key): to_plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [to_plain(item) for item in value]
+    if isinstance(value, bool | int | str | type(None)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if hasattr(value, "item"):  # a number of numpy, which only some commands import
+        return to_plain(value.item())
+    return str(value)
 
 
 def parse_value(text: str) -> Any:

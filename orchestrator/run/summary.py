@@ -1,7 +1,6 @@
 """What a run came to, from its first line in summary.json to the last."""
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from importlib import metadata
@@ -20,6 +19,7 @@ from ..engine.energy.account import lines as energy_lines
 from ..errors import CheckpointError, ExplainedError, RefusedError, RunError, Words, in_command_line, join
 from ..scenario.capabilities import MONOLITHIC
 from ..store import atomic_write
+from ..texts import to_plain
 from .comparison import Errors, WitnessComparison
 from .plan import Plan
 
@@ -141,7 +141,8 @@ class Summary:
                 "below_reference_uncertainty": error.below_uncertainty,
                 "within_tolerance": error.within if error.tolerance is not None else None,
             }
-        return _replace_infinite(content)
+        found: dict[str, Any] = to_plain(content)
+        return found
 
     def write(self, path: Path) -> None:
         text = json.dumps(self.content(), indent=2, allow_nan=False)
@@ -163,15 +164,3 @@ def begin_summary(plan: Plan) -> Summary:
         fmus=plan.sha256,
         notices=plan.notices,
     )
-
-
-def _replace_infinite(value: Any) -> Any:
-    """JSON has no infinity and no NaN: null instead."""
-    if isinstance(value, dict):
-        return {str(key): _replace_infinite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_replace_infinite(item) for item in value]
-    if isinstance(value, (bool, int, str, type(None))):
-        return value
-    number = float(value)
-    return number if math.isfinite(number) else None
