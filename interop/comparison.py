@@ -62,7 +62,7 @@ def choose_step(name: str) -> float:
     return 2.0 ** round(math.log2(experiment(name).step_size))
 
 
-def make_case(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
+def make_case(name: str, kind: Kind, fmu: Path) -> Case:
     """The case of an FMU: inputs that follow `wave`, and all real outputs."""
     reference = Reference(name)
     description = fmpy.read_model_description(str(fmu), validate=False)
@@ -70,7 +70,7 @@ def make_case(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
     inputs = reference.component.inputs.names
     outputs = [v.name for v in known.values() if v.causality == "output" and v.type in ("Real", "Float64")]
     step = choose_step(name)
-    table = [[wave(reference.component, i * step)[one] for one in inputs] for i in range(steps)]
+    table = [[wave(reference.component, i * step)[one] for one in inputs] for i in range(STEPS)]
     return Case(
         fmu=str(fmu),
         fmi=kind.fmi,

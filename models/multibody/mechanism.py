@@ -190,13 +190,6 @@ class Mechanism:
         jacobian = e.held.jacobian
         return v - jacobian.T @ np.linalg.solve(jacobian @ jacobian.T, jacobian @ v + e.held.rate)
 
-    def project_coordinates(self, t: float, q: Vector, v: Vector) -> Vector:
-        """One of Newton's steps towards coordinates that the joints allow."""
-        e, change = self.evaluate(t, q, v), np.empty_like(q)
-        jacobian = e.held.jacobian
-        turn_coordinates(q, jacobian.T @ np.linalg.solve(jacobian @ jacobian.T, e.held.value), change)
-        return q - change
-
     @property
     def freedoms(self) -> int:
         """Degrees of freedom that joints and drives leave: 6 n - m."""

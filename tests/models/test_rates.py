@@ -9,9 +9,9 @@ import pytest
 from models.catalogue import CATALOGUE
 from models.contact.hertz import deflection, find_load
 from models.core.component import Component
-from models.core.integrator import OK
 from tests.fmus.names import mark_long
 
+from .stepped import Stepped
 from .systems import DRY, outputs_of
 
 Values = Mapping[str, float]
@@ -21,13 +21,11 @@ def rates_of(
     component: Component, parameters: Values, state: Values, inputs: Values, slopes: Values, t: float = 0.0
 ) -> dict[str, float]:
     """A component's rates by name."""
-    c, du = component, np.zeros(component.inputs.size)
+    made, du = Stepped(component, parameters, state, inputs), np.zeros(component.inputs.size)
+    made.t = t
     for name, value in slopes.items():
-        du[c.inputs.index(name)] = value
-    x, u, p = c.state.vector(state), c.inputs.vector(inputs), c.parameters.vector(parameters)
-    yd = np.zeros(c.outputs.size)
-    c.flat_rates(t, x, u, du, p, np.zeros(c.rates_work_size), yd)
-    return c.outputs.named(yd)
+        du[component.inputs.index(name)] = value
+    return made.rates(du)
 
 
 @pytest.mark.parametrize(("speed", "turns"), [(15.0, 0), (628.0, 1000)])
@@ -178,18 +176,14 @@ def test_rates_against_the_true_motion(name, parameters, state, inputs):
     Third order: over a fine and a halved step they bound their own error. No event may be near.
     """
     component = CATALOGUE[name]()
-    p, u0 = component.parameters.vector(parameters), component.inputs.vector(inputs)
     slopes = slopes_of(inputs)
-    U = component.input_polynomial()
-    U[0] = u0
-    for key, value in slopes.items():
-        U[1, component.inputs.index(key)] = value
-    work, scale = np.zeros(component.work_size), component.state.nominal
 
     def outputs_after(h):
-        x, u, y = component.state.vector(state), u0.copy(), np.zeros(component.outputs.size)
-        assert component.step(0.3, h, x, U, p, scale, work, u, y) == OK
-        return y
+        made = Stepped(component, parameters, state, inputs)
+        made.t = 0.3
+        for key, slope in slopes.items():
+            made.input(key, inputs[key], slope)
+        return made.advance(h).y
 
     def one_sided(h):
         y = [outputs_after(k * h) for k in range(4)]

@@ -37,7 +37,7 @@ class Transients:
 
 @dataclass(frozen=True)
 class EscapeTime:
-    """The fit P(length > t) = exp(-(t - after)/mean) to the lengths above `after`, in cycles.
+    """The fit P(length > t) = exp(-(t - t0)/mean) to the lengths above t0 = ORDINARY_TRANSIENT, in cycles.
 
     error: standard error of the mean. distance: largest difference between fit and sample distribution (of
     Kolmogorov and Smirnov) among the motions that settled; about 1/sqrt(escapes) or less if the fit is good.
@@ -45,7 +45,6 @@ class EscapeTime:
 
     mean: float
     error: float
-    after: float
     escapes: int
     distance: float
 
@@ -54,7 +53,6 @@ def measure_transients(
     machine: Machine,
     starts: Vector,
     cycles: int = 10_000,
-    workers: int | None = None,
     progress: Callable[[int, int], None] = no_progress,
 ) -> Transients:
     """Transients from (n, 2) starts psi, psi' at crank angle zero, each looked at for so many cycles."""
@@ -63,7 +61,7 @@ def measure_transients(
         found = run_until_recurrent(Motion(machine, *start), cycles)[1]
         return (found.transient, found.period) if found else (cycles, 0)
 
-    found = np.array(each(settle, [(float(psi), float(rate)) for psi, rate in starts], workers, progress))
+    found = np.array(each(settle, [(float(psi), float(rate)) for psi, rate in starts], None, progress))
     return Transients(starts, found[:, 0], found[:, 1], cycles)
 
 
@@ -73,14 +71,14 @@ def draw_starts(machine: Machine, count: int, seed: int = 0) -> Vector:
     return unit * machine.gap * np.array([1.0, 10.0])
 
 
-def fit_escape_time(found: Transients, after: float = ORDINARY_TRANSIENT) -> EscapeTime | None:
-    """Most likely mean of an exponential distribution of the lengths above `after`; None if none escaped.
+def fit_escape_time(found: Transients) -> EscapeTime | None:
+    """Most likely mean of the exponential distribution; None if none escaped.
 
     Motions that did not settle count with the time for which they were seen. mean = total time / escapes,
     error = mean / sqrt(escapes).
     """
-    longer = found.lengths > after
-    times = found.lengths[longer] - after
+    longer = found.lengths > ORDINARY_TRANSIENT
+    times = found.lengths[longer] - ORDINARY_TRANSIENT
     escapes = int(np.count_nonzero(found.settled[longer]))
     if escapes == 0:
         return None
@@ -89,4 +87,4 @@ def fit_escape_time(found: Transients, after: float = ORDINARY_TRANSIENT) -> Esc
     ranks = np.arange(1, len(seen) + 1) / len(times)
     fit = -np.expm1(-seen / mean)
     distance = float(max(np.abs(ranks - fit).max(), np.abs(ranks - 1.0 / len(times) - fit).max()))
-    return EscapeTime(mean, mean / math.sqrt(escapes), after, escapes, distance)
+    return EscapeTime(mean, mean / math.sqrt(escapes), escapes, distance)

@@ -31,11 +31,14 @@ def make_flow(mechanism: Mechanism, size: int) -> tuple[Flow, Flow]:
         return change
 
     def project(t: float, y: Vector) -> Vector:
-        q, v = y[:size].copy(), y[size : 2 * size].copy()
+        """The coordinates by one of Newton's steps."""
+        q, v, change = y[:size].copy(), y[size : 2 * size].copy(), np.empty(size)
         with explain_singular(mechanism, t, q, v):
-            q = mechanism.project_coordinates(t, q, v)
-            v = mechanism.project_velocities(t, q, v)
-        return np.concatenate([q, v, y[2 * size :]])
+            held = mechanism.evaluate(t, q, v).held
+            jacobian = held.jacobian
+            turn_coordinates(q, jacobian.T @ np.linalg.solve(jacobian @ jacobian.T, held.value), change)
+            v = mechanism.project_velocities(t, q - change, v)
+        return np.concatenate([q - change, v, y[2 * size :]])
 
     return rate, project
 
