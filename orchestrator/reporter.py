@@ -7,11 +7,12 @@ import time as clock
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Protocol
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.segment import Segment
 from rich.text import Text
 
@@ -48,6 +49,15 @@ def estimate_left(share: float, seconds: float) -> str:
 class Show(Protocol):
     def __call__(self, share: float, words: str = "", /) -> None:
         """Show the share that is done, and words behind it."""
+
+
+_innermost: ContextVar[Show | None] = ContextVar("innermost", default=None)
+
+
+def show_share(share: float, words: str = "") -> None:
+    """Show the share that is done of the stage around the caller, if there is one."""
+    if show := _innermost.get():
+        show(share, words)
 
 
 class Bar(Observer):
@@ -127,20 +137,20 @@ class Reporter:
     def stage(self, text: str, stop_time: float = 1.0) -> Iterator[Bar]:
         """A stage of the command with its bar; without a terminal lines, at its start and while it lasts."""
         live, self._stage = self.console.is_terminal, text
-        columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+        columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn()
         progress = Progress(*columns, console=self.console, transient=True, disable=not live)
         if not live:
             self.line(text)
         with progress, timed(self.times, text), announce_compilation(self._compiling, self._compiled):
             task = progress.add_task(text, total=1.0)
             told = clock.monotonic()
-            begun: tuple[float, float] | None = None  # the share that a run begins with, and when
+            begun: tuple[float, float] | None = None  # the share that a part begins with, and when
 
             def show(share: float, words: str = "", /) -> None:
                 nonlocal told, begun
                 self._progress(f"{text}{words}", share)
                 now = clock.monotonic()
-                if begun is None:
+                if begun is None or share < begun[0]:  # a run goes on, or a stage has another part
                     begun = share, now
                     progress.reset(task)
                 progress.update(task, completed=share, description=f"{text}{words}")
@@ -151,7 +161,11 @@ class Reporter:
                     self.line(f"{text}: {100.0 * share:.0f} % done{words}{left}")
 
             self._progress(text, 0.0)
-            yield Bar(show, stop_time)
+            around = _innermost.set(show)
+            try:
+                yield Bar(show, stop_time)
+            finally:
+                _innermost.reset(around)
             self._progress(text, 1.0)
 
     def _compiling(self) -> None:
@@ -162,3 +176,8 @@ class Reporter:
     def _compiled(self, seconds: float) -> None:
         self.times[COMPILING] += seconds
         self.times[self._stage] -= seconds
+
+
+def follow(show: Show) -> Reporter:
+    """A reporter that prints nothing; what its stages do is shown by `show`."""
+    return Reporter(Console(quiet=True), tell=lambda stage, share: show(share, f", {stage}"))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from models.compile.temporary import TemporaryFolder
 from orchestrator.errors import MistakeError, RunError, one_of
 from orchestrator.run.pipeline import run_plan
-from orchestrator.store.output_folder import REPORT, check_folder
+from orchestrator.store.output_folder import check_folder
 from orchestrator.store.result_file import find_result, open_result
 
 from .cached_fmus import build_fmu as build_cached_fmu
@@ -193,7 +193,13 @@ def resume(
     return open(Path(folder)) if keep else _open_complete(summary, Path(folder))
 
 
-def report(folder: str | Path, path: str | Path | None = None, *, cycle: bool = False) -> Path:
+def report(
+    folder: str | Path,
+    path: str | Path | None = None,
+    *,
+    cycle: bool = False,
+    progress: Progress | None = None,
+) -> Path:
     """Write the page of a run or a sweep over speed to `path`, a file or a folder; its path.
 
     Without `path` it is written into the folder, and a run's figures are drawn anew; RunError names those
@@ -201,13 +207,9 @@ def report(folder: str | Path, path: str | Path | None = None, *, cycle: bool = 
     cycle of the train as its sliders move; in the place of the folder a scenario may stand then, by name or
     file. MistakeError for trains with events.
     """
-    from orchestrator.report import draw_anew
+    from .cycle_page import draw_page
 
-    from .cycle_page import CYCLE, write_cycle_page
-
-    write, name = (write_cycle_page, CYCLE) if cycle else (draw_anew, REPORT)
-    target = None if path is None else Path(path)
-    return write(Path(folder), target / name if target and target.is_dir() else target)
+    return draw_page(Path(folder), None if path is None else Path(path), cycle, SilentReporter(progress))
 
 
 def open(folder: str | Path) -> Result:

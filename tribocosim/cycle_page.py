@@ -1,8 +1,10 @@
-"""The page that computes the steady cycle of a run's train."""
+"""Pages drawn anew, and the one that computes the steady cycle of a run's train."""
 
 from pathlib import Path
 
 from models.compile.temporary import TemporaryFolder
+from orchestrator.reporter import DRAWING, PAGE, Reporter
+from orchestrator.store.output_folder import REPORT, SCENARIO
 
 from .scenario import load
 from .scenario_fmus import write_whole
@@ -10,7 +12,18 @@ from .scenario_fmus import write_whole
 CYCLE = "cycle.html"
 
 
-def write_cycle_page(folder: Path, path: Path | None = None) -> Path:
+def draw_page(folder: Path, path: Path | None, cycle: bool, reporter: Reporter) -> Path:
+    """As `tribocosim.report`; the reporter shows the progress."""
+    from orchestrator.report import draw_anew
+
+    target = path / (CYCLE if cycle else REPORT) if path and path.is_dir() else path
+    if cycle:
+        return write_cycle_page(folder, target, reporter)
+    with reporter.stage(PAGE if path else DRAWING):
+        return draw_anew(folder, target)
+
+
+def write_cycle_page(folder: Path, path: Path | None, reporter: Reporter) -> Path:
     """Write the page for the run in `folder`, by default into it as cycle.html; its path. In the place of a
     folder a scenario may stand, by name or file.
 
@@ -22,16 +35,18 @@ def write_cycle_page(folder: Path, path: Path | None = None) -> Path:
     from orchestrator.report import SAMPLES, Train, write_cycle
     from orchestrator.scenario.files import load as load_checked
     from orchestrator.scenario.system import build_system
-    from orchestrator.store.output_folder import SCENARIO
     from orchestrator.study.speeds.subject import count_turns, find_flywheel
 
     source = folder / SCENARIO if folder.is_dir() else folder
     checked = load(source).check()
     flywheel = find_flywheel(checked)
-    with TemporaryFolder() as here:
+    stage = "the train for browsers, minutes the first time on this machine"
+    with TemporaryFolder() as here, reporter.stage(stage) as bar:
+        bar.show(0.0, ", its parts")
         own = write_whole(checked, here)
         component = find_factory(own)()
-        code = cycle_module(own, component, SAMPLES)
+        show = lambda done, words: bar.show(0.2 + 0.8 * done, f", {words}")  # noqa: E731
+        code = cycle_module(own, component, SAMPLES, show)
     train = Train(
         checked, component, code, flywheel, count_turns(build_system(checked)), str(source),
         lambda text: load_checked(source, [text]),

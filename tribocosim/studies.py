@@ -40,7 +40,8 @@ def analyse(
 
     if not isinstance(subject, Scenario) and not is_scenario(str(subject)):
         analysis = load_analysis(str(subject))
-        return compute_table(analysis, analysis.complete(dict(settings or {})))
+        with SilentReporter(progress).stage(analysis.description):
+            return compute_table(analysis, analysis.complete(dict(settings or {})))
     scenario = load(subject)
     checked = scenario.with_(settings or {}).check()
     instants = parse_instants(at, checked.stop_time)

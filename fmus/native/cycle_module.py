@@ -4,7 +4,7 @@ Every browser takes addresses of 32 bits. The translated kernels serve them too:
 pointer is. The mathematical library is linked in, so that a module asks nothing of its host.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from models.compile.temporary import TemporaryFolder
 from models.core.component import Component
@@ -21,16 +21,20 @@ _LINKED = ["-mexec-model=reactor", "-s", "-lm", "-Wl,--gc-sections", "-Wl,-z,sta
 _EXACT = ["-O2", "-ffp-contract=off", "-fno-sanitize=all"]
 
 
-def cycle_module(name: str, component: Component, samples: int) -> bytes:
+def cycle_module(
+    name: str, component: Component, samples: int, progress: Callable[[float, str], object] = lambda *_: None
+) -> bytes:
     """The module of a component without events, whose periods have so many samples.
 
-    TranslationError for events, and for kernels that need Python; NativeBuildError without the tools.
+    `progress` gets the share that is done, and what is done next. TranslationError for events, and for
+    kernels that need Python; NativeBuildError without the tools.
     """
     if component.events is not None:
         raise TranslationError(f"{component.name}: has events, which a page does not look for")
     check_tools()
     exported = [f"-Wl,--export={one}" for one in (*_ARRAYS, "revolve")]
-    return link_cycle(name, BROWSER, list_sizes(component, samples), ["cycle.c"], [*_LINKED, *exported])
+    sizes = list_sizes(component, samples)
+    return link_cycle(name, BROWSER, sizes, ["cycle.c"], [*_LINKED, *exported], progress)
 
 
 def list_sizes(component: Component, samples: int) -> dict[str, int]:
@@ -45,10 +49,13 @@ def list_sizes(component: Component, samples: int) -> dict[str, int]:
 
 
 def link_cycle(
-    name: str, place: Platform, sizes: Mapping[str, int], sources: Sequence[str], options: Sequence[str]
-) -> bytes:
+    name: str, place: Platform, sizes: Mapping[str, int], sources: Sequence[str], options: Sequence[str],
+    progress: Callable[[float, str], object] = lambda *_: None,
+) -> bytes:  # fmt: skip
     """The kernels of `name` with C files of the folder `browser`, for a platform."""
+    progress(0.0, "its equations")  # shares as measured
     kernels = translate(name, {}, ("derivative", "output"))
+    progress(0.8, "machine code")
     with TemporaryFolder() as here:
         (here / "kernels.o").write_bytes(object_code(place, [kernels]))
         (here / "sizes.h").write_text("".join(f"#define {key} {size}\n" for key, size in sizes.items()))

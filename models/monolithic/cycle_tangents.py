@@ -7,6 +7,7 @@ by s = Phi s + b. The same Phi leads from a cycle that is nearly closed to the c
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -15,7 +16,7 @@ from ..core.quantities import Vector
 from ..core.system import ModelError, System
 from .cycle import list_held
 from .slopes import Slopes
-from .variation import STATES, Flow, Variation
+from .variation import STATES, Flow, Progress, Variation
 
 # A period changes no state by more than this of nominal + |value|; Newton's method is at rounding after few.
 CLOSED, ITERATIONS = 1e-10, 6
@@ -118,11 +119,12 @@ class CycleTangents:
 
 def differentiate_cycle(
     system: System, period: float, turning: Sequence[str], directions: Sequence[Direction], start: Vector,
-    closed: float = CLOSED, coarse: float = 1.0,
+    closed: float = CLOSED, coarse: float = 1.0, progress: Progress = lambda share: None,
 ) -> CycleTangents:  # fmt: skip
     """The cycle of that period (s) near the state `start`, as `find_cycle` finds one, and its tangents.
 
     A change of states by `closed` over the period is none; errors of steps may be `coarse` times as large.
+    `progress` gets the share that is done: it is not known how often the period is computed again.
     ModelError where no kernel's derivative is known, or where the motion does not close.
     """
     slopes = _find_slopes(system, directions)
@@ -132,10 +134,10 @@ def differentiate_cycle(
     x = np.array(start)
     x[~free] = system.x0[~free]
     before = np.inf
-    for _ in range(ITERATIONS):
+    for turn in range(ITERATIONS):
         # Threads of a linear algebra this small wait for each other longer than they compute.
         with threadpool_limits(limits=1, user_api="blas"):
-            flow = variation.move(x, period)
+            flow = variation.move(x, period, 0.0, partial(_show_turn, progress, 0.5**turn))
         last = flow.steps[-1]
         ends = np.array([period])
         end, tangents = last.states_at(ends)[0], last.tangents_at(ends)[0]
@@ -159,6 +161,11 @@ def differentiate_cycle(
     begin[free] = moved[:, :-1]
     multipliers = np.linalg.eigvals(turned)
     return CycleTangents(system, period, change, multipliers, directions, slopes, flow, begin)
+
+
+def _show_turn(progress: Progress, left: float, share: float) -> None:
+    """Half of what is left is for this turn."""
+    progress(1.0 - left + 0.5 * left * share)
 
 
 def differentiate_part(

@@ -8,6 +8,7 @@ so that the tangents do (their saltation). Jumps of states are refused.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
@@ -20,6 +21,8 @@ from scipy.optimize import brentq
 from ..core.quantities import Vector
 from ..core.system import ModelError, Port
 from .slopes import Slopes
+
+Progress = Callable[[float], object]
 
 STAGES = 7
 # Errors of a step: of states over nominal sizes, of tangents over these times the largest that each has had.
@@ -143,8 +146,15 @@ class Variation:
         shares = np.max(np.abs(self._steps) / np.where(p == 0.0, sizes, np.abs(p)), axis=1)
         self._least = np.maximum(shares * STATES / TANGENTS, 1e-12)
 
-    def move(self, x: Vector, duration: float, begin: float = 0.0) -> Flow:
-        """From the state `x` at time `begin`, with the tangents by the start, then by parameters."""
+    def move(
+        self,
+        x: Vector,
+        duration: float,
+        begin: float = 0.0,
+        progress: Progress = lambda share: None,
+    ) -> Flow:
+        """From the state `x` at time `begin`, with the tangents by the start, then by parameters. `progress`
+        gets the share that is done."""
         found, events, t, h = list[Step](), list[Event](), begin, FIRST_SHARE * duration
         end = begin + duration
         instant = INSTANT * duration
@@ -178,6 +188,7 @@ class Variation:
                 h = step.h * _factor(wrong)
                 continue
             found.append(step)
+            progress((t - begin) / duration)
             t = end if t + step.h >= end - instant else t + step.h
             x, tangents, sizes, slope = stages.states[-1].copy(), after, larger, slopes[-1]
             if event < math.inf:

@@ -1,14 +1,12 @@
 """What the analyses of a mechanism share: its parameters, axes, progress and tables."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields
 from typing import Any
 
 import numpy as np
 import xarray
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from models.core.quantities import Vector
 from models.slider_crank.equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
@@ -16,6 +14,7 @@ from models.slider_crank.motions.machine import FORMS, Machine, Motion
 from models.slider_crank.motions.maps import VARIABLES
 
 from ..errors import MistakeError
+from ..reporter import show_share
 from .protocol import Parameter
 
 MACHINE = {
@@ -96,14 +95,9 @@ def report_mistakes() -> Iterator[None]:
         raise MistakeError(str(error)) from None
 
 
-@contextmanager
-def show_progress(label: str) -> Iterator[Callable[[int, int], None]]:
-    """Yield a function of points done and total; it shows a bar if standard error is a terminal."""
-    console = Console(stderr=True)
-    columns = (TextColumn(label), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(label, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+def show_points(done: int, total: int) -> None:
+    """Show how many points are done, in the stage of the analysis."""
+    show_share(done / total)
 
 
 def column(dimensions: str | tuple[str, ...], values: Any, unit: str, meaning: str) -> xarray.Variable:

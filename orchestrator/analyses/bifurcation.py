@@ -21,7 +21,7 @@ from ._machine import (
     declare_duration,
     read_axis,
     report_mistakes,
-    show_progress,
+    show_points,
 )
 from .protocol import Parameter, Result, declare
 
@@ -33,13 +33,13 @@ UP, DOWN, REST = 1, -1, 0
 def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine, (name, x) = build_machine(values), read_axis(values, "x")
     how = (values["record"], values["cycles"], values["transient"])
-    with report_mistakes(), show_progress("bifurcation diagram") as shown:
+    with report_mistakes():
         if values["start"] == "from_rest":
-            diagrams = {REST: sweep_from_rest(machine, name, x, *how, progress=shown)}
+            diagrams = {REST: sweep_from_rest(machine, name, x, *how, progress=show_points)}
         else:
             diagrams = {
-                UP: continue_sweep(machine, name, x, *how, progress=shown),
-                DOWN: continue_sweep(machine, name, x[::-1], *how, progress=shown),
+                UP: continue_sweep(machine, name, x, *how, progress=show_points),
+                DOWN: continue_sweep(machine, name, x[::-1], *how, progress=show_points),
             }
     value, recorded = (np.concatenate(parts) for parts in zip(*diagrams.values(), strict=True))
     direction = np.repeat(list(diagrams), [len(diagram.value) for diagram in diagrams.values()])

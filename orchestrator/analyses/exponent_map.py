@@ -21,7 +21,7 @@ from ._machine import (
     read_axis,
     read_coordinate,
     report_mistakes,
-    show_progress,
+    show_points,
 )
 from .protocol import Result, declare
 
@@ -29,8 +29,8 @@ from .protocol import Result, declare
 def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine, x, y = build_machine(values), read_axis(values, "x"), read_axis(values, "y")
     length = values["cycles"], values["transient"]
-    with report_mistakes(), show_progress("exponent map") as shown:
-        found = exponent_map(machine, x, y, *length, progress=shown)
+    with report_mistakes():
+        found = exponent_map(machine, x, y, *length, progress=show_points)
     return xarray.Dataset(
         {
             "largest": column(("y", "x"), found.largest, "1/rad", "largest exponent, -inf: slides"),

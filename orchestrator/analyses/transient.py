@@ -17,15 +17,14 @@ from models.slider_crank.motions.transients import (
 
 from ..plots.motion import add_legend, create_figure
 from ..plots.style import COUPLED, REFERENCE
-from ._machine import MACHINE, build_machine, column, show_progress
+from ._machine import MACHINE, build_machine, column, show_points
 from .protocol import Parameter, Result, declare
 
 
 def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine = build_machine(values)
     starts = draw_starts(machine, values["starts"], values["seed"])
-    with show_progress("transients") as shown:
-        found = measure_transients(machine, starts, values["cycles"], progress=shown)
+    found = measure_transients(machine, starts, values["cycles"], progress=show_points)
     fit = fit_escape_time(found)
     return xarray.Dataset(
         {

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +18,13 @@ from ..errors import MistakeError, RunError, in_command_line
 from ..masters import MASTERS, find_master
 from ..plots.style import create_subplots, save_figure
 from ..report.answer import Answer
-from ..reporter import Reporter
+from ..reporter import Bar, Reporter, follow
 from ..run.pipeline import run
 from ..scenario import Scenario
 from ..scenario.display import SYMBOLS
 from ..scenario.fmu_limits import FmuLimits
 from ..scenario.system import Builder
-from ..scenario.units import choose_time_unit
+from ..scenario.units import choose_time_unit, format_time
 from ..store.csv_file import write_rows
 
 NAME = "masters"
@@ -56,10 +57,9 @@ def compare_masters(
     overwrite: bool,
     build: Builder,
     reporter: Reporter,
-    silent: Reporter,
 ) -> list[Tried]:
     """Run the scenario that `vary({})` gives with every master that its FMUs can take, and with `own` ones;
-    `vary` also sets keys of it. Print the table, write it and a figure into `out`; runs speak to `silent`."""
+    `vary` also sets keys of it. Print the table, write it and a figure into `out`."""
     scenario = vary({})
     if not scenario.tolerance or not scenario.reference.enabled:
         raise MistakeError("tolerance: missing; state the error allowed of an output, with the reference")
@@ -74,8 +74,10 @@ def compare_masters(
             for name in names:
                 for factor in longer:
                     step = factor * scenario.macro_step
+                    done = len(tried) / (len(names) * len(longer))
+                    said = f", {name} at {format_time(step)}"
+                    silent = follow(partial(_show_master, bar, done, said))
                     tried.append(_try(vary, name, step, build, silent))
-                    bar.show(len(tried) / (len(names) * len(longer)))
         if all(one.message for one in tried):
             raise RunError(f"no master runs {scenario.name}; {tried[-1].master}: {tried[-1].message}")
         for file in held:
@@ -91,6 +93,11 @@ def compare_masters(
         answer.line(f"left out: {', '.join(left)}, which repeat steps; an FMU cannot restore its state")
     answer.write(folder, f"{NAME}.html", (f"{NAME}.csv", f"{NAME}.png"))
     return tried
+
+
+def _show_master(bar: Bar, done: float, said: str, share: float, stage: str = "", /) -> None:
+    """What its run does; `share` is that of one of its stages."""
+    bar.show(done, said + stage)
 
 
 def _try(
@@ -116,22 +123,24 @@ def judge(tried: Sequence[Tried]) -> str:
     ran = [one for one in tried if not one.message]
     within = [one for one in ran if one.error <= 1.0]
     best = min(within, key=lambda one: one.steps) if within else min(ran, key=lambda one: one.error)
-    keys = f"`--set master.name={best.master} --set macro_step={best.macro_step:g}`"
+    step = format_time(best.macro_step)
+    keys = f"`--set master.name={best.master} --set macro_step='{step}'`"
     if not within:
         return (
             f"verdict: no master keeps the tolerance at these steps; {best.master} comes nearest, with "
             f"{best.error:.2g} of it in {best.output}: {keys}, with a shorter macro_step"
         )
     return (
-        f"verdict: {best.master} at {best.macro_step:g} s keeps the tolerance ({best.error:.2g} of it) with "
-        f"the fewest participant steps, {best.steps:.0f}: {keys}"
+        f"verdict: {best.master} at {step} keeps the tolerance ({best.error:.2g} of it) with "
+        f"the fewest doSteps, {best.steps:.0f}: {keys}"
     )
 
 
 def _tabulate(scenario: Scenario, tried: Sequence[Tried]) -> Table:
-    table = Table(title=f"{scenario.name}: error against work", title_justify="left", box=None)
+    title = f"{scenario.name}: error against work (doSteps: steps of all participants together)"
+    table = Table(title=title, title_justify="left", box=None)
     words = ("master", "signals", "of")
-    for head in (*words[:2], "macro step (s)", "error/tolerance", "of", "participant steps", "wall time (s)"):
+    for head in (*words[:2], "macro step (s)", "error/tolerance", "of", "doSteps", "wall time (s)"):
         table.add_column(head, justify="left" if head in words else "right")
     for one in tried:
         found: tuple[str, ...] = ("failed", one.message[:60])
@@ -156,7 +165,7 @@ def _draw(scenario: Scenario, tried: Sequence[Tried]) -> Figure:
         errors = [one.error for one in points]
         left.loglog([one.steps for one in points], errors, label=f"{name}, {signals}", **style)
         right.loglog([factor * one.macro_step for one in points], errors, **style)
-    left.set_xlabel("Steps of all participants")
+    left.set_xlabel("doSteps of all participants")
     left.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     left.xaxis.set_major_formatter("{x:.0f}")
     right.set_xlabel(f"Macro step ({SYMBOLS.get(unit, unit)})")

@@ -84,13 +84,17 @@ def test_masters_are_compared_by_error_and_work(restorable, tmp_path, monkeypatc
     monkeypatch.setattr(FmuLimits, "restorable", restorable)
     own = ["own_master:Own"] if restorable else []
     monkeypatch.setattr("orchestrator.study.masters.MASTERS", {n: MASTERS[n] for n in ("jacobi", "newton")})
-    silent, seen = SilentReporter(), SilentReporter()
+    told: list[str] = []
+    seen = SilentReporter(lambda words, share: told.append(words))
     monkeypatch.setattr(seen, "line", lines := Mock())
-    tried = compare_masters(vary, own, tmp_path / "out", False, build_fmu, seen, silent)
+    tried = compare_masters(vary, own, tmp_path / "out", False, build_fmu, seen)
     names = list(dict.fromkeys(one.master for one in tried))
     assert names == (["jacobi", "newton", *own] if restorable else ["jacobi"])
     left = "left out: newton, which repeat steps; an FMU cannot restore its state"
     assert (left in [one.args[0] for one in lines.call_args_list]) is not restorable
+    assert any(
+        words.startswith("masters, jacobi at ") and words.endswith("monolithic reference") for words in told
+    )
     assert {one.signals for one in tried} == {"quadratic"}  # the scenario's
     for name in names:
         errors = [one.error for one in tried if one.master == name]
@@ -114,7 +118,7 @@ def test_what_no_master_runs_is_said_once(tmp_path, monkeypatch):
     monkeypatch.setattr("orchestrator.study.masters.run", Mock(side_effect=RunError("first: is worn out")))
     silent = SilentReporter()
     with pytest.raises(RunError, match="no master runs two-masses; newton: first: is worn out"):
-        compare_masters(vary, [], tmp_path / "out", False, build_fmu, silent, silent)
+        compare_masters(vary, [], tmp_path / "out", False, build_fmu, silent)
 
 
 def test_only_masters_that_the_fmus_can_take_are_ranked(monkeypatch):

@@ -32,7 +32,6 @@ def run_masters(
     from orchestrator.study.masters import compare_masters
 
     from ..cached_fmus import build_fmu
-    from ..reporting import SilentReporter
     from ..scenario import Scenario
 
     content = Scenario(*read(scenario, set_ or []))
@@ -40,7 +39,7 @@ def run_masters(
     build_system(checked)  # a mistake in it would be each master's
     found = compare_masters(
         lambda changes: content.with_(changes).check(), master or [], out, overwrite, build_fmu,
-        build_reporter(as_json), SilentReporter(),
+        build_reporter(as_json),
     )  # fmt: skip
     if as_json:
         print_json([asdict(one) for one in found])

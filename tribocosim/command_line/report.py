@@ -34,9 +34,7 @@ def write_page(
     """
     from orchestrator.reporter import Reporter
 
-    from ..api import report
+    from ..cycle_page import draw_page
 
     reporter = Reporter()
-    if cycle:
-        reporter.line("compiling the train for browsers: up to minutes the first time")
-    reporter.line(f"report in {report(folder, out, cycle=cycle)}")
+    reporter.line(f"report in {draw_page(folder, out, cycle, reporter)}")

@@ -10,7 +10,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ...errors import RunError
-from ...reporter import Reporter
+from ...reporter import Reporter, show_share
 from ...scenario.display import format_number
 from .measured import Measured
 from .models import Prediction
@@ -58,6 +58,7 @@ class Objective:
         key = np.asarray(x).tobytes()
         if key not in self._held:
             near = next(reversed(self._held), None)
+            show_share(0.0, ", predictions")
             self._held[key] = self._predictions.make(self._list_requests(x, near))
             for old in list(self._held)[:-HELD]:
                 del self._held[old]
@@ -195,8 +196,8 @@ class Objective:
             moved[k] += step
             requests += self._list_requests(moved, x.tobytes())
         self._reporter.line(f"residuals over noise: {self.describe(x)}")
-        with self._reporter.stage(f"derivatives by {len(requests)} predictions") as bar:
-            found = self._predictions.make(requests, bar.show)
+        said = f", derivatives by {len(requests)} predictions"
+        found = self._predictions.make(requests, lambda share: show_share(share, said))
         count = len(self.measured.experiments)
         return [found[i * count : (i + 1) * count] for i in range(len(steps))]
 

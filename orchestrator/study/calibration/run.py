@@ -85,8 +85,9 @@ def calibrate(
             f"{places * len(parameters)} of them"
         )
         objective = Objective(parameters, measured, predictions, reporter)
-        best, ends = _fit_from(objective, asked.starts, reporter)
-        limits = profile(objective, best, profiled) if profiled else {}
+        with reporter.stage(f"fit of {len(parameters)} parameters"):
+            best, ends = _fit_from(objective, asked.starts, reporter)
+            limits = profile(objective, best, profiled) if profiled else {}
         done = Calibration(scenario, objective, best, ends, limits)
         for path in held:
             path.unlink()

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import xarray
-from rich.console import Console
 
 from models.compile.temporary import TemporaryFolder
 from models.core.quantities import Vector
@@ -20,7 +19,7 @@ from ...errors import MistakeError, Words
 from ...plots.design import draw_design
 from ...plots.style import save_figure
 from ...report.answer import Answer
-from ...reporter import Bar, Reporter
+from ...reporter import Bar, Reporter, follow
 from ...run.pipeline import run
 from ...scenario.files import load, read_changed
 from ...scenario.system import Builder, build_system
@@ -192,9 +191,10 @@ def design(
             brief.starts, brief.seed,
         )  # fmt: skip
         try:
-            improved = search.improve(
-                search.begin() if begun is None else begun, lambda one: keep(out, asked, train, one)
-            )
+            with reporter.stage("search for a better cam"):
+                improved = search.improve(
+                    search.begin() if begun is None else begun, lambda one: keep(out, asked, train, one)
+                )
         except KeyboardInterrupt:
             if not (out / SCENARIO).exists():
                 raise
@@ -204,8 +204,9 @@ def design(
             raise KeyboardInterrupt(told) from None
         with reporter.stage("check of the designed cam") as bar:
             after = check(out, wanted, speeds, bar)
-        with reporter.stage("coupled run of the designed cam"):
-            said = [*deliver(out, train, improved.found.unknowns), *couple(out, train.own_speed, build)]
+        with reporter.stage("coupled run of the designed cam") as bar:
+            coupled = couple(out, train.own_speed, build, follow(bar.show))
+            said = [*deliver(out, train, improved.found.unknowns), *coupled]
         geometries = train.lobe.kind.geometry, search.geometry(improved.found.unknowns)
         table = tabulate(train, wanted, improved, (before, after), geometries)
         table.to_netcdf(out / TABLE, engine="h5netcdf")
@@ -221,11 +222,11 @@ def design(
     return table
 
 
-def couple(out: Path, speed: float, build: Builder) -> Iterator[Words]:
+def couple(out: Path, speed: float, build: Builder, reporter: Reporter) -> Iterator[Words]:
     """A coupled run of the written scenario at its own speed (rad/s) beside the cycle there, in words."""
     scenario = load(out / SCENARIO)
     with TemporaryFolder() as folder:
-        summary = run(scenario, folder / "coupled", build, Reporter(Console(quiet=True)), figures=False)
+        summary = run(scenario, folder / "coupled", build, reporter, figures=False)
     if not summary.complete:
         yield ("the coupled run of the designed cam failed: ", summary.message)
         return

@@ -20,6 +20,7 @@ from models.monolithic.cycle import Cycle
 from ...assessment.figures_of_merit import CONTACT
 from ...assessment.motion import Found as Value
 from ...assessment.motion import Motion, Part
+from ...reporter import show_share
 from ..speeds.figure_slopes import differentiate_figures
 from ..speeds.separation import is_separated
 from ..speeds.subject import to_motion
@@ -146,6 +147,7 @@ class Search:
 
     def improve(self, start: Vector, best: Callable[[Found], None]) -> Improved:
         """Rounds of cycles and optima from `start`; `best` hears of each better one that cycles confirm."""
+        show_share(0.0, ", the first cam")
         seen = self.look(start)
         found = self.judge(start, seen)
         self.tell(f"start: {describe(found, self.wanted.objective)}")
@@ -156,6 +158,7 @@ class Search:
             if slope == 0.0 and self.wanted.objective.is_figure:
                 self.tell(f"{model.objective.name} does not change with {name}: only limits hold it")
         for number in range(1, MOST_ROUNDS):
+            show_share(number / MOST_ROUNDS, f", round {number} of at most {MOST_ROUNDS - 1}")
             x = self.solve(model, found.unknowns, box, self.starts if number == 1 else 1).unknowns
             try:
                 seen = self.look(x)

@@ -17,6 +17,7 @@ from models.monolithic.cycle_tangents import CycleTangents, Direction, Rows, dif
 
 from ...assessment.figures_of_merit import measure
 from ...assessment.motion import Motion
+from ...reporter import show_share
 from .subject import SAMPLES, SpeedSubject, find_angle
 
 SPEED = "speed"
@@ -43,6 +44,7 @@ def find_slopes(
 ) -> dict[str, FigureSlopes]:
     """Of the cycle at a speed (rad/s), in directions: changes of parameters "component.name", in their units,
     or of the `SPEED` (rad/s). ModelError where the cycle has no tangents, or there is none."""
+    show_share(0.0, ", the cycle")
     cycle, flywheel = subject.find_cycle_at(speed), subject.flywheel
     period, directions = float(cycle.times[-1]), []
     if not cycle.steady:
@@ -54,9 +56,11 @@ def find_slopes(
             own |= {f"{flywheel}.initial_speed": faster, f"{flywheel}.final_speed": faster}
         directions.append(Direction(own, -period * faster / speed))
     turning = [f"{flywheel}.angle"]
-    return differentiate_figures(
-        differentiate_cycle(cycle.system, period, turning, directions, cycle.end), flywheel
-    )
+    tangents = differentiate_cycle(
+        cycle.system, period, turning, directions, cycle.end,
+        progress=lambda share: show_share(share, ", its tangents"),
+    )  # fmt: skip
+    return differentiate_figures(tangents, flywheel)
 
 
 def differentiate_figures(tangents: CycleTangents, flywheel: str) -> dict[str, FigureSlopes]:
@@ -64,7 +68,10 @@ def differentiate_figures(tangents: CycleTangents, flywheel: str) -> dict[str, F
     rows = tangents.rows_at(_find_times(tangents, flywheel))
     values = _measure(_move(tangents, rows, 0, 0.0, flywheel))
     count = len(tangents.directions)
-    sides = [_measure_sides(tangents, rows, k, flywheel, values) for k in range(count)]
+    sides = []
+    for k in range(count):
+        show_share(k / count, ", figures")
+        sides.append(_measure_sides(tangents, rows, k, flywheel, values))
     found = {}
     for name, (value, _) in values.items():
         below, above = (np.array([side[sign][name] for side in sides]) for sign in (-1.0, 1.0))

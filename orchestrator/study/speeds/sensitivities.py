@@ -217,7 +217,8 @@ def _find_exact(
     """The same by the cycle's tangents; None, and why, where it has none. RunError without a steady cycle."""
     values = {SPEED: speed, **list_parameters(base.scenario)}
     try:
-        found = find_slopes(base, speed, [{name: values[name]} for name in parameters])
+        with reporter.stage(f"derivatives of the steady cycle by {len(parameters)} parameters"):
+            found = find_slopes(base, speed, [{name: values[name]} for name in parameters])
     except MistakeError as error:
         reporter.line(f"no exact derivatives, but differences of whole cycles: {error}")
         return None
