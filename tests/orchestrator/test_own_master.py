@@ -133,5 +133,5 @@ def test_the_verdict_on_masters_is_the_least_work_within_the_tolerance():
     failed = Tried("newton", 1.0, message="no convergence")
     runs = [Tried("jacobi", 4.0, 1.2, "a.x", 50.0), Tried("jacobi", 2.0, 0.9, "a.x", 100.0), failed]
     more = [Tried("iterated", 4.0, 0.2, "a.x", 140.0)]
-    assert judge([*runs, *more]).endswith("100: `--set master.name=jacobi --set macro_step=2`")
+    assert judge([*runs, *more]).endswith("100: `--set master.name=jacobi --set macro_step='2 s'`")
     assert "no master keeps the tolerance" in judge([runs[0], failed])

@@ -7,7 +7,7 @@
 
 extern double parameters[], inputs[], state[], start[], nominal[], rows[];
 extern int32_t held[], positive[];
-double revolve(double period, double tolerance);
+double revolve(double period, double tolerance, int32_t before);
 
 static void take(double *values, size_t count)
 {
@@ -34,6 +34,6 @@ int main(void)
     take_flags(held);
     take_flags(positive);
     for (int i = 0; i < STATES; i++) state[i] = start[i];
-    for (int k = 0; k < said[2]; k++) revolve(said[0], said[1]);
+    for (int k = 0; k < said[2]; k++) revolve(said[0], said[1], k);
     return fwrite(rows, sizeof *rows, (SAMPLES + 1) * OUTPUTS, stdout) != (SAMPLES + 1) * OUTPUTS;
 }

@@ -68,7 +68,11 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
         assert command[:3] == ["tribocosim", "run", str(path.with_name("warm.toml"))]
         repeated = list_parameters(load(command[2], command[4::2]))
         assert repeated["flywheel.initial_speed"] == pytest.approx(1200.0 * math.pi / 30.0)
-        slider.press("End")
+        assert page.evaluate("get('verdict').className") == "verdict good"
+        assert page.evaluate(
+            "(() => { const slider = get('slider-0'); slider.value = slider.max; slider.oninput(); return ["
+            "get('verdict').className, getComputedStyle(get('cycle-figures')).opacity]; })()"
+        ) == ["verdict ", "0.35"]
         wait(page, "document.querySelector('#cycle-state').textContent.includes('steady after ')")
         assert (
             page.locator("#cycle-figures")

@@ -1,5 +1,6 @@
-/* One period of a train after the other, with its outputs at equal distances: RODAS, an L-stable Rosenbrock
-   method of order 4 with an estimate of order 3 (Hairer and Wanner, Solving ODEs II, IV.7).
+/* One period of a train after the other, with its outputs at equal distances: Radau IIA of order 5 by
+   simplified Newton iterations, whose Jacobian stays as long as they converge, with an estimate of order 3
+   (Hairer and Wanner, Solving ODEs II, IV.8).
 
    For hosts without a library, such as a browser: what they set and read are arrays of fixed sizes. */
 #include <stdbool.h>
@@ -9,12 +10,20 @@
 #include "sizes.h"
 
 #define N STATES
-#define STAGES 6
-#define GAMMA 0.25
-/* A step grows or shrinks by no more than this, and aims at this share of the error allowed. */
-#define LARGEST 5.0
+#define STAGES 3
+#define MOST_ITERATIONS 6
+/* A step grows or shrinks by no more than this, aims at this share of the error allowed, and keeps its length,
+   with the factors, where it could grow by less than KEPT. */
+#define LARGEST 8.0
 #define SMALLEST 0.2
 #define SAFETY 0.9
+#define KEPT 1.2
+/* An iteration that contracts faster keeps its Jacobian. */
+#define CONTRACTING 1e-3
+/* Samples that a step may pass. */
+#define MOST_SAMPLES 8
+/* Changes of a period that are extrapolated: the sum of their squares. */
+#define LITTLE 1e-2
 /* Of a period, below which a step makes no progress. */
 #define HOPELESS 1e-12
 /* Of a period, beyond which a page would seem dead; some need 50 000. */
@@ -28,28 +37,42 @@ double parameters[PARAMETERS + 1], inputs[INPUTS + 1], state[N], start[N], nomin
 double rows[(SAMPLES + 1) * OUTPUTS];
 /* By state: whether each period begins it at its start, and whether it must stay above zero. */
 int32_t held[N], positive[N];
-static double begun[N]; /* the state at the begin of the last period */
+/* The states at the begin of the last period, and at the end of the one before; what that one changed, over
+   nominal + |value|, and how much of it there was. */
+static double begun[N], ended[N], shift[N], shifted;
 
-static const double A[STAGES][STAGES] = {
-    {0},
-    {1.544},
-    {0.9466785280815826, 0.2557011698983284},
-    {3.314825187068521, 2.896124015972201, 0.9986419139977817},
-    {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950},
-    {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0}};
-static const double C[STAGES][STAGES] = {
-    {0},
-    {-5.6688},
-    {-2.430093356833875, -0.2063599157091915},
-    {-0.1073529058151375, -9.594562251023355, -20.47028614809616},
-    {7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160},
-    {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054}};
-static const double SHARE[STAGES] = {0.0, 0.386, 0.21, 0.63, 1.0, 1.0};
+static const double NODES[STAGES] = {0.15505102572168219, 0.6449489742783178, 1.0};
+/* Eigenvalues of the inverse of the method's matrix, and the transformation to its real form and back. */
+#define REAL 3.6378342527444957
+#define PAIR_RE 2.6810828736277523
+#define PAIR_IM (-3.0504301992474105)
+static const double TO[STAGES][STAGES] = {
+    {4.17871859155190428, 0.32768282076106237, 0.52337644549944951},
+    {-4.17871859155190428, -0.32768282076106237, 0.47662355450055044},
+    {0.50287263494578682, -2.57192694985560522, 0.59603920482822492}};
+static const double FROM[STAGES][STAGES] = {
+    {0.09443876248897524, -0.14125529502095421, 0.03002919410514742},
+    {0.25021312296533332, 0.20412935229379994, -0.38294211275726192},
+    {1.0, 1.0, 0.0}};
+static const double ESTIMATE[STAGES] = {-10.048809399827416, 1.382142733160749, -1.0 / 3.0};
+/* Of the polynomial through a step's stages, by powers of its share from the first on. */
+static const double POWERS[STAGES][STAGES] = {
+    {10.048809399827416, -1.3821427331607488, 1.0 / 3.0},
+    {-25.62959144707664, 10.296258113743304, -8.0 / 3.0},
+    {15.58078204724922, -8.914115380582556, 10.0 / 3.0}};
 
-static double rate[N], next[N], changed[N], K[STAGES][N];
-static double jacobian[N][N], matrix[N][N];
-static int pivot[N];
+typedef double Stages[STAGES][N];
+static double rate[N], next[N], changed[N], error[N];
+/* Changes of the state to the nodes, their rates, both transformed, and the polynomial of the last step. */
+static Stages stage, slope, moved, change, polynomial;
+static double jacobian[N][N];
 static bool moving[N];
+
+/* Factors of (mu / h) I - J, with an imaginary part. */
+static struct Factors {
+    double re[N][N], im[N][N];
+    int pivot[N];
+} single, pair;
 
 static double magnitude(double x)
 {
@@ -93,104 +116,254 @@ static void find_jacobian(double t)
     }
 }
 
-static void factorise(double h)
+static double weigh(const struct Factors *f, int i, int j)
+{
+    return magnitude(f->re[i][j]) + magnitude(f->im[i][j]);
+}
+
+static void factorise(struct Factors *f, double re, double im)
 {
     for (int i = 0; i < N; i++)
-        for (int j = 0; j < N; j++) matrix[i][j] = (i == j ? 1.0 / (GAMMA * h) : 0.0) - jacobian[i][j];
+        for (int j = 0; j < N; j++) {
+            f->re[i][j] = (i == j ? re : 0.0) - jacobian[i][j];
+            f->im[i][j] = i == j ? im : 0.0;
+        }
     for (int c = 0; c < N; c++) {
-        pivot[c] = c;
+        int p = c;
         for (int i = c + 1; i < N; i++)
-            if (magnitude(matrix[i][c]) > magnitude(matrix[pivot[c]][c])) pivot[c] = i;
-        for (int j = 0; j < N && pivot[c] != c; j++) {
-            double kept = matrix[c][j];
-            matrix[c][j] = matrix[pivot[c]][j];
-            matrix[pivot[c]][j] = kept;
+            if (weigh(f, i, c) > weigh(f, p, c)) p = i;
+        f->pivot[c] = p;
+        for (int j = 0; j < N && p != c; j++) {
+            double a = f->re[c][j], b = f->im[c][j];
+            f->re[c][j] = f->re[p][j];
+            f->im[c][j] = f->im[p][j];
+            f->re[p][j] = a;
+            f->im[p][j] = b;
         }
+        double a = f->re[c][c], b = f->im[c][c], size = a * a + b * b;
         for (int i = c + 1; i < N; i++) {
-            if (matrix[i][c] == 0.0) continue;
-            double factor = matrix[i][c] /= matrix[c][c];
-            for (int j = c + 1; j < N; j++) matrix[i][j] -= factor * matrix[c][j];
+            double x = f->re[i][c], y = f->im[i][c];
+            if (x == 0.0 && y == 0.0) continue;
+            double u = f->re[i][c] = (x * a + y * b) / size, v = f->im[i][c] = (y * a - x * b) / size;
+            for (int j = c + 1; j < N; j++) {
+                f->re[i][j] -= u * f->re[c][j] - v * f->im[c][j];
+                f->im[i][j] -= u * f->im[c][j] + v * f->re[c][j];
+            }
         }
     }
 }
 
-static void solve(double *b)
+static void subtract(const struct Factors *f, int i, int j, double *x, double *y)
+{
+    x[i] -= f->re[i][j] * x[j] - f->im[i][j] * y[j];
+    y[i] -= f->re[i][j] * y[j] + f->im[i][j] * x[j];
+}
+
+static void solve(const struct Factors *f, double *x, double *y)
 {
     for (int c = 0; c < N; c++) {
-        double kept = b[pivot[c]];
-        b[pivot[c]] = b[c];
-        b[c] = kept;
+        int p = f->pivot[c];
+        double a = x[p], b = y[p];
+        x[p] = x[c];
+        y[p] = y[c];
+        x[c] = a;
+        y[c] = b;
     }
     for (int i = 0; i < N; i++)
-        for (int j = 0; j < i; j++) b[i] -= matrix[i][j] * b[j];
+        for (int j = 0; j < i; j++) subtract(f, i, j, x, y);
     for (int i = N - 1; i >= 0; i--) {
-        for (int j = i + 1; j < N; j++) b[i] -= matrix[i][j] * b[j];
-        b[i] /= matrix[i][i];
+        for (int j = i + 1; j < N; j++) subtract(f, i, j, x, y);
+        double a = f->re[i][i], b = f->im[i][i], size = a * a + b * b, re = x[i];
+        x[i] = (re * a + y[i] * b) / size;
+        y[i] = (y[i] * a - re * b) / size;
     }
 }
 
-/* The state after a step, in `next`, and its error, of which 1 is allowed; NaN where it is no state. */
-static double try_step(double t, double h, double tolerance)
+static void solve_single(double *x)
 {
-    double sum = 0.0;
-    factorise(h);
-    for (int s = 0; s < STAGES; s++) {
-        for (int i = 0; i < N; i++) {
-            next[i] = state[i];
-            for (int q = 0; q < s; q++) next[i] += A[s][q] * K[q][i];
+    double none[N] = {0};
+    solve(&single, x, none);
+}
+
+static void factorise_both(double h)
+{
+    factorise(&single, REAL / h, 0.0);
+    factorise(&pair, PAIR_RE / h, PAIR_IM / h);
+}
+
+static void transform(const double by[STAGES][STAGES], Stages from, Stages to)
+{
+    for (int s = 0; s < STAGES; s++)
+        for (int i = 0; i < N; i++)
+            to[s][i] = by[s][0] * from[0][i] + by[s][1] * from[1][i] + by[s][2] * from[2][i];
+}
+
+/* Iterates the stages; how often, 0 where it does not converge. `contraction` is theirs. */
+static int iterate(double t, double h, double tolerance, double *contraction)
+{
+    double before = 0.0, ratio = 0.0, root = __builtin_sqrt(*contraction);
+    double enough = __builtin_sqrt(tolerance);
+    if (enough > 0.03) enough = 0.03;
+    *contraction = root * __builtin_sqrt(root);
+    transform(TO, stage, moved);
+    for (int k = 1; k <= MOST_ITERATIONS; k++) {
+        double sum = 0.0;
+        for (int s = 0; s < STAGES; s++) {
+            for (int i = 0; i < N; i++) next[i] = state[i] + stage[s][i];
+            find_rate(t + NODES[s] * h, next, slope[s]);
         }
-        if (s) find_rate(t + SHARE[s] * h, next, K[s]);
+        transform(TO, slope, change);
         for (int i = 0; i < N; i++) {
-            if (!s) K[s][i] = rate[i];
-            for (int q = 0; q < s; q++) K[s][i] += C[s][q] * K[q][i] / h;
+            double a = moved[1][i], b = moved[2][i];
+            change[0][i] -= REAL * moved[0][i] / h;
+            change[1][i] -= (PAIR_RE * a - PAIR_IM * b) / h;
+            change[2][i] -= (PAIR_RE * b + PAIR_IM * a) / h;
         }
-        solve(K[s]);
+        solve_single(change[0]);
+        solve(&pair, change[1], change[2]);
+        for (int s = 0; s < STAGES; s++)
+            for (int i = 0; i < N; i++) {
+                double share = change[s][i] / (tolerance * (nominal[i] + magnitude(state[i])));
+                moved[s][i] += change[s][i];
+                sum += share * share;
+            }
+        transform(FROM, moved, stage);
+        double size = __builtin_sqrt(sum / (STAGES * N));
+        if (k > 1) {
+            ratio = size / before;
+            double left = size / (1.0 - ratio);
+            for (int q = k; q < MOST_ITERATIONS; q++) left *= ratio;
+            if (!(ratio < 1.0) || left > enough) return 0;
+            *contraction = ratio / (1.0 - ratio);
+        }
+        if (*contraction * size < enough) return k;
+        if (!(size < 1e100)) return 0;
+        before = size;
+    }
+    return 0;
+}
+
+/* The error of the step to the last stage, of which 1 is allowed; NaN where that is no state. `again` for a
+   step after a refused one, whose estimate may be too large. */
+static double estimate(double t, double h, double tolerance, bool again)
+{
+    double sum = 0.0, slopes[N];
+    for (int i = 0; i < N; i++) {
+        next[i] = state[i] + stage[2][i];
+        if (positive[i] && !(next[i] > 0.0)) return __builtin_nan("");
+        slopes[i] = (ESTIMATE[0] * stage[0][i] + ESTIMATE[1] * stage[1][i] + ESTIMATE[2] * stage[2][i]) / h;
+        error[i] = rate[i] + slopes[i];
+    }
+    solve_single(error);
+    if (again) {
+        for (int i = 0; i < N; i++) changed[i] = state[i] + error[i];
+        find_rate(t, changed, error);
+        for (int i = 0; i < N; i++) error[i] += slopes[i];
+        solve_single(error);
     }
     for (int i = 0; i < N; i++) {
-        double error = K[STAGES - 1][i], share = error / (tolerance * (nominal[i] + magnitude(state[i])));
-        next[i] += error;
-        if (positive[i] && !(next[i] > 0.0)) return __builtin_nan("");
+        double size = magnitude(state[i]) > magnitude(next[i]) ? magnitude(state[i]) : magnitude(next[i]);
+        double share = error[i] / (tolerance * (nominal[i] + size));
         sum += share * share;
     }
     return __builtin_sqrt(sum / N);
 }
 
-/* Computes a period, whose outputs are the rows. Returns its largest change of a state that no period begins at
-   its start, over nominal + |value|; NaN where no step succeeds, or too many are needed. */
-double revolve(double period, double tolerance)
+/* The change of the state over a share of the last step. */
+static double move(int i, double share)
 {
-    double t = 0.0, h = period / SAMPLES, change = 0.0;
-    bool stale = true;
-    int steps = 0;
+    return share * (polynomial[0][i] + share * (polynomial[1][i] + share * polynomial[2][i]));
+}
+
+/* The state to which the last two periods lead, by Anderson's method: the change that is left is taken for a
+   line through theirs. It stays where they do not contract. */
+static void extrapolate(bool known)
+{
+    double along = 0.0, size = 0.0, left = 0.0;
+    for (int i = 0; i < N; i++) {
+        double now = held[i] ? 0.0 : (state[i] - begun[i]) / (nominal[i] + magnitude(begun[i]));
+        double by = now - shift[i];
+        along += now * by;
+        size += by * by;
+        left += now * now;
+        shift[i] = now;
+    }
+    double share = known && left < shifted && left < LITTLE ? along / size : 0.0;
+    shifted = left;
+    for (int i = 0; i < N; i++) {
+        double led = state[i] - share * (state[i] - ended[i]);
+        ended[i] = state[i];
+        if (!held[i] && (!positive[i] || led > 0.0)) state[i] = led;
+    }
+}
+
+/* Computes a period, whose outputs are the rows, from where the `before` periods of this search lead. Returns
+   its largest change of a state that no period begins at its start, over nominal + |value|; NaN where no step
+   succeeds, or too many are needed. */
+double revolve(double period, double tolerance, int32_t before)
+{
+    if (before > 0) extrapolate(before > 1);
+    double t = 0.0, h = period / SAMPLES, length = 0.0, last_error = 0.0, contraction = 1.0, most = 0.0;
+    bool fresh = true, factored = false, refused = false;
+    int k = 1;
     for (int i = 0; i < N; i++) begun[i] = state[i] = held[i] ? start[i] : state[i];
     CALL(output, t, state, inputs, parameters, rows);
-    for (int k = 1; k <= SAMPLES;) {
-        if (++steps > MOST_STEPS) return __builtin_nan("");
-        double target = period * k / SAMPLES, left = target - t;
-        bool last = h >= left;
-        double length = last ? left : h;
-        if (stale) {
-            find_rate(t, state, rate);
-            find_jacobian(t);
-        }
-        double error = try_step(t, length, tolerance);
-        double factor = SAFETY / __builtin_sqrt(__builtin_sqrt(error > 1e-8 ? error : 1e-8));
-        factor = !(factor > SMALLEST) ? SMALLEST : factor > LARGEST ? LARGEST : factor;
-        if (error != error) factor = SMALLEST;
-        stale = error <= 1.0;
-        if (!stale) {
-            h = length * factor;
-            if (!(h > HOPELESS * period)) return __builtin_nan("");
+    find_rate(t, state, rate);
+    find_jacobian(t);
+    for (int steps = 0; k <= SAMPLES; steps++) {
+        if (steps > MOST_STEPS || !(h > HOPELESS * period)) return __builtin_nan("");
+        bool last = h >= period - t;
+        if (last) h = period - t;
+        if (!factored) factorise_both(h);
+        factored = true;
+        for (int s = 0; s < STAGES; s++)
+            for (int i = 0; i < N; i++)
+                stage[s][i] = length > 0.0 ? move(i, 1.0 + NODES[s] * h / length) - move(i, 1.0) : 0.0;
+        int count = iterate(t, h, tolerance, &contraction);
+        if (!count) {
+            factored = false;
+            if (fresh) h *= 0.5;
+            else find_jacobian(t);
+            fresh = true;
+            contraction = 1.0;
             continue;
         }
-        t = last ? target : t + length;
-        if (!last || length * factor > h) h = length * factor;
-        for (int i = 0; i < N; i++) state[i] = next[i];
-        if (last) CALL(output, t, state, inputs, parameters, rows + OUTPUTS * k++);
+        double found = estimate(t, h, tolerance, refused);
+        double root = __builtin_sqrt(__builtin_sqrt(found > 1e-8 ? found : 1e-8));
+        double factor = SAFETY * (2 * MOST_ITERATIONS + 1) / (2 * MOST_ITERATIONS + count) / root;
+        refused = !(found <= 1.0);
+        if (refused) {
+            h *= factor > SMALLEST ? factor : SMALLEST;
+            factored = false;
+            continue;
+        }
+        if (last_error > 0.0) {
+            double slower = h / length * __builtin_sqrt(__builtin_sqrt(last_error)) / root;
+            if (slower < 1.0) factor *= slower;
+        }
+        transform(POWERS, stage, polynomial);
+        for (; k <= SAMPLES && (last || t + h >= period * k / SAMPLES); k++) {
+            double share = (period * k / SAMPLES - t) / h;
+            for (int i = 0; i < N; i++) changed[i] = state[i] + move(i, share);
+            CALL(output, period * k / SAMPLES, changed, inputs, parameters, rows + OUTPUTS * k);
+        }
+        for (int i = 0; i < N; i++) state[i] += stage[2][i];
+        t = last ? period : t + h;
+        length = h;
+        last_error = found > 1e-2 ? found : 1e-2;
+        find_rate(t, state, rate);
+        fresh = count > 2 && contraction > CONTRACTING;
+        if (fresh) find_jacobian(t);
+        if (fresh || factor >= KEPT || factor < 1.0) {
+            double most_h = period / SAMPLES * MOST_SAMPLES;
+            h *= factor < SMALLEST ? SMALLEST : factor > LARGEST ? LARGEST : factor;
+            if (h > most_h) h = most_h;
+            factored = false;
+        }
     }
     for (int i = 0; i < N; i++) {
-        double moved = magnitude(state[i] - begun[i]) / (nominal[i] + magnitude(begun[i]));
-        if (!held[i] && moved > change) change = moved;
+        double by = magnitude(state[i] - begun[i]) / (nominal[i] + magnitude(begun[i]));
+        if (!held[i] && by > most) most = by;
     }
-    return change;
+    return most;
 }

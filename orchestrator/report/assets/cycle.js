@@ -3,9 +3,8 @@
 
 // A period is steady when it changes no state by more than this, over nominal + |value|: less than a plot shows.
 const STEADY = 1e-4, MOST_PERIODS = 12;
-// Of the integrator, over nominal + |value|; it leaves less than a thousandth of the largest load. While sliders
-// move a looser one is three times as fast, and leaves a hundredth at most.
-const TOLERANCE = 3e-6, MOVING = 1e-4;
+// Of the integrator, over nominal + |value|; it leaves less than a thousandth of the largest load.
+const TOLERANCE = 1e-5;
 
 const least = (values) => values ? values.reduce((a, b) => Math.min(a, b), Infinity) : Infinity;
 
@@ -39,12 +38,12 @@ class CycleRecords extends Records {
   }
 
   // Whether there is another cycle to show.
-  async compute(tolerance = TOLERANCE) {
+  async compute() {
     const { told } = this, began = performance.now(), base = this.bases[0];
     this.overtaken = false;
     this.settle();
-    let found = await this.turn(tolerance);
-    if (!(found.change <= STEADY) && !this.overtaken) { this.begin(); this.settle(); found = await this.turn(tolerance); }
+    let found = await this.turn();
+    if (!(found.change <= STEADY) && !this.overtaken) { this.begin(); this.settle(); found = await this.turn(); }
     if (this.overtaken) return false;
     this.found = { ...found, milliseconds: performance.now() - began };
     if (found.change !== found.change) return false;
@@ -69,10 +68,10 @@ class CycleRecords extends Records {
   }
 
   // Periods until they are steady, or the sliders have moved on.
-  async turn(tolerance) {
+  async turn() {
     let change = NaN, periods = 0;
     do {
-      change = this.train.revolve(this.period, tolerance); periods++;
+      change = this.train.revolve(this.period, TOLERANCE, periods++);
       await new Promise((done) => setTimeout(done));
     } while (change > STEADY && periods < MOST_PERIODS && !this.overtaken);
     return { change, periods };
@@ -156,26 +155,23 @@ class Cycle {
     get("command").textContent = command + moved.join("");
   }
 
-  // What is computed as a slider moves on is given up after its period; where it rests a steady cycle is computed
-  // exactly.
+  // What is computed as a slider moves on is given up after its period.
   async ask() {
     this.records.overtaken = this.wanted = true;
     if (this.busy) return;
     this.busy = true;
-    while (this.wanted) {
-      this.wanted = false;
-      await this.change(MOVING);
-      if (!this.wanted && !(this.records.found.change > STEADY)) await this.change(TOLERANCE);
-    }
+    document.body.classList.add("computing");
+    this.judge("", "computing");
+    while (this.wanted) { this.wanted = false; await this.change(); }
+    document.body.classList.remove("computing");
     this.busy = false;
     this.tell();
   }
 
   // Another cycle, at the same share of it, and the same part of it in the plots.
-  async change(tolerance) {
+  async change() {
     const share = this.report.now / (this.report.base.end || 1), view = this.report.view, part = view.part;
-    get("cycle-state").textContent = "computing";
-    if (!await this.records.compute(tolerance)) return;
+    if (!await this.records.compute()) return;
     await view.over(view.name);
     view.part = part;
     await this.report.reload();
@@ -186,8 +182,16 @@ class Cycle {
   tell() {
     const { change, periods, milliseconds } = this.records.found, time = Math.round(milliseconds) + " ms";
     get("cycle-figures").textContent = this.records.shows ? this.records.figures() : "";
-    get("cycle-state").textContent = change !== change ? "no step succeeds: " + (this.records.shows ? "the cycle before is shown" : "there is no cycle") :
-      change <= STEADY ? "steady after " + periods + (periods > 1 ? " periods, " : " period, ") + time : "not steady after " + periods + " periods: each changes by " + readable(+change.toPrecision(2)) + ", " + time;
+    if (change !== change) this.judge("bad", "no step succeeds: " + (this.records.shows ? "the cycle before is shown" : "there is no cycle"));
+    else if (change <= STEADY) this.judge("good", "steady after " + periods + (periods > 1 ? " periods, " : " period, ") + time);
+    else this.judge("unsteady", "not steady after " + periods + " periods: the last one is shown, and the next would change states by up to " + readable(+change.toPrecision(2)) + " of their sizes; " + time);
+  }
+
+  // What the motion is, beside the sliders and by the colour of the page's verdict.
+  judge(kind, words) {
+    get("cycle-state").textContent = words;
+    get("verdict").textContent = { good: "steady cycle, computed in this page", unsteady: "no steady cycle at these numbers", bad: "no motion at these numbers" }[kind] || "computing";
+    get("verdict").className = "verdict " + kind;
   }
 
   draw() {}
