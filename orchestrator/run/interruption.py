@@ -1,4 +1,4 @@
-"""Ctrl-C in a command: what is kept is told, and a run ends after its macro step."""
+"""Ctrl-C in a command, and SIGTERM: what is kept is told, and a run ends after its macro step."""
 
 import signal
 import threading
@@ -12,9 +12,12 @@ from models.core.quantities import Vector
 from ..engine.observer import Observer
 from ..engine.step import Step
 
+# The signals that were noticed, in their order.
+came: list[int] = []
+
 
 class Noticed:
-    """Remembers that Ctrl-C came; it is raised as ever.
+    """Remembers that Ctrl-C came, or SIGTERM where that has a handler; it is raised as ever.
 
     Libraries make other errors of it: numba, broken off while it compiles, one about its half-made code.
     Outside the main thread, which alone gets signals, and in a command that was started without Ctrl-C it
@@ -23,24 +26,26 @@ class Noticed:
 
     def __init__(self) -> None:
         self.asked = False
-        self._previous: Any = None
+        self._previous: dict[int, Any] = {}
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
-            self._previous = signal.getsignal(signal.SIGINT)
-            if callable(self._previous):
-                signal.signal(signal.SIGINT, self._notice)
+            handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+            self._previous = {number: handler for number, handler in handlers.items() if callable(handler)}
+            for number in self._previous:
+                signal.signal(number, self._notice)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if callable(self._previous):
-            signal.signal(signal.SIGINT, self._previous)
+        for number, handler in self._previous.items():
+            signal.signal(number, handler)
 
     def _notice(self, number: int, frame: FrameType | None) -> None:
         self.asked = True
-        self._previous(number, frame)
+        came.append(number)
+        self._previous[number](number, frame)
 
 
 @contextmanager
@@ -58,7 +63,7 @@ def tell_interruption(describe: Callable[[], str]) -> Iterator[None]:
 
 
 class Interruption(Noticed, Observer):
-    """Raises KeyboardInterrupt after the macro step in which Ctrl-C came.
+    """Raises KeyboardInterrupt after the macro step in which Ctrl-C or SIGTERM came.
 
     Raised inside a Python FMU, it would come back as that FMU's error. A second Ctrl-C is raised at once.
     """
@@ -71,6 +76,7 @@ class Interruption(Noticed, Observer):
             raise KeyboardInterrupt
 
     def _notice(self, number: int, frame: FrameType | None) -> None:
+        came.append(number)
         if self.asked:
             raise KeyboardInterrupt
         self.asked = True

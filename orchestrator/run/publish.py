@@ -141,8 +141,10 @@ def _draw(folder: Path, figures: bool, reporter: Reporter) -> None:
 def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:
     """The engineering result, the verdict, the largest error, and where the report is."""
     told = list(summary.tell())
-    if told and not summary.complete:
-        reporter.line("the run is incomplete; of what it recorded:")
+    if not summary.complete:
+        reached = f", to t = {summary.steps.end:.6g} s" if summary.steps else ""
+        more = "; of what it recorded:" if told else ""
+        reporter.line(f"the run is incomplete: {summary.macro_steps} macro steps{reached}{more}")
     for line in told:
         reporter.line(line)
     if summary.witness:

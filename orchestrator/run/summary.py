@@ -27,6 +27,8 @@ from .plan import Plan
 WITHIN, OUTSIDE, FAILED, NOT_COMPARED, INTERRUPTED = 0, 1, 3, 4, 130
 # The errors that end a run early and leave a result; all others are faults of the program.
 ENDS = (KeyboardInterrupt, OSError, RunError, ValueError, ArithmeticError)
+# Macro steps of a run that was ended: fewer say nothing of the motion.
+FEW = 500
 # Where extremes of contacts are from.
 MACRO_STEPS, ROWS = "all macro steps", "recorded rows"
 
@@ -103,12 +105,12 @@ class Summary:
 
     def tell(self) -> list[Words]:
         """What trains, contacts, energies and steps came to, and warnings of FMUs, in words."""
-        lines: list[Words] = [
-            *self.merits,
-            *contact_lines(self.contacts, self.contacts_from, self.fixed_steps),
-        ]
-        lines += energy_lines(self.energy) if self.energy else []
-        lines += brief(self.steps, self.suggestions) if self.steps else []
+        lines: list[Words] = []
+        if self.complete or self.macro_steps >= FEW:
+            lines += self.merits
+            lines += contact_lines(self.contacts, self.contacts_from, self.fixed_steps)
+            lines += energy_lines(self.energy) if self.energy else []
+            lines += brief(self.steps, self.suggestions) if self.steps else []
         for name, given in self.warnings.items():
             first = f", the first: {given.first}" if given.first else "; it does not say of what"
             lines.append(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")

@@ -160,12 +160,17 @@ def test_instability_is_named_and_what_was_computed_is_kept(tmp_path):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT for one process")
-def test_ctrl_c_keeps_what_was_computed(tmp_path):
+@pytest.mark.parametrize("asked", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_and_sigterm_keep_what_was_computed(asked, tmp_path):
+    """SIGTERM also where Ctrl-C is ignored, as in the background of a shell."""
     out = tmp_path / "out"
     code = "from tribocosim.command_line import main; main()"
     long = ["--set=stop_time=100 s", "--set=output_step=1 ms", *IN_PROCESS]
     process = subprocess.Popen(
         [sys.executable, "-c", code, "run", "valve-train", "--out", str(out), *long],
+        preexec_fn=lambda: signal.signal(
+            signal.SIGINT, signal.SIG_IGN if asked == signal.SIGTERM else signal.default_int_handler
+        ),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT,
     )  # fmt: skip
     assert process.stdout
@@ -177,9 +182,9 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path):
     try:
         process.wait(2.0)
     except subprocess.TimeoutExpired:
-        process.send_signal(signal.SIGINT)
+        process.send_signal(asked)
     printed, errors = process.communicate(timeout=60)
-    assert process.returncode == 130, errors
+    assert process.returncode == 128 + asked, errors
     assert printed.index("the run is incomplete") < printed.index("contact: load")
     assert errors.startswith("tribocosim: incomplete: interrupted")
     assert f"tribocosim resume {out} " in errors

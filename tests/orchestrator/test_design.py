@@ -38,7 +38,8 @@ from orchestrator.study.design.limits import (
     pressure_limit,
 )
 from orchestrator.study.design.lobe import Lobe, find_event
-from orchestrator.study.design.run import find_own_limits, find_own_separation, find_wanted
+from orchestrator.study.design.report import Check
+from orchestrator.study.design.run import find_own_limits, find_own_separation, find_wanted, tabulate_best
 from orchestrator.study.design.search import BOX, SHORTER, Search
 from orchestrator.study.design.slp import Line, Optimum, Problem, maximise
 from orchestrator.study.design.train import open_train
@@ -310,7 +311,7 @@ def test_a_cycle_that_fails_between_speeds_makes_the_step_smaller_and_ends_no_se
     wanted: Any = SimpleNamespace(speeds=[], objective=Objective())
     told: list[str] = []
     search = Parting(train, wanted, np.empty((0, 2)), 100.0, 1.0, told.append)
-    found = search.improve(np.zeros(1), lambda found: None).found
+    found = search.improve(np.zeros(1), lambda *best: None).found
     assert found.unknowns == pytest.approx([SHORTER * BOX])
     assert sum("no cycles (no step succeeds)" in line for line in told) == 1
     assert search.look(found.unknowns)[100.0].parting == pytest.approx(95.0, abs=0.2)
@@ -328,11 +329,12 @@ def test_the_least_load_of_the_own_cam_is_that_while_it_lifts(tmp_path: Path) ->
         "camshaft.angle": angle, "contact.load": np.where(lift > 0.0, 300.0 - 2e4 * lift, 0.0),
         "camshaft.cam_lift": lift, "contact.maximum_pressure": np.full(361, 5e8),
     }  # fmt: skip
-    turned = Angle("cam_angle", "camshaft.angle")
 
     class Cycles:
         def __getitem__(self, speed: float) -> Motion:
-            return Motion(train.finder.system, times, columns.__getitem__, turned)
+            return Motion(
+                train.finder.system, times, columns.__getitem__, Angle("cam_angle", "camshaft.angle")
+            )
 
         def is_lost(self, speed: float) -> bool:
             return False
@@ -357,29 +359,30 @@ def test_every_limit_is_in_the_documents() -> None:
 
 
 def test_the_search_gains_what_its_linear_programme_promised(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The area is linear in the lift: a step that keeps the limits gains it all. The tangents foresee
-    loads and least films, as the cycle there has them. All limits are kept, by cycles."""
+    """The area is linear in the lift. The tangents foresee loads and least films of the cycle there. All
+    limits are kept, by cycles."""
     train = open_train(read_changed("valve-train"), 12)
     lobe, speed = train.lobe, 2500.0 * math.pi / 30.0
     sizes = find_own_limits(train, Limits(), speed)
     own = float(np.trapezoid(lobe.own.s - lobe.ramps.s, lobe.angles))
     wanted = Wanted(sizes, {"contact": 5e8}, {}, 0.0, [speed], [], film=1.0)
     search = Search(train, wanted, np.zeros((0, 2)), speed, own, print)
-    x = search.begin()
-    seen = search.look(x)
+    seen = search.look(x := search.begin())
     model = search.model(x, seen)
     there = search.solve(model, x, 0.02, 1).unknowns
     promised = float(lobe.bumps.areas @ (there - x)) / own
     assert promised > 0.01
-    cycle = search.look(there)[speed].cycle
-    answer = model.answers[speed]
+    cycle, answer = search.look(there)[speed].cycle, model.answers[speed]
     for name in ("contact.load", "contact.film_ratio"):
         before, after = answer.columns[name], train.read(cycle.__getitem__, [name])[name]
         rows = np.flatnonzero(before.low <= np.quantile(before.low, 0.5)) if "film" in name else slice(None)
         change, found = (after.low - before.low)[rows], (answer.gradients[name] @ (there - x))[rows]
         assert np.mean((found - change) ** 2) < 0.15**2 * np.mean(change**2)
     monkeypatch.setattr("orchestrator.study.design.search.MOST_ROUNDS", 4)
-    improved = search.improve(x, lambda one: None)
+    best: list[Any] = []
+    improved = search.improve(x, lambda *one: best.append(one))
+    so_far = tabulate_best(search, Check(None, {speed: search.to_motion(seen[speed].cycle)}), *best[-1])
+    assert (so_far.sizes["cam"], so_far.attrs["area"]) == (2, improved.found.area)  # of an interrupted search
     assert not improved.found.beyond
     assert improved.found.area > float(lobe.bumps.areas @ x) / own + promised
 

@@ -2,8 +2,11 @@
 
 import functools
 import os
+import signal
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import typer
@@ -11,8 +14,8 @@ import typer
 from ..messages import say
 from .apart import state
 
-# NO_READER: 128 + 13, as after SIGPIPE.
-MISTAKE, FAILED, INTERRUPTED, NO_READER = 2, 3, 130, 141
+# The last ones: 128 + 2, 13 and 15, as after SIGINT, SIGPIPE and SIGTERM.
+MISTAKE, FAILED, INTERRUPTED, NO_READER, TERMINATED = 2, 3, 130, 141, 143
 
 
 def report_errors(command: Callable[..., int | None]) -> Callable[..., None]:
@@ -21,23 +24,43 @@ def report_errors(command: Callable[..., int | None]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def report(*arguments: Any, **options: Any) -> None:
-        status = _carry_out(command, arguments, options)
+        with _interrupt_on_termination():
+            status = _carry_out(command, arguments, options)
         state(status)
         raise typer.Exit(status)
 
     return report
 
 
+@contextmanager
+def _interrupt_on_termination() -> Iterator[None]:
+    """In the block SIGTERM interrupts as Ctrl-C does."""
+
+    def interrupt(number: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
+    own = threading.current_thread() is threading.main_thread()
+    own = own and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+    if own:
+        signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        if own:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
 def _carry_out(
     command: Callable[..., int | None], arguments: tuple[Any, ...], options: dict[str, Any]
 ) -> int:
     """Its exit status; an error is told."""
-    noticed = None
+    noticed, came = None, list[int]()
     try:
         from orchestrator.reporter import unwritten  # with numba, which `--help` does not need
-        from orchestrator.run.interruption import Noticed
+        from orchestrator.run.interruption import Noticed, came
 
         unwritten.clear()
+        came.clear()
         with Noticed() as noticed:
             status = command(*arguments, **options)
         try:
@@ -50,23 +73,30 @@ def _carry_out(
             _discard_output()
             say(f"standard output cannot be written: {error.strerror}; files are complete")
             return status or FAILED
+        if status == INTERRUPTED:
+            return _find_status(came)
     except typer.Exit as ended:  # in a child process
         return ended.exit_code
     except KeyboardInterrupt as interruption:
         say(str(interruption) or "interrupted")
-        return INTERRUPTED
+        return _find_status(came)
     except BrokenPipeError:  # the reader has ended, e.g. `| head -1`
         _discard_output()
         return NO_READER
     except Exception as error:
         if noticed and noticed.asked:
             say("interrupted")
-            return INTERRUPTED
+            return _find_status(came)
         if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
             raise
         text, status = describe_error(error)
         say(text)
     return status or 0
+
+
+def _find_status(signals: list[int]) -> int:
+    """Of a command that these signals ended."""
+    return TERMINATED if signal.SIGTERM in signals else INTERRUPTED
 
 
 def _discard_output() -> None:

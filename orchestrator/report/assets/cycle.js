@@ -4,7 +4,7 @@
 // A period is steady when it changes no state by more than this, over nominal + |value|: less than a plot shows.
 const STEADY = 1e-4, MOST_PERIODS = 12;
 // Of the integrator, over nominal + |value|; it leaves less than a thousandth of the largest load.
-const TOLERANCE = 1e-5;
+const TOLERANCE = 3e-6;
 
 const least = (values) => values ? values.reduce((a, b) => Math.min(a, b), Infinity) : Infinity;
 

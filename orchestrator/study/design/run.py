@@ -1,7 +1,7 @@
 """`tribocosim design`: the scenario's own cam, the search for a better one, and a check of both."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -32,9 +32,9 @@ from .figures import find_objective, list_bounds, read_figures
 from .files import CAM, DESIGN, FIGURE, FILES, LIFTS, PAGE, PROGRESS, SCENARIO, TABLE, keep, read_kept
 from .limits import find_sizes
 from .report import Check, report, tabulate
-from .search import Search
+from .search import Search, Seen
 from .train import DesignedTrain, open_train
-from .wanted import Wanted
+from .wanted import Found, Improved, Wanted
 
 RPM = 30.0 / math.pi
 # The scenario's own separation is sought from its own speed to this part of it, in so many steps.
@@ -190,16 +190,22 @@ def design(
             train, wanted, np.array(list(bounds.values())).reshape(-1, 2), top, area, reporter.line,
             brief.starts, brief.seed,
         )  # fmt: skip
+        best: list[tuple[Found, Mapping[float, Seen]]] = []
+
+        def note(found: Found, seen: Mapping[float, Seen]) -> None:
+            keep(out, asked, train, found)
+            best.append((found, seen))
+
         try:
             with reporter.stage("search for a better cam"):
-                improved = search.improve(
-                    search.begin() if begun is None else begun, lambda one: keep(out, asked, train, one)
-                )
+                improved = search.improve(search.begin() if begun is None else begun, note)
         except KeyboardInterrupt:
-            if not (out / SCENARIO).exists():
+            if not best:
                 raise
+            save_figure(lambda: draw_design(tabulate_best(search, before, *best[-1])), out / FIGURE)
             told = (
-                f"interrupted; the best cam so far is in {out / SCENARIO}, the same command goes on from it"
+                f"interrupted; the best cam so far is {out / SCENARIO}, drawn in {out / FIGURE}: the same "
+                "command goes on from it"
             )
             raise KeyboardInterrupt(told) from None
         with reporter.stage("check of the designed cam") as bar:
@@ -220,6 +226,15 @@ def design(
         answer.line(text)
     answer.write(out, PAGE, (FIGURE, SCENARIO, LIFTS, TABLE, f"{CAM}/"))
     return table
+
+
+def tabulate_best(search: Search, before: Check, found: Found, seen: Mapping[float, Seen]) -> xarray.Dataset:
+    """A cam that may not be the last one, with its contacts at the speeds of the brief."""
+    own = {speed: before.motions[speed] for speed in search.wanted.speeds}
+    after = {speed: search.to_motion(seen[speed].cycle) for speed in own}
+    checks = before._replace(motions=own), Check(None, after)
+    geometries = search.train.lobe.kind.geometry, search.geometry(found.unknowns)
+    return tabulate(search.train, search.wanted, Improved(found, []), checks, geometries)
 
 
 def couple(out: Path, speed: float, build: Builder, reporter: Reporter) -> Iterator[Words]:

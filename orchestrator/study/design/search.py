@@ -75,6 +75,9 @@ class Seen(NamedTuple):
     parting: float
 
 
+Best = Callable[[Found, Mapping[float, Seen]], None]
+
+
 @dataclass(frozen=True)
 class Search:
     """A train with the limits that its cam must keep. `bounds` are those of the parameters (rows).
@@ -145,13 +148,13 @@ class Search:
         nearest = (self.solve(free, x, box, 1) for box in (0.1 * BOX, 0.3 * BOX, BOX))
         return next((found for found in nearest if found.feasible), self.solve(free, x, BOX, 1)).unknowns
 
-    def improve(self, start: Vector, best: Callable[[Found], None]) -> Improved:
-        """Rounds of cycles and optima from `start`; `best` hears of each better one that cycles confirm."""
+    def improve(self, start: Vector, best: Best) -> Improved:
+        """Rounds of cycles and optima from `start`; `best` gets each better one, and the cycles of it."""
         show_share(0.0, ", the first cam")
         seen = self.look(start)
         found = self.judge(start, seen)
         self.tell(f"start: {describe(found, self.wanted.objective)}")
-        best(found)
+        best(found, seen)
         model, box = self.model(start, seen), BOX
         own = model.objective.gradient[self.train.lobe.count :]
         for name, slope in zip(self.train.parameters, own, strict=False):
@@ -174,7 +177,7 @@ class Search:
             if gain > 0.0:
                 self.tell(f"round {number}: {said}")
                 box, found = min(LARGEST, LONGER * box), here
-                best(found)
+                best(found, seen)
             else:
                 self.tell(f"round {number} refused: {said}; a smaller step is tried")
                 box *= SHORTER
