@@ -67,10 +67,11 @@ def _name_line(path: Path, said: str) -> str:
         lines = path.read_text("utf-8").splitlines() if path.suffix == ".toml" else []
     except (OSError, ValueError):
         lines = []
-    table, by_key = "", dict[str, list[int]]()
+    table, by_key, heads = "", dict[str, list[int]](), dict[str, int]()
     for number, line in enumerate(lines, 1):
         if header := re.match(r"\s*\[([^\[\]]+)\]", line):
             table = f"{header[1].strip()}."
+            heads.setdefault(table, number)
         elif key := re.match(r"\s*([\w.\"'-]+)\s*=", line):
             by_key.setdefault(re.sub("[\"']", "", table + key[1]), []).append(number)
     short = {re.sub(r"^components\.(\w+)\.\w+\.", r"\1.", key): places for key, places in by_key.items()}
@@ -80,4 +81,7 @@ def _name_line(path: Path, said: str) -> str:
         found = [n for n, line in enumerate(lines, 1) if re.search(pattern, line.partition("#")[0])]
         if found:
             break
+    if not found:  # of a key that is missing, the first header of its table, or of one inside that
+        inside = [number for head, number in heads.items() if head.startswith(f"{place.rpartition('.')[0]}.")]
+        found = inside[:1] if "." in place else []
     return f"{path.name}:{found[0]}" if len(found) == 1 else path.name
