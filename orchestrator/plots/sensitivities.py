@@ -11,17 +11,20 @@ MOST_BARS, COLUMNS = 8, 2
 
 
 def draw_tornado(dataset: xarray.Dataset, title: str) -> Figure:
-    """A panel for each figure: its change in % for 1 % more of each parameter; red where it falls."""
+    """A panel for each figure: its change in % for 1 % more of each parameter; red where it falls. All panels
+    have one scale. The coordinates `shown` and `size` say the values of figures and parameters."""
     title = f"{title}: change in % for 1 % more of a parameter"
-    figure, panels = create_grid(dataset.sizes["figure"], COLUMNS, title, (10.0, 2.3), 0.6)
+    figure, panels = create_grid(dataset.sizes["figure"], COLUMNS, title, (10.0, 2.3), 0.6, sharex=True)
     for panel, name in zip(panels, dataset["figure"].values, strict=True):
         values = np.nan_to_num(dataset["elasticity"].sel(figure=name).values)
         order = np.argsort(-np.abs(values), kind="stable")[:MOST_BARS][::-1]
         colours = [COUPLED if values[k] >= 0.0 else REFERENCE for k in order]
-        panel.barh([str(dataset["parameter"].values[k]) for k in order], values[order], color=colours)
+        names = [f"{dataset['parameter'].values[k]}, {dataset['size'].values[k]}" for k in order]
+        panel.bar_label(panel.barh(names, values[order], color=colours), fmt="%.2g", padding=2, fontsize=7)
         panel.axvline(0.0, color="black", linewidth=0.8)
         panel.grid(axis="y", visible=False)
         part, _, number = str(name).rpartition(".")
-        panel.set_title(f"{part}: {number.replace('_', ' ')}")
-        panel.margins(x=0.1)
+        value = dataset["shown"].sel(figure=name).item()
+        panel.set_title(f"{part}: {number.replace('_', ' ')}, {value}")
+        panel.margins(x=0.15)
     return figure

@@ -48,6 +48,11 @@ def show(quantity: Quantity) -> Shown:
     return show_unit(quantity.unit, quantity.display_unit)
 
 
+def say(value: float, shown: Shown) -> str:
+    """A number in SI with the unit in which it is shown, e.g. "330 N"."""
+    return f"{format_number(shown.factor * value)} {shown.text}".rstrip()
+
+
 def show_attributes(attributes: Mapping[Any, Any]) -> Shown:
     """How a variable of a result file or store with these attributes is shown."""
     return show_unit(str(attributes.get("units", "1")), str(attributes.get("display_units", "")))

@@ -82,6 +82,7 @@ def _name_line(path: Path, said: str) -> str:
         if found:
             break
     if not found:  # of a key that is missing, the first header of its table, or of one inside that
-        inside = [number for head, number in heads.items() if head.startswith(f"{place.rpartition('.')[0]}.")]
-        found = inside[:1] if "." in place else []
+        first = heads | {key: numbers[0] for key, numbers in by_key.items()}
+        inside = [number for key, number in first.items() if key.startswith(f"{place.rpartition('.')[0]}.")]
+        found = [min(inside)] if inside else []
     return f"{path.name}:{found[0]}" if len(found) == 1 else path.name

@@ -339,7 +339,7 @@ def _send_on(fault: Fault, content: Mapping[str, Any]) -> Fault:
     if key == "component" and fault.said == ": missing" and isinstance(known, dict):
         name = table.removeprefix("components.")
         if close := difflib.get_close_matches(name, [other for other in known if other != name], n=1):
-            return replace(fault, remedy=f"did you mean {close[0]}?")
+            return replace(fault, remedy=f"did you mean components.{close[0]}?")
     if not isinstance(near, str) or not near.startswith("known: "):
         return fault
     if not table and (meant := find_tables(key)):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from models.contact.ehl_contact import TABLE_3
-from orchestrator.assessment.contacts import lines, summarise_rows
+from orchestrator.assessment.contacts import lines, list_details, summarise_rows
 from orchestrator.assessment.contacts.accumulation import SEEN
 from orchestrator.assessment.contacts.contact_summary import Accumulator
 from orchestrator.assessment.contacts.lines import GROUPS
@@ -19,7 +19,7 @@ from orchestrator.store.json_codec import from_text, to_text
 from .commands import IN_PROCESS, called
 
 RECORDS = 200
-told = partial(lines, source="all macro steps", fixed_steps=True)
+told = partial(lines, fixed_steps=True)
 
 
 def _run(*changes):
@@ -92,7 +92,9 @@ def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run):
             share = lasting(time, outside) / lasting(time, loaded)
             assert found[group].share == pytest.approx(share, rel=1e-12)
             assert found[group].least < low or found[group].most > high
-    (said,) = [line for line in told({"contact": summary}) if "ranges of the film formula" in line]
+    (said,) = [line for line in list_details({"contact": summary}, "rows") if "film formula" in line]
+    (short,) = [line for line in told({"contact": summary}) if "its film is an estimate" in line]
+    assert len(short) < 0.6 * len(said)
     for group, one in found.items():
         below, above, _ = GROUPS[group]
         assert ((below in said), (above in said)) == (one.least < one.low, one.most > one.high)

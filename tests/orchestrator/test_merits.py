@@ -153,7 +153,7 @@ def test_films_of_bearings_are_told_and_doubted_near_the_bush():
 )
 def test_a_film_below_an_atom_is_none(film, said):
     summary = ContactSummary(1.0, 2.0, 1.0, 0.0, 1e8, 2.0, 1e9, 0.0, film, 3.0, 0.01, 1e-5)
-    assert said in lines({"contact": summary}, "rows", True)[0]
+    assert said in lines({"contact": summary}, True)[0]
     whole = Summary("", "", "", {}, 1e-5, True, {}, contacts={"contact": summary})
     assert whole.content()["contacts"]["contact"]["film"] == (film if film > ATOM else 0.0)
 

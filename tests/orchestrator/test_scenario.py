@@ -304,7 +304,11 @@ def test_connections_and_keys_leave(tmp_path: Path) -> None:
         ),
         ('without = "components.contact"', "must be a list"),
         ('without = ["components.contact.parameters.mass.more"]', "no 'components.contact.parameters"),
-        ("components.camshft.parameters.lift = 1", "camshft.component: missing; did you mean camshaft?"),
+        ("components.camshft.parameters.lift = 1", "toml:2: components.camshft.component: missing"),
+        (
+            "\n[components.camshft.parameters]\nlift = 1",
+            "toml:3: components.camshft.component: missing; did you mean components.camshaft?",
+        ),
         ("tolerance.contact.load = 1e-3", 'must be a number, without a unit; write "contact.load" = 0.001'),
     ],
 )

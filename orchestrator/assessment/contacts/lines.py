@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from models.contact.records import ATOM
 
+from ...scenario.units import format_time
 from .contact_summary import RESOLVED, ContactSummaries, ContactSummary, Excursion
 
 # Of each group of the film formula: what lies below and above its range, and what the group is.
@@ -31,12 +32,9 @@ SHOWN = 4
 FED, ROLLING = 1.0 / 3.0, 1e-4
 
 
-def lines(summaries: ContactSummaries, source: str, fixed_steps: bool) -> list[str]:
-    """Contacts, of many those with the thinnest films, then warnings of all.
-
-    `source` says where the extremes are from. With `fixed_steps` landings that macro steps do not resolve are
-    warned of; step control resolves them.
-    """
+def lines(summaries: ContactSummaries, fixed_steps: bool) -> list[str]:
+    """Contacts, of many those with the thinnest films, then warnings of all. With `fixed_steps` landings that
+    macro steps do not resolve are warned of; step control resolves them."""
     names = (
         sorted(summaries, key=lambda name: summaries[name].film)[:SHOWN]
         if len(summaries) > SHOWN
@@ -45,53 +43,67 @@ def lines(summaries: ContactSummaries, source: str, fixed_steps: bool) -> list[s
     lines = [f"{name}: {text}" for name in names for text in _write_lines(summaries[name])]
     if len(summaries) > SHOWN:
         lines.append(f"{len(summaries) - SHOWN} more contacts with thicker films: see summary.json")
-    if summaries:
-        longest = max(summary.longest_step for summary in summaries.values())
-        lines.append(f"extremes of contacts are those of {source}, {longest:.3g} s apart at most")
     for name, summary in summaries.items():
         lines += [f"{name}: {text}" for text in _warnings(name, summary, fixed_steps)]
     return lines
 
 
+def list_details(summaries: ContactSummaries, source: str) -> list[str]:
+    """What few ask first: values and ranges of the groups of film formulas, and where extremes are from."""
+    details = [
+        f"{name}: outside the ranges of the film formula (Kushwaha 2000, Table 3) the film is an estimate, "
+        f"{OFF}; film ratio and friction follow it, load and pressure hardly. Outside by "
+        + "; ".join(_write_excursion(group, one) for group, one in summary.ranges.items())
+        for name, summary in summaries.items()
+        if summary.ranges
+    ]
+    if not summaries:
+        return details
+    longest = format_time(max(summary.longest_step for summary in summaries.values()))
+    return [*details, f"extremes of contacts are those of {source}, {longest} apart at most"]
+
+
 def _write_lines(summary: ContactSummary) -> Iterator[str]:
     def at(key: str) -> str:
-        time = f"at t = {summary.times()[key]:.6g} s"
         shaft = summary.angle_of.removesuffix("_angle")
-        return f"{time} ({shaft} {summary.angles[key]:.1f} deg)" if key in summary.angles else time
+        known = key in summary.angles
+        return f"{shaft} {summary.angles[key]:.1f} deg" if known else f"t = {summary.times()[key]:.6g} s"
 
-    text = f"load {summary.least_load:.4g} to {summary.largest_load:.4g} N, the largest {at('largest_load')}"
-    text += f"; highest pressure {1e-6 * summary.pressure:.4g} MPa {at('pressure')}"
+    text = "" if summary.separation else "kept; "
+    text += f"load {summary.least_load:.4g} to {summary.largest_load:.4g} N at {at('largest_load')}"
+    text += f"; highest pressure {1e-6 * summary.pressure:.4g} MPa at {at('pressure')}"
     text += " (spikes at a reversal grow with the nodes)" if summary.solved else ""
     if summary.film > 0.0:
         least = f"least film {1e6 * summary.film:.3g} µm" if summary.film >= ATOM else "no film"
-        text += f"; {least} {at('film')}, "
+        text += f"; {least} at {at('film')}, "
         which = "least ratio of the central film to roughness" if summary.solved else "least film ratio"
-        shared = "" if summary.solved else " under the fluid's share of the load"
-        text += f"{which} {summary.film_ratio:.2g}{shared}" if summary.film_ratio > 0.0 else "smooth surfaces"
-    yield text if summary.separation else f"{text}; contact kept"
+        text += f"{which} {summary.film_ratio:.2g}" if summary.film_ratio > 0.0 else "smooth surfaces"
+    yield text
     if s := summary.separation:
         plural = "s" * (s.count > 1)
         text = (
             f"no contact in {100.0 * summary.lost:.2g} % of the time, {s.count} separation{plural}, the "
-            f"longest {1e3 * s.longest:.3g} ms from {at('separation').removeprefix('at ')}"
+            f"longest {1e3 * s.longest:.3g} ms from {at('separation')}"
         )
-        yield text + (f"; largest gap {1e6 * s.gap:.3g} µm {at('gap')}" if s.gap > 0.0 else "")
+        yield text + (f"; largest gap {1e6 * s.gap:.3g} µm at {at('gap')}" if s.gap > 0.0 else "")
     if i := summary.impact:
         speed = f" with {i.speed:.3g} m/s" if i.speed > 0.0 else ""
-        yield f"hardest impact {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"
+        yield f"hardest impact at {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"
     if excursions := summary.ranges:
-        yield (
-            "outside the ranges of the film formula (Kushwaha 2000, Table 3) the film is an estimate, "
-            f"{OFF}; film ratio and friction follow it, load and pressure hardly. Outside by "
-        ) + "; ".join(_write_excursion(group, one) for group, one in excursions.items())
+        causes = (f"{_name_causes(group, one)} {_percent(one.share)} %" for group, one in excursions.items())
+        yield f"its film is an estimate (see the report): {', '.join(causes)} of the time under load"
 
 
 def _write_excursion(group: str, one: Excursion) -> str:
-    below, above, words = GROUPS[group]
-    causes = [below] * (one.least < one.low) + [above] * (one.most > one.high)
     extremes = f"{one.least:.2g} to {one.most:.2g}, range {one.low:g} to {one.high:g}"
-    cause = " or ".join(causes) or "no entrainment"
+    cause, words = _name_causes(group, one), GROUPS[group][-1]
     return f"{cause} {_percent(one.share)} % of the time under load ({words}: {extremes})"
+
+
+def _name_causes(group: str, one: Excursion) -> str:
+    below, above, _ = GROUPS[group]
+    causes = [below] * (one.least < one.low) + [above] * (one.most > one.high)
+    return " or ".join(causes) or "no entrainment"
 
 
 def _warnings(name: str, summary: ContactSummary, fixed_steps: bool) -> Iterator[str]:

@@ -30,7 +30,7 @@ from ...plots.style import save_figure
 from ...report.answer import Answer
 from ...reporter import Reporter
 from ...scenario import Scenario, build_scenario
-from ...scenario.display import format_number
+from ...scenario.display import format_number, say, show, show_unit
 from ...scenario.files import put_parameters, to_full_toml
 from ...scenario.system import build_system, list_parameters, list_quantities
 from ...scenario.values import Value
@@ -252,12 +252,20 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     at = f"{scenario.name} at {RPM * dataset.attrs['speed']:.0f} r/min"
     title = f"{at}: change in % for 1 % more of a parameter; ~ where it is uncertain by more than 5 %"
     heads = (str(name).rpartition(".")[2].replace("_", " ") for name in main["figure"].values)
-    shown = Table(Column("parameter", no_wrap=True), *heads, title=title, title_justify="left", padding=0)
+    columns = Column("parameter", no_wrap=True), "its value"
+    shown = Table(*columns, *heads, title=title, title_justify="left", padding=0)
+    units = (
+        show_unit(one.unit, one.display_unit) for one in (results[str(n)] for n in main["figure"].values)
+    )
+    own = [say(float(value), unit) for value, unit in zip(main["value"].values, units, strict=True)]
+    shown.add_row("value of the figure", "", *own, end_section=True)
+    values = _say_parameters(dataset, scenario)
     # The error of differences is a third of what both steps differ by, that of tangents what both sides do.
     differing = main["error"].values * (3.0 if dataset.attrs["method"] == "differences" else 1.0)
     for k in order:
         cells = zip(main["elasticity"].values[:, k], differing[:, k], strict=True)
-        shown.add_row(str(main["parameter"].values[k]), *(_cell(one, error) for one, error in cells))
+        name = str(main["parameter"].values[k])
+        shown.add_row(name, values[name], *(_cell(one, error) for one, error in cells))
     answer = Answer(f"{at}: sensitivities", reporter)
     answer.table(shown)
     for text in remark_outside(build_system(scenario)):
@@ -267,8 +275,19 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     frame.insert(0, "value", dataset["value"].values)
     frame.insert(1, "unit", [results[name].unit for name in dataset["figure"].values])
     frame.to_csv(out / TABLE)
-    save_figure(lambda: draw_tornado(main.isel(parameter=order), at), out / FIGURE)
+    drawn = main.isel(parameter=order).assign_coords(
+        shown=("figure", own), size=("parameter", [values[str(main["parameter"].values[k])] for k in order])
+    )
+    save_figure(lambda: draw_tornado(drawn, at), out / FIGURE)
     answer.write(out, PAGE, (TABLE, FIGURE))
+
+
+def _say_parameters(dataset: xarray.Dataset, scenario: Scenario) -> dict[str, str]:
+    """By parameter its value in the scenario, with its unit."""
+    values, quantities = list_parameters(scenario), list_quantities(scenario)
+    said = {SPEED: f"{RPM * dataset.attrs['speed']:.4g} r/min"}
+    names = [str(name) for name in dataset["parameter"].values if name != SPEED]
+    return said | {name: say(values[name], show(quantities[name])) for name in names}
 
 
 def _cell(elasticity: float, differing: float) -> str:
