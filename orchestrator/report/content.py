@@ -23,6 +23,8 @@ from .sketch import Sketch
 ROWS = 24_000
 # Characters of packed numbers in a page; and of every row of long runs, besides.
 ROOM, DETAIL_ROOM = 3_400_000, 5_600_000
+# The rank of variables that nothing asks for.
+REST = (True,) * 5
 # Plots at first.
 PANELS = 4
 # What sets steps, shown in a colour of its own; report.css has as many.
@@ -64,6 +66,7 @@ def _pack_groups(
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], int]:
     """Time bases, variables while there is room, and how many had none."""
     bases: list[dict[str, Any]] = []
+    rank: Mapping[str, bool] = {}
     variables: list[dict[str, Any]] = []
     room, left_out = ROOM, 0
     for name, group in records.groups.items():
@@ -76,9 +79,12 @@ def _pack_groups(
             reference = None
         names = [n for n in group.names if n != "time"]
         if name == "coupled":
-            names = rank_variables(names, scenario, sketches, summary)
+            rank = rank_variables(names, scenario, sketches, summary)
+            names = list(rank)
         for variable in names:
             packed = base.pack(group, variable, reference)
+            if name == "coupled":
+                packed["main"] = rank[variable]
             size = sum(len(text) for text in packed["data"].values())
             if size > room:
                 left_out += 1
@@ -90,9 +96,9 @@ def _pack_groups(
 
 def rank_variables(
     names: Sequence[str], scenario: Scenario | None, sketches: Sequence[Sketch], summary: Mapping[str, Any]
-) -> list[str]:
+) -> dict[str, bool]:
     """Variables that the sketches move by first, then those with an error, those that roles promise (lifts,
-    loads, films), and the rest."""
+    loads, films), and the rest. True for all but the rest."""
     moving = set().union(*(sketch.variables for sketch in sketches)) if sketches else set()
     compared = set(summary.get("errors", {})) | set(scenario.tolerance if scenario else ())
     promised = {
@@ -102,7 +108,7 @@ def rank_variables(
         for variable in role.promised
     }
 
-    def rank(name: str) -> tuple[bool, bool, bool, bool, bool]:
+    def rank(name: str) -> tuple[bool, ...]:
         return (
             not is_angle(name),
             name not in moving,
@@ -111,7 +117,7 @@ def rank_variables(
             not name.endswith((".load", ".film_thickness")),
         )
 
-    return sorted(names, key=rank)
+    return {name: rank(name) < REST for name in sorted(names, key=rank)}
 
 
 def _pack_profiles(group: Group) -> dict[str, Any]:

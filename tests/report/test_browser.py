@@ -126,6 +126,19 @@ def test_zoom_move_and_instant_go_through_all_plots(browser, result):
         assert page.evaluate("report.view.shown") == pytest.approx([0.0, 360.0], rel=1e-5)
 
 
+def test_what_few_ask_for_is_behind_the_rest_in_lists_of_variables(browser, result):
+    with opened(browser, Path(result.folder, "report.html")) as page:
+        groups = page.evaluate(
+            "Object.fromEntries([...document.querySelector('.panel select').children].map((one) =>"
+            " [one.label, [...one.children].map((each) => each.value)]))"
+        )
+        labels = list(groups)
+        first = [label for label in labels if ", more" not in label and label != "steps"]
+        assert max(map(labels.index, first)) < min(i for i, label in enumerate(labels) if ", more" in label)
+        assert "contact.load" in groups["contact"]
+        assert "contact.speed_in_range" in groups["contact, more"]
+
+
 def test_keys_play_and_step(browser, result):
     with opened(browser, Path(result.folder, "report.html")) as page:
         page.keyboard.press("ArrowRight")

@@ -100,7 +100,7 @@ def test_a_page_without_room_for_all_keeps_what_roles_promise() -> None:
     """The lift of the valve before every flag and every force on a pivot."""
     scenario = load("pushrod-train")
     system = build_system(scenario)
-    ranked = rank_variables(list(system.outputs.names), scenario, [], {})
+    ranked = list(rank_variables(list(system.outputs.names), scenario, [], {}))
     promised = [
         "valve_spring.valve_lift",
         "valve_spring.position",

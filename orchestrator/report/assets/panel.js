@@ -114,10 +114,12 @@ class Panel {
   }
 }
 
+// What is asked for first by part; what else a part has comes behind all of these.
 function fillChoice(select, variables, chosen) {
   const groups = new Map();
   for (const [key, v] of variables) {
-    const dot = v.name.indexOf("."), group = v.group !== "coupled" ? v.group : dot > 0 ? v.name.slice(0, dot) : "";
+    const dot = v.name.indexOf("."), more = v.main === false ? ", more" : "";
+    const group = v.group !== "coupled" ? v.group : dot > 0 ? v.name.slice(0, dot) + more : "";
     if (!groups.has(group)) {
       const made = document.createElement("optgroup"); made.label = group || "variables";
       groups.set(group, made); select.append(made);

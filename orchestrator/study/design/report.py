@@ -16,7 +16,8 @@ from models.valve_train.worn_cam import PLACES
 from ...assessment.figures_of_merit import measure
 from ...assessment.motion import Motion
 from ...report.answer import Answer
-from ...scenario.display import format_number, show
+from ...scenario.display import add_unit, format_number, show, show_unit
+from ...scenario.system import list_quantities
 from ..wear.report import describe_place
 from .figures import AREA, Objective
 from .limits import find_sizes
@@ -141,14 +142,23 @@ def tabulate(
         sizes=json.dumps(sizes),
         shape=json.dumps(list(describe_shape(lobe, *own, [one["largest_nose_radius"] for one in sizes]))),
         shaft=train.subject.flywheel,
-        parameters=json.dumps(
-            {name: [own, train.values(unknowns)[name]] for name, own in train.given.items()}
-        ),
+        parameters=json.dumps(dict(_show_parameters(train, train.values(unknowns)))),
         objective=wanted.objective.name,
         cam_speed=top,
         top_speed=top / train.ratio,
         version=metadata.version("tribocosim"),
     )
+
+
+def _show_parameters(
+    train: DesignedTrain, designed: Mapping[str, float]
+) -> Iterator[tuple[str, tuple[float, float]]]:
+    """Each that varied with its unit, before and after."""
+    quantities = list_quantities(train.scenario)
+    for name, own in train.given.items():
+        wire = train.wires.get(name)
+        shown = show_unit(wire.unit, "mm" * (wire.unit == "m")) if wire else show(quantities[name])
+        yield add_unit(name, shown), (shown.factor * own, shown.factor * designed[name])
 
 
 def _over_angle(train: DesignedTrain, motion: Motion, name: str) -> Vector:

@@ -184,6 +184,7 @@ def design(
             before = Check(separation, {speed: cycles[speed] for speed in speeds})
         for file in held:
             file.unlink()
+        reporter.line(_introduce(wanted, train.subject.flywheel))
         area = float(np.trapezoid(train.lobe.own.s - train.lobe.ramps.s, train.lobe.angles))
         top = max((*wanted.speeds, *wanted.kept)) * train.ratio
         search = Search(
@@ -226,6 +227,13 @@ def design(
         answer.line(text)
     answer.write(out, PAGE, (FIGURE, SCENARIO, LIFTS, TABLE, f"{CAM}/"))
     return table
+
+
+def _introduce(wanted: Wanted, shaft: str) -> str:
+    """Which speeds the lines of the search name, and at which limits hold."""
+    at = ", ".join(f"{RPM * speed:.0f}" for speed in wanted.speeds)
+    kept = f"; contact is to be kept up to {RPM * wanted.kept[0]:.0f}" if wanted.kept else ""
+    return f"speeds are those of {shaft} in r/min: limits hold at {at}{kept}"
 
 
 def tabulate_best(search: Search, before: Check, found: Found, seen: Mapping[float, Seen]) -> xarray.Dataset:

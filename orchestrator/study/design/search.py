@@ -153,7 +153,9 @@ class Search:
         show_share(0.0, ", the first cam")
         seen = self.look(start)
         found = self.judge(start, seen)
-        self.tell(f"start: {describe(found, self.wanted.objective)}")
+        self.tell(f"start, the scenario's cam as splines: {describe(found, self.wanted.objective)}")
+        if found.beyond:
+            self.tell("it breaks limits itself: the first rounds look for a cam that keeps them all")
         best(found, seen)
         model, box = self.model(start, seen), BOX
         own = model.objective.gradient[self.train.lobe.count :]

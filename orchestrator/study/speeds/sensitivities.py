@@ -25,7 +25,7 @@ from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 from ...analyses import Parameter, Result
 from ...assessment.friction.losses import remark_outside
 from ...errors import MistakeError, Option, RunError, one_of
-from ...plots.sensitivities import draw_tornado
+from ...plots.sensitivities import LEAST, draw_tornado
 from ...plots.style import save_figure
 from ...report.answer import Answer
 from ...reporter import Reporter
@@ -60,8 +60,6 @@ PAGE, CYCLES = "sensitivities.html", "cycles.zarr"
 TABLE, FIGURE = "sensitivities.csv", "sensitivities.png"
 # A difference of more than this of itself between both steps, or both sides, is told.
 DOUBTFUL = 0.05
-# An elasticity below this is none.
-LEAST = 1e-3
 # Rows of the table that is printed, and the figures that are its columns.
 SHOWN = 12
 MAIN = (
@@ -294,4 +292,4 @@ def _cell(elasticity: float, differing: float) -> str:
     if not math.isfinite(elasticity):
         return "–"
     doubtful = differing > DOUBTFUL * max(abs(elasticity), LEAST)
-    return f"{'~' if doubtful else ''}{format_number(elasticity, 3)}"
+    return f"{'~' if doubtful else ''}{format_number(elasticity, 3) if abs(elasticity) >= LEAST else 0}"
