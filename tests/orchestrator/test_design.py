@@ -292,7 +292,7 @@ class Parting(Search):
         return Found(x, 1.0 + 1e-3 * float(x[0]), {}, 1.0)
 
     def model(self, *others: Any) -> Any:
-        return SimpleNamespace(lines=[])
+        return SimpleNamespace(lines=[], objective=SimpleNamespace(gradient=np.zeros(1)))
 
     def solve(self, model: Any, start: Vector, box: float, starts: int) -> Any:
         return SimpleNamespace(unknowns=start + box, active=[])
@@ -306,8 +306,8 @@ def test_a_cycle_that_fails_between_speeds_makes_the_step_smaller_and_ends_no_se
             raise ModelError("no step succeeds")
         return speed
 
-    lobe = SimpleNamespace(angles=np.zeros(1))
-    train: Any = SimpleNamespace(lobe=lobe, simulate=simulate, begin_with=lambda *_: None)
+    lobe, ready = SimpleNamespace(angles=np.zeros(1), count=1), {"begin_with": lambda *_: None}
+    train: Any = SimpleNamespace(lobe=lobe, simulate=simulate, parameters=(), **ready)
     wanted: Any = SimpleNamespace(speeds=[], objective=Objective())
     told: list[str] = []
     search = Parting(train, wanted, np.empty((0, 2)), 100.0, 1.0, told.append)
