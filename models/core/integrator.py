@@ -59,6 +59,13 @@ def copy(target: Any, source: Any) -> None:
 
 
 @kernel
+def copy_rows(target: Any, source: Any) -> None:
+    """target = source, for tables of one shape."""
+    for i in range(target.shape[0]):
+        copy(target[i], source[i])
+
+
+@kernel
 def taylor(U: Any, s: float, u: Any) -> None:
     """u = U[0] + U[1] s + U[2] s^2/2 + U[3] s^3/6."""
     for i in range(u.shape[0]):

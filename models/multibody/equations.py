@@ -4,6 +4,7 @@ from functools import cache
 from typing import Any
 
 from ..compile.kernel import kernel
+from ..core.integrator import copy
 from ..core.quantities import Vector
 from .constraints import Curve, constrain, find_cam_angle, follow_cam, lift_end
 from .loads import load_field, load_spring, lubricate, press, push
@@ -165,7 +166,8 @@ def make_matrix(lift: Any) -> Any:
     ) -> None:  # fmt: skip
         moved, base, other, place, place_rate = scratch[0], scratch[1], scratch[2], scratch[3], scratch[4]
         residual(t, y, dy, tables, e, moved, base)
-        place[:], place_rate[:] = y, dy
+        copy(place, y)
+        copy(place_rate, dy)
         multipliers = 12 * tables.mass.shape[0] + e.film_rate.shape[0]
         # From the last on: the multipliers change nothing that is evaluated.
         for j in range(y.shape[0] - 1, -1, -1):

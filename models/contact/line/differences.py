@@ -12,6 +12,7 @@ step only to first order, and those of inner stages are no better than these sta
 from typing import Any
 
 from ...compile.kernel import kernel
+from ...core.integrator import copy
 
 # Four give rates of third order, which a method of second order does not spoil.
 INSTANTS = 4
@@ -24,7 +25,7 @@ NEAR = 0.01
 def restart(table: Any, ages: Any, values: Any) -> None:
     """Only the `values` at the last instant are known: rates are 0 until `follow` has been called."""
     table[:] = 0.0
-    table[0] = values
+    copy(table[0], values)
     ages[:] = 0.0
 
 

@@ -6,7 +6,7 @@ Outputs have their rates from `differences` of what is seen at the ends of micro
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from ...compile.kernel import kernel
+from ...compile.kernel import kernel, shaped
 from ...core.quantities import Layout, Quantity
 from ..asperities import dry_separation, pressure_scale
 from ..fluid import build_lubricant
@@ -157,7 +157,7 @@ def observe(x: Any, u: Any, p: Any, bodies: Bodies, laws: HeatLaws, w: Workspace
 @kernel
 def history_table(x: Any) -> Any:
     """Divided differences, a row for each order."""
-    return x.history.reshape((INSTANTS, FOLLOWED + x.oil_volume.shape[0]))
+    return shaped(x.history, (INSTANTS, FOLLOWED + x.oil_volume.shape[0]))
 
 
 @kernel

@@ -10,7 +10,7 @@ import math
 from typing import Any
 
 from ...compile.kernel import kernel
-from ...core.integrator import copy
+from ...core.integrator import copy, copy_rows
 from ..asperities import find_separation, pressure_under, real_area_share
 from ..fluid import Lubricant
 from ..friction import boundary_friction
@@ -145,7 +145,7 @@ def solve_film(
     for i in range(heat.flat.shape[0]):
         finite = finite and math.isfinite(heat.flat[i])
     if not finite:
-        heat.rise[:] = heat.start
+        copy_rows(heat.rise, heat.start)
     return FilmSolution(approach, math.inf, iterations)
 
 
@@ -158,7 +158,7 @@ def begin_heat(
         if keeps_oil(drive):
             find_filled(p, filling, w.nodes)
         copy(w.heat.pressure_base, p)
-        w.heat.start[:] = w.heat.rise
+        copy_rows(w.heat.start, w.heat.rise)
         w.nodes.drift_p[:] = 0.0
         shear_film(w.X, scale, p, h, drive.sliding, fluid, laws, w.heat, w.nodes)
 
@@ -167,7 +167,7 @@ def begin_heat(
 def base_heat(scale: float, mass: Any, laws: HeatLaws, w: Workspace) -> None:
     """The base of a stage that begins with the step: the heat at its start, with the oil there."""
     if is_heated(laws):
-        w.heat.rise[:] = w.heat.start
+        copy_rows(w.heat.rise, w.heat.start)
         store(w.X, scale, mass, w.heat.start, 1.0, laws, w.heat.base)
 
 
@@ -193,7 +193,7 @@ def base_heat_after(
     """The base of the last stage of a step of that `interval` (s), after one at that part of it."""
     share = (1.0 - part) / part
     if is_heated(laws):
-        w.heat.middle[:] = w.heat.rise
+        copy_rows(w.heat.middle, w.heat.rise)
         copy(w.heat.stress_middle, w.heat.stress)
         store(w.X, scale, mass, w.heat.middle, share, laws, w.heat.base)
         drain_heat((1.0 - part) * interval, laws, w)

@@ -14,6 +14,7 @@ largest element near the diagonal of 1. All is kept by columns, so that what is 
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel, shaped
+from ...core.integrator import copy
 from ..elimination import add_rows, invert
 
 # Bands reach two nodes to each side.
@@ -235,7 +236,7 @@ def solve_below(h: Hierarchy, level: int, x: Any, columns: int) -> None:
         for j in range(columns):
             found[:] = 0.0
             add_rows(found, x[j, low:high], h.leaf[part], 0, 0)
-            x[j, low:high] = found
+            copy(x[j, low:high], found)
     for above in range(levels - 1, level - 1, -1):
         parents = 2**above
         U, V = h.left[above], h.right[above]

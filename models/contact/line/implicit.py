@@ -10,7 +10,7 @@ from typing import Any
 
 from ...compile.kernel import borrow, kernel, record_of, shaped
 from ...core.implicit import ImplicitSteps
-from ...core.integrator import NOT_CONVERGED, OK, copy
+from ...core.integrator import NOT_CONVERGED, OK, copy, copy_rows
 from ..fluid import build_lubricant
 from .cavities import fill_partly
 from .field_state import begin_state, build_bodies, observe, read_drives
@@ -44,7 +44,7 @@ def take_heat(x: Any, before: Any, w: Workspace) -> None:
     n = w.X.shape[0]
     copy(w.heat.flat, x.temperature)
     copy(w.heat.pressure_base, before[_HOT : _HOT + n])
-    w.heat.base[:] = shaped(before[_HOT + n :], w.heat.base.shape)
+    copy_rows(w.heat.base, shaped(before[_HOT + n :], w.heat.base.shape))
     x.film_rise, x.surface_rise = before[_FILM_RISE], before[_SURFACE_RISE]
 
 

@@ -17,6 +17,7 @@ import math
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
+from ...core.integrator import copy
 from ..flight import linear as linear_flight
 from ..flight import pendulum as pendulum_flight
 from ..flight.bouncing import (
@@ -113,7 +114,7 @@ def make_follow_tangents(next_event: Any, carry: Any, kick: Any) -> Any:
         for _ in range(cycles):
             code = -1
             while code != END:
-                start[:] = position
+                copy(start, position)
                 code = next_event(flow, walls, position, last, 1.0, scratch)
                 if start[SIDE] == FREE:
                     carry(flow, start, position, v, scratch)

@@ -7,6 +7,7 @@ import numpy as np
 
 from models.compile.array_pointers import integers, numbers, table
 from models.compile.compiled import compiled
+from models.core.integrator import copy
 
 from ...participants.compiled import take
 from ...participants.compiled_calls import FINE
@@ -79,7 +80,7 @@ def replay(memory: Any, summaries: Any, times: Any, rows: Any) -> None:
     """`accumulate` recorded rows (records x SEEN) of one contact."""
     seen = table(memory[0].seen)
     for k in range(len(times)):
-        seen[0, :] = rows[k]
+        copy(seen[0], rows[k])
         accumulate(memory, summaries, times[k])
 
 
