@@ -4,7 +4,9 @@ Most kernels are called by kernels only. The machine code and the entry for Pyth
 each of them take a third of the time of compilation.
 """
 
-from collections.abc import Callable
+import contextlib
+import gc
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from numba.core import dispatcher, registry, sigutils
@@ -14,6 +16,21 @@ from .kernel_cache import KernelCache, Link, LinkedKernelCache, finalize, keep_a
 
 # numba's, whose types say little.
 normalized: Any = sigutils.normalize_signature
+
+# Objects after which Python looks for garbage in circles while numba compiles: it makes millions, nearly all
+# of them kept. Python's own 700 take a twelfth of the time.
+COLLECTED = 50_000
+
+
+@contextlib.contextmanager
+def _rare_collections() -> Iterator[None]:
+    """Look for garbage after COLLECTED objects at the earliest; not at all where that is chosen (0)."""
+    youngest, *older = before = gc.get_threshold()
+    gc.set_threshold(max(youngest, COLLECTED) if youngest else 0, *older)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
 
 
 class _Compiler(dispatcher._FunctionCompiler):
@@ -71,7 +88,7 @@ class KernelDispatcher(registry.CPUDispatcher):
 
     def compile(self, sig: Any) -> Any:
         """As numba does; code for callers has no entry for Python."""
-        with global_compiler_lock:
+        with global_compiler_lock, _rare_collections():
             args = tuple(normalized(sig)[0])
             for_python = self._compiler is not self._link_compiler
             if for_python and args in self.overloads and _is_linked(self.overloads[args]):
