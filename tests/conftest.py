@@ -1,5 +1,6 @@
 """Settings of all tests, and fixtures of all: numbers for manuals, kernels in plain Python."""
 
+import os
 import signal
 
 from hypothesis import settings
@@ -15,6 +16,9 @@ __all__ = ["plain_kernels", "published", "record", "shared_folder"]
 # depends on the tests that ran before in the same process.
 settings.register_profile("compiling", deadline=None)
 settings.load_profile("compiling")
+
+# numba makes an error for each type that an operator does not take, whose colours nobody sees.
+os.environ["NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING"] = "1"
 
 # In the background of a shell, and then in all that tests start, Ctrl-C is ignored unless it is asked for.
 signal.signal(signal.SIGINT, signal.default_int_handler)

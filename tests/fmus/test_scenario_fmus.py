@@ -10,10 +10,10 @@ from models.core.composite import compose, with_values
 from models.core.errors import ModelError
 from models.core.evaluation import Interpreted
 from models.core.system import Instance
+from models.monolithic.reference import solve
 from orchestrator.scenario.system import assemble, resolve_start
 
 TRAIN = "finger-follower-hla"
-OUTPUTS = ["valve_spring.position", "cam_contact.load", "cam_contact.film_thickness"]
 
 STEPPED = """
 import sys
@@ -25,9 +25,13 @@ report([slave.get({outputs!r}), ours])
 """
 
 
+def system_of(scenario):
+    checked = scenario.check()
+    return resolve_start(checked, assemble(checked).system)
+
+
 def compose_shipped(name: str, outside: tuple[str, ...] = ()):
-    scenario = tribocosim.load(name).check()
-    system = resolve_start(scenario, assemble(scenario).system)
+    system = system_of(tribocosim.load(name))
     lines = [(str(c.source), str(c.target)) for c in system.connections]
     kept = {part: instance for part, instance in system.instances.items() if part not in outside}
     return system, compose("train", "", kept, lines)
@@ -104,20 +108,28 @@ def test_the_instance_s_values_are_defaults():
     assert falling_mass().parameters.start[made.parameters.index("mass")] != 3.0
 
 
-@pytest.mark.parametrize("native", [False, pytest.param(True, marks=pytest.mark.long)])
-def test_a_whole_train_moves_as_the_reference(native, tmp_path, isolated):
-    """In a process without this repository: at 4 ms as the monolithic reference, to 1e-6.
+@pytest.mark.parametrize(
+    ("train", "contact", "stop", "native"),
+    [
+        ("valve-train", "contact", 0.03, False),
+        *(
+            pytest.param(TRAIN, "cam_contact", 4e-3, native, marks=pytest.mark.long)
+            for native in (False, True)
+        ),
+    ],
+)
+def test_a_whole_train_moves_as_the_reference(train, contact, stop, native, tmp_path, isolated):
+    """In a process without this repository: as the monolithic reference, to 1e-6, on the flank of the cam.
 
     Its integrator has a relative tolerance of 1e-9 per step, over some hundred steps."""
-    scenario = tribocosim.load(TRAIN).with_(stop_time="4 ms")
+    scenario = tribocosim.load(train).with_(stop_time=stop)
     (path,) = tribocosim.build_scenario_fmus(scenario, tmp_path, whole=True, native=native)
-    assert path.name == f"finger_follower_hla{'-native' if native else ''}.fmu"
-    size = 2e-5
-    values, ours = isolated(STEPPED.format(fmu=str(path), steps=200, size=size, outputs=OUTPUTS))
+    assert path.name == f"{train.replace('-', '_')}{'-native' if native else ''}.fmu"
+    outputs = ["valve_spring.position", f"{contact}.load", f"{contact}.film_thickness"]
+    values, ours = isolated(STEPPED.format(fmu=str(path), steps=200, size=stop / 200, outputs=outputs))
     assert ours == []
-    reference = tribocosim.run(scenario).reference
-    assert reference is not None
-    for name, value in zip(OUTPUTS, values, strict=True):
+    reference = solve(system_of(scenario), np.linspace(0.0, stop, 201))
+    for name, value in zip(outputs, values, strict=True):
         assert value == pytest.approx(float(reference[name][-1]), rel=1e-6, abs=1e-12)
 
 
@@ -146,9 +158,10 @@ def test_components_have_any_name(names, tmp_path, isolated):
     whole = tribocosim.build_scenario_fmus(scenario, tmp_path / "whole", whole=True)
     parts = tribocosim.build_scenario_fmus(scenario, tmp_path)
     assert len({path.name for path in parts}) == len(names)
-    for path in (*whole, *parts):
+    made = (*whole, *parts)
+    for path in made:
         assert not tribocosim.validate_fmu(path), tribocosim.validate_fmu(path)
-        isolated(STEPPED.format(fmu=str(path), steps=2, size=1e-3, outputs=[]))
+    isolated("".join(STEPPED.format(fmu=str(path), steps=2, size=1e-3, outputs=[]) for path in made))
 
 
 def test_a_component_has_the_scenario_s_values_as_defaults(tmp_path):

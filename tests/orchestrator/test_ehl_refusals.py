@@ -146,6 +146,7 @@ def test_extremes_that_exist_are_allowed(setting):
     assert name in system.instances["contact"].parameters
 
 
+@pytest.mark.plain
 @pytest.mark.parametrize("roughness", [0.2e-6, 20e-6])
 def test_the_film_ratio_before_the_first_step_is_that_of_the_film_shown(roughness):
     component = ehl_line_contact(nodes=51)

@@ -73,6 +73,7 @@ def test_of_a_traceback_the_error_and_its_first_explanation_are_told() -> None:
 def test_what_the_compiler_says_is_one_line_without_colours(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its error and the first line of the explanation, not the last line of all."""
     monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.delenv("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING")
     with pytest.raises(TranslationError) as raised:
         translate("ehl_line_contact", {"nodes": 51})
     said = str(raised.value)
