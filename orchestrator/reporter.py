@@ -178,6 +178,9 @@ class Reporter:
         self.times[self._stage] -= seconds
 
 
-def follow(show: Show) -> Reporter:
-    """A reporter that prints nothing; what its stages do is shown by `show`."""
-    return Reporter(Console(quiet=True), tell=lambda stage, share: show(share, f", {stage}"))
+def follow(show: Show, words: str = "", at: float | None = None) -> Reporter:
+    """A reporter that prints nothing; what its stages do is shown by `show`, behind the `words`, with their own
+    share, or as `at` one."""
+    return Reporter(
+        Console(quiet=True), tell=lambda stage, share: show(share if at is None else at, f"{words}, {stage}")
+    )

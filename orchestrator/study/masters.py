@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from ..errors import MistakeError, RunError, in_command_line
 from ..masters import MASTERS, find_master
 from ..plots.style import create_subplots, save_figure
 from ..report.answer import Answer
-from ..reporter import Bar, Reporter, follow
+from ..reporter import Reporter, follow
 from ..run.pipeline import run
 from ..scenario import Scenario
 from ..scenario.display import SYMBOLS
@@ -76,8 +75,7 @@ def compare_masters(
                     step = factor * scenario.macro_step
                     done = len(tried) / (len(names) * len(longer))
                     said = f", {name} at {format_time(step)}"
-                    silent = follow(partial(_show_master, bar, done, said))
-                    tried.append(_try(vary, name, step, build, silent))
+                    tried.append(_try(vary, name, step, build, follow(bar.show, said, done)))
         if all(one.message for one in tried):
             raise RunError(f"no master runs {scenario.name}; {tried[-1].master}: {tried[-1].message}")
         for file in held:
@@ -93,11 +91,6 @@ def compare_masters(
         answer.line(f"left out: {', '.join(left)}, which repeat steps; an FMU cannot restore its state")
     answer.write(folder, f"{NAME}.html", (f"{NAME}.csv", f"{NAME}.png"))
     return tried
-
-
-def _show_master(bar: Bar, done: float, said: str, share: float, stage: str = "", /) -> None:
-    """What its run does; `share` is that of one of its stages."""
-    bar.show(done, said + stage)
 
 
 def _try(
