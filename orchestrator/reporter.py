@@ -179,8 +179,8 @@ class Reporter:
 
 
 def follow(show: Show, words: str = "", at: float | None = None) -> Reporter:
-    """A reporter that prints nothing; what its stages do is shown by `show`, behind the `words`, with their own
-    share, or as `at` one."""
+    """A reporter that prints nothing: `show` gets what its stages do, behind the `words`, with their share or
+    `at` a share."""
     return Reporter(
         Console(quiet=True), tell=lambda stage, share: show(share if at is None else at, f"{words}, {stage}")
     )
