@@ -73,7 +73,7 @@ class Result:
 
     @property
     def notices(self) -> list[str]:
-        """What the command prints of the scenario, the contacts, the steps and the FMUs, and details of these."""
+        """What the command prints of scenario, contacts, steps and FMUs, and details of these, line by line."""
         return list(self.summary.get("notices", []))
 
     @property
