@@ -73,7 +73,7 @@ class Result:
 
     @property
     def notices(self) -> list[str]:
-        """What the command prints of scenario, contacts, steps and FMUs, and details of these, line by line."""
+        """What the command prints of scenario, contacts, steps and FMUs, and details, line by line."""
         return list(self.summary.get("notices", []))
 
     @property
