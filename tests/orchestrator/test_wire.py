@@ -101,6 +101,11 @@ def test_what_follows_from_the_wire_is_not_given_beside_it(tmp_path: Path) -> No
         read_spring(tmp_path, more="[components.spring.parameters]\nspring_rate = 3e4\n")
 
 
+def test_a_wire_by_set_gives_what_an_extending_file_gives(tmp_path: Path) -> None:
+    spring = load("coil-clash", [f"components.spring.wire.{k} = {v}" for k, v in WIRE.items()]).components
+    assert spring["spring"].parameters == read_spring(tmp_path)[0].parameters
+
+
 def test_stress_and_safety_of_a_motion_are_those_of_its_forces() -> None:
     """Goodman: 1/n = amplitude/S_e + mean/S_su, here of 100 to 300 MPa."""
     wire = {"wire_stress": 1e6, "wire_amplitude": 400e6, "wire_strength": 1000e6}
