@@ -48,16 +48,17 @@ class Rows:
 
 @dataclass(frozen=True)
 class CycleTangents:
-    """`change` is the largest of a state over the period; `multipliers` are Floquet's, eigenvalues of Phi."""
+    """`change` is the largest of a state over the period; `multipliers` are Floquet's, eigenvalues of Phi;
+    `start` is by how much the first state changes (states, directions)."""
 
     system: System
     period: float
     change: float
     multipliers: Vector
     directions: Sequence[Direction]
+    start: Vector
     _slopes: Slopes = field(repr=False)
     _flow: Flow = field(repr=False)
-    _start: Vector = field(repr=False)
 
     @property
     def begin(self) -> float:
@@ -86,7 +87,7 @@ class CycleTangents:
         periods = np.array([one.period for one in self.directions]) / self.period
         later: dict[float, Vector] = {}
         for event in self._flow.events:
-            shift = self._start.T @ event.later[:n] + event.later[n:]
+            shift = self.start.T @ event.later[:n] + event.later[n:]
             later |= {event.t - event.near: shift, event.t + event.near: shift}
         inputs, outputs = np.empty((times.size, s.inputs.size)), np.empty((times.size, s.outputs.size))
         times_by = np.empty((d, times.size))
@@ -95,7 +96,7 @@ class CycleTangents:
         for i, tangents in enumerate(self._tangents_at(times)):
             t, x = float(times[i]), states[i]
             rate = self._slopes.rates(times[i : i + 1], x[None])
-            moved = np.vstack([(tangents[:, :n] @ self._start + tangents[:, n:]).T, rate])
+            moved = np.vstack([(tangents[:, :n] @ self.start + tangents[:, n:]).T, rate])
             _, by_input, by_output = self._slopes.along(t, x, np.ascontiguousarray(moved), steps)
             inputs[i], outputs[i] = self._slopes.evaluation.u, self._slopes.evaluation.y
             times_by[:, i] = later.get(t, t * periods)
@@ -160,7 +161,7 @@ def differentiate_cycle(
     begin = np.zeros((n, len(directions)))
     begin[free] = moved[:, :-1]
     multipliers = np.linalg.eigvals(turned)
-    return CycleTangents(system, period, change, multipliers, directions, slopes, flow, begin)
+    return CycleTangents(system, period, change, multipliers, directions, begin, slopes, flow)
 
 
 def _show_turn(progress: Progress, left: float, share: float) -> None:
@@ -177,7 +178,7 @@ def differentiate_part(
     with threadpool_limits(limits=1, user_api="blas"):
         flow = Variation(slopes, coarse).move(start, duration, begin)
     still = np.zeros((start.size, len(directions)))
-    return CycleTangents(system, duration, math.nan, np.empty(0), directions, slopes, flow, still)
+    return CycleTangents(system, duration, math.nan, np.empty(0), directions, still, slopes, flow)
 
 
 def _find_slopes(system: System, directions: Sequence[Direction]) -> Slopes:
@@ -190,7 +191,7 @@ def _find_slopes(system: System, directions: Sequence[Direction]) -> Slopes:
 def close_period(opening: Vector, right: Vector) -> Vector:
     """Changes of the start that close the cycle. States that nothing moves, as those of a rigid shaft, keep
     their start; of motions that nothing ends, what is not moved is the smallest."""
-    moves = np.any(np.abs(opening) > NEUTRAL, axis=1) | np.any(right != 0.0, axis=1)
+    moves = np.any(np.abs(opening) > NEUTRAL, axis=1)
     found = np.zeros_like(right)
     found[moves] = np.linalg.lstsq(opening[np.ix_(moves, moves)], right[moves], rcond=NEUTRAL)[0]
     return found

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..compile.array_pointers import numbers
 from ..compile.kernel import kernel
 from ..core.evaluation import Evaluation
 from ..core.quantities import Vector
@@ -48,34 +49,65 @@ class Slopes:
         self._outputs = len(outputs)
         self._torn = np.array([s.outputs.index(port) for port in s.torn], dtype=np.int64)
         self._room = np.zeros(s.inputs.size), np.zeros(s.outputs.size), np.zeros(s.state.size)
+        self._rates = make_rates(self.evaluation.flat_outputs, self.evaluation.flat_derivative)
 
     def rates(self, times: Vector, states: Vector) -> Vector:
         """At k instants, (k, n)."""
-        derivative = self.evaluation.derivative
-        return np.array([derivative(float(t), x).copy() for t, x in zip(times, states, strict=True)])
+        e, states, found, row = self.evaluation, np.ascontiguousarray(states), np.empty(states.shape), 0
+        while (row := self._rates(row, times, states, e.memory.record, found)) < times.size:
+            found[row] = e.derivative(float(times[row]), states[row])
+            row += 1
+        return found
 
     def at(self, times: Vector, states: Vector) -> Vector:
         """Slopes of the rates at k instants, (k, n, directions)."""
         n, m = self.system.state.size, self.count
         starts = np.vstack([np.eye(n), np.zeros((m - n, n))])
         steps = np.vstack([np.zeros((n, self.system.p.size)), self.steps])
-        found = np.empty((times.size, m, n))
-        for row in range(times.size):
-            found[row] = self.along(float(times[row]), states[row], starts, steps)[0]
-        return found.transpose(0, 2, 1)
+        return self._fill(times, states, starts, steps)[0].transpose(0, 2, 1)
 
     def along(self, t: float, x: Vector, starts: Vector, steps: Vector) -> tuple[Vector, Vector, Vector]:
-        s, e, m = self.system, self.evaluation, starts.shape[0]
-        x = np.ascontiguousarray(x)
-        e.derivative(t, x)
-        rates, inputs, outputs = (np.empty((m, part.size)) for part in (s.state, s.inputs, s.outputs))
+        """Of rates, inputs and outputs (directions, ...) where the state and the parameters so change."""
+        rates, inputs, outputs = self._fill(np.array([t]), x[None], starts, steps)
+        return rates[0], inputs[0], outputs[0]
+
+    def _fill(
+        self, times: Vector, states: Vector, starts: Vector, steps: Vector
+    ) -> tuple[Vector, Vector, Vector]:
+        s, k, m = self.system, times.size, starts.shape[0]
+        states = np.ascontiguousarray(states)
+        rates, inputs, outputs = (np.empty((k, m, part.size)) for part in (s.state, s.inputs, s.outputs))
+        u, y = self.evaluation.along(times, states)
         calls = self._addresses, self._bounds, self._outputs
         wires = s.source_index, s.target_index, self._torn
-        if not fill(t, x, e.u, s.p, e.y, starts, steps, calls, wires, self._room, rates, inputs, outputs):
-            raise ModelError(
-                f"algebraic loop through {s.loops()}: its derivative is not found at t = {t:g} s"
-            )
+        for row in range(k):
+            filled = fill(
+                times[row], states[row], u[row], s.p, y[row], starts, steps, calls, wires, self._room,
+                rates[row], inputs[row], outputs[row],
+            )  # fmt: skip
+            if not filled:
+                raise ModelError(
+                    f"algebraic loop through {s.loops()}: its derivative is not found at t = {times[row]:g} s"
+                )
         return rates, inputs, outputs
+
+
+def make_rates(outputs: Any, derivative: Any) -> Any:
+    """rates(first, times, states, memory, found): of the rows from `first`; the row with algebraic loops that
+    are left open, or the number of rows."""
+
+    @kernel
+    def rates(first: int, times: Any, states: Any, memory: Any, found: Any) -> int:
+        dx = numbers(memory[0].dx)
+        for k in range(first, times.shape[0]):
+            if not outputs(times[k], states[k], memory):
+                return k
+            derivative(times[k], states[k], memory)
+            for i in range(dx.shape[0]):
+                found[k, i] = dx[i]
+        return times.shape[0]
+
+    return rates
 
 
 @kernel
@@ -129,11 +161,24 @@ def fill(  # noqa: PLR0913  # a kernel
 def call(  # noqa: PLR0913  # a kernel
     address: int, t: float, x: Any, dx: Any, u: Any, du: Any, p: Any, dp: Any, y: Any, dy: Any, b: Any
 ) -> None:
+    """What nothing that it depends on changes does not change."""
+    if rests(dx, b[0], b[1]) and rests(du, b[2], b[3]) and rests(dp, b[4], b[5]):
+        for i in range(b[6], b[7]):
+            dy[i] = 0.0
+        return
     places = (
         place(x, b[0]), place(dx, b[0]), place(u, b[2]), place(du, b[2]), place(p, b[4]), place(dp, b[4]),
         place(y, b[6]), place(dy, b[6]),
     )  # fmt: skip
     call_tangent(address, t, places)
+
+
+@kernel
+def rests(change: Any, start: int, end: int) -> bool:
+    found = True
+    for i in range(start, end):
+        found = found and change[i] == 0.0
+    return found
 
 
 @kernel

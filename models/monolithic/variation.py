@@ -243,8 +243,8 @@ class Variation:
         turned = np.tensordot(c.coefficients, rates, 1)
         return Step(stages.t, h, stages.x, stages.coefficients, tangents, turned), solved[-1], slopes
 
-    def _signs(self, t: float, x: Vector) -> Vector:
-        return np.asarray(self._slopes.evaluation.outputs(t, x)[self._indicators])
+    def _signs(self, times: Vector, states: Vector) -> Vector:
+        return np.asarray(self._slopes.evaluation.along(times, states)[1][:, self._indicators])
 
     def _find_event(self, stages: _Stages, instant: float) -> tuple[float, int]:
         """The first instant in a step at which an indicator changes its sign, and which; infinite if none."""
@@ -254,13 +254,14 @@ class Variation:
         gaps = zip([first, *ends[:-1]], ends, strict=True)
         inside = [a + part * (b - a) for a, b in gaps for part in INSIDE]
         times = np.sort([first, *inside, *ends])
-        values = np.array([self._signs(t, x) for t, x in zip(times, step.states_at(times), strict=True)])
+        values = self._signs(times, step.states_at(times))
         found = math.inf, 0
         for k in range(values.shape[1]):
             for i in np.flatnonzero(values[:-1, k] * values[1:, k] < 0.0)[:1]:
 
                 def value(t: float, k: int = k) -> float:
-                    return float(self._signs(t, step.states_at(np.array([t]))[0])[k])
+                    at = np.array([t])
+                    return float(self._signs(at, step.states_at(at))[0, k])
 
                 at = float(brentq(value, times[i], times[i + 1], xtol=0.1 * instant))
                 found = min(found, (at, k))

@@ -13,16 +13,20 @@ import scipy
 
 import tribocosim
 from orchestrator.errors import MistakeError, RunError
+from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import load, read_changed
+from orchestrator.scenario.system import list_parameters
+from orchestrator.study.calibration import models
 from orchestrator.study.calibration.fit import Fit, fit, half_width, profile
 from orchestrator.study.calibration.measured import Experiment, Measured, Signal
-from orchestrator.study.calibration.models import Prediction, count_samples
+from orchestrator.study.calibration.models import Prediction, count_samples, make_model
 from orchestrator.study.calibration.objective import Objective
 from orchestrator.study.calibration.parameters import Fitted, choose, list_starts
 from orchestrator.study.calibration.predictions import Predictions
 from orchestrator.study.calibration.run import _fit_from
 from orchestrator.study.calibration.signals import eliminate
 from orchestrator.study.speeds import subject as speeds
+from tribocosim.cached_fmus import build_fmu
 from tribocosim.reporting import SilentReporter
 
 from ..third_party.c_fmus import fmu
@@ -50,6 +54,9 @@ class Formula:
         found = self.function(experiment.positions, *values.values())
         rows = np.array([np.broadcast_to(found[name], TIMES.shape) for name in self.units])
         return Prediction(rows[: self.signals], rows, np.zeros(0))
+
+    def differentiate(self, values: Mapping[str, float], experiment: Experiment, start: Any) -> Prediction:
+        raise RunError("a formula has no tangents")
 
 
 def objective_of(
@@ -284,6 +291,30 @@ def test_the_command_fits_a_spring_to_a_train_and_leaves_what_it_found(monkeypat
     assert load(out / "calibrated.toml").components["valve_spring"].parameters["spring_rate"] == float(fitted)
     assert (out / "calibration.png").stat().st_size > 10_000
     assert "N/mm" in done.stdout
+
+
+def test_tangents_of_a_signal_are_the_limit_of_differences(monkeypatch):
+    """Of a steady cycle: central differences are off by the square of their share, and extrapolated to none
+    they are the tangents to 1e-6 of the largest."""
+    monkeypatch.setattr(models, "CYCLE_TOLERANCE", 1e-12)
+    monkeypatch.setattr(models, "STEADY", 1e-11)
+    models._build_finder.cache_clear()
+    name, at = "valve_spring.surge_frequency", np.radians(np.arange(0.0, 360.0, 4.0))
+    experiment = Experiment(2000.0 * math.pi / 30.0, "cam_angle", at, np.zeros((1, at.size)))
+    measured = Measured((Signal("force", "valve_spring.spring_force"),), (experiment,))
+    scenario = build_scenario(read_changed("valve-train", ["components.contact.parameters.film_model=dry"]))
+    value, model = list_parameters(scenario)[name], make_model(scenario, measured, [name], build_fmu)
+    start = model.predict({name: value}, experiment, None).state
+    exact = value * model.differentiate({name: value}, experiment, start).signals[0, :, 0]
+
+    def difference(share):
+        sides = (value * (1.0 + side) for side in (share, -share))
+        up, down = (model.predict({name: side}, experiment, start).signals[0] for side in sides)
+        return (up - down) / (2.0 * share)
+
+    far, near = difference(5e-4), difference(2.5e-4)
+    assert exact == pytest.approx((4.0 * near - far) / 3.0, abs=1e-6 * np.abs(exact).max())
+    assert np.linalg.norm(far - exact) == pytest.approx(4.0 * np.linalg.norm(near - exact), rel=0.01)
 
 
 @pytest.mark.parametrize(

@@ -66,10 +66,10 @@ def fit(objective: Objective, start: Vector) -> Fit:
         if np.allclose(objective.noises, before, rtol=SETTLED, atol=0.0):
             break
     # Corrections of derivatives would part what acts alike.
-    jacobian, residual = objective.jacobian_with(x, objective.differences), objective.residual(x)
+    jacobian, residual = objective.jacobian_found(x), objective.residual(x)
     if is_doubtful(jacobian):
         objective.centre(x)
-        jacobian = objective.jacobian_with(x, objective.differences)
+        jacobian = objective.jacobian_found(x)
     return Fit(x, invert(jacobian), float(residual @ residual), jacobian, find_unseen(objective, x, jacobian))
 
 

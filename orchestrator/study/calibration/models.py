@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any, Literal
 
 import numpy as np
 import scipy
@@ -15,6 +16,8 @@ from models.core.evaluation import Evaluation
 from models.core.quantities import Vector
 from models.core.system import ModelError, System
 from models.monolithic.cvode import Cvode
+from models.monolithic.cycle import Cycle
+from models.monolithic.cycle_tangents import Direction, differentiate_cycle
 from models.monolithic.march import march
 from models.monolithic.problem import SystemProblem
 from models.monolithic.reference import observe, stiffness
@@ -39,12 +42,18 @@ from .measured import TIME, Experiment, Measured
 # Of a cycle: of the solver, and of the change of a state, which is far below the noise of a sensor.
 CYCLE_TOLERANCE, STEADY = 1e-10, 1e-5
 USABLE = 1e-3
+# Errors of steps of tangents, over those that analyses take.
+COARSE = 1e3
 # Of a transient: near the solver's sharpest, since parameters are varied by 1e-3.
 TRANSIENT_TOLERANCE = 1e-10
 # Samples of a cycle where the data's positions have no common grid, and a grid's fit.
 SAMPLES, ON_GRID = 7200, 1e-6
 # Positions at which outputs are kept that were not measured.
 FEW = 60
+
+
+# What a model is asked for: its method.
+Task = Literal["predict", "differentiate"]
 
 
 @dataclass(frozen=True)
@@ -61,6 +70,12 @@ class Prediction:
 def failed(message: str) -> Prediction:
     none = np.zeros((0, 0))
     return Prediction(none, none, np.zeros(0), message)
+
+
+def combine(rule: Callable[..., Any], *predictions: Prediction) -> Prediction:
+    """Each of its parts by a rule from those of others."""
+    names = "signals", "others", "state"
+    return Prediction(*(rule(*(getattr(one, name) for one in predictions)) for name in names))
 
 
 @dataclass(frozen=True)
@@ -94,12 +109,19 @@ class Model(ABC):
     ) -> Prediction:
         """With these parameters "component.parameter"; `start` is the state of a neighbour."""
 
+    def differentiate(
+        self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
+    ) -> Prediction:
+        """The derivatives of the prediction, with one more axis: that of the `values`. ModelError where only
+        differences give them."""
+        raise ModelError("only steady cycles have tangents")
+
     def select(self, rows: Vector, names: Sequence[str], state: Vector) -> Prediction:
-        """Of outputs `rows` (positions, outputs) called `names`."""
+        """Of outputs `rows` (positions, outputs, ...) called `names`."""
         place = {name: i for i, name in enumerate(names)}
-        signals = rows[:, [place[name] for name in self.variables]].T
+        signals = rows[:, [place[name] for name in self.variables]].swapaxes(0, 1)
         few = np.unique(np.linspace(0, len(rows) - 1, FEW).round().astype(int))
-        others = rows[few][:, [place[name] for name in self.outputs]].T
+        others = rows[few][:, [place[name] for name in self.outputs]].swapaxes(0, 1)
         return Prediction(np.ascontiguousarray(signals), np.ascontiguousarray(others), state)
 
 
@@ -112,19 +134,39 @@ class CycleModel(Model):
     def predict(
         self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
     ) -> Prediction:
-        assert experiment.speed is not None
-        finder = _build_finder(self.toml, self.flywheel)
-        shares = find_shares(finder, experiment)
-        samples = count_samples(shares)
-        cycle = finder.find(values, experiment.speed, start, samples)
-        if cycle.change > USABLE:
-            return failed(f"no steady cycle: a state changes by {cycle.change:.2g} of itself over it")
+        shares, cycle = self._find_cycle(values, experiment, start)
+        samples = cycle.times.size - 1
         at = shares * samples
         if np.max(np.abs(at - np.round(at))) <= ON_GRID * samples:
             rows = cycle.outputs[np.round(at).astype(int)]
         else:
             rows = scipy.interpolate.CubicSpline(np.linspace(0.0, 1.0, samples + 1), cycle.outputs)(shares)
         return self.select(rows, cycle.system.outputs.names, cycle.end)
+
+    def differentiate(
+        self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
+    ) -> Prediction:
+        shares, cycle = self._find_cycle(values, experiment, start)
+        period, turning = float(cycle.times[-1]), [f"{self.flywheel}.angle"]
+        # Of each as a whole, as errors of tangents are bounded by their sizes.
+        sizes = np.array([abs(value) or 1.0 for value in values.values()])
+        directions = [Direction({name: size}) for name, size in zip(values, sizes, strict=True)]
+        tangents = differentiate_cycle(cycle.system, period, turning, directions, cycle.end, STEADY, COARSE)
+        every, places = np.unique(shares, return_inverse=True)
+        rows = tangents.rows_at(every * period).outputs_by[:, places].transpose(1, 2, 0)
+        return self.select(rows / sizes, cycle.system.outputs.names, tangents.start / sizes)
+
+    def _find_cycle(
+        self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
+    ) -> tuple[Vector, Cycle]:
+        """Where the positions are in the cycle, and the cycle; ModelError if it is not steady."""
+        assert experiment.speed is not None
+        finder = _build_finder(self.toml, self.flywheel)
+        shares = find_shares(finder, experiment)
+        cycle = finder.find(values, experiment.speed, start, count_samples(shares))
+        if cycle.change > USABLE:
+            raise ModelError(f"no steady cycle: a state changes by {cycle.change:.2g} of itself over it")
+        return shares, cycle
 
 
 @lru_cache(maxsize=1)
@@ -232,12 +274,12 @@ def make_model(scenario: Scenario, measured: Measured, parameters: Sequence[str]
     return TransientModel(toml, variables, build)
 
 
-def predict(
-    model: Model, values: Mapping[str, float], experiment: Experiment, start: Vector | None
+def evaluate(
+    model: Model, task: Task, values: Mapping[str, float], experiment: Experiment, start: Vector | None
 ) -> Prediction:
     """A failure of the model, as that of a speed without cycle, is a prediction with its message."""
     try:
-        found = model.predict(values, experiment, start)
+        found: Prediction = getattr(model, task)(values, experiment, start)
     except (ModelError, RunError, MistakeError, ArithmeticError, np.linalg.LinAlgError) as error:
         return failed(format_message(error))
     return found if np.isfinite(found.signals).all() else failed("outputs are not finite")

@@ -1,9 +1,11 @@
-"""What least squares need: residuals over the noise, and their derivatives by differences of predictions.
+"""What least squares need: residuals over the noise, and their derivatives.
 
-A derivative is corrected by Broyden's rule after a step that it predicted well, and found anew after others.
+These are the tangents of steady cycles, or differences of predictions where a model has no tangents. A
+derivative is corrected by Broyden's rule after a step that it predicted well, and found anew after others.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +15,7 @@ from ...errors import RunError
 from ...reporter import Reporter, show_share
 from ...scenario.display import format_number
 from .measured import Measured
-from .models import Prediction
+from .models import Prediction, combine
 from .parameters import Fitted
 from .predictions import Predictions, Request
 from .signals import Eliminated, eliminate_all
@@ -42,13 +44,9 @@ class Objective:
         self._x: Vector | None = None
         self._differenced: Vector | None = None
         self._slopes: list[Vector] = []
-        # Of the last states of cycles (states, parameters), where a cycle beside begins.
-        self._state_slopes: list[Vector] = []
-        # As they were found by differences, without corrections.
-        self.differences: list[Vector] = []
-        # All outputs (outputs, some positions) and their derivatives by the parameters, of each experiment.
-        self.other_values: list[Vector] = []
-        self.other_slopes: list[Vector] = []
+        # As they were found, without corrections: of signals, all outputs and last states, (..., parameters).
+        self.derivatives: list[Prediction] = []
+        self._exact, self._rounds = False, 0
 
     def values(self, x: Vector) -> dict[str, float]:
         return {one.name: float(one.size * part) for one, part in zip(self.parameters, x, strict=True)}
@@ -72,8 +70,8 @@ class Objective:
             step = x - np.frombuffer(near)
             for k, one in enumerate(self._held[near]):
                 starts[k] = one.state if one.state.size else None
-                if one.state.size and self._state_slopes:
-                    moved = one.state + self._state_slopes[k] @ step
+                if one.state.size and self.derivatives:
+                    moved = one.state + self.derivatives[k].state @ step
                     # Films stay positive.
                     starts[k] = np.where(moved * one.state > 0.0, moved, one.state)
         return [Request(k, values, starts[k]) for k in range(count)]
@@ -106,19 +104,28 @@ class Objective:
         """Of the residual at x by these derivatives of the signals."""
         return np.concatenate([one.jacobian for one in self.eliminate(x, slopes)])
 
+    def jacobian_found(self, x: Vector) -> Vector:
+        """Of the residual at x by `derivatives`."""
+        return self.jacobian_with(x, [one.signals for one in self.derivatives])
+
+    @property
+    def made(self) -> int:
+        """Predictions that were made for it."""
+        return self._predictions.made
+
     @property
     def outputs(self) -> Sequence[str]:
-        """The rows of `other_values` and `other_slopes`."""
+        """The rows of `Prediction.others`."""
         return self._predictions.model.outputs
 
     def is_fresh(self, x: Vector, deviations: Vector) -> bool:
-        """Whether the derivatives were found by differences so near to x that they hold there."""
+        """Whether the derivatives were found so near to x that they hold there."""
         moved = np.abs(x - self._differenced) if self._differenced is not None else np.full(x.size, np.inf)
         near = np.minimum(0.3 * np.nan_to_num(deviations), FRESH * np.abs(x))
         return bool(np.all(moved <= np.maximum(SHARE * np.abs(x), near)))
 
     def refresh(self) -> None:
-        """Have the next derivatives found by differences."""
+        """Have the next derivatives found anew."""
         self._x = None
 
     def find_slopes(self, x: Vector) -> list[Vector]:
@@ -127,9 +134,8 @@ class Objective:
         if self._x is not None and np.array_equal(x, self._x):
             return self._slopes
         if self._x is None or not self._correct(x, now):
-            self.differences, self.other_slopes = self._difference(x)
-            self._slopes = self.differences
-            self.other_values = [one.others for one in self.predict(x)]
+            self.derivatives = self._differentiate(x)
+            self._slopes = [one.signals for one in self.derivatives]
             self._differenced = x.copy()
         self._x = x.copy()
         return self._slopes
@@ -155,13 +161,27 @@ class Objective:
         return float(np.sqrt(sum(np.sum((part / weights) ** 2) for part in parts)))
 
     def centre(self, x: Vector) -> None:
-        """Have `differences` and those of the other outputs be of both sides."""
-        sides = [self._difference(x, side) for side in (1.0, -1.0)]
-        self.differences, self.other_slopes = (
-            [0.5 * (up + down) for up, down in zip(*pair, strict=True)] for pair in zip(*sides, strict=True)
-        )
+        """Have `derivatives` by differences be of both sides."""
+        if self._exact:
+            return
+        up, down = (self._difference(x, side) for side in (1.0, -1.0))
+        pairs = zip(up, down, strict=True)
+        self.derivatives = [combine(lambda a, b: 0.5 * (a + b), *pair) for pair in pairs]
 
-    def _difference(self, x: Vector, side: float = 1.0) -> tuple[list[Vector], list[Vector]]:
+    def _differentiate(self, x: Vector) -> list[Prediction]:
+        """By tangents, or where these are not known by differences of one side."""
+        self._rounds += 1
+        self._reporter.line(f"round {self._rounds}: residuals: {self.describe(x)}")
+        requests = [replace(one, task="differentiate") for one in self._list_requests(x, x.tobytes())]
+        found = self._make(f"tangents of {len(requests)} cycles", requests)
+        why = next((one.message for one in found if one.message), "")
+        self._exact = not why
+        if why:
+            return self._difference(x)
+        sizes = np.array([one.size for one in self.parameters])
+        return [combine(lambda part: part * sizes, one) for one in found]
+
+    def _difference(self, x: Vector, side: float = 1.0) -> list[Prediction]:
         base = self.predict(x)
         columns = []
         steps = {k: side * self._choose_step(k, x) for k in range(x.size)}
@@ -173,14 +193,12 @@ class Objective:
                 name = self.parameters[k].name
                 raise RunError(f"{name}: no derivative beside {self.values(x)[name]:g}: {message}")
             columns.append(found)
-        slopes, others, states = list[Vector](), list[Vector](), list[Vector]()
-        for e, there in enumerate(base):
-            beside = [(found[e], step) for found, step in zip(columns, steps.values(), strict=True)]
-            for name, into in (("state", states), ("signals", slopes), ("others", others)):
-                here = getattr(there, name)
-                into.append(np.stack([(getattr(one, name) - here) / step for one, step in beside], axis=-1))
-        self._state_slopes = states
-        return slopes, others
+
+        def divide(here: Vector, *beside: Vector) -> Vector:
+            pairs = zip(beside, steps.values(), strict=True)
+            return np.stack([(there - here) / step for there, step in pairs], axis=-1)
+
+        return [combine(divide, here, *(found[e] for found in columns)) for e, here in enumerate(base)]
 
     def _choose_step(self, k: int, x: Vector) -> float:
         """Away from the nearer bound."""
@@ -195,11 +213,12 @@ class Objective:
             moved = x.copy()
             moved[k] += step
             requests += self._list_requests(moved, x.tobytes())
-        self._reporter.line(f"residuals over noise: {self.describe(x)}")
-        said = f", derivatives by {len(requests)} predictions"
-        found = self._predictions.make(requests, lambda share: show_share(share, said))
+        found = self._make(f"differences of {len(requests)} predictions", requests)
         count = len(self.measured.experiments)
         return [found[i * count : (i + 1) * count] for i in range(len(steps))]
+
+    def _make(self, what: str, requests: Sequence[Request]) -> list[Prediction]:
+        return self._predictions.make(requests, lambda share: show_share(share, f", {what}"))
 
     def estimate_noises(self, x: Vector) -> list[float]:
         """Given ones, and those that the residuals have, less the unknowns' share of freedom."""
@@ -228,6 +247,9 @@ class Objective:
         return float(total)
 
     def describe(self, x: Vector) -> str:
-        """How far the signals are from the data, over the noise."""
-        pairs = zip(self.measured.signals, self.eliminate(x), strict=True)
-        return ", ".join(f"{signal.column} {format_number(one.size, 3)}" for signal, one in pairs)
+        """How far the signals are from the data (root mean square)."""
+        rows = zip(self.measured.signals, self.noises, self.eliminate(x), strict=True)
+        return ", ".join(
+            f"{signal.column} {format_number(noise * one.size, 3)} {self.units[signal.variable]}"
+            for signal, noise, one in rows
+        )

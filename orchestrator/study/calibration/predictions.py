@@ -16,18 +16,19 @@ from models.core.quantities import Vector
 from ..execution import Call
 from ..source import compute_fingerprint
 from .measured import Experiment
-from .models import Model, Prediction, failed, predict
+from .models import Model, Prediction, Task, evaluate, failed
 
 FILE = "predictions.sqlite"
 
 
 @dataclass(frozen=True)
 class Request:
-    """The number of an experiment, the values of the parameters, and a neighbour's state."""
+    """The number of an experiment, the values of the parameters, a neighbour's state, and what is asked."""
 
     experiment: int
     values: tuple[tuple[str, float], ...]
     start: Vector | None = None
+    task: Task = "predict"
 
 
 class Predictions:
@@ -53,8 +54,8 @@ class Predictions:
         waiting = [i for i in range(len(requests)) if i not in found]
         for i, prediction in self._evaluate(requests, waiting):
             found[i] = prediction
-            self.made += 1
             if not prediction.message:
+                self.made += 1
                 self._write(requests[i], prediction)
             show(len(found) / len(requests))
         return [found[i] for i in range(len(requests))]
@@ -64,15 +65,15 @@ class Predictions:
     ) -> Iterator[tuple[int, Prediction]]:
         def arguments(i: int) -> tuple[Any, ...]:
             one = requests[i]
-            return self.model, dict(one.values), self._experiments[one.experiment], one.start
+            return self.model, one.task, dict(one.values), self._experiments[one.experiment], one.start
 
         if self._client is None or len(which) < 2:
             for i in which:
-                yield i, predict(*arguments(i))
+                yield i, evaluate(*arguments(i))
             return
         from distributed import as_completed
 
-        calls = {i: pickle.dumps(Call(predict, arguments(i))) for i in which}
+        calls = {i: pickle.dumps(Call(evaluate, arguments(i))) for i in which}
         futures = {self._client.submit(pickle.loads, call, pure=False): i for i, call in calls.items()}
         try:
             for future in as_completed(list(futures)):
@@ -83,7 +84,7 @@ class Predictions:
 
     def _key(self, request: Request) -> str:
         digest = self._about.copy()
-        digest.update(repr((request.experiment, request.values)).encode())
+        digest.update(repr((request.task, request.experiment, request.values)).encode())
         return digest.hexdigest()
 
     def _read(self, request: Request) -> Prediction | None:

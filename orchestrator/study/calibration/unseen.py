@@ -93,7 +93,7 @@ def find_unseen(objective: "Objective", x: Vector, jacobian: Vector) -> list[Uns
         found.append(Unseen(shares, deviation, _name_seen(held), {}))
     if not found:
         return found
-    remedies = _find_remedies(objective, jacobian * sizes, sizes)
+    remedies = _find_remedies(objective, x, jacobian * sizes, sizes)
     return [replace(one, remedies=remedies) for one in found]
 
 
@@ -117,7 +117,7 @@ def _name_seen(held: "Sequence[tuple[Fitted, float, float]]") -> str:
     return next(fits, "")
 
 
-def _find_remedies(objective: "Objective", scaled: Vector, sizes: Vector) -> dict[str, float]:
+def _find_remedies(objective: "Objective", x: Vector, scaled: Vector, sizes: Vector) -> dict[str, float]:
     """The outputs whose measurement would raise the least singular value most, with what it leaves."""
     measured = {signal.variable for signal in objective.measured.signals}
     normal = scaled.T @ scaled
@@ -125,8 +125,8 @@ def _find_remedies(objective: "Objective", scaled: Vector, sizes: Vector) -> dic
     for i, name in enumerate(objective.outputs):
         if name in measured:
             continue
-        largest = max((float(np.max(np.abs(one[i]))) for one in objective.other_values), default=0.0)
-        slopes = [slope[i] for slope in objective.other_slopes]
+        largest = max((float(np.max(np.abs(one.others[i]))) for one in objective.predict(x)), default=0.0)
+        slopes = [one.others[i] for one in objective.derivatives]
         if largest == 0.0 or not all(np.isfinite(slope).all() for slope in slopes):
             continue
         more = sum(_count_rows(objective, e) * (s.T @ s) / len(s) for e, s in enumerate(slopes))
