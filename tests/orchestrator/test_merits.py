@@ -4,6 +4,7 @@ import csv
 import math
 from collections import defaultdict
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -156,6 +157,12 @@ def test_a_film_below_an_atom_is_none(film, said):
     assert said in lines({"contact": summary}, True)[0]
     whole = Summary("", "", "", {}, 1e-5, True, {}, contacts={"contact": summary})
     assert whole.content()["contacts"]["contact"]["film"] == (film if film > ATOM else 0.0)
+    # The first steps of a run that was ended say nothing of its contacts.
+    tells = [
+        replace(whole, complete=complete, macro_steps=n).tell()
+        for complete, n in ((False, 499), (False, 500), (True, 9))
+    ]
+    assert list(map(bool, tells)) == [False, True, True]
 
 
 def measure_over(cycle: Cycle, angle: np.ndarray) -> dict[str, float]:
