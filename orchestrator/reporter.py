@@ -137,7 +137,8 @@ class Reporter:
     def stage(self, text: str, stop_time: float = 1.0) -> Iterator[Bar]:
         """A stage of the command with its bar; without a terminal lines, at its start and while it lasts."""
         live, self._stage = self.console.is_terminal, text
-        columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn()
+        times = TimeElapsedColumn(), TextColumn("passed,"), TimeRemainingColumn(), TextColumn("left")
+        columns = TextColumn("{task.description}"), BarColumn(), *times
         progress = Progress(*columns, console=self.console, transient=True, disable=not live)
         if not live:
             self.line(text)

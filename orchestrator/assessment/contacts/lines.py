@@ -91,7 +91,7 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         yield f"hardest impact at {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"
     if excursions := summary.ranges:
         causes = (f"{_name_causes(group, one)} {_percent(one.share)} %" for group, one in excursions.items())
-        yield f"its film is an estimate (see the report): {', '.join(causes)} of the time under load"
+        yield f"its film is an estimate: {', '.join(causes)} of the time under load; ranges are in the report"
 
 
 def _write_excursion(group: str, one: Excursion) -> str:
