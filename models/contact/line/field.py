@@ -108,6 +108,8 @@ def make_field_advance(component: Component) -> Any:
             begin_state(state, given, parameters, laws, w)
             remember(state, 0.0, seen)
         s, micro, before = 0.0, h, math.inf
+        for known in state.micro_step:
+            micro = min(h, known) if known > 0.0 else h
         copy(pressure, state.pressure)
         copy(film, state.film)
         copy(slope, state.slope)
@@ -117,6 +119,7 @@ def make_field_advance(component: Component) -> Any:
             last = s + micro >= h
             length = h - s if last else min(micro, 0.5 * (h - s))
             copy(w.filling[:filled], state.filling)
+            copy(w.heat.slope, state.temperature_slope)
             taylor(U, s, u)
             at_start = read_drives(given, parameters, state.rigid_approach, filled)
             taylor(U, s + 0.5 * length, u)
@@ -158,7 +161,7 @@ def make_field_advance(component: Component) -> Any:
                 copy(state.pressure, pressure)
                 copy(state.film, film)
                 copy(state.filling, w.filling[:filled])
-                keep_heat(state, length, w)
+                keep_heat(state, 0.0 if jumped_over else length, w)
                 observe(state, given, parameters, bodies, laws, w)
                 if sampled:
                     sample(length if jumped_over else GAMMA * length, t, s + length, x, U, u, p, work)
@@ -179,6 +182,7 @@ def make_field_advance(component: Component) -> Any:
                 return NOT_CONVERGED
             micro = length * (max(0.2, _SAFETY * result.error**_POWER) if result.error < 1e300 else 0.5)
         copy(state.slope, slope)
+        state.micro_step[:] = micro
         return OK
 
     return advance

@@ -65,6 +65,8 @@ def field_layout(nodes: int, filled: int, layers: int = 0) -> Layout:
         )
         filling: Any = number.each("oil over what fills the gap, over the nodes", "filled", 1.0)
         temperature: Any = rise.each("rise over nodes and rows", "temperature")
+        temperature_slope: Any = rise_rate.each("rate of the rises in the last step", "temperature")
+        micro_step: Any = time.each("length that the next micro-step may have; 0: any", "heated")
         film_rise: float = rise("largest in the film")
         film_rise_rate: float = rise_rate("its rate")
         surface_rise: float = rise("largest of the surfaces")
@@ -81,6 +83,7 @@ def field_layout(nodes: int, filled: int, layers: int = 0) -> Layout:
         "filled": filled,
         "kept": kept,
         "temperature": nodes * int(rows_of(layers)),
+        "heated": min(layers, 1),
         "history": INSTANTS * (FOLLOWED + kept),
         "ages": INSTANTS - 1,
     }
@@ -195,6 +198,8 @@ def clear(dx: Any) -> None:
     dx.filling[:] = 0.0
     dx.oil_volume[:] = 0.0
     dx.temperature[:] = 0.0
+    dx.temperature_slope[:] = 0.0
+    dx.micro_step[:] = 0.0
     dx.film_rise, dx.film_rise_rate, dx.surface_rise, dx.surface_rise_rate = 0.0, 0.0, 0.0, 0.0
     dx.history[:] = 0.0
     dx.ages[:] = 0.0

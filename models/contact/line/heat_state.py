@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...compile.kernel import kernel
-from ...core.integrator import copy
 from ...core.quantities import Quantity
 from ..mixed_lubrication import build_traction
 from ..records import HEAT_CAPACITY, OIL_CONDUCTIVITY, TEMPERATURE_VISCOSITY, HeatParameters
@@ -68,8 +67,11 @@ def laws_of(layers: int) -> Any:
 
 @kernel
 def keep_heat(x: Any, time_step: float, w: Workspace) -> None:
-    """Temperatures into the state, `time_step` (s) after those that it has."""
-    copy(x.temperature, w.heat.flat)
+    """Temperatures and their rates into the state, `time_step` (s) after those that it has; 0: by a jump."""
+    for i in range(x.temperature.shape[0]):
+        change = w.heat.flat[i] - x.temperature[i]
+        x.temperature_slope[i] = change / time_step if time_step > 0.0 else 0.0
+        x.temperature[i] = w.heat.flat[i]
     rise = w.heat.rise
     rows = rise.shape[1]
     film, surface = 0.0, 0.0

@@ -202,7 +202,14 @@ def base_heat_after(
 
 
 @kernel
-def foretell_heat(share: float, w: Workspace) -> None:
+def foretell_heat(later: float, w: Workspace) -> None:
+    """Temperatures guessed `later` (s) than the start by the rates of the last step."""
+    for i in range(w.heat.flat.shape[0]):
+        w.heat.flat[i] += later * w.heat.slope[i]
+
+
+@kernel
+def foretell_heat_after(share: float, w: Workspace) -> None:
     """Temperatures guessed further along the way from the start to the middle."""
     rise, start, middle = w.heat.rise, w.heat.start, w.heat.middle
     for i in range(rise.shape[0]):

@@ -73,14 +73,15 @@ class Columns(NamedTuple):
 
 class Heat(NamedTuple):
     """Scratch over nodes. Rises of temperature (K) over rows (n, rows): body 1 from the depth to its surface,
-    film, body 2 to the depth; `flat` is `rise` as one vector, `guess` and `trail` (4) are such of the turns
-    of film and heat. Over layers (n, layers): heat (W/m), its
+    film, body 2 to the depth; `flat` is `rise` as one vector, `slope` its rate (K/s) in the last step,
+    `guess` and `trail` (4) are such of the turns of film and heat. Over layers (n, layers): heat (W/m), its
     growth by the layer's own temperature, what all temperatures make of the stress (1/K), and velocity
     (m/s) less the mean. Over nodes: stress (Pa), how heat answers the stress, pressure at the base (Pa),
     heat of asperities (W/m), growth of heat (1/Pa) by the pressure, zeta_c - 1/2, and what the pressure makes
     of the drift at these temperatures (m/(s Pa))."""
 
     flat: Any
+    slope: Any
     guess: Any
     trail: Any
     rise: Any

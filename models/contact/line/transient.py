@@ -19,7 +19,7 @@ from ..asperities import pressure_under
 from ..fluid import Lubricant
 from ..hertz import deflection, find_load, half_width, maximum_pressure
 from .cavities import drain_at_the_end, fill_partly, fill_share, keeps_oil, settle
-from .heated import base_heat, base_heat_after, begin_heat, foretell_heat, solve_film
+from .heated import base_heat, base_heat_after, begin_heat, foretell_heat, foretell_heat_after, solve_film
 from .hierarchical import BAND, Jacobian
 from .mixed import FREE, Bodies, fill_total, film_of, is_balanced_side, mean_plane_gap
 from .newton import (
@@ -307,6 +307,7 @@ def step(
         fill_partly(p, w.filling, w.nodes)
     masses(scale, w, w.mass_start)
     base_heat(scale, w.mass_start, laws, w)
+    foretell_heat(GAMMA * time_step, w)
     # The rate at the start is what flows in.
     balance(
         w.X, scale, rate, p, h, w.nodes, start.flow, fluid, w.mass_start, math.inf, w.rate_start, w.A, w.B
@@ -338,7 +339,7 @@ def step(
             # The film shrinks too much within the step: cavities would balance less than nothing.
             return FilmStep(found.approach, half_scale, math.inf, found.approach)
     base_heat_after(w.p_start, p, half_scale, w.mass_middle, GAMMA, time_step, laws, w)
-    foretell_heat(1.0 / GAMMA, w)
+    foretell_heat_after(1.0 / GAMMA, w)
     # The second stage begins where the first leads to.
     for i in range(n):
         alone = p[i] == q[i]
