@@ -48,6 +48,8 @@ MODULES = {
     "sprung_mass": "oscillators.two_masses",
     "falling_mass": "oscillators.bouncing_mass",
     "spring_stop": "oscillators.bouncing_mass",
+    "planes": "nonlinear_loop",
+    "sphere": "nonlinear_loop",
 }
 
 

@@ -267,17 +267,6 @@ MODELS["greedy"] = replace(
     + '{ char *all = malloc(600000000); if (!all) { say(m, ERROR, "no memory left"); return ERROR; } '
     "memset(all, 1, 600000000); free(all); } " + EXPONENTIAL,
 )
-# a + b + c = 0 and 2 a - 3 b + 2 c = 9, solved for a and b; a^2 + b^2 + c^2 = 5, solved for c > 0.
-MODELS["planes"] = Model(
-    (V("a", "output"), V("b", "output"), V("c", "input", 1.0)),
-    output="$b = -1.8; $a = 1.8 - $c;",
-    depends={"a": ("c",), "b": ()},
-)
-MODELS["sphere"] = Model(
-    (V("c", "output"), V("a", "input", 0.6), V("b", "input", -1.8)),
-    output="$c = sqrt(5 - $a * $a - $b * $b);",
-    depends={"c": ("a", "b")},
-)
 # Diverges: Euler's steps of a tenth of a macro step, of what is 25 times too fast for them.
 MODELS["diverging"] = replace(DECAY, step="for (int i = 0; i < 10; i++) $x -= h / 10 * 5e4 * $k * $x;")
 # Its output follows its input for the first 0.3 s only.

@@ -5,7 +5,6 @@ starts with 1, 2, ..., or with zero where it is pushed.
 """
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +17,6 @@ from scipy.linalg import expm
 from models.core.quantities import Vector
 from orchestrator.analyses.stability.choice import choose
 from orchestrator.engine.coupling import Coupling
-from orchestrator.errors import in_command_line
 from orchestrator.masters import Iterated, Newton
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
@@ -106,24 +104,6 @@ def test_a_ring_starts_with_rates_that_agree(tmp_path):
         errors.append(np.abs(y - exact(gains, decays, 1.0, times)).max())
     assert math.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.1)
     assert errors[1] < 1e-5
-
-
-@pytest.mark.parametrize("master", ["jacobi", "gauss_seidel", "iterated", "newton"])
-def test_a_nonlinear_loop_over_two_fmus_is_solved(master, tmp_path):
-    """c^2 - 1.8 c + 0.74 = 0 remains of it; the loop goes to the larger solution, at a gain of -0.55."""
-    tables = {name: {"participant": fmu(name, 2, tmp_path)} for name in ("planes", "sphere")}
-    lines = ["planes.a -> sphere.a", "planes.b -> sphere.b", "sphere.c -> planes.c"]
-    one = scenario(tables, connections=lines, master={"name": master})
-    summary, found = ran(one, tmp_path / "out")
-    if master == "jacobi":  # linear signals on both sides: an error grows 1.87 times a step
-        assert not summary.complete
-        assert re.search(r"algebraic loop through \S+, at any .* 'newton'", in_command_line(summary.message))
-        return
-    assert summary.complete, summary.message
-    c = 0.9 + math.sqrt(0.07)
-    for name, value in {"planes.a": 1.8 - c, "planes.b": -1.8, "sphere.c": c}.items():
-        # To which the values of an instant agree, over one minus the gain.
-        np.testing.assert_allclose(found[name], value, rtol=1e-11, err_msg=name)
 
 
 @pytest.mark.parametrize(

@@ -253,6 +253,8 @@ def find_hardest_point(
     worst: Point | None = None
     limit = math.inf
     for point in points:
+        if limit == 0.0:
+            break  # no step is stable
         behaviour = Behaviour(point, master, couplings)
         if worst is None or not behaviour.evaluate(min(limit, longest)).stable:
             found = find_stability_limit(behaviour, first, longest, [])
