@@ -70,6 +70,23 @@ def describe_manipulator(stop: float, allowed: float = 1e-2) -> Scenario:
     )
 
 
+def describe_drive(folder: Path, allowed: float = 1e-2) -> Scenario:
+    """A drive train and its controller, two FMUs of FMPy's tests in that folder."""
+    return build_scenario(
+        {
+            "name": "drive-train",
+            "stop_time": 1.0,
+            "macro_step": 4e-3,
+            "tolerance": {"drive.w": allowed},
+            "connections": ["drive.w -> control.u_m", "control.y -> drive.tau"],
+            "components": {
+                "drive": {"participant": str(folder / "Drivetrain.fmu")},
+                "control": {"participant": str(folder / "Controller.fmu"), "parameters": {"PI.k": 20.0}},
+            },
+        }
+    )
+
+
 def compare_manipulator(file: Path) -> dict[str, float]:
     """The largest difference to the published solution by output, over its range."""
     published = np.genfromtxt(file, delimiter=",", names=True)

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from orchestrator.analyses.stability.chosen import choose_master
+from orchestrator.analyses.stability.chosen import choose_unnamed
 from orchestrator.reporter import Reporter
 from orchestrator.run.plan import Plan, make_plan
 from orchestrator.scenario import Scenario as CheckedScenario
@@ -23,8 +23,9 @@ def plan(scenario: Scenario | str | Path, *, figures: bool = False, progress: Pr
 
 
 def resolve_run(checked: CheckedScenario, reporter: Reporter, figures: bool) -> Plan:
-    """The plan of a checked scenario, which speaks to the reporter; `auto` chooses its master."""
+    """The plan of a checked scenario, which speaks to the reporter; `auto` chooses its master,
+    if it is asked or none is named."""
     check_native(checked)
     resolved = resolve(checked)
-    chosen = choose_master(resolved, reporter)
+    chosen = choose_unnamed(resolved, reporter)
     return make_plan(chosen, build_fmu, reporter, figures)

@@ -25,8 +25,8 @@ class MasterTable(BaseModel):
 
     name: str = Field(
         "gauss_seidel",
-        description="Name of the master, or your own as module:object; auto: master, signals and macro steps "
-        "are chosen before the run",
+        description="Name of the master, or your own as module:object; auto, as without [master] and "
+        "[step_control]: master, signals and macro steps are chosen before the run",
     )
     chosen: str | None = Field(None, description="What auto has chosen, and why; auto itself writes it")
 

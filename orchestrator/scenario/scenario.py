@@ -227,6 +227,11 @@ class Scenario(Table):
         return self
 
     @property
+    def names_master(self) -> bool:
+        """Whether it says how to couple: [master] or [step_control]."""
+        return bool({"master", "step_control"} & self.model_fields_set)
+
+    @property
     def lines(self) -> list[Line]:
         """The connections."""
         return [parse_line(line) for line in self.connections]

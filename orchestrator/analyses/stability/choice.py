@@ -2,14 +2,17 @@
 
 The survey of the coupling gives, for each method, the largest stable step and the errors of equal steps.
 Steps that follow their defect are predicted from the same errors: with steps H instead of equal steps h they
-are (H/h)^p times as large, p being the order of the signals.
+are (H/h)^p times as large, p being the order of the signals. Where the equations are known the cheapest is
+tried in this process against the motion. After a hard landing errors depend on its instant, which nothing
+predicts: there steps that are made again where their error is too large are tried only.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -20,18 +23,23 @@ from models.monolithic.trajectory import Trajectory
 
 from ...assessment.contacts import summarise_rows
 from ...errors import MistakeError, RunError, Set
-from ...masters import GaussSeidel, Iterated, find_name
+from ...masters import GaussSeidel, Iterated, Master, find_name
 from ...reporter import Reporter
 from ...scenario import Scenario, ScenarioError
+from ...scenario.fmu_limits import FmuLimits
 from ...scenario.master_table import AUTO, MasterTable, StepControlTable
 from ...scenario.scenario import COMPARED_INTERVALS
 from ...scenario.system import Resolved
 from ...scenario.units import format_time
+from ...stepping import DEFECT
 from ...stepping.controlled import AIM
 from ...stepping.forward import find_extrapolated
 from .analyse import survey_scenario
 from .behaviour import Behaviour
+from .linearisation import needs_run
 from .survey import WITHIN, AssessedMethod, Scope, Survey
+from .trajectory import solve_course
+from .trial import TOO_MANY, Outcome, Trial
 
 # Safety factor towards the stability limit: steps that follow their defect become shorter where values swing.
 MARGIN = 1.25
@@ -41,23 +49,47 @@ KEPT, REMEMBERED = 0.8, 7
 # Steps of a run at least. Without a loop, which could become unstable, only the course of the values limits
 # them: twice as many then, as the run's guard takes values that jump in each step for an instability.
 LEAST = COMPARED_INTERVALS
-# Share of a contact's largest load: with landings of 0.95 and more runs missed the tolerance, 5 to 94 times;
-# with one of 0.15 a run kept it.
+# Share of a contact's largest load: with landings of 0.95 and more predicted runs missed the tolerance, 5 to
+# 94 times; with one of 0.15 a run kept it.
 HARD = 0.25
 # Tolerances of the defect that are tried.
 TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(4, 33))
+# Tolerance of the motion that trials are compared with where there are impacts, over which errors grow.
+EXACT = 1e-11
+# Predicted choices that are tried; the factor by which an error that cannot be measured counts as too large.
+TRIALS, LOST = 6, 8.0
+# Methods that make steps again, and tolerances of a step, the loosest first.
+AGAIN = ((GaussSeidel(extrapolation="hermite"), "step_doubling"),
+         (Iterated(extrapolation="hermite"), "predictor_corrector"))  # fmt: skip
+# Tolerance of an iteration with equal steps, over the least that is allowed: its errors add up over the run.
+ITERATED = 0.01
+STEP_TOLERANCES = tuple(10.0 ** (-0.5 * k) for k in range(4, 15))
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A method with equal steps (s), or with steps up to that length that keep `relative` for their defect.
+    """A master with equal steps (s), or with steps up to that length that keep `relative` by `estimator`.
 
-    `cost`: participant steps of the whole run, as predicted."""
+    `order` is that of the error, `cost` the participant steps of the whole run, as predicted or tried; `why`
+    is its reason."""
 
-    method: AssessedMethod
+    master: Master
     step: float
     cost: float
-    relative: float | None = None
+    why: str
+    order: int
+    relative: float = 0.0
+    estimator: str | None = None
+
+    def shorten(self, excess: float) -> Choice:
+        """The same in shorter steps, after an error of `excess` times what is allowed."""
+        factor = 1.0 / WITHIN / (excess if math.isfinite(excess) else LOST)
+        if self.relative:
+            step, relative = self.step, factor * self.relative
+        else:
+            step, relative = self.step * factor ** (1.0 / self.order), 0.0
+        cost = self.cost / factor ** (1.0 / self.order)
+        return replace(self, step=step, relative=relative, cost=cost)
 
 
 def choose(resolved: Resolved, reporter: Reporter) -> Resolved:
@@ -65,21 +97,91 @@ def choose(resolved: Resolved, reporter: Reporter) -> Resolved:
 
     ScenarioError, which says why, if nothing can be chosen.
     """
-    remedy = "; name a master, e.g. ", Set("master.name", "gauss_seidel")
-    scope = Scope((GaussSeidel, Iterated), resolved.scenario.stop_time / LEAST, refuse_impacts)
+    try:
+        chosen = _choose(resolved, reporter)
+    except (MistakeError, ModelError, RunError) as error:
+        remedy = "; name a master, e.g. ", Set("master.name", "gauss_seidel")
+        raise ScenarioError((f"master.name = {AUTO!r}: ", error, remedy)) from None
+    return resolved.with_master_of(chosen)
+
+
+def _choose(resolved: Resolved, reporter: Reporter) -> Scenario:
+    scenario = resolved.scenario
+    known, why = not needs_run(scenario), "no master is stable and within the tolerance at any step tried"
+    iterated = Iterated(tolerance=ITERATED * min(scenario.tolerance.values(), default=1.0))
+    scope = Scope((GaussSeidel(), iterated), scenario.stop_time / LEAST, refuse_impacts)
     try:
         found = survey_scenario(resolved, [], reporter, scope)
-    except (MistakeError, ModelError, RunError) as error:
-        raise ScenarioError((f"master.name = {AUTO!r}: ", error, remedy)) from None
-    best = min(list_choices(found), key=lambda one: one.cost, default=None)
+    except HardLandingError as landing:
+        best, why, tries = None, str(landing), _Tries(resolved, landing.motion)
+    else:
+        choices, tries = list(list_choices(found)), _Tries(resolved, found.surveyor.motion)
+        best = tries.choose_predicted(choices, TRIALS if known else 0)
+    if best is None and known and FmuLimits(scenario).controllable:
+        with reporter.stage("trials of step control"):
+            best = tries.choose_controlled(why)
     if best is None:
-        none = "no master is stable and within the tolerance at any step tried"
-        raise ScenarioError((f"master.name = {AUTO!r}: {none}", remedy))
-    return resolved.with_master_of(_apply(found, best))
+        raise MistakeError(why)
+    return _apply(scenario, best)
+
+
+def _rank(choice: Choice) -> tuple[float, int]:
+    """The cheapest first; of equals the one with the best guess."""
+    return choice.cost, -choice.master.degree
+
+
+class _Tries:
+    """Chooses by runs of the equations in this process."""
+
+    def __init__(self, resolved: Resolved, motion: Trajectory) -> None:
+        self._scenario, system = resolved.scenario, resolved.system
+        if any(instance.component.events for instance in system.instances.values()):
+            motion = solve_course(system, motion.times, EXACT, lambda share: None)
+        names = system.outputs.names
+        columns = [names.index(name) for name in self._scenario.tolerance]
+        self._trial = Trial(resolved, motion.times, motion.outputs[:, columns])
+
+    def choose_predicted(self, choices: list[Choice], trials: int) -> Choice | None:
+        """The cheapest that keeps the tolerance in a trial; after one that misses it, it is shortened.
+
+        Without trials the cheapest."""
+        for _ in range(trials):
+            best = min(choices, key=_rank, default=None)
+            if best is None or (made := self._run(best)).good:
+                return best
+            choices[choices.index(best)] = best.shorten(made.error)
+        return None if trials else min(choices, key=_rank, default=None)
+
+    def choose_controlled(self, why: str) -> Choice | None:
+        """The cheapest of the methods that make a step again where its error is too large."""
+        best: Choice | None = None
+        for master, estimator in AGAIN:
+            for relative in STEP_TOLERANCES:
+                most = best.cost if best else math.inf
+                tried = Choice(master, self._scenario.macro_step, most, why, 4, relative, estimator)
+                made = self._run(tried)
+                if made.good:
+                    best = replace(tried, cost=made.steps)
+                if made.good or made.note == TOO_MANY:
+                    break
+        return best
+
+    def _run(self, choice: Choice) -> Outcome:
+        chosen = _apply(self._scenario, choice)
+        most = choice.cost if choice.estimator not in (None, DEFECT) else math.inf
+        return self._trial.run("", chosen.build_master(), chosen.build_steps(), most)
+
+
+class HardLandingError(MistakeError):
+    """A contact lands hard: the errors that follow depend on the instant of the landing."""
+
+    def __init__(self, said: str, motion: Trajectory) -> None:
+        super().__init__(said)
+        self.motion = motion
 
 
 def refuse_impacts(system: System, motion: Trajectory) -> None:
-    """MistakeError if a contact lands hard: the errors that follow depend on the instant of the landing."""
+    """HardLandingError if a contact lands hard in the motion."""
 
     def read(names: Sequence[str]) -> dict[str, Vector]:
         return {
@@ -90,11 +192,11 @@ def refuse_impacts(system: System, motion: Trajectory) -> None:
     for name, contact in summarise_rows(system, read).items():
         impact = contact.impact
         if impact and impact.load >= HARD * contact.largest_load:
-            raise MistakeError(
+            said = (
                 f"{name} lands at t = {impact.time:.3g} s with {impact.load:.3g} N, "
-                f"{100.0 * impact.load / contact.largest_load:.0f} % of its largest load; the errors after "
-                "such an impact cannot be predicted"
+                f"{100.0 * impact.load / contact.largest_load:.0f} % of its largest load"
             )
+            raise HardLandingError(said, motion)
 
 
 def list_choices(found: Survey) -> Iterator[Choice]:
@@ -108,12 +210,23 @@ def list_choices(found: Survey) -> Iterator[Choice]:
             continue
         count = math.ceil(scenario.stop_time / step * (1.0 - 1e-9))
         per_step = method.cost * method.advised_step
-        yield Choice(method, scenario.stop_time / count, count * per_step)
+        why, order = _explain(method), found.surveyor.behave(method.master).order
+        equal = Choice(method.master, scenario.stop_time / count, count * per_step, why, order)
+        yield equal
         if not method.master.implicit and found.limits.variable_step and found.system.connections:
             control = _Defect(found, method).find_tolerance(stable)
             if control is not None:
                 relative, mean = control
-                yield Choice(method, stable, scenario.stop_time / mean * per_step, relative)
+                cost = scenario.stop_time / mean * per_step
+                yield replace(equal, step=stable, cost=cost, relative=relative, estimator=DEFECT)
+
+
+def _explain(method: AssessedMethod) -> str:
+    limit = "every step that was tried is stable"
+    if math.isfinite(method.limit):
+        where = f" ({method.growing_output} runs away beyond)" if method.growing_output else ""
+        limit = f"it is stable up to {format_time(method.limit)}{where}"
+    return f"{limit}; equal steps keep the tolerance up to {format_time(method.accurate_step)}"
 
 
 class _Defect:
@@ -159,41 +272,41 @@ class _Defect:
         return np.minimum(KEPT * allowed, longest)
 
 
-def _apply(found: Survey, choice: Choice) -> Scenario:
+def _apply(scenario: Scenario, choice: Choice) -> Scenario:
     """The scenario with the choice in its tables."""
-    scenario, master = found.scenario, choice.method.master
-    options = {"order": list(master.order), "iterate": list(master.iterate)}
+    master: Any = choice.master
+    control, step = None, choice.step
+    options: dict[str, Any] = {"order": list(master.order), "iterate": list(master.iterate)}
+    if master.implicit and choice.estimator is None:
+        options["tolerance"] = master.tolerance
     table = MasterTable(
         name=find_name(master),
         extrapolation=master.extrapolation,
-        chosen=describe(found, choice),
-        **{key: names for key, names in options.items() if names},
+        chosen=describe(choice),
+        **{key: value for key, value in options.items() if value},
     )
-    control = None
-    if choice.relative is not None:
+    if choice.estimator is not None:
+        longest = choice.step if choice.estimator == DEFECT else scenario.stop_time / LEAST
+        step = min(step, longest)
         control = StepControlTable(
-            estimator="defect", relative=float(f"{choice.relative:.2g}"), maximum_step=choice.step
+            estimator=choice.estimator, relative=float(f"{choice.relative:.2g}"), maximum_step=longest
         )
-    changes = {"master": table, "step_control": control, "macro_step": choice.step}
+    changes = {"master": table, "step_control": control, "macro_step": step}
     # What a longer macro step makes void.
-    if (scenario.output_step or math.inf) < choice.step:
+    if (scenario.output_step or math.inf) < step:
         changes["output_step"] = None
-    if (scenario.event_tolerance or 0.0) >= choice.step:
+    if (scenario.event_tolerance or 0.0) >= step:
         changes["event_tolerance"] = None
     return scenario.model_copy(update=changes)
 
 
-def describe(found: Survey, choice: Choice) -> str:
+def describe(choice: Choice) -> str:
     """The choice and its reason, in a sentence."""
-    method = choice.method
     steps = f"equal steps of {format_time(choice.step)}"
-    if choice.relative is not None:
+    counted = f"; {choice.cost:.2g} participant steps are predicted" if math.isfinite(choice.cost) else ""
+    if choice.estimator == DEFECT:
         steps = f"steps up to {format_time(choice.step)} that keep {choice.relative:.1e} for their defect"
-    limit = "every step that was tried is stable"
-    if math.isfinite(method.limit):
-        where = f" ({method.growing_output} runs away beyond)" if method.growing_output else ""
-        limit = f"it is stable up to {format_time(method.limit)}{where}"
-    return (
-        f"auto chose {method.name} with {steps}: {limit}; equal steps keep the tolerance up to "
-        f"{format_time(method.accurate_step)}; {choice.cost:.2g} participant steps are predicted"
-    )
+    elif choice.estimator:
+        steps = f"steps that are made again unless they keep {choice.relative:.1e} by {choice.estimator}"
+    name = f"{find_name(choice.master)} {choice.master.extrapolation}"
+    return f"auto chose {name} with {steps}: {choice.why}{counted}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -108,11 +108,11 @@ LONGER = 1.05
 
 @dataclass(frozen=True)
 class Scope:
-    """The kinds of masters that are assessed, up to the `longest` step (s).
+    """The masters that are assessed with every signal and order, up to the `longest` step (s).
 
     `check` looks at the solved motion before and raises an error where nothing shall be assessed."""
 
-    kinds: Collection[type[Any]] = tuple(MASTERS.values())
+    masters: Sequence[Master] = tuple(kind() for kind in MASTERS.values())
     longest: float = math.inf
     check: Callable[[System, Trajectory], None] = lambda system, motion: None
 
@@ -163,7 +163,7 @@ def survey(
     points, left = linearise_points(system, trajectory, rows.tolist(), watched, participants)
     surveyor = Surveyor(scenario, system, trajectory, watched, points, scope.longest)
     methods = []
-    masters = _list_masters(scenario, system, surveyor, limits.restorable, scope.kinds)
+    masters = _list_masters(scenario, system, surveyor, limits.restorable, scope.masters)
     for i, master in enumerate(masters):
         methods.append(surveyor.assess(master))
         progress(0.3 + 0.7 * (i + 1) / len(masters))
@@ -192,7 +192,7 @@ def _find_course(
 
 
 def _list_masters(
-    scenario: Scenario, system: System, surveyor: Surveyor, restorable: bool, kinds: Collection[type[Any]]
+    scenario: Scenario, system: System, surveyor: Surveyor, restorable: bool, others: Sequence[Any]
 ) -> list[Master]:
     """The scenario's own master, then every master that its FMUs can take with every signal, in the best
     order."""
@@ -200,17 +200,16 @@ def _list_masters(
     signals = list(DEGREES)[: surveyor.highest + 1]
     orders, stiff = {signal: surveyor.find_order(signal) for signal in signals}, surveyor.partition.stiff
     unset = any(item.name == "order" for item in fields(own)) and not own.order
-    if unset and orders[own.extrapolation] == tuple(system.instances):
+    if unset and orders.get(own.extrapolation) == tuple(system.instances):
         own = replace(own, order=orders[own.extrapolation])
     masters: list[Master] = [own]
-    for kind in dict.fromkeys((*kinds, type(own))):
-        if kind.implicit and not restorable:
+    # Other options are those of the scenario's master.
+    for base in dict.fromkeys((*(own if isinstance(own, type(one)) else one for one in others), own)):
+        if base.implicit and not restorable:
             continue  # which these FMUs cannot take
-        options = {item.name for item in fields(kind)}
+        options = {item.name for item in fields(base)}
         if "extrapolation" not in options:
             continue
-        # Other options are those of the scenario's master.
-        base: Any = own if isinstance(own, kind) else kind()
         if "iterate" in options and not base.iterate and stiff:
             base = replace(base, iterate=stiff)
         for signal, order in orders.items():
@@ -229,7 +228,7 @@ class Surveyor:
         points: list[Point],
         longest: float,
     ) -> None:
-        self.scenario, self.system, self.points = scenario, system, points
+        self.scenario, self.system, self.points, self.motion = scenario, system, points, trajectory
         self._converged: dict[tuple[Any, ...], AssessedMethod] = {}
         self.partition = Partition(system, points, watched)
         names = {n: [port.variable for port in watched if port.instance == n] for n in system.instances}
@@ -309,7 +308,7 @@ class Surveyor:
             if found.limit > 0.0 and not other.evaluate(just).stable:
                 found.limit = min(found.limit, find_stability_limit(other, self._first, just, []))
                 worst, found.hardest_time = other, point.time
-        if found.limit < math.inf:
+        if 0.0 < found.limit < math.inf:
             found.growing_output = worst.find_growing_output(1.1 * found.limit)
         return found
 
