@@ -284,7 +284,8 @@ class ControlledSteps:
         end, why, crossed = self._locator.ahead(time), TIME_EVENT, True
         if (event := self._coupling.instants.next_event(time)) <= end:
             end, crossed = event, False
-        if self._stop <= end:
+        # An event that but for rounding is at the stop leaves no step behind it.
+        if self._stop - end <= 4.0 * math.ulp(end):
             end, why = self._stop, STOP
         left = end - time
         if length >= left * (1.0 - 1e-9):
