@@ -24,7 +24,7 @@ from models.monolithic.trajectory import Trajectory
 from ...assessment.contacts import summarise_rows
 from ...errors import MistakeError, RunError, Set
 from ...masters import GaussSeidel, Iterated, Master, find_name
-from ...reporter import Reporter
+from ...reporter import CHOICE, Reporter
 from ...scenario import Scenario, ScenarioError
 from ...scenario.fmu_limits import FmuLimits
 from ...scenario.master_table import AUTO, MasterTable, StepControlTable
@@ -118,7 +118,7 @@ def _choose(resolved: Resolved, reporter: Reporter) -> Scenario:
         choices, tries = list(list_choices(found)), _Tries(resolved, found.surveyor.motion)
         best = tries.choose_predicted(choices, TRIALS if known else 0)
     if best is None and known and FmuLimits(scenario).controllable:
-        with reporter.stage("trials of step control"):
+        with reporter.stage(CHOICE):
             best = tries.choose_controlled(why)
     if best is None:
         raise MistakeError(why)
