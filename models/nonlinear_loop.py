@@ -43,11 +43,12 @@ class PlanesInputs:
 class PlanesOutputs:
     a: A = 0.8
     b: B = -1.8
+    square: float = kinds.NUMBER("squared distance a^2 + b^2 + c^2 from the origin", nominal=5.0)
 
 
 @dataclass
 class SphereParameters:
-    final_square: float = kinds.NUMBER("squared radius r_end at last", 5.0, nominal=5.0, minimum=0.0)
+    final_square: float = kinds.NUMBER("squared radius r_end at last", 4.88, nominal=5.0, minimum=0.0)
     time_constant: float = kinds.TIME("time constant T of the radius", 0.2, positive=True)
 
 
@@ -79,6 +80,7 @@ def planes_derivative(
 def planes_output(t: float, x: PlanesState, u: PlanesInputs, p: PlanesParameters, y: PlanesOutputs) -> None:
     y.b = (2.0 * p.total - p.weighted + (p.normal - 2.0) * u.c) / 5.0
     y.a = p.total - y.b - u.c
+    y.square = y.a**2 + y.b**2 + u.c**2
 
 
 @kernel
@@ -111,7 +113,7 @@ def planes() -> Component:
         derivative=planes_derivative,
         output=planes_output,
         energy=no_energy,
-        feedthrough={"a": ("c",), "b": ("c",)},
+        feedthrough={"a": ("c",), "b": ("c",), "square": ("c",)},
     )
 
 

@@ -12,5 +12,5 @@ STIMULUS = Stimulus(
     inputs={"c": [1.0, 2.0, -1.0]},
     step_size=0.01,
     interval=0.01,
-    outputs=("a",),
+    outputs=("a", "square"),
 )
