@@ -15,6 +15,7 @@ from models.compile.compiled import compiled
 from ..participants import held_inputs
 from ..participants.compiled import advance, give, take
 from ..participants.compiled_calls import CALLS, FINE, NOT_FINITE, STEP, CompiledCalls
+from .effort import Sampled
 from .exchange import Exchange
 from .signals import gather, interpolate_part
 
@@ -43,6 +44,7 @@ class CompiledSweep:
         self._exchange, self._order, self._kind = e, order, (steps, in_turn)
         self._left, self._weight = 1, 0  # the first sweep compiles or loads code, and is not timed
         self._calls = calls  # keeps the references alive
+        self._times = [Sampled() for _ in order]
         n = len(e.wiring.sources)
         # Where each number that is given lies in the signals, and where among values and rates each number
         # that is taken goes.
@@ -92,7 +94,7 @@ class CompiledSweep:
             begin = end
             self._run(self._turns[k : k + 1], k, time, step)
             end = perf_counter()
-            spent[i] += weight * max(0.0, end - begin - calling)
+            spent[i] += self._times[k].count(max(0.0, end - begin - calling), weight)
 
     def _run(self, turns: Any, first: int, time: float, step: float) -> None:
         """These turns, of which `first` is the number of the first."""

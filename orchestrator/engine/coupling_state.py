@@ -14,7 +14,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..participants.protocol import Participant
-from .effort import Effort
+from .effort import Effort, Sampled
 from .signals import History
 
 # Of so many savings, and returns, one is timed.
@@ -80,6 +80,7 @@ class SavedPoints:
     def __init__(self, participants: Sequence[Participant], state: CouplingState, effort: Effort) -> None:
         self._participants, self._state, self._effort = participants, state, effort
         self._saves = self._restores = -1
+        self._times = [Sampled() for _ in participants]
         self.present: SavedPoint | None = None  # the saved point at which everybody is
 
     def save(self) -> SavedPoint:
@@ -142,5 +143,5 @@ class SavedPoints:
         begin = perf_counter()
         found = call()
         if number % SELDOM == 0:
-            self._effort.saving[i] += SELDOM * (perf_counter() - begin)
+            self._effort.saving[i] += self._times[i].count(perf_counter() - begin, SELDOM)
         return found

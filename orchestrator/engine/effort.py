@@ -1,8 +1,10 @@
 """What single participants take of a run: time, and numbers of calls."""
 
+from collections import deque
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from statistics import median
 from time import perf_counter
 from typing import Any
 
@@ -22,7 +24,8 @@ class Effort:
     given and what is read, and of saving and restoring its state; how often it was taken back to one; the
     steps of its own (`substeps`, `retries`) within macro steps, and those of them that failed.
 
-    Where compiled code makes the steps some are timed, and count for those between.
+    Where compiled code makes the steps, and of savings, some are timed, and stand for those between (see
+    `Sampled`).
     """
 
     def __init__(self, size: int) -> None:
@@ -40,6 +43,21 @@ class Effort:
     def resume(self, state: Mapping[str, Any]) -> None:
         for name, values in vars(self).items():
             values[:] = state[name]
+
+
+class Sampled:
+    """The wall time (s) of calls of which few are timed: the others have the median of the last three.
+
+    So a timed call that waits for the processor counts once.
+    """
+
+    def __init__(self) -> None:
+        self._last: deque[float] = deque(maxlen=3)
+
+    def count(self, seconds: float, calls: int) -> float:
+        """The time of `calls` calls, of which the last was timed."""
+        self._last.append(seconds)
+        return seconds + (calls - 1) * median(self._last)
 
 
 @dataclass(frozen=True)
