@@ -83,7 +83,7 @@ def find_cycle(
     method fails.
     """
     if problem is None:
-        problem = SystemProblem(system)
+        problem = SystemProblem(system, counts_energies=False)
     else:
         problem.take(system)
     times = np.linspace(0.0, period, samples + 1)

@@ -39,7 +39,7 @@ def compute_trajectory(
     `tolerance` is the integrator's, per step and relative to nominal + |value|.
     """
     times = check_times(times, None)
-    problem = SystemProblem(system)
+    problem = SystemProblem(system, counts_energies=False)
     z0 = problem.start(system.x0)
     start = float(times[0])
     check_start(system, start, system.x0)

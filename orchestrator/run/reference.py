@@ -187,6 +187,7 @@ def _solve_whole(plan: Plan, times: Vector, reporter: Reporter) -> Solution:
             x0=plan.system.x0,
             progress=bar.show,
             longest_step=plan.scenario.reference.step or LONGEST_STEP,
+            counts_energies=False,
         )
     return Solution(found.times, found.outputs, found.uncertainty, found.wall_time_s, reference=found)
 

@@ -222,7 +222,7 @@ class TransientModel(Model):
         return self._couple(scenario, experiment)
 
     def _solve(self, system: System, experiment: Experiment) -> Prediction:
-        problem = SystemProblem(system)
+        problem = SystemProblem(system, counts_energies=False)
         times, rows_of = np.unique(np.append(0.0, experiment.positions), return_inverse=True)
         z = problem.start(system.x0)
         stiff, longest = stiffness(problem, 0.0, z, times)
