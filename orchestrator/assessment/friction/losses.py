@@ -71,7 +71,8 @@ def note_friction(system: System, part: str, figure: str) -> str:
         wanted = POWER if figure == "friction_torque" else figure
         own = next((loss for loss in losses if (loss.part, loss.figure) == (part, wanted)), None)
         if own is None:
-            return "not counted: another part has the friction of this contact"
+            whose = "no cam rolls here" if figure == ROLLING_POWER else "another part has the friction"
+            return f"not counted: {whose}"
         return "in the motion" if own.acts else "outside the motion"
     if losses and component.has_role(roles.Drive) and figure.endswith("_torque"):
         return describe_content(name_outside(losses))
