@@ -27,9 +27,9 @@ from orchestrator.study.calibration.parameters import LEAST, Fitted
 from orchestrator.study.calibration.predictions import Predictions
 from tribocosim.cached_fmus import build_fmu
 
-# The valve is open; a lift sensor with 2 um of noise and an unknown zero, a load cell with 2 N, as the mean
-# of some fifty cycles has.
-SPEEDS, ANGLES = (1400.0, 1600.0, 1800.0, 2000.0), np.arange(140.0, 260.5, 0.5)
+# The valve closes, and what its opening made ring is over; a lift sensor with 2 um of noise and an unknown
+# zero, a load cell with 2 N, as the mean of some fifty cycles has.
+SPEEDS, ANGLES = (1400.0, 1600.0, 1800.0, 2000.0), np.arange(200.0, 260.25, 0.25)
 NOISES, ZERO = np.array([2e-6, 2.0]), 5e-5
 SIGNALS = Signal("lift", "valve_spring.valve_lift", offset=True), Signal("force", "pushrod.lower_force")
 PARAMETERS = (
