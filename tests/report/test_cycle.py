@@ -74,6 +74,8 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
             "get('verdict').className, getComputedStyle(get('cycle-figures')).opacity]; })()"
         ) == ["verdict ", "0.35"]
         wait(page, "document.querySelector('#cycle-state').textContent.includes('steady after ')")
+        steady = page.locator("#cycle-state").inner_text().startswith("steady")
+        assert page.evaluate("get('verdict').className") == f"verdict {'good' if steady else 'unsteady'}"
         assert (
             page.locator("#cycle-figures")
             .inner_text()
