@@ -94,6 +94,25 @@ def test_a_starved_rigid_cylinder_has_its_closed_form(record) -> None:
     record("Field", quantity, order, 2.0, "second-order balance", tolerance=0.3)
 
 
+@pytest.mark.long
+def test_oil_fills_and_leaves_the_gap_where_the_closed_form_says(record) -> None:
+    """Reformation and rupture by lines through the second and third wet node: of p where oil fills the gap,
+    of its root where it parts. Measured with 401 nodes 9.0e-4, 1.6e-4 and 2.0e-3 of the load, with 801
+    2.0e-4, 0.8e-4 and 4.8e-4: of second order."""
+    contact = settled(801)
+    x, p = contact.x_nodes, contact.field("pressure")
+    (_, left, inner), (*_, outer, right, _) = np.split(np.flatnonzero(p > 0.0), [3])
+    root = np.sqrt(p)
+    found = (
+        x[left] - p[left] * (x[inner] - x[left]) / (p[inner] - p[left]),
+        x[right] - root[right] * (x[outer] - x[right]) / (root[outer] - root[right]),
+        contact["load"],
+    )
+    quantity = "reformation, rupture (m) and load (N) of a starved rigid cylinder"
+    source = "closed form (JFO)"
+    record("Field", quantity, found, starved_cylinder(GAP, LAYER, 2.0), source, relative=1e-3)
+
+
 def test_a_layer_that_is_squeezed_fills_the_gap_as_far_as_it_must(record) -> None:
     """No entrainment: the oil pushed out of the middle fills the gap over the layer m up to s,
     h0 s + s^3/(6 R) = m s, so s^2 = 6 R (m - h0), with p = 6 eta V R (1/h^2 - 1/h(s)^2) inside.
