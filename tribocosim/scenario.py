@@ -53,8 +53,7 @@ class Scenario:
                 f"{type(changes).__name__}"
             )
         content = copy.deepcopy(dict(self.content))
-        for path, value in {**(changes or {}), **more}.items():
-            change(content, path, value)
+        change(content, {**(changes or {}), **more})
         resolve_paths(content, Path.cwd())
         return Scenario(content)
 

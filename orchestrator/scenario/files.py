@@ -100,7 +100,7 @@ def read(name: str | Path, overrides: Sequence[str] = ()) -> tuple[dict[str, Any
     """The tables of a shipped scenario or a file, with `overrides` ("path=value"), and their origin."""
     path = find(name)
     content = read_contents(path)
-    changed = dict(override(content, text) for text in overrides)
+    changed = override(content, overrides)
     resolve_paths(content, Path.cwd())  # of the overrides; those of the file are absolute
     return content, Origin(path, changed)
 
@@ -167,38 +167,68 @@ def resolve_paths(content: dict[str, Any], folder: Path) -> None:
                 table[key] = str(folder / to_path(table[key]))
 
 
-def override(content: dict[str, Any], text: str) -> tuple[str, Any]:
-    """Apply "path=value", e.g. components.camshaft.parameters.lift=9 mm, and return both.
+def override(content: dict[str, Any], texts: Sequence[str]) -> dict[str, Any]:
+    """Apply all "path=value", e.g. components.camshaft.parameters.lift=9 mm; the values by their paths.
 
-    The value is TOML, or a string.
+    A value is TOML, or a string.
     """
+    changed = dict(map(_parse, texts))
+    try:
+        change(content, changed)
+    except ScenarioError as error:
+        raise ScenarioError((SET, " ", error)) from None
+    return changed
+
+
+def _parse(text: str) -> tuple[str, Any]:
     path, equals, written = text.partition("=")
     path = path.strip()
     if not equals or not path:
         raise ScenarioError((SET, f" {text}: must be path=value, e.g. ", Set("macro_step", "2e-6")))
     try:
-        value = parse_value(written)
-        change(content, path, value)
-    except ScenarioError as error:
-        raise ScenarioError((SET, " ", error)) from None
+        return path, parse_value(written)
     except ValueError as error:
         raise ScenarioError((SET, f" {path}: {error}")) from None
-    return path, value
 
 
-def change(content: dict[str, Any], path: str, value: Any) -> None:
-    """Put `value` at `path`, and name it in the description, which may state what was there before."""
-    put(content, path, value)
-    place, _, key = path.rpartition(".")
-    described = place.endswith((".parameters", ".structure", ".inputs", ".start")) or path == "stop_time"
-    if described and content.get("description") and isinstance(value, str | float | int):
-        text, _, changed = str(content["description"]).partition("; with ")
-        known = [one for one in changed.split(", ") if one and not one.startswith(f"{key} = ")]
-        content["description"] = f"{text}; with {', '.join([*known, f'{key} = {value}'])}"
+def change(content: dict[str, Any], values: Mapping[str, Any]) -> None:
+    """`put` values by their paths, and name them in the description, which may state others."""
+    put(content, values)
+    for path, value in values.items():
+        place, _, key = path.rpartition(".")
+        described = place.endswith((".parameters", ".structure", ".inputs", ".start")) or path == "stop_time"
+        if described and content.get("description") and isinstance(value, str | float | int):
+            text, _, changed = str(content["description"]).partition("; with ")
+            known = [one for one in changed.split(", ") if one and not one.startswith(f"{key} = ")]
+            content["description"] = f"{text}; with {', '.join([*known, f'{key} = {value}'])}"
 
 
-def put(content: dict[str, Any], path: str, value: Any) -> None:
-    """Put `value` at `path`, e.g. components.camshaft.parameters.lift, as a file would that extends this."""
+def put(content: dict[str, Any], values: Mapping[str, Any]) -> None:
+    """Put values at their paths, e.g. components.camshaft.parameters.lift, as one file would that extends
+    this. Tables and lists are replaced as a whole."""
+    over: dict[str, Any] = {}
+    for path, value in values.items():
+        keys = _check_path(content, path)
+        below, above = content, over
+        for i, key in enumerate(keys[:-1]):
+            if i == 1 and key not in below:
+                raise ScenarioError(f"{path}: no component {key!r}; {suggestion(key, below)}")
+            inside = below.get(key, {})
+            if isinstance(inside, dict):  # of an oil, which is merged with no other, all is kept
+                above = above.setdefault(key, dict(inside) if key == "oil" else {})
+            if not isinstance(inside, dict) or not isinstance(above, dict):
+                raise ScenarioError(f"{path}: {'.'.join(keys[: i + 1])} is not a table")
+            below = inside
+        if isinstance(above.get(keys[-1]), dict):
+            raise ScenarioError(f"{path}: a part of it is given too; leave one of them out")
+        if isinstance(value, dict | list):
+            below.pop(keys[-1], None)
+        above[keys[-1]] = copy.deepcopy(value)
+    content |= merge(content, over)
+
+
+def _check_path(content: Mapping[str, Any], path: str) -> list[str]:
+    """Its keys. ScenarioError for one that no scenario has."""
     keys = split_path(path)
     known = list(Scenario.model_fields)
     if keys[0] not in known:
@@ -209,18 +239,7 @@ def put(content: dict[str, Any], path: str, value: Any) -> None:
     own = keys[0] != "components" or len(keys) != 3 or keys[2] in ComponentTable.model_fields
     if not own and (meant := " or ".join(find_paths(content, keys))):
         raise ScenarioError(f"{path}: unknown key; did you mean {meant}?")
-    table, over = content, value
-    for i, key in enumerate(keys[:-1]):
-        if i == 1 and key not in table:
-            raise ScenarioError(f"{path}: no component {key!r}; {suggestion(key, table)}")
-        table = table.setdefault(key, {})
-        if not isinstance(table, dict):
-            raise ScenarioError(f"{path}: {'.'.join(keys[: i + 1])} is not a table")
-    if isinstance(value, dict | list):
-        table.pop(keys[-1], None)  # it replaces the whole
-    for key in reversed(keys):
-        over = {key: over}
-    content |= merge(content, over)
+    return keys
 
 
 def find_paths(content: Mapping[str, Any], keys: Sequence[str]) -> list[str]:
@@ -242,9 +261,7 @@ def find_paths(content: Mapping[str, Any], keys: Sequence[str]) -> list[str]:
 def put_parameters(content: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """A copy of the content with these values by "component.parameter"."""
     changed = copy.deepcopy(dict(content))
-    for name, value in values.items():
-        component, _, parameter = name.partition(".")
-        put(changed, f"components.{component}.parameters.{parameter}", value)
+    put(changed, {f"components.{name.replace('.', '.parameters.', 1)}": v for name, v in values.items()})
     return changed
 
 

@@ -145,7 +145,6 @@ def build_scenario_subject(study: Study, tables: dict[str, Any], build: Builder)
     """The scenario of these tables, with the study's fixed values."""
     from .scenario_subject import ScenarioSubject
 
-    for name, value in study.fixed.items():
-        for path in study.names.get(name, [name]):
-            put(tables, path, value)
+    fixed = study.fixed.items()
+    put(tables, {path: value for name, value in fixed for path in study.names.get(name, [name])})
     return ScenarioSubject(tables, study.names, build)

@@ -64,9 +64,7 @@ class ScenarioSubject(Subject):
     def build_scenario_at(self, values: Mapping[str, Value]) -> Scenario:
         """The scenario at a point; ScenarioError names the fault."""
         tables = copy.deepcopy(dict(self.tables))
-        for name, value in values.items():
-            for path in self._list_paths(name):
-                put(tables, path, value)
+        put(tables, {path: value for name, value in values.items() for path in self._list_paths(name)})
         return build_scenario(tables)
 
     @property

@@ -76,8 +76,8 @@ def test_mistakes_in_a_drawing_are_named(tmp_path: Path, drawing: str, message: 
 def test_a_slow_shaft_finds_its_rest_in_its_bearings(speed: int, preload: int) -> None:
     """The journals sink until film or asperities carry the cam's load, which Newton's method overshoots."""
     content = read_contents(list_shipped()["shaft-in-bearings"])
-    override(content, f"components.flywheel.parameters.initial_speed={speed} rpm")
-    override(content, f"components.spring.parameters.preload={preload}")
+    values = f"flywheel.parameters.initial_speed={speed} rpm", f"spring.parameters.preload={preload}"
+    override(content, [f"components.{value}" for value in values])
     scenario = build_scenario(content)
     system = resolve_start(scenario, build_system(scenario))
     evaluation = Evaluation(system)

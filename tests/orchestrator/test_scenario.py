@@ -11,7 +11,7 @@ import pytest
 import tribocosim
 from orchestrator.scenario import Scenario, ScenarioError, build_scenario, schema
 from orchestrator.scenario.conversion import convert_units
-from orchestrator.scenario.files import list_shipped, load, to_full_toml
+from orchestrator.scenario.files import list_shipped, load, override, read_changed, to_full_toml
 from orchestrator.scenario.system import build_system
 from orchestrator.scenario.units import FACTORS, UnitError, find_conversion, to_unit
 from orchestrator.scenario.warnings import list_warnings
@@ -147,10 +147,34 @@ def test_durations_may_be_given_in_revolutions_of_the_drive():
 
 
 def test_another_master_keeps_the_options_that_it_has():
-    first = load("valve-train", ["master.name=iterated", "master.tolerance=1e-8"])
-    assert first.master.build().tolerance == 1e-8
-    second = load("valve-train", ["master.name=iterated", "master.tolerance=1e-8", "master.name=jacobi"])
-    assert second.master.build().extrapolation == load("valve-train").master.build().extrapolation
+    content = read_changed("valve-train", ["master.name=iterated", "master.tolerance=1e-8"])
+    assert build_scenario(content).master.build().tolerance == 1e-8
+    override(content, ["master.name=jacobi"])
+    second = build_scenario(content).master.build()
+    assert second.extrapolation == load("valve-train").master.build().extrapolation
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        (["master.tolerance=1e-8", "master.name=jacobi"], "master.tolerance: jacobi has no such option"),
+        (
+            ["components.camshaft.parameters.lift=9 mm", "components.camshaft.lift_table=lift.csv"],
+            "parameters.lift: has no meaning beside lift_table",
+        ),
+        (["oil.density_15=860", "oil=SAE 5W-30"], "oil.density_15: oil is not a table|oil: a part of it is"),
+    ],
+)
+def test_settings_that_exclude_each_other_are_refused_in_any_order(settings, said):
+    for ordered in (settings, settings[::-1]):
+        with pytest.raises(ScenarioError, match=said):
+            load("valve-train", ordered)
+
+
+def test_a_setting_within_an_oil_keeps_its_other_numbers():
+    content = {"oil": {"viscosity_40": "90 mm2/s", "density_15": 870}}
+    override(content, ["oil.density_15=860"])
+    assert content["oil"] == {"viscosity_40": "90 mm2/s", "density_15": 860}
 
 
 def test_a_scenario_does_not_take_the_description_of_the_one_that_it_extends(tmp_path):

@@ -103,7 +103,7 @@ def test_slopes_are_those_of_fine_differences(monkeypatch):
     def find(factor, directions=()):
         tables = read_changed("valve-train", DRY)
         preload = list_parameters(SpeedSubject(tables, "flywheel").scenario)[name]
-        put(tables, f"components.{name.replace('.', '.parameters.')}", preload * factor)
+        put(tables, {f"components.{name.replace('.', '.parameters.')}": preload * factor})
         return find_slopes(SpeedSubject(tables, "flywheel"), speed, [{one: preload} for one in directions])
 
     exact, shares = find(1.0, [name]), np.linspace(-0.04, 0.04, 11)

@@ -101,6 +101,15 @@ def test_what_follows_from_the_wire_is_not_given_beside_it(tmp_path: Path) -> No
         read_spring(tmp_path, more="[components.spring.parameters]\nspring_rate = 3e4\n")
 
 
+@pytest.mark.parametrize("name", ["spring_rate = 3e4", "gap[1] = 1e-3", "wire_stress = 1e6"])
+def test_what_follows_from_the_wire_is_not_set_beside_it_in_any_order(name: str) -> None:
+    settings = [f"components.spring.wire.{k} = {v}" for k, v in WIRE.items()]
+    settings.append(f"components.spring.parameters.{name}")
+    for ordered in (settings, settings[::-1]):
+        with pytest.raises(ScenarioError, match="follows from the wire; leave one"):
+            load("coil-clash", ordered)
+
+
 def test_a_wire_by_set_gives_what_an_extending_file_gives(tmp_path: Path) -> None:
     spring = load("coil-clash", [f"components.spring.wire.{k} = {v}" for k, v in WIRE.items()]).components
     assert spring["spring"].parameters == read_spring(tmp_path)[0].parameters

@@ -239,11 +239,10 @@ def test_a_package_decides_nothing_that_is_the_users(made, tmp_path):
 
 
 def test_settings_are_changed_as_those_of_a_scenario(made):
-    changed = load(made, ["macro_step=1 ms", "components.first.parameters.mass=7 kg"])
+    settings = ["macro_step=1 ms", "components.first.parameters.mass=7 kg"]
     expected = read_contents(list_shipped()["two-masses"])
-    for text in ("macro_step=1 ms", "components.first.parameters.mass=7 kg"):
-        override(expected, text)
-    assert changed == build_scenario(expected)
+    override(expected, settings)
+    assert load(made, settings) == build_scenario(expected)
 
 
 def test_the_name_of_a_package_is_an_identifier(tmp_path):
