@@ -143,6 +143,20 @@ def list_parts(system: System, role: type[roles.Role]) -> list[str]:
     return [name for name, instance in system.instances.items() if instance.component.has_role(role)]
 
 
+def find_cams(system: System, *velocities: str) -> dict[str, str]:
+    """The cam of each part that takes one of these inputs, `sliding_velocity` or `rolling_velocity`, from a
+    cam, directly or by the spin of its tappet."""
+    given = (*velocities, "contact_sliding")
+    lines = [
+        (c.source.instance, c.target.instance)
+        for c in system.connections
+        if c.target.variable in velocities and c.source.variable in given
+    ]
+    cams, spins = list_parts(system, roles.Cam), list_parts(system, roles.Spin)
+    found = {taker: giver for giver, taker in lines if giver in cams}
+    return found | {taker: found[giver] for giver, taker in lines if giver in spins and giver in found}
+
+
 def _list_neighbours(system: System) -> dict[str, set[str]]:
     near: dict[str, set[str]] = {name: set() for name in system.instances}
     for connection in system.connections:

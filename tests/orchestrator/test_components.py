@@ -7,7 +7,7 @@ import pytest
 
 from models.catalogue import CATALOGUE
 from models.core.roles import Cam, TranslatingFollower
-from orchestrator.assessment.friction.judge import find_cams
+from orchestrator.assessment.friction.judge import find_sliding
 from orchestrator.errors import MistakeError
 from orchestrator.report.mechanism import list_sketches
 from orchestrator.scenario.components import write_page
@@ -63,8 +63,9 @@ def own(tmp_path, monkeypatch):
 
 def test_figures_drawings_and_friction_find_an_own_follower_by_its_role(own):
     shipped = load("pushrod-train")
-    for find in (find_cams, find_flywheel, describe_numbers):
+    for find in (find_flywheel, describe_numbers):
         assert find(own) == find(shipped)
+    assert find_sliding(build_system(own)) == find_sliding(build_system(shipped)) == {"cam_contact": "tappet"}
     drawn = [
         [sketch.content() for sketch in list_sketches(one, build_system(one).outputs.names)]
         for one in (own, shipped)

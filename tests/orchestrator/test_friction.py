@@ -16,7 +16,7 @@ from models.contact.hertz import elastic_compliance
 from models.core.remedies import find_actions
 from models.core.system import System
 from orchestrator.assessment.friction.cycle import OF_CAM, OF_CONTACT, Cycle, last_revolution, summary, wear
-from orchestrator.assessment.friction.judge import find_cams, judge_friction, judge_losses
+from orchestrator.assessment.friction.judge import find_sliding, judge_friction, judge_losses
 from orchestrator.assessment.friction.losses import (
     BEARING,
     BORE,
@@ -281,7 +281,7 @@ def test_each_of_several_contacts_has_a_file_of_its_own():
 )
 def test_contacts_under_cams_are_found(scenario: str, cams: dict[str, str]) -> None:
     """Not those of levers on valves."""
-    assert find_cams(load(scenario)) == cams
+    assert find_sliding(build_system(load(scenario))) == cams
 
 
 @pytest.mark.parametrize(

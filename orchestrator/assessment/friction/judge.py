@@ -6,17 +6,18 @@ from pathlib import Path
 import numpy as np
 
 from models.core.quantities import Vector
-from models.core.roles import Cam, Contact, Spin
+from models.core.roles import Cam, Contact
+from models.core.system import Port, System
 
 from ...errors import MistakeError, Option, one_of
-from ...scenario import Scenario, ScenarioError, parse_ends
+from ...scenario import Scenario, ScenarioError
 from ...scenario.files import load
 from ...scenario.system import build_system, list_parameters
 from ...store.output_folder import RESULT, SCENARIO, find_remedy
 from ...store.result_file import open_result
 from ..merits import read_motion
 from ..motion import Motion
-from ..trains import find_drive_angle, find_trains
+from ..trains import find_cams, find_drive_angle, find_trains, list_parts
 from .cycle import OF_CAM, OF_CONTACT, TURN, last_revolution, wear
 from .report import Judged
 from .shares import Losses, cut_last_turn, measure_losses
@@ -35,7 +36,8 @@ def judge_friction(
     if not cycles > 0.0:
         raise MistakeError((Option("cycles", cycles), ": must be > 0"))
     scenario = _load_scenario(folder)
-    cams = find_cams(scenario)
+    system = build_system(scenario)
+    cams = find_sliding(system)
     if contact and cams and contact not in cams:
         allowed = f": {one_of(cams, contact)} (those that slide under a cam)"
         raise MistakeError((Option("contact", contact), allowed))
@@ -44,7 +46,7 @@ def judge_friction(
     values = list_parameters(scenario)
     found = []
     for name in [contact] if contact else list(cams):
-        cycle = last_revolution(name, *_read(folder, list_columns(scenario, name, cams[name])))
+        cycle = last_revolution(name, *_read(folder, list_columns(system, name, cams[name])))
         worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
         found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
     return scenario, found
@@ -75,30 +77,16 @@ def _load_scenario(folder: Path) -> Scenario:
         ) from None
 
 
-def find_cams(scenario: Scenario) -> dict[str, str]:
-    """The cam of each contact: what drives its sliding velocity and has an angle of its own, directly or by
-    the spin of its tappet."""
-    sources, found = _list_sources(scenario), {}
-    for target, source in sources.items():
-        contact, _, variable = target.partition(".")
-        if variable != "sliding_velocity" or not scenario.components[contact].resolve().has_role(Contact):
-            continue
-        if scenario.components[source.split(".")[0]].resolve().has_role(Spin):
-            source = sources.get(f"{source.split('.')[0]}.sliding_velocity", source)
-        cam, _, variable = source.partition(".")
-        if variable == "sliding_velocity" and scenario.components[cam].resolve().has_role(Cam):
-            found[contact] = cam
-    return found
+def find_sliding(system: System) -> dict[str, str]:
+    """The cam of each contact that slides under one."""
+    contacts = list_parts(system, Contact)
+    return {part: cam for part, cam in find_cams(system, "sliding_velocity").items() if part in contacts}
 
 
-def _list_sources(scenario: Scenario) -> dict[str, str]:
-    return {target: source for source, target in map(parse_ends, scenario.connections)}
-
-
-def list_columns(scenario: Scenario, contact: str, cam: str) -> dict[str, str]:
+def list_columns(system: System, contact: str, cam: str) -> dict[str, str]:
     """The variables of OF_CONTACT and OF_CAM as "instance.variable". `sliding_velocity` is the contact's,
     `cam_sliding` the cam's, without a spin of the tappet."""
-    role = scenario.components[cam].resolve().find_role(Cam)
+    role = system.instances[cam].component.find_role(Cam)
     assert role
     called = {
         "cam_angle": role.angle,
@@ -107,7 +95,8 @@ def list_columns(scenario: Scenario, contact: str, cam: str) -> dict[str, str]:
     }
     found = {name: f"{contact}.{name}" for name in OF_CONTACT}
     found |= {name: f"{cam}.{called.get(name, name)}" for name in OF_CAM}
-    return found | {"sliding_velocity": _list_sources(scenario)[f"{contact}.sliding_velocity"]}
+    target = Port(contact, "sliding_velocity")
+    return found | {"sliding_velocity": str(next(c.source for c in system.connections if c.target == target))}
 
 
 def _read(folder: Path, wanted: dict[str, str]) -> tuple[Vector, Mapping[str, Vector]]:

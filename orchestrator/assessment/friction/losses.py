@@ -7,7 +7,7 @@ from functools import lru_cache
 from models.core import roles
 from models.core.system import Connection, Port, System
 
-from ..trains import list_parts
+from ..trains import find_cams, list_parts
 
 POWER, ROLLING_POWER = "friction_power", "rolling_power"
 CONTACT, ROLLING, SLIP, TIP = "cam contact", "rolling", "roller slip", "valve tip"
@@ -120,16 +120,10 @@ def _name_share(system: System, name: str, role: roles.Losing) -> str:
 
 def _name_place(system: System, name: str) -> str:
     """Under a cam, on the wall of a liner, or of a lever on its valve."""
-    under = (roles.Cam, roles.FlatFollower, roles.Spin)
-    velocities = ("sliding_velocity", "rolling_velocity")
-    for source, target in ((c.source, c.target) for c in system.connections):
-        giver, taker = (system.instances[port.instance].component for port in (source, target))
-        if source.instance == name and taker.has_role(roles.Crank, roles.PistonCrank):
-            return WALL
-        moves = target.variable in velocities and source.variable in (*velocities, "contact_sliding")
-        if target.instance == name and moves and giver.has_role(*under):
-            return CONTACT
-    return TIP
+    takers = (system.instances[c.target.instance].component for c in _list_outward(system, name))
+    if any(taker.has_role(roles.Crank, roles.PistonCrank) for taker in takers):
+        return WALL
+    return CONTACT if name in find_cams(system, "sliding_velocity", "rolling_velocity") else TIP
 
 
 def _list_outward(system: System, name: str) -> list[Connection]:

@@ -18,13 +18,14 @@ from models.valve_train.worn_cam import EDGES, PLACES, FreshCam, choose_filter, 
 from ...assessment.figures_of_merit import CONTACT
 from ...assessment.friction.cycle import TURN, last_revolution
 from ...assessment.friction.cycle import Cycle as Revolution
-from ...assessment.friction.judge import find_cams, list_columns
+from ...assessment.friction.judge import find_sliding, list_columns
 from ...assessment.motion import Part
 from ...assessment.trains import parameter_of
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, build_scenario
 from ...scenario.cams import read_cam
 from ...scenario.lift_table import replace_law
+from ...scenario.system import build_system
 from ..speeds.subject import SAMPLES, SpeedSubject, find_flywheel, find_own_speed, find_period, to_motion
 
 # Rows of a state: depth of the cam along its normal and its loss of lift, at PLACES; depth along the
@@ -103,7 +104,7 @@ class WearingTrain:
 
     def revolve(self, cycle: Cycle) -> Revolution:
         """The last turn of the cam in a cycle."""
-        columns = list_columns(self.scenario, self.contact, self.cam)
+        columns = list_columns(self.system, self.contact, self.cam)
         values = {name: cycle[place] for name, place in columns.items() if place in known(cycle)}
         values.setdefault("cam_speed", np.gradient(values["cam_angle"], cycle.times))
         return last_revolution(self.contact, cycle.times, values)
@@ -171,7 +172,7 @@ def open_train(
     MistakeError or ModelError for a scenario without a contact that slides on a cam.
     """
     scenario = build_scenario(tables)
-    cams = find_cams(scenario)
+    cams = find_sliding(build_system(scenario))
     if not cams:
         raise MistakeError(
             f"{scenario.name}: no contact slides on a cam; give a scenario with a cam's contact"
