@@ -12,20 +12,19 @@ from models.contact.asperities import Asperities, pressure_scale
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.contact.fluid import Lubricant
 from models.contact.friction import profile_friction
-from models.contact.line.cavities import start_filling
 from models.contact.line.heat import build_columns, capacity, resistance, warm
 from models.contact.line.heat_state import build_heat
 from models.contact.line.heated import solve_film, warm_asperities
 from models.contact.line.newton import FilmProblem
 from models.contact.line.reynolds import Flow, cell
 from models.contact.line.shear import SOLID_LAYERS, shear_film
-from models.contact.line.transient import GAMMA, Drives, place_film, step, wanted_scale
+from models.contact.line.transient import GAMMA, Drives
 from models.contact.line.workspace import workspace_in, workspace_size
 from models.contact.rheology import thin_by_heat
 from models.core.integrator import OK
 
 from .cam_cycle import BODIES, FLUID, LENGTH
-from .stepped import NODES, Contact
+from .stepped import NODES, Contact, Film
 
 LAWS = build_heat(ehl_line_contact(layers=8).parameters.defaults())
 # Temperatures that any load and speed of these tests leave at the inlet's.
@@ -118,37 +117,23 @@ def test_a_band_of_heat_has_blocks_flash_temperature(velocity, record):
         record("Field", f"flash temperature at {velocity} m/s (K)", found, exact, "Blok", relative=0.04)
 
 
-class Film:
-    """A heated film under a constant load, stepped by `step`."""
+class Heated(Film):
+    """A heated film under a constant load."""
 
     def __init__(self, roughness=0.0, sliding=2.0, velocity=2.0, laws=LAWS, supply=-1.0, fluid=FLUID):
-        nodes, self.supply, self.fluid = NODES, supply, fluid
-        self.w = workspace_in(np.zeros(workspace_size(nodes, LAYERS)), nodes, LAYERS)
         self.rough = Asperities(roughness, 0.05, 5e-3)
         scale = pressure_scale(self.rough, BODIES.compliance)
-        self.bodies = BODIES._replace(
+        bodies = BODIES._replace(
             roughness=roughness, asperity_scale=scale, roughness_parameter=self.rough.roughness_parameter
         )
-        self.p, self.h, self.slope = np.zeros(nodes), np.zeros(nodes), np.zeros(nodes)
-        self.sliding, self.velocity, load, film = sliding, velocity, 500.0, 1e-6
-        self.scale = wanted_scale(load / LENGTH, film, 0.02, BODIES)
-        place_film(load, film, 0.02, self.bodies, self.w.X, self.scale, self.p, self.h)
-        if supply >= 0.0:
-            start_filling(self.p, self.h, supply, self.w.filling)
-        self.approach, self.laws = 0.0, laws
+        self.sliding, self.velocity = sliding, velocity
+        super().__init__(NODES, LAYERS, 500.0, 1e-6, 0.02, bodies, fluid, laws, supply)
 
     def advance(self, interval, growth=1.0, loads=(500.0, 500.0, 500.0)):
         """One step, in which the grid grows."""
         flow = Flow(self.velocity, self.sliding, 0.02, self.supply)
         drives = [Drives(flow, self.approach, load / LENGTH) for load in loads]
-        new = growth * self.scale
-        self.rate = (new - self.scale) / interval
-        taken = step(
-            self.p, self.h, self.slope, self.scale, new, interval, *drives, 1e9, self.bodies, self.fluid,
-            self.laws, self.w,
-        )  # fmt: skip
-        assert taken.error <= 1.0
-        self.scale, self.approach = taken.scale, taken.approach
+        self.step(interval, growth * self.scale, *drives)
 
     def balance(self, interval):
         """Of the step's last stage: heat that arises in the film, and what becomes of it (W/m): conducted
@@ -202,7 +187,7 @@ def test_heat_that_arises_is_conducted_carried_or_stored(
     roughness, sliding, velocity, supply, eyring, record
 ):
     fluid, interval = FLUID._replace(eyring_stress=eyring), 1e-5
-    film = Film(roughness, sliding, velocity, supply=supply, fluid=fluid)
+    film = Heated(roughness, sliding, velocity, supply=supply, fluid=fluid)
     for _ in range(20):
         film.advance(interval, 1.01)
     made, *shares = film.balance(interval)
@@ -212,7 +197,7 @@ def test_heat_that_arises_is_conducted_carried_or_stored(
 
 def test_the_heat_of_shear_is_the_power_of_friction_and_of_the_pressures_flow():
     """Friction times sliding, and what the pressure's flow loses in the inlet (a tenth here)."""
-    film = Film(sliding=3.0, velocity=1.5)
+    film = Heated(sliding=3.0, velocity=1.5)
     for _ in range(20):
         film.advance(1e-5)
     w, scale = film.w, film.scale
@@ -225,7 +210,7 @@ def test_the_heat_of_shear_is_the_power_of_friction_and_of_the_pressures_flow():
 def test_the_heat_of_asperities_is_the_power_of_boundary_friction(stress):
     """mu_b W_a + tau_b A_c, of the friction that the contact shows, times the sliding."""
     traction = LAWS.traction._replace(boundary_stress=stress)
-    film = Film(0.2e-6, sliding=-3.0, velocity=0.5, laws=LAWS._replace(traction=traction))
+    film = Heated(0.2e-6, sliding=-3.0, velocity=0.5, laws=LAWS._replace(traction=traction))
     for _ in range(5):
         film.advance(1e-5)
     w, h, at = film.w, film.h, film.scale * film.w.X
@@ -240,7 +225,7 @@ def test_the_heat_of_asperities_is_the_power_of_boundary_friction(stress):
 @pytest.mark.parametrize("lost", ["rise", "base"])
 def test_a_temperature_that_is_no_number_ends_an_attempt(lost):
     """It is no solution, and the next attempt begins with the temperatures at the step's start."""
-    film = Film()
+    film = Heated()
     film.advance(1e-5)
     w = film.w
     w.heat.start[:] = w.heat.rise
@@ -328,7 +313,7 @@ def test_order_two_in_time(record):
     Measured: 1.80 to 1.83. Both bodies pass fast: a body at rest remembers how the heat began, as sqrt(t)."""
 
     def end(steps):
-        film, h = Film(sliding=1.0, velocity=3.0, laws=LAWS._replace(settled=1e-6)), 4e-4 / steps
+        film, h = Heated(sliding=1.0, velocity=3.0, laws=LAWS._replace(settled=1e-6)), 4e-4 / steps
         for k in range(steps):
             loads = [500.0 * (1.0 + 0.3 * math.sin(2e3 * math.pi * (k + s) * h)) for s in (0.0, GAMMA, 1.0)]
             film.advance(h, 1.0, loads)
