@@ -1,6 +1,7 @@
 """A train over speed: summary, map of a load over angle and speed, and its Campbell diagram."""
 
 import math
+import textwrap
 from collections.abc import Mapping
 from typing import Any
 
@@ -37,6 +38,8 @@ LEAST_RANGE = 0.02
 # Colours of natural frequencies, by their kind.
 NATURAL = {"surge": REFERENCE, "torsion": COUPLED, "bending": ACCENT}
 TORQUE = "Drive torque (N m)"
+# Letters of 6 points in the width of a panel.
+LINE = 70
 # Title, unit with its factor, endings of results: a panel for each that the table has.
 PANELS = (
     ("Contact load (N)", 1.0, (".least_load", ".largest_load")),
@@ -79,9 +82,17 @@ def draw_summary(
             shade_lost(panel, table, (separations or {}).get(design))
         panel.set_ylabel(title)
         if title == TORQUE:
-            for text in dict.fromkeys(describe_content(t.attrs.get("outside", "")) for t in tables.values()):
-                panel.text(0.02, 0.02, text, transform=panel.transAxes, fontsize=6.0, color="0.35")
+            text = _describe_torques(tables)
+            panel.text(0.02, 0.02, text, transform=panel.transAxes, fontsize=6.0, color="0.35")
     return figure
+
+
+def _describe_torques(tables: Mapping[str, xarray.Dataset]) -> str:
+    """Lines that say which friction the torques contain; of each design its own, if they differ."""
+    said = {name: describe_content(table.attrs["outside"]) for name, table in tables.items()}
+    several = len(set(said.values())) > 1
+    texts = [f"{name}: {text}" for name, text in said.items()] if several else list(said.values())[:1]
+    return "\n".join(textwrap.fill(text, LINE) for text in texts)
 
 
 def create_panels(count: int, title: str, below: float = 0.0) -> tuple[Figure, list[Axes]]:

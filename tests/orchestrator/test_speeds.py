@@ -217,6 +217,16 @@ def test_a_curve_that_only_the_second_design_has_is_named():
     assert drawn.get_legend_handles_labels()[1] == ["contact: least load", "pad: least load"]
 
 
+def test_each_design_says_which_friction_its_torque_leaves_out():
+    """Once, where it is the same."""
+    torque = xarray.Dataset({"flywheel.mean_torque": ("speed", [1.0, 2.0])}, {"speed": [50.0, 100.0]})
+    one, other = torque.assign_attrs(outside="rolling (contact)"), torque.assign_attrs(outside="")
+    without = "without the friction of rolling (contact)"
+    for second, lines in ((one, without), (other, f"first: {without}\nsecond: with all friction")):
+        (text,) = draw_summary({"first": one, "second": second}).axes[0].texts
+        assert text.get_text() == lines
+
+
 @pytest.mark.parametrize("separation", [None, 1150.0, 1450.0])
 def test_contact_is_lost_from_the_marked_speed_on(separation):
     """From the separation, also where it is nearer to the speed before; else from half-way."""
