@@ -75,7 +75,7 @@ def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
         "name": name,
         "title": f"{name}: steady cycle",
         "good": True,
-        "verdict": "computed in this page",
+        "verdict": "computing",
         "notices": [],
         "version": "",
         "versions": "",

@@ -9,7 +9,7 @@ from typing import Any
 
 from models.contact.records import ATOM
 
-from ..assessment.contacts import ContactSummaries, list_details
+from ..assessment.contacts import ContactSummaries, list_details, name_estimates
 from ..assessment.contacts import lines as contact_lines
 from ..assessment.diagnosis import Diagnosis, brief
 from ..assessment.merits import Friction, Merit
@@ -105,10 +105,14 @@ class Summary:
 
     def tell(self) -> list[Words]:
         """What trains, contacts, energies and steps came to, and warnings of FMUs, in words."""
+        return self._tell(name_estimates(self.contacts))
+
+    def _tell(self, films: Sequence[str]) -> list[Words]:
+        """The same with these lines of films."""
         lines: list[Words] = []
         if self.complete or self.macro_steps >= FEW:
             lines += self.merits
-            lines += contact_lines(self.contacts, self.fixed_steps)
+            lines += [*contact_lines(self.contacts, self.fixed_steps), *films]
             lines += energy_lines(self.energy) if self.energy else []
             lines += brief(self.steps, self.suggestions) if self.steps else []
         for name, given in self.warnings.items():
@@ -131,12 +135,12 @@ class Summary:
     def content(self) -> dict[str, Any]:
         """As plain JSON values."""
         message, verdict = map(in_command_line, (self.message, self.verdict))
-        details = list_details(self.contacts, self.contacts_from)
+        details = self._tell(list_details(self.contacts, self.contacts_from))
         content = asdict(replace(self, message=message, verdict=verdict, figures_of_merit=()))
         del content["figures_of_merit"]
         for contact in content["contacts"].values():
             contact["film"] = contact["film"] if contact["film"] >= ATOM else 0.0
-        content["notices"] = list(map(in_command_line, [*self.notices, *self.tell(), *details]))
+        content["notices"] = list(map(in_command_line, [*self.notices, *details]))
         for name, error in self.errors.items():
             own = content["errors"][name].pop("uncertainty")
             content["errors"][name] |= {

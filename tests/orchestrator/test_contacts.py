@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from models.contact.ehl_contact import TABLE_3
-from orchestrator.assessment.contacts import lines, list_details, summarise_rows
+from orchestrator.assessment.contacts import lines, list_details, name_estimates, summarise_rows
 from orchestrator.assessment.contacts.accumulation import SEEN
 from orchestrator.assessment.contacts.contact_summary import Accumulator
 from orchestrator.assessment.contacts.lines import GROUPS
@@ -93,7 +93,7 @@ def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run):
             assert found[group].share == pytest.approx(share, rel=1e-12)
             assert found[group].least < low or found[group].most > high
     (said,) = [line for line in list_details({"contact": summary}, "rows") if "film formula" in line]
-    (short,) = [line for line in told({"contact": summary}) if "its film is an estimate" in line]
+    (short,) = name_estimates({"contact": summary})
     assert len(short) < 0.6 * len(said)
     for group, one in found.items():
         below, above, _ = GROUPS[group]

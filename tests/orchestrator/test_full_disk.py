@@ -127,8 +127,10 @@ def test_a_package_appears_whole_or_not_at_all(tmp_path, monkeypatch):
     def full(handle):
         raise FULL
 
-    monkeypatch.setattr(replacement.os, "fsync", full)
     target = tmp_path / "a.ssp"
+    assert called("ssp", "export", "two-masses", "--out", str(target)).returncode == 0  # builds its FMUs
+    target.unlink()
+    monkeypatch.setattr(replacement.os, "fsync", full)
     done = called("ssp", "export", "two-masses", "--out", str(target))
     assert done.returncode == 2
     assert said(done) == f"tribocosim: {target}: cannot be written ({FULL.strerror}); choose another --out"

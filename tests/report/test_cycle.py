@@ -100,9 +100,16 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
     assert 1e-6 * film == pytest.approx(thinnest, rel=6e-3)
 
 
-def test_where_no_step_succeeds_from_the_start_the_page_says_so(browser, path, tmp_path):
+@pytest.mark.parametrize(
+    ("key", "changed"),
+    [("state", lambda first: "[1e999,"), ("positive", lambda flags: flags.replace("0", "1"))],
+)
+def test_where_no_step_succeeds_from_the_start_the_page_says_so(key, changed, browser, path, tmp_path):
+    """From a state that is no number, or with states that must be above zero and are not."""
     lost = tmp_path / "lost.html"
-    lost.write_text(re.sub(r'"state":\[[^,]*,', '"state":[1e999,', path.read_text("utf-8"), count=1), "utf-8")
+    place = rf'(?<="{key}":)' + (r"\[[^,]*," if key == "state" else r"\[[^\]]*\]")
+    text = re.sub(place, lambda found: changed(found[0]), path.read_text("utf-8"), count=1)
+    lost.write_text(text, "utf-8")
     with opened(browser, lost) as page:
         assert page.locator("#cycle-state").inner_text() == "no step succeeds: there is no cycle"
 

@@ -329,7 +329,7 @@ double revolve(double period, double tolerance, int32_t before)
             continue;
         }
         double found = estimate(t, h, tolerance, refused);
-        double root = __builtin_sqrt(__builtin_sqrt(found > 1e-8 ? found : 1e-8));
+        double root = __builtin_sqrt(__builtin_sqrt(found < 1e-8 ? 1e-8 : found)); /* NaN shrinks the step */
         double factor = SAFETY * (2 * MOST_ITERATIONS + 1) / (2 * MOST_ITERATIONS + count) / root;
         refused = !(found <= 1.0);
         if (refused) {

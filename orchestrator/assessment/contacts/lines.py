@@ -35,17 +35,30 @@ FED, ROLLING = 1.0 / 3.0, 1e-4
 def lines(summaries: ContactSummaries, fixed_steps: bool) -> list[str]:
     """Contacts, of many those with the thinnest films, then warnings of all. With `fixed_steps` landings that
     macro steps do not resolve are warned of; step control resolves them."""
-    names = (
-        sorted(summaries, key=lambda name: summaries[name].film)[:SHOWN]
-        if len(summaries) > SHOWN
-        else list(summaries)
-    )
-    lines = [f"{name}: {text}" for name in names for text in _write_lines(summaries[name])]
+    lines = [f"{name}: {text}" for name, one in _list_shown(summaries) for text in _write_lines(one)]
     if len(summaries) > SHOWN:
         lines.append(f"{len(summaries) - SHOWN} more contacts with thicker films: see summary.json")
     for name, summary in summaries.items():
         lines += [f"{name}: {text}" for text in _warnings(name, summary, fixed_steps)]
     return lines
+
+
+def _list_shown(summaries: ContactSummaries) -> list[tuple[str, ContactSummary]]:
+    if len(summaries) <= SHOWN:
+        return list(summaries.items())
+    return sorted(summaries.items(), key=lambda item: item[1].film)[:SHOWN]
+
+
+def name_estimates(summaries: ContactSummaries) -> list[str]:
+    """Which films of the contacts that have lines are estimates, and why; `list_details` says it of all
+    with the numbers."""
+    return [
+        f"{name}: its film is an estimate: "
+        + ", ".join(f"{_name_causes(group, r)} {_percent(r.share)} %" for group, r in one.ranges.items())
+        + " of the time under load; ranges are in the report"
+        for name, one in _list_shown(summaries)
+        if one.ranges
+    ]
 
 
 def list_details(summaries: ContactSummaries, source: str) -> list[str]:
@@ -89,9 +102,6 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
     if i := summary.impact:
         speed = f" with {i.speed:.3g} m/s" if i.speed > 0.0 else ""
         yield f"hardest impact at {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"
-    if excursions := summary.ranges:
-        causes = (f"{_name_causes(group, one)} {_percent(one.share)} %" for group, one in excursions.items())
-        yield f"its film is an estimate: {', '.join(causes)} of the time under load; ranges are in the report"
 
 
 def _write_excursion(group: str, one: Excursion) -> str:

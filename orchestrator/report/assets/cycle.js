@@ -3,7 +3,8 @@
 
 // A period is steady when it changes no state by more than this, over nominal + |value|: less than a plot shows.
 const STEADY = 1e-4, MOST_PERIODS = 12;
-// Of the integrator, over nominal + |value|; it leaves less than a thousandth of the largest load.
+// Of the integrator, over nominal + |value|; it leaves less than a thousandth of the largest load, and a few
+// hundredths where a train that has lost contact rings.
 const TOLERANCE = 3e-6;
 
 const least = (values) => values ? values.reduce((a, b) => Math.min(a, b), Infinity) : Infinity;
@@ -18,6 +19,9 @@ class CycleRecords extends Records {
 
   async start() {
     await super.start();
+    get("verdict").className = "verdict ";
+    get("cycle-state").textContent = "computing the first cycle: a train of many valves takes minutes, and answers only between periods";
+    await new Promise((done) => setTimeout(done, 20));
     const { instance } = await WebAssembly.instantiate(await inflate(this.told.code), {});
     this.train = instance.exports;
     this.train._initialize();
@@ -72,6 +76,7 @@ class CycleRecords extends Records {
     let change = NaN, periods = 0;
     do {
       change = this.train.revolve(this.period, TOLERANCE, periods++);
+      get("cycle-state").textContent = "computing: period " + periods + " of " + MOST_PERIODS + " at most is done";
       await new Promise((done) => setTimeout(done));
     } while (change > STEADY && periods < MOST_PERIODS && !this.overtaken);
     return { change, periods };
