@@ -369,10 +369,8 @@ def test_a_wrong_folder_or_figure_is_told_before_anything_else(finished, tmp_pat
     with pytest.raises(MistakeError, match=r"did you mean .*/out\?$"):
         diagnose(finished / "summary.json")
     monkeypatch.chdir(tmp_path)
-    own = tmp_path / "results" / "valve-train-controlled"
-    shutil.copytree(finished, own)
-    shutil.copytree(finished, tmp_path / "results" / "older")
-    os.utime(tmp_path / "results" / "older" / SCENARIO, (0, 0))
+    own = shutil.copytree(finished, tmp_path / "results" / "valve-train-controlled")
+    os.utime(shutil.copytree(finished, tmp_path / "results" / "older") / SCENARIO, (0, 0))
     (tmp_path / "own train.toml").write_text(f'name = "{load(own / SCENARIO).name}"\nextends = "valve-train"')
     for subject in ("valve-train-controlled", "own train.toml", own / SCENARIO):
         assert diagnose(Path(subject)).lines == diagnose(own).lines
@@ -395,8 +393,7 @@ def test_a_wrong_folder_or_figure_is_told_before_anything_else(finished, tmp_pat
 @pytest.mark.parametrize("n", [1, pytest.param(10_000, marks=pytest.mark.long)])
 def test_the_figure_is_drawn_for_few_and_for_many_steps(n, tmp_path):
     """All steps are in the histograms: their bars add up to 100 %."""
-    steps = random_steps(n)
-    drawn = figure.draw_steps(steps, "random")
+    drawn = figure.draw_steps(steps := random_steps(n), "random")
     widths = [patch.get_width() for patch in drawn.axes[1].patches]
     assert sum(widths) == pytest.approx(100.0)
     path = save_figure(lambda: figure.draw_steps(steps, f"{n} random steps"), tmp_path / "steps.png")
