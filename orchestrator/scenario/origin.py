@@ -24,9 +24,12 @@ class Origin:
     changed: Mapping[str, Any] = field(default_factory=dict)
 
     def find_source(self, said: str) -> str | Option:
-        """The option, if a message names what it changed; else the file, and the line that is meant."""
+        """The option, if a message names what it changed, or an unknown table of that; else the file, and the
+        line that is meant."""
+        unknown = f"{said.partition(': unknown key')[0]}."
         for path, value in self.changed.items():
-            if any(re.search(pattern, said) for pattern in _list_patterns(path, value)):
+            named = any(re.search(pattern, said) for pattern in _list_patterns(path, value))
+            if named or path.startswith(unknown):
                 return SET
         return _name_line(self.path, said)
 

@@ -53,6 +53,9 @@ BAD = {
     "components.camshaft.parameters.lift=3 kg": ("lift", "kg", "like m"),
     "components.camshaft.parameters.lift=[1]": ("lift", "must be a number"),
     "components.camshaft.start.twst=1": ("start.twst", "did you mean twist?"),
+    "components.camshaft.paramters.lift=5": (
+        "--set components.camshaft.paramters: unknown key; did you mean parameters?",
+    ),
     "components.contact.parameters.film_model=kushwa": (
         "film_model",
         "kushwa",

@@ -85,12 +85,12 @@ def cut_last_turn(motion: Motion, turned: float) -> Motion:
 
 
 def tabulate_losses(found: Losses) -> Table:
-    """Powers, and torques on the drive, by share."""
+    """Powers, and the drive torques of the same power, by share."""
     table = Table(
         title="Friction of the whole train, means over that revolution",
         title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False,
     )  # fmt: skip
-    heads = ("share", "power (W)", "in the motion (W)", "torque on the drive (N m)", "%", "parts")
+    heads = ("share", "power (W)", "in the motion (W)", "as drive torque (N m)", "%", "parts")
     for head in heads:
         table.add_column(head, justify="left" if head in ("share", "parts") else "right", overflow="fold")
     rows = [(share, power, found.inside[share]) for share, power in found.shares.items()]
