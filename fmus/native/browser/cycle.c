@@ -86,11 +86,11 @@ static void find_rate(double t, const double *x, double *dx)
 
 static void differentiate(double t, int column)
 {
-    double kept = next[column], moved = kept + DIFFERENCE * (nominal[column] + magnitude(kept));
-    next[column] = moved;
+    double kept = next[column], beside = kept + DIFFERENCE * (nominal[column] + magnitude(kept));
+    next[column] = beside;
     find_rate(t, next, changed);
     next[column] = kept;
-    for (int i = 0; i < N; i++) jacobian[i][column] = (changed[i] - rate[i]) / (moved - kept);
+    for (int i = 0; i < N; i++) jacobian[i][column] = (changed[i] - rate[i]) / (beside - kept);
     moving[column] = true;
 }
 
@@ -201,7 +201,7 @@ static void transform(const double by[STAGES][STAGES], Stages from, Stages to)
 /* Iterates the stages; how often, 0 where it does not converge. `contraction` is theirs. */
 static int iterate(double t, double h, double tolerance, double *contraction)
 {
-    double before = 0.0, ratio = 0.0, root = __builtin_sqrt(*contraction);
+    double before = 0.0, root = __builtin_sqrt(*contraction);
     double enough = __builtin_sqrt(tolerance);
     if (enough > 0.03) enough = 0.03;
     *contraction = root * __builtin_sqrt(root);
@@ -230,7 +230,7 @@ static int iterate(double t, double h, double tolerance, double *contraction)
         transform(FROM, moved, stage);
         double size = __builtin_sqrt(sum / (STAGES * N));
         if (k > 1) {
-            ratio = size / before;
+            double ratio = size / before;
             double left = size / (1.0 - ratio);
             for (int q = k; q < MOST_ITERATIONS; q++) left *= ratio;
             if (!(ratio < 1.0) || left > enough) return 0;
