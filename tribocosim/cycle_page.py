@@ -32,7 +32,7 @@ def write_cycle_page(folder: Path, path: Path | None, reporter: Reporter) -> Pat
     """
     from fmus.native.cycle_module import cycle_module
     from models.catalogue import find_factory
-    from orchestrator.report import SAMPLES, Train, write_cycle
+    from orchestrator.report import SAMPLES, Train, repeat, write_cycle
     from orchestrator.scenario.files import load as load_checked
     from orchestrator.scenario.system import build_system
     from orchestrator.study.speeds.subject import count_turns, find_flywheel
@@ -48,7 +48,8 @@ def write_cycle_page(folder: Path, path: Path | None, reporter: Reporter) -> Pat
         show = lambda done, words: bar.show(0.2 + 0.8 * done, f", {words}")  # noqa: E731
         code = cycle_module(own, component, SAMPLES, show)
     train = Train(
-        checked, component, code, flywheel, count_turns(build_system(checked)), str(source),
+        checked, component, code, flywheel, count_turns(build_system(checked)),
+        repeat("run", source, folder if folder.is_dir() else Path("results") / checked.name),
         lambda text: load_checked(source, [text]),
     )  # fmt: skip
     return write_cycle(train, path or (folder / CYCLE if folder.is_dir() else Path(CYCLE)))

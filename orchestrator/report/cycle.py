@@ -13,7 +13,7 @@ from models.core.component import Component
 
 from ..assessment.motion import LIFTED
 from ..assessment.trains import find_trains
-from ..errors import Command, MistakeError, in_command_line
+from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError
 from ..scenario.oil import evaluate
 from ..scenario.system import build_system, list_parameters
@@ -41,15 +41,14 @@ VARIED = {
 @dataclass(frozen=True)
 class Train:
     """A scenario's whole train as one component, as code for a page, and what turns it: the flywheel, and its
-    turns in a period. `source` is what commands call the scenario; `change("path=value")` is it with another
-    value."""
+    turns in a period. `command` runs the scenario; `change("path=value")` is it with another value."""
 
     scenario: Scenario
     component: Component
     code: bytes
     flywheel: str
     turns: int
-    source: str
+    command: str
     change: Callable[[str], Scenario]
 
 
@@ -112,7 +111,7 @@ def _tell_train(train: Train, turning: str) -> dict[str, Any]:
         "held": [int(f.name == turning or f.quantity.accumulates) for f in fields],
         "positive": [int(f.quantity.positive) for f in fields],
         "outputs": list(component.outputs.names),
-        "command": in_command_line(Command("run", (train.source,))),
+        "command": train.command,
         "sliders": [slider for slider in _list_sliders(train) if len(slider["positions"]) > 1],
         "lifted": LIFTED,
         "trains": list(_tell_parts(train)),

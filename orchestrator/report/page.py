@@ -11,16 +11,17 @@ import jinja2
 import numpy as np
 from markupsafe import Markup
 
-from ..errors import Command, MistakeError, in_command_line
+from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError
 from ..scenario.display import show_unit
 from ..scenario.files import load
 from ..store import atomic_write
-from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY, format_path
+from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY
 from ..store.records import Records, open_records
 from ..texts import parse_json, read_text
 from .content import collect_run
 from .cycle import Train, collect_cycle
+from .repetition import repeat
 
 SCRIPTS = (
     "series.js", "axes.js", "view.js", "marks.js", "panel.js", "phase.js", "steps.js", "scene.js",
@@ -94,7 +95,7 @@ def _tell_run(folder: Path, records: Records, summary: Mapping[str, Any]) -> dic
         "verdict": _describe_verdict(records, summary),
         "version": summary.get("version", ""),
         "versions": attributes.get("versions", ""),
-        "command": in_command_line(Command("run", (format_path(folder / SCENARIO),))),
+        "command": repeat("run", folder / SCENARIO, folder),
         "errors": sorted(errors, key=lambda error: error.get("tolerance") is None),
         "contacts": summary.get("contacts", {}),
         "energy": summary.get("energy"),

@@ -13,12 +13,13 @@ import xarray
 from models.core.quantities import Vector
 
 from ..assessment.lost_contact import find_lost
-from ..errors import Command, MistakeError, Option, in_command_line
+from ..errors import MistakeError, Option
 from ..scenario import Scenario, ScenarioError, build_scenario
 from ..store.output_folder import CYCLES, SCENARIO, STORE, SUMMARY
 from .content import describe, list_marks, read_film
 from .mechanism import list_sketches
 from .packing import pack
+from .repetition import repeat
 
 ANGLE = "cam_angle"
 RPM = 30.0 / math.pi
@@ -41,7 +42,8 @@ def collect_sweep(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     with xarray.open_zarr(folder / STORE) as stored:
         numbers = stored.load().sel(speed=cycles["speed"].values)
     toml = str(summary.get("scenario_toml", ""))
-    return _tell(summary, toml, cycles["speed"].values), _collect(cycles, numbers, _read_scenario(toml))
+    told = _tell(summary, toml, cycles["speed"].values, folder)
+    return told, _collect(cycles, numbers, _read_scenario(toml))
 
 
 def _read_scenario(toml: str) -> Scenario | None:
@@ -52,7 +54,7 @@ def _read_scenario(toml: str) -> Scenario | None:
         return None
 
 
-def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector) -> dict[str, Any]:
+def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector, folder: Path) -> dict[str, Any]:
     separation = summary.get("separation")
     name = str(summary["scenario"])
     ends = [
@@ -68,7 +70,7 @@ def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector) -> dict[str, An
         "notices": summary.get("notices", []),
         "version": summary.get("version", ""),
         "versions": "",
-        "command": in_command_line(Command("speeds", (SCENARIO,), (*ends, Option("count", speeds.size)))),
+        "command": repeat("speeds", Path(SCENARIO), folder, *ends, Option("count", speeds.size)),
         "fmus": {},
         "toml": toml,
     }

@@ -44,6 +44,8 @@ def execute(
         identity.check(checkpoint[0], format_path(folder.path))
         if differ := identity.compare_machines(checkpoint[0], format_path(folder.path)):
             reporter.line(differ)
+        time = checkpoint[1]["session"]["time"]
+        reporter.line(f"goes on from t = {time:.6g} s, {100.0 * time / plan.stop_time:.0f} %")
     else:  # this is left if a participant ends the process
         summary.write(folder.path / SUMMARY)
     observation = _Observation(plan, folder)

@@ -15,6 +15,7 @@ from models.core.errors import ModelError
 from models.core.remedies import Command, find_actions
 from orchestrator.errors import CheckpointError, MistakeError, start_over
 from orchestrator.reporter import Reporter
+from orchestrator.run.checkpoint import read
 from orchestrator.run.pipeline import resume, run
 from orchestrator.scenario.files import load
 from orchestrator.store.journal import Recorded
@@ -152,13 +153,18 @@ def test_the_wall_time_is_that_of_all_processes(killed):
     assert summary.coupled_time_s < summary.wall_time_s
 
 
-def test_a_run_that_goes_on_with_another_processor_or_blas_says_so_once(killed, monkeypatch):
+def test_a_run_says_where_it_goes_on_and_once_that_processor_or_blas_are_others(killed, monkeypatch):
     monkeypatch.setenv("OPENBLAS_CORETYPE", "Nehalem")
     monkeypatch.setattr("llvmlite.binding.get_host_cpu_name", lambda: "other")
     reporter = Reporter(Console(file=StringIO(), width=500))
+    begun = read(killed / "unfinished" / "checkpoint")[1]["session"]["time"]
     assert resume(killed, build_fmu, reporter, figures=False).complete
-    said = [line for line in reporter.console.file.getvalue().splitlines() if "digits" in line]
+    lines = reporter.console.file.getvalue().splitlines()
+    said = [line for line in lines if "digits" in line]
     assert len(said) == 1
+    share = 100.0 * begun / load(killed / "scenario.toml").stop_time
+    assert 0.0 < share < 100.0
+    assert lines[lines.index(said[0]) + 1] == f"goes on from t = {begun:.6g} s, {share:.0f} %"
     assert "OPENBLAS_CORETYPE was not set, is Nehalem" in said[0]
     assert "is other" in said[0]
     assert "the last digits may differ" in said[0]

@@ -66,7 +66,8 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
         assert page.evaluate("report.view.part") == pytest.approx(part) != [0.0, 1.0]
         command = shlex.split(page.locator("#command").inner_text())
         assert command[:3] == ["tribocosim", "run", str(path.with_name("warm.toml"))]
-        repeated = list_parameters(load(command[2], command[4::2]))
+        assert command[3:5] == ["--out", "results/warm-again"]
+        repeated = list_parameters(load(command[2], command[6::2]))
         assert repeated["flywheel.initial_speed"] == pytest.approx(1200.0 * math.pi / 30.0)
         assert page.evaluate("get('verdict').className") == "verdict good"
         assert page.evaluate(

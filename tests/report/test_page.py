@@ -1,9 +1,11 @@
 """report.html: what is in the file, without a browser."""
 
 import base64
+import html
 import json
 import math
 import re
+import shlex
 import zlib
 from html.parser import HTMLParser
 from pathlib import Path
@@ -26,7 +28,7 @@ from orchestrator.report.packing import COARSE, DIVISIONS, PRECISE, bucket, pack
 from orchestrator.report.sketch import Sketch
 from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.system import build_system
-from orchestrator.store.result_file import ResultFile
+from orchestrator.store.result_file import ResultFile, open_result
 
 from ..orchestrator.commands import called
 from .large import write_large
@@ -152,6 +154,11 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> str:
 def read_content(page: str) -> Any:
     """What the scripts of a page get."""
     return json.loads(page.split('id="data">')[1].split("</script>")[0])
+
+
+def read_command(page: str) -> list[str]:
+    """The words of the command with which it is repeated."""
+    return shlex.split(html.unescape(page.split('id="command">')[1].split("<")[0]))
 
 
 def write_evil(folder: Path) -> Path:
@@ -280,7 +287,9 @@ def test_pictures_that_fail_do_not_end_the_run_and_are_drawn_anew(
 def test_a_sweep_has_all_its_cycles(tmp_path: Path) -> None:
     """Loads to five digits; what is NaN at all speeds is left out."""
     write_sweep(tmp_path)
-    content = read_content(write_report(tmp_path).read_text("utf-8"))
+    page = write_report(tmp_path).read_text("utf-8")
+    assert read_command(page)[-2:] == ["--out", f"{tmp_path}-again"]
+    content = read_content(page)
     packed = {
         v["name"]: unpack(v["data"]["values"], 4).reshape(len(SPEEDS), ROWS) for v in content["variables"]
     }
@@ -308,6 +317,17 @@ def test_the_page_asks_nothing_of_any_network_and_has_the_scenario_as_text(page:
     assert "SHA-256 of camshaft" in page
     outside = re.findall(r"https?://[^\s\"'<]+", page)
     assert set(outside) <= {"http://www.w3.org/2000/svg"}
+
+
+def test_the_command_of_a_page_makes_the_result_again_beside_it(tmp_path: Path) -> None:
+    short = {"stop_time": "50 ms", "reference.enabled": False}
+    own = tmp_path / "its own"
+    tribocosim.run(tribocosim.load("two-masses").with_(short), own)
+    tool, *command = read_command(write_report(own).read_text("utf-8"))
+    done = called(*command)
+    assert (tool, done.returncode) == ("tribocosim", 0), done.stderr
+    with open_result(own) as first, open_result(tmp_path / "its own-again") as second:
+        xarray.testing.assert_equal(first["coupled"], second["coupled"])
 
 
 def test_a_result_without_folder_has_a_page(tmp_path: Path) -> None:
