@@ -15,7 +15,7 @@ from .machine_code import RUNTIME, STRICT, Platform, object_code, run_zig
 
 BROWSER = Platform("wasm32-unknown-unknown", "wasm32-wasi", "", "", ".wasm")
 # What a page sets, reads and calls.
-_ARRAYS = ("parameters", "inputs", "state", "start", "nominal", "held", "positive", "rows")
+_ARRAYS = ("parameters", "inputs", "state", "start", "nominal", "held", "positive", "rows", "lows", "highs")
 # Kernels keep small arrays on the stack.
 _LINKED = ["-mexec-model=reactor", "-s", "-lm", "-Wl,--gc-sections", "-Wl,-z,stack-size=131072"]
 _EXACT = ["-O2", "-ffp-contract=off", "-fno-sanitize=all"]

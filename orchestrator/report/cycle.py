@@ -119,12 +119,14 @@ def _tell_train(train: Train, turning: str) -> dict[str, Any]:
 
 
 def _tell_parts(train: Train) -> Iterator[dict[str, Any]]:
-    """What each cam moves: parts of which the page says figures. A valve without a seat has none."""
+    """What each cam moves: parts of which the page says figures, contacts with their elastic limits (Pa). A
+    valve without a seat has none."""
     parameters = train.component.parameters
     numbers = dict(zip(parameters.names, parameters.start, strict=True))
     for one in find_trains(build_system(train.scenario)):
         seated = [name for name in one.list_parts(roles.Valve) if numbers.get(f"{name}.seat_stiffness")]
-        yield {"lift": f"{one.cam}.cam_lift", "contacts": one.contacts, "valves": seated}
+        limits = {name: numbers[f"{name}.elastic_limit"] for name in one.contacts}
+        yield {"lift": f"{one.cam}.cam_lift", "contacts": limits, "valves": seated}
 
 
 def _list_sliders(train: Train) -> Iterator[dict[str, Any]]:

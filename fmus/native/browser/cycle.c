@@ -35,6 +35,8 @@
 
 double parameters[PARAMETERS + 1], inputs[INPUTS + 1], state[N], start[N], nominal[N];
 double rows[(SAMPLES + 1) * OUTPUTS];
+/* The least and the largest output from each row to the next: of both rows, and of the ends of steps between. */
+double lows[SAMPLES * OUTPUTS], highs[SAMPLES * OUTPUTS];
 /* By state: whether each period begins it at its start, and whether it must stay above zero. */
 int32_t held[N], positive[N];
 /* The states at the begin of the last period, and at the end of the one before; what that one changed, over
@@ -62,7 +64,7 @@ static const double POWERS[STAGES][STAGES] = {
     {15.58078204724922, -8.914115380582556, 10.0 / 3.0}};
 
 typedef double Stages[STAGES][N];
-static double rate[N], next[N], changed[N], error[N];
+static double rate[N], next[N], changed[N], error[N], reached[OUTPUTS];
 /* Changes of the state to the nodes, their rates, both transformed, and the polynomial of the last step. */
 static Stages stage, slope, moved, change, polynomial;
 static double jacobian[N][N];
@@ -275,6 +277,24 @@ static double move(int i, double share)
     return share * (polynomial[0][i] + share * (polynomial[1][i] + share * polynomial[2][i]));
 }
 
+static void widen(int span, const double *outputs)
+{
+    double *low = lows + OUTPUTS * span, *high = highs + OUTPUTS * span;
+    for (int j = 0; j < OUTPUTS; j++) {
+        if (outputs[j] < low[j]) low[j] = outputs[j];
+        if (outputs[j] > high[j]) high[j] = outputs[j];
+    }
+}
+
+/* It ends the span before it, and begins the next. */
+static void write_row(int k, double t, const double *x)
+{
+    double *row = rows + OUTPUTS * k;
+    CALL(output, t, x, inputs, parameters, row);
+    if (k > 0) widen(k - 1, row);
+    for (int j = 0; j < OUTPUTS && k < SAMPLES; j++) lows[OUTPUTS * k + j] = highs[OUTPUTS * k + j] = row[j];
+}
+
 /* The state to which the last two periods lead, by Anderson's method: the change that is left is taken for a
    line through theirs. It stays where they do not contract. */
 static void extrapolate(bool known)
@@ -307,7 +327,7 @@ double revolve(double period, double tolerance, int32_t before)
     bool fresh = true, factored = false, refused = false;
     int k = 1;
     for (int i = 0; i < N; i++) begun[i] = state[i] = held[i] ? start[i] : state[i];
-    CALL(output, t, state, inputs, parameters, rows);
+    write_row(0, t, state);
     find_rate(t, state, rate);
     find_jacobian(t);
     for (int steps = 0; k <= SAMPLES; steps++) {
@@ -345,10 +365,12 @@ double revolve(double period, double tolerance, int32_t before)
         for (; k <= SAMPLES && (last || t + h >= period * k / SAMPLES); k++) {
             double share = (period * k / SAMPLES - t) / h;
             for (int i = 0; i < N; i++) changed[i] = state[i] + move(i, share);
-            CALL(output, period * k / SAMPLES, changed, inputs, parameters, rows + OUTPUTS * k);
+            write_row(k, period * k / SAMPLES, changed);
         }
         for (int i = 0; i < N; i++) state[i] += stage[2][i];
         t = last ? period : t + h;
+        CALL(output, t, state, inputs, parameters, reached);
+        widen(k <= SAMPLES ? k - 1 : SAMPLES - 1, reached);
         length = h;
         last_error = found > 1e-2 ? found : 1e-2;
         find_rate(t, state, rate);

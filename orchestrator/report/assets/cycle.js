@@ -8,6 +8,7 @@ const STEADY = 1e-4, MOST_PERIODS = 12;
 const TOLERANCE = 3e-6;
 
 const least = (values) => values ? values.reduce((a, b) => Math.min(a, b), Infinity) : Infinity;
+const megapascals = (pressure) => +(1e-6 * pressure).toPrecision(4) + " MPa";
 
 class CycleRecords extends Records {
   constructor(content) {
@@ -52,6 +53,8 @@ class CycleRecords extends Records {
     this.found = { ...found, milliseconds: performance.now() - began };
     if (found.change !== found.change) return false;
     this.rows = this.view("rows", Float64Array, base.rows * told.outputs.length).slice();
+    for (const name of ["lows", "highs"]) this[name] = this.view(name, Float64Array, (base.rows - 1) * told.outputs.length).slice();
+    this.measured = this.measure();
     this.shows = true;
     base.end = this.period;
     base.times = Float64Array.from({ length: base.rows }, (_, i) => i * this.period / (base.rows - 1));
@@ -82,22 +85,29 @@ class CycleRecords extends Records {
     return { change, periods };
   }
 
-  // Of each kind the worst part, as orchestrator/assessment/figures_of_merit.py measures it.
-  figures() {
-    const found = new Map(), add = (kind, part, output, value) => {
+  // Of each kind the worst part, as orchestrator/assessment/figures_of_merit.py measures it, and of what to warn.
+  measure() {
+    const lost = [], yielding = [], found = new Map(), add = (kind, part, output, value) => {
       const { unit, factor } = this.variables.get(part + "." + output) || {}, shown = Math.abs(factor * value);
       if (isFinite(shown) && !(found.get(kind)?.value <= value)) found.set(kind, { value, text: readable(+shown.toPrecision(3)) + " " + unit + " (" + part + ")" });
     };
     for (const { lift, contacts, valves } of this.told.trains) {
       const lifts = this.column(lift), high = -this.told.lifted * least(lifts.map((one) => -one));
-      for (const part of contacts) {
-        add("least load while the cam lifts", part, "load", least(this.column(part + ".load").filter((_, i) => lifts[i] > high)));
-        add("highest pressure", part, "maximum_pressure", least(this.column(part + ".maximum_pressure").map((one) => -one)));
-        add("least film", part, "minimum_film_thickness", least(this.column(part + ".minimum_film_thickness")));
+      for (const [part, limit] of Object.entries(contacts)) {
+        const load = least(this.column(part + ".load", this.lows).filter((_, i) => Math.min(lifts[i], lifts[i + 1]) > high));
+        const pressure = -least(this.column(part + ".maximum_pressure", this.highs).map((one) => -one));
+        add("least load while the cam lifts", part, "load", load);
+        add("highest pressure", part, "maximum_pressure", -pressure);
+        const film = least(this.column(part + ".minimum_film_thickness", this.lows));
+        add("least film", part, "minimum_film_thickness", film < 1e-6 * ATOM ? 0 : film);
+        if (load <= 0) lost.push(part);
+        if (pressure > limit) yielding.push(part + " (" + megapascals(pressure) + ", limit " + megapascals(limit) + ")");
       }
       for (const part of valves) add("seating velocity", part, "velocity", this.land(part));
     }
-    return [...found].map(([kind, { value, text }]) => (kind.endsWith("lifts") && value <= 0 ? "contact is lost: " : "") + kind + " " + text).join(", ");
+    const figures = [...found].map(([kind, { value, text }]) => (kind.endsWith("lifts") && value <= 0 ? "contact is lost: " : "") + kind + " " + text).join(", ");
+    const warnings = [["contact is lost in ", lost], ["bodies yield above the elastic limit, which is not computed: ", yielding]];
+    return { figures, warnings: warnings.filter(([, parts]) => parts.length).map(([words, parts]) => words + parts.join(", ")) };
   }
 
   // The velocity at the last row before the seat, of the hardest landing of a flight from the cam's lift.
@@ -112,9 +122,9 @@ class CycleRecords extends Records {
     return hardest;
   }
 
-  column(name) {
+  column(name, rows = this.rows) {
     const at = this.columns.get(name), n = this.told.outputs.length;
-    return at === undefined ? null : Float32Array.from({ length: this.bases[0].rows }, (_, i) => this.rows[i * n + at]);
+    return at === undefined ? null : Float32Array.from({ length: rows.length / n }, (_, i) => rows[i * n + at]);
   }
 
   // Without load there is no film.
@@ -181,22 +191,24 @@ class Cycle {
     view.part = part;
     await this.report.reload();
     this.report.setTime(share * this.report.base.end);
-    get("cycle-figures").textContent = this.records.figures();
+    get("cycle-figures").textContent = this.records.measured.figures;
   }
 
   tell() {
     const { change, periods, milliseconds } = this.records.found, time = Math.round(milliseconds) + " ms";
-    get("cycle-figures").textContent = this.records.shows ? this.records.figures() : "";
+    const { figures, warnings } = this.records.shows ? this.records.measured : { figures: "" };
+    get("cycle-figures").textContent = figures;
     if (change !== change) this.judge("bad", "no step succeeds: " + (this.records.shows ? "the cycle before is shown" : "there is no cycle"));
-    else if (change <= STEADY) this.judge("good", "steady after " + periods + (periods > 1 ? " periods, " : " period, ") + time);
-    else this.judge("unsteady", "not steady after " + periods + " periods: the last one is shown, and the next would change states by up to " + readable(+change.toPrecision(2)) + " of their sizes; " + time);
+    else if (change <= STEADY) this.judge("good", "steady after " + periods + (periods > 1 ? " periods, " : " period, ") + time, warnings);
+    else this.judge("unsteady", "not steady after " + periods + " periods: the last one is shown, and the next would change states by up to " + readable(+change.toPrecision(2)) + " of their sizes; " + time, warnings);
   }
 
-  // What the motion is, beside the sliders and by the colour of the page's verdict.
-  judge(kind, words) {
+  // What the motion is, beside the sliders and by the colour of the page's verdict: warnings make it amber.
+  judge(kind, words, warnings = []) {
     get("cycle-state").textContent = words;
-    get("verdict").textContent = { good: "steady cycle, computed in this page", unsteady: "no steady cycle at these numbers", bad: "no motion at these numbers" }[kind] || "computing";
-    get("verdict").className = "verdict " + kind;
+    const motion = { good: "steady cycle, computed in this page", unsteady: "no steady cycle at these numbers", bad: "no motion at these numbers" }[kind] || "computing";
+    get("verdict").textContent = [motion, ...warnings].join("; ");
+    get("verdict").className = "verdict " + (warnings.length ? "unsteady" : kind);
   }
 
   draw() {}
