@@ -81,6 +81,8 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
         assert "contact is lost in contact; bodies yield above the elastic limit" in headline
         assert highest > limit == pytest.approx(1e-6 * repeated["contact.elastic_limit"], rel=1e-3)
         assert figures.startswith("contact is lost: least load while the cam lifts 0 N")
+        thin = page.evaluate("report.records.lows.fill(2e-10) && report.records.measure().figures")
+        assert "least film 0 µm" in thin  # below an atom
         page.evaluate("report.records.told.parameters.fill(NaN)")
         slider.press("ArrowLeft")
         wait(page, "document.querySelector('#cycle-state').textContent.startsWith('no step succeeds: ')")
@@ -98,6 +100,8 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
     thinnest = cycle["contact.minimum_film_thickness"].min()
     assert least == pytest.approx(measure_cycle(cycle, "flywheel")["contact.least_load"], rel=6e-3)
     assert 1e-6 * film == pytest.approx(thinnest, rel=6e-3)
+    hard = subject.find_cycle_at(6000.0 * math.pi / 30.0)
+    assert 1e6 * highest == pytest.approx(hard["contact.maximum_pressure"].max(), rel=6e-3)
 
 
 @pytest.mark.parametrize(
