@@ -24,6 +24,7 @@ class CycleRecords extends Records {
     get("cycle-state").textContent = "computing the first cycle: a train of many valves takes minutes, and answers only between periods";
     await new Promise((done) => setTimeout(done, 20));
     const { instance } = await WebAssembly.instantiate(await inflate(this.told.code), {});
+    /** @type {any} */
     this.train = instance.exports;
     this.train._initialize();
     this.begin();
@@ -53,7 +54,8 @@ class CycleRecords extends Records {
     this.found = { ...found, milliseconds: performance.now() - began };
     if (found.change !== found.change) return false;
     this.rows = this.view("rows", Float64Array, base.rows * told.outputs.length).slice();
-    for (const name of ["lows", "highs"]) this[name] = this.view(name, Float64Array, (base.rows - 1) * told.outputs.length).slice();
+    this.lows = this.view("lows", Float64Array, (base.rows - 1) * told.outputs.length).slice();
+    this.highs = this.view("highs", Float64Array, this.lows.length).slice();
     this.measured = this.measure();
     this.shows = true;
     base.end = this.period;
@@ -106,8 +108,8 @@ class CycleRecords extends Records {
       for (const part of valves) add("seating velocity", part, "velocity", this.land(part));
     }
     const figures = [...found].map(([kind, { value, text }]) => (kind.endsWith("lifts") && value <= 0 ? "contact is lost: " : "") + kind + " " + text).join(", ");
-    const warnings = [["contact is lost in ", lost], ["bodies yield above the elastic limit, which is not computed: ", yielding]];
-    return { figures, warnings: warnings.filter(([, parts]) => parts.length).map(([words, parts]) => words + parts.join(", ")) };
+    const warnings = { "contact is lost in": lost, "bodies yield above the elastic limit, which is not computed:": yielding };
+    return { figures, warnings: Object.entries(warnings).filter(([, parts]) => parts.length).map(([words, parts]) => words + " " + parts.join(", ")) };
   }
 
   // The velocity at the last row before the seat, of the hardest landing of a flight from the cam's lift.
@@ -196,7 +198,7 @@ class Cycle {
 
   tell() {
     const { change, periods, milliseconds } = this.records.found, time = Math.round(milliseconds) + " ms";
-    const { figures, warnings } = this.records.shows ? this.records.measured : { figures: "" };
+    const { figures, warnings } = this.records.shows ? this.records.measured : { figures: "", warnings: [] };
     get("cycle-figures").textContent = figures;
     if (change !== change) this.judge("bad", "no step succeeds: " + (this.records.shows ? "the cycle before is shown" : "there is no cycle"));
     else if (change <= STEADY) this.judge("good", "steady after " + periods + (periods > 1 ? " periods, " : " period, ") + time, warnings);
