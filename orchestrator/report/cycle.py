@@ -5,6 +5,7 @@ import math
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from sys import float_info
 from typing import Any
 
 from models.contact.oils import ZERO_CELSIUS
@@ -125,7 +126,8 @@ def _tell_parts(train: Train) -> Iterator[dict[str, Any]]:
     numbers = dict(zip(parameters.names, parameters.start, strict=True))
     for one in find_trains(build_system(train.scenario)):
         seated = [name for name in one.list_parts(roles.Valve) if numbers.get(f"{name}.seat_stiffness")]
-        limits = {name: numbers[f"{name}.elastic_limit"] for name in one.contacts}
+        # JSON has no infinity, which tells bodies that never yield.
+        limits = {name: min(numbers[f"{name}.elastic_limit"], float_info.max) for name in one.contacts}
         yield {"lift": f"{one.cam}.cam_lift", "contacts": limits, "valves": seated}
 
 
