@@ -336,7 +336,8 @@ def test_a_narrow_bearing_is_short():
 @given(st.floats(0.0, 0.999), ANGLES, st.floats(0.01, 1.0))
 def test_every_film_takes_power_and_has_a_potential(eps, angle, ratio):
     """The squeeze across is half of the derivative by the angle of the squeeze along, times the force."""
-    step = 1e-5 * (1.0 - eps)
+    # Near the wall the squeeze is rounded to 1e-9: over this step that is 4 % of the tolerance.
+    step = 1e-3 * (1.0 - eps)
     along, across = squeeze_of(eps, ratio, angle)
     assert along > 0.0
     slope = (squeeze_of(eps, ratio, angle + step)[0] - squeeze_of(eps, ratio, angle - step)[0]) / (2.0 * step)
