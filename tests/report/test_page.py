@@ -47,16 +47,12 @@ def write_sweep(folder: Path) -> None:
     share = np.linspace(0.0, 1.0, ROWS)
     angle = np.broadcast_to(2.0 * math.pi * share, (len(SPEEDS), ROWS))
     load = load_of(SPEEDS[:, None], angle)
-    dims = ("speed", "share")
+    dims, film = ("speed", "share"), {"units": "m", "display_units": "um", "long_name": "film"}
     cycles = xarray.Dataset(
         {
             "cam_angle": (dims, angle, {"units": "rad"}),
             "contact.load": (dims, load, {"units": "N", "long_name": "contact load"}),
-            "contact.film_thickness": (
-                dims,
-                1e-6 / load,
-                {"units": "m", "display_units": "um", "long_name": "film"},
-            ),
+            "contact.film_thickness": (dims, 1e-6 / load, film),
         },
         {"speed": SPEEDS, "share": share},
         {"cam_ratio": 0.5},
