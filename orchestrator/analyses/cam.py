@@ -16,8 +16,15 @@ from scipy.optimize import brentq
 from models.core.quantities import Vector
 from models.plausible import SPEED
 from models.valve_train.cams.lift import Lift
+from models.valve_train.cams.profile import RADII, name_convex_base
 from models.valve_train.cams.table import TURN
-from models.valve_train.followers.shape import FOLLOWERS, Follower, sample_angles, trace_shape
+from models.valve_train.followers.shape import (
+    FOLLOWERS,
+    Follower,
+    find_least_radius,
+    sample_angles,
+    trace_shape,
+)
 
 from ..plots.style import ACCENT, COUPLED, MUTED, RPM, create_subplots
 from ..scenario.cam_files import write_contour, write_lift, write_s96
@@ -121,7 +128,9 @@ def _evaluate_table(
     slope, bend, jerk = (table[name].values for name in ("slope", "curvature", "jerk"))
     radius, pressure = table["radius_of_curvature"].values, table["pressure_angle"].values
     begin, end = profile.event
-    convex = np.where(radius > 0.0, radius, np.inf)
+    dense = TURN * np.arange(RADII) / RADII
+    *_, radii, rates, _, _ = _touch(dense, profile, follower, geometry)
+    least = find_least_radius(radii, rates)
     zeros, slopes = _find_reversals(angle, lambda a: _entrain(profile.lift(a), follower, geometry))
     read, smoothing = profile.table, profile.smoothing
     return {
@@ -133,9 +142,9 @@ def _evaluate_table(
         "largest_acceleration": float(bend.max() * speed**2),
         "least_acceleration": float(bend.min() * speed**2),
         "largest_jerk": float(np.abs(jerk).max() * speed**3),
-        "least_radius": float(convex.min()),
-        "least_radius_at": float(angle[np.argmin(convex)]),
-        "shape": _describe_shape(radius, values),
+        "least_radius": float(radii[least]),
+        "least_radius_at": float(dense[least]),
+        "shape": _describe_shape(radius, float(radii[least]), values),
         "largest_pressure_angle": float(np.abs(pressure).max()),
         **find_timing(profile, values),
         "reversals": ", ".join(f"{math.degrees(a):.2f}" for a in zeros) or "none",
@@ -161,18 +170,12 @@ def _find_reversals(angles: Vector, entraining: Callable[[float], float]) -> tup
     return zeros, slopes
 
 
-def _describe_shape(radius: Vector, values: Mapping[str, Any]) -> str:
-    """Whether the cam can be made: rho may be negative, but the pitch curve's radius rho + r must be so too.
-
-    A flat follower has an infinite radius.
-    """
-    follower = math.inf if values["follower"] == "flat" else values["radius"]
-    if np.any((radius <= 0.0) & (radius + follower >= 0.0)):
+def _describe_shape(radius: Vector, least: float, values: Mapping[str, Any]) -> str:
+    """Whether the cam can be made, by its radii and the least one of them."""
+    if least <= 0.0:
+        remedy = "enlarge base_radius, or take a smaller radius"
         if values["follower"] == "flat":  # its rho = R_0 + s + s'' is as much larger as the base circle
-            needed = 1e3 * (values["base_radius"] - radius.min())
-            remedy = f"base_radius > {needed:.4g} mm is needed"
-        else:
-            remedy = "enlarge base_radius, or take a smaller radius"
+            remedy = f"base_radius > {name_convex_base(values['base_radius'], least):.3f} mm is needed"
         return f"{UNDERCUT}: the contour crosses itself; {remedy}"
     if np.any(radius < 0.0):
         return f"hollow flank: takes a grinding wheel of at most {-1e3 * radius[radius < 0.0].max():.4g} mm"
@@ -277,7 +280,7 @@ ANALYSIS = declare(
         "largest_acceleration": Result("m/s2", "largest acceleration"),
         "least_acceleration": Result("m/s2", "largest deceleration"),
         "largest_jerk": Result("m/s3", "largest jerk; infinite where the acceleration jumps"),
-        "least_radius": Result("m", "least radius of curvature where the cam is convex", display_unit="mm"),
+        "least_radius": Result("m", "least radius of curvature; < 0: undercut", display_unit="mm"),
         "least_radius_at": Result("rad", "cam angle there", display_unit="deg"),
         "shape": Result("1", "what the radii say", text=True),
         "largest_pressure_angle": Result("rad", "largest pressure angle", display_unit="deg"),

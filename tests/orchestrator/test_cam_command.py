@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
+from models.catalogue import CATALOGUE
 from models.valve_train.cams.segments import join_sides, scale_rise
 from models.valve_train.cams.table import table_lift
 from orchestrator.analyses import load
@@ -262,6 +263,34 @@ def test_a_table_without_lift_is_named(tmp_path):
     analysis = load("cam")
     with pytest.raises(MistakeError, match="largest lift is -1 mm: must be > 0"):
         analysis.evaluate(analysis.complete({"lift_table": str(table)}))
+
+
+@pytest.mark.parametrize("base_radius", [12e-3, 13.7e-3, 8e-3])
+def test_an_undercut_cam_has_the_signed_least_radius_that_its_refusal_names(base_radius):
+    """Not the sample beside the zero of rho. The default cam's smallest rho is its R0 less 13.757 mm."""
+    analysis = load("cam")
+    found = analysis.evaluate(analysis.complete({"base_radius": base_radius}))
+    shaft = CATALOGUE["camshaft"]()
+    (fault,) = shaft.parameter_faults(shaft.parameters.vector({"base_radius": base_radius}))
+    radius, needed = re.findall(r"[\d.-]+(?= mm)", fault)
+    assert f"{1e3 * found['least_radius']:.3f}" == radius
+    assert found["least_radius"] == pytest.approx(base_radius - 13.757e-3, abs=1e-6)
+    assert found["shape"].endswith(f"base_radius > {needed} mm is needed")
+
+
+def test_an_undercut_nose_under_a_roller_has_a_negative_least_radius():
+    """A roller's cam undercuts where its pitch curve bends tighter than the roller; hollow flanks do not
+    count. rho = rho_p - r of a pitch curve at x: rho_p = (x^2 + x'^2)^1.5 / (x^2 + 2 x'^2 - x x'')."""
+    analysis = load("cam")
+    given = {"follower": "roller", "base_radius": 8e-3, "radius": 18e-3, "rise_angle": 0.8}
+    values = analysis.complete(given)
+    found, lift = analysis.evaluate(values), build_profile(values).lift
+    s, ds, dds = np.array([lift(a) for a in np.linspace(0.0, 2.0 * math.pi, 4001)]).T
+    x = 26e-3 + s
+    pitch = (x**2 + ds**2) ** 1.5 / (x**2 + 2.0 * ds**2 - x * dds)
+    assert found["least_radius"] == pytest.approx(pitch[pitch > 0.0].min() - 18e-3, rel=1e-4)
+    assert found["least_radius"] < 0.0
+    assert found["shape"].startswith("undercut")
 
 
 def test_a_flat_follower_needs_a_convex_cam():

@@ -17,6 +17,8 @@ from .lift import Lift
 # Nearer to a break of the profile than this (rad) a cam has reached it: s'' changes there by 4e-9 of its
 # largest value, and what that adds up to is below the 1e-10 of any integrator here.
 REACHED = 1e-9
+# Points of a turn at which radii of curvature are looked at.
+RADII = 4000
 
 
 class Breaks(NamedTuple):
@@ -61,18 +63,24 @@ def sliding_velocity(base_radius: float, cam: Lift, cam_speed: float) -> float:
 
 
 def find_smallest_radius(profile: CamProfile) -> Any:
-    """A kernel (p) -> the least rho over a turn (m), from 4000 points (its error is about 1e-5 S)."""
+    """A kernel (p) -> the least rho over a turn (m), from RADII points (its error is about 1e-5 S)."""
     lift = profile.lift
 
     @kernel
     def smallest_radius(p: Any) -> float:
         smallest = math.inf
-        for i in range(4000):
-            cam = lift(2.0 * math.pi * i / 4000.0, p)
+        for i in range(RADII):
+            cam = lift(2.0 * math.pi * i / RADII, p)
             smallest = min(smallest, radius_of_curvature(p.base_radius, cam))
         return smallest
 
     return smallest_radius
+
+
+@kernel
+def name_convex_base(base_radius: float, smallest: float) -> float:
+    """Above this base circle radius (mm, rounded up) rho = R0 + s + s'' > 0 all around."""
+    return 1e-3 * math.ceil(1e6 * (base_radius - smallest))
 
 
 def require_convexity(profile: CamProfile) -> Requirement:
@@ -86,7 +94,7 @@ def require_convexity(profile: CamProfile) -> Requirement:
     def is_convex(p: Any, numbers: Vector) -> bool:
         smallest = smallest_radius(p)
         numbers[0] = 1e3 * smallest
-        numbers[1] = 1e-3 * math.ceil(1e6 * (p.base_radius - smallest))  # rho = R0 + s + s''
+        numbers[1] = name_convex_base(p.base_radius, smallest)
         return smallest > 0.0
 
     return is_convex

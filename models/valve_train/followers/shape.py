@@ -55,6 +55,12 @@ def trace_shape(angles: Vector, lift: LiftLaw, follower: Follower, geometry: Any
     return CamShape(*_turn(x, y, -angles), *_turn(n_x, n_y, -angles), radius)
 
 
+def find_least_radius(radius: Vector, cam_rate: Vector) -> int:
+    """The row of the least radius of curvature: of hollows none counts, of places where the cam undercuts,
+    cam_rate <= 0, the negative one."""
+    return int(np.argmin(np.where((radius > 0.0) | (cam_rate <= 0.0), radius, np.inf)))
+
+
 def follow_flat(shape: CamShape, g: Flat) -> Points:
     """p = point . normal, p' along the tangent, p'' = rho - p, at the angle of the normal less the tilt."""
     angle = np.unwrap(np.arctan2(shape.normal_x, shape.normal_y)) - g.tilt

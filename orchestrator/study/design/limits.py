@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.core.quantities import Vector
+from models.valve_train.followers.shape import find_least_radius
 
 from .answers import Answer
 from .lobe import Curve, Lobe, Touch
@@ -74,8 +75,10 @@ def find_sizes(lobe: Lobe, curve: Curve, geometry: Any, speed: float) -> dict[st
     """What a lift has of the limits of the cam itself, in SI units, at a speed of the cam (rad/s)."""
     touch, none = lobe.touch(curve, geometry), np.empty(0)
     here, bend = State(curve, touch, none, none), touch.turn / touch.cam_rate
+    with np.errstate(divide="ignore"):  # straight flanks
+        radius = touch.cam_rate / touch.turn
     return {name: float(value(here).max()) for name, value in _most_values(speed).items()} | {
-        "least_radius": float(1.0 / bend.max()),
+        "least_radius": float(radius[find_least_radius(radius, touch.cam_rate)]),
         "wheel_radius": float(-1.0 / bend.min()) if bend.min() < 0.0 else 1e3,
         "largest_nose_radius": float(1.0 / max(bend[_middle(bend.size)].min(), 1e-3)),
     }
