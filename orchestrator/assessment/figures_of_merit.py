@@ -14,7 +14,8 @@ from models.core.component import Component
 from models.core.quantities import Quantity, Vector
 from models.valve_train.wire_materials import Fatigue
 
-from .motion import LIFTED, Found, Motion, Part
+from .motion import Found, Motion, Part
+from .trains import LIFTED
 
 # Of the largest lift: above it a valve is open.
 OPENED = 0.05
@@ -191,7 +192,7 @@ def _lost_on_nose(contact: Part) -> Found:
     """
     if contact.cam_lift is None:
         return NONE
-    lost = (contact["load"] <= 0.0) & contact.lifted
+    lost = contact.lost
     with np.errstate(divide="ignore", invalid="ignore"):  # rows of step control may have one angle
         slows = np.gradient(np.gradient(contact.cam_lift, contact.angle), contact.angle) < 0.0
     begin = np.maximum.accumulate(np.where(lost & ~np.append(False, lost[:-1]), np.arange(lost.size), 0))
@@ -245,11 +246,11 @@ CONTACT: Mapping[str, Figure] = {
     ),
     "largest_load": (Quantity("N", "largest load"), _largest("load")),
     "lost": (
-        Quantity("1", "share of the time that lifts without load"),
-        lambda c: Found(c.mean((c["load"] <= 0.0) & c.lifted)),
+        Quantity("1", "share of the time in which contact is lost"),
+        lambda c: Found(c.mean(c.lost)),
     ),
     "lost_on_nose": (
-        Quantity("1", "share of the time in losses of contact that begin where the cam slows the valve"),
+        Quantity("1", "share of the time in which contact is lost from where the cam slows the valve"),
         _lost_on_nose,
     ),
     "peak_pressure": (PRESSURE.of("largest Hertz pressure"), _largest("maximum_pressure")),

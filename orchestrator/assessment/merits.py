@@ -29,7 +29,8 @@ SHOWN = 4
 PLACES = ("least_load_angle", "least_clearance_angle")
 GAP = Quantity("m", "largest gap", display_unit="um")
 IMPACT = Quantity("m/s", "speed of the hardest impact")
-OPEN = Quantity("1", "share of the time without contact")
+AT_REST = Quantity("1", "share of the time without load on base circle and ramps, the valve on its seat")
+NONE = Quantity("1")
 
 
 @dataclass(frozen=True)
@@ -85,12 +86,16 @@ def read_motion(system: System, read: Read) -> Motion:
 
 def _list_observed(contact: ContactSummary) -> Iterator[tuple[str, float, float | None, Quantity]]:
     """Figure, value, time, and the quantity of those that only an observed contact has."""
-    yield "largest_load", contact.largest_load, contact.largest_load_time, OPEN
-    yield "peak_pressure", contact.pressure, contact.pressure_time, OPEN
+    if contact.seated:
+        yield "least_load", contact.least_load, contact.least_load_time, NONE
+    yield "largest_load", contact.largest_load, contact.largest_load_time, NONE
+    yield "peak_pressure", contact.pressure, contact.pressure_time, NONE
     film = contact.film if contact.film >= ATOM else 0.0
-    yield "least_film", film, contact.film_time, OPEN
-    yield "least_film_ratio", contact.film_ratio, None, OPEN
-    yield "open", contact.lost, None, OPEN
+    yield "least_film", film, contact.film_time, NONE
+    yield "least_film_ratio", contact.film_ratio, None, NONE
+    yield "lost", contact.lost, None, NONE
+    if contact.at_rest > 0.0:
+        yield "at_rest", contact.at_rest, None, AT_REST
     if contact.separation:
         yield "largest_gap", contact.separation.gap, contact.separation.gap_time, GAP
     if contact.impact:
@@ -146,7 +151,7 @@ def _follow(train: Train, found: Merits) -> tuple[float, list[str]]:
     lost, least = found.get((first, "lost")), found.get((first, "least_load"))
     if lost and lost.value > 0.0:
         share = f"{100.0 * lost.value:.2g} % of the time"
-        return -lost.value, [f"contact is lost while the cam lifts, in {share}"]
+        return -lost.value, [f"contact is lost in {share}"]
     if margin := found.get((train.valve, "spring_margin")):
         name, _, words = margin.quantity.description.partition(": ")
         return margin.value, [f"{name} {100.0 * margin.value:.3g} % ({words})"]

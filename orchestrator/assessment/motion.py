@@ -1,5 +1,6 @@
 """The parts of a motion, and what is found of them."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,10 +13,7 @@ from models.core.component import Component
 from models.core.quantities import Vector
 from models.core.system import System
 
-from .trains import Angle, Train, find_trains, parameter_of
-
-# Of the largest lift: above it a cam lifts.
-LIFTED = 0.1
+from .trains import Angle, Train, find_train, find_trains, parameter_of
 
 
 class Found(NamedTuple):
@@ -57,8 +55,7 @@ class Part:
     def train(self) -> Train | None:
         """Its own, or the only one."""
         trains = find_trains(self.motion.system)
-        own = next((train for train in trains if self.name in train.parts), None)
-        return own or (trains[0] if len(trains) == 1 else None)
+        return find_train(self.motion.system, self.name) or (trains[0] if len(trains) == 1 else None)
 
     @cached_property
     def angle(self) -> Vector:
@@ -72,10 +69,18 @@ class Part:
 
     @cached_property
     def lifted(self) -> NDArray[np.bool_]:
-        """Where its cam lifts by a tenth of its lift; everywhere, if it has no cam of its own."""
-        if self.cam_lift is None:
+        """Where its cam lifts (`Train.lobe`); everywhere, if it has no cam of its own."""
+        return self._rises_above(self.train.lobe if self.train else -math.inf)
+
+    @cached_property
+    def lost(self) -> NDArray[np.bool_]:
+        """Where a contact carries no load though no seat bears the valve (`Train.rest`)."""
+        return (self["load"] <= 0.0) & self._rises_above(self.train.rest if self.train else -math.inf)
+
+    def _rises_above(self, lift: float) -> NDArray[np.bool_]:
+        if self.train is None or self.cam_lift is None:
             return np.ones(self.motion.times.size, dtype=np.bool_)
-        return np.asarray(self.cam_lift > LIFTED * np.max(self.cam_lift))
+        return np.asarray(self.cam_lift > lift)
 
     def parameter(self, name: str) -> float:
         return parameter_of(self.motion.system.instances[self.name], name)

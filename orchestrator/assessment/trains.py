@@ -1,8 +1,9 @@
 """The valve trains of a system, and the angles over which its parts are read; both found by roles."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import chain
 from typing import NamedTuple
 
@@ -21,6 +22,8 @@ ENDS = (
     *(roles.CylinderGas, roles.Crank, roles.PistonCrank),
 )
 CRANKS = ENDS[-3:]
+# Of the largest lift: above it a cam lifts.
+LIFTED = 0.1
 WORDS = {"cam_angle": "Cam angle", "crank_angle": "Crank angle", "shaft_angle": "Shaft angle"}
 
 
@@ -80,6 +83,30 @@ class Train:
     def contacts(self) -> list[str]:
         return self.list_parts(roles.Contact)
 
+    def find_lobe(self, largest: float) -> float:
+        """The lift (m) above which a cam of this largest lift lifts: a tenth of it, and the valves' lash."""
+        return max(LIFTED * largest, *self._list_of_valves("lash"))
+
+    @cached_property
+    def lobe(self) -> float:
+        """Of its own cam, by a law or points with their ramps."""
+        cam = self.system.instances[self.cam]
+        own = [n for n in cam.component.parameters.names if n == "lift" or n.startswith("table_lift[")]
+        height = parameter_of(cam, "ramp_height") if own else 0.0
+        return self.find_lobe(height + max((parameter_of(cam, name) for name in own), default=0.0))
+
+    @property
+    def rest(self) -> float:
+        """The lift of its cam (m) up to which contacts may be open while a seat bears the valve: that of base
+        circle and ramps, which take up the lash. Of a valve without a seat none, minus infinity."""
+        return self.lobe if any(self._list_of_valves("seat_stiffness")) else -math.inf
+
+    def _list_of_valves(self, parameter: str) -> list[float]:
+        """Of those that have it, after a zero."""
+        valves = [self.system.instances[name] for name in self.list_parts(roles.Valve)]
+        having = [valve for valve in valves if parameter in valve.component.parameters.names]
+        return [0.0, *(parameter_of(valve, parameter) for valve in having)]
+
 
 @lru_cache(maxsize=8)  # figures ask for each panel
 def find_trains(system: System) -> tuple[Train, ...]:
@@ -117,11 +144,15 @@ def find_drive_angle(system: System) -> Angle | None:
     return None
 
 
+def find_train(system: System, instance: str) -> Train | None:
+    """The train whose part it is."""
+    return next((train for train in find_trains(system) if instance in train.parts), None)
+
+
 def find_angle(system: System, instance: str) -> Angle | None:
     """The angle over which the instance is read: its own cam's, or else the crank's or shaft's."""
-    if own := next((train for train in find_trains(system) if instance in train.parts), None):
-        return own.angle
-    return find_drive_angle(system)
+    own = find_train(system, instance)
+    return own.angle if own else find_drive_angle(system)
 
 
 def list_ratios(system: System) -> list[float]:

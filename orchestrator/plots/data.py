@@ -16,7 +16,7 @@ from models.core.system import System
 
 from ..assessment.diagnosis.steps import NONE, Steps, read_steps
 from ..assessment.films import FILMS, has_film, slides
-from ..assessment.trains import Angle, Train, find_angle, find_angles, find_trains
+from ..assessment.trains import Angle, Train, find_angle, find_angles, find_train, find_trains
 from ..scenario.display import SYMBOLS, show
 from ..scenario.files import load
 from ..scenario.system import build_system, list_outputs
@@ -105,10 +105,17 @@ class FigureData:
         """The instance whose output drives that input; "" if none does."""
         return self.drivers.get(target, "").split(".")[0]
 
-    def lost(self, contact: str, reference: bool = False) -> NDArray[np.bool_]:
+    def opened(self, contact: str, reference: bool = False) -> NDArray[np.bool_]:
         """Where a contact carries no load."""
         values = self.reference if reference else self.coupled
         return np.asarray(values[f"{contact}.load"] <= 0.0)
+
+    def lost(self, contact: str) -> NDArray[np.bool_]:
+        """Where it carries no load though no seat bears the valve (`Train.rest`)."""
+        train = find_train(self.system, contact) if self.system else None
+        lift = self.coupled.get(f"{train.cam}.cam_lift") if train else None
+        opened = self.opened(contact)
+        return opened if train is None or lift is None else np.asarray(opened & (lift > train.rest))
 
     def in_contact(self, contact: str) -> FigureData:
         """The data with NaN for the contact's films and friction where they have no meaning, and for films

@@ -26,8 +26,7 @@ def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure
     force.set_ylabel("Friction (N)")
     torque.plot(angle, cycle.torque, color=COUPLED)
     torque.set_ylabel("Torque (N m)")
-    lost = cycle["load"] <= 0.0
-    ratio.plot(angle, np.where(lost, np.nan, cycle["film_ratio"]), color=ACCENT)
+    ratio.plot(angle, np.where(cycle["load"] > 0.0, cycle["film_ratio"], np.nan), color=ACCENT)
     ratio.axhline(FULL, color=MUTED, lw=0.7)
     ratio.text(
         0.995, FULL, f"full film above {FULL:g}", transform=ratio.get_yaxis_transform(), ha="right",
@@ -38,9 +37,9 @@ def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure
     cam.set_ylabel(f"Cam wear (µm)\nafter {cycles:g}\nrevolutions")
     cam.set_xlabel("Cam angle (°)")
     for ax in (force, torque, ratio):
-        if lost.any():
+        if cycle.lost.any():
             ax.fill_between(
-                angle, 0.0, 1.0, where=lost, color=MUTED, alpha=0.25, lw=0.0, label="no contact",
+                angle, 0.0, 1.0, where=cycle.lost, color=MUTED, alpha=0.25, lw=0.0, label="contact lost",
                 transform=ax.get_xaxis_transform(),
             )  # fmt: skip
         ax.sharex(cam)

@@ -160,7 +160,7 @@ def plot_both(axes: Axes, data: FigureData, name: str, words: str) -> None:
 
 
 def shade(axes: Axes, data: FigureData, contact: str) -> None:
-    """Shade where the contact carries no load."""
+    """Shade where contact is lost."""
     shade_where(axes, data, data.lost(contact))
 
 
@@ -168,7 +168,7 @@ def shade_where(axes: Axes, data: FigureData, lost: NDArray[np.bool_]) -> None:
     """Shade the records that are marked as lost contact."""
     if lost.any():
         axes.fill_between(
-            data.x(), 0.0, 1.0, where=lost, color=MUTED, alpha=0.25, lw=0.0, label="no contact",
+            data.x(), 0.0, 1.0, where=lost, color=MUTED, alpha=0.25, lw=0.0, label="contact lost",
             transform=axes.get_xaxis_transform(),
         )  # fmt: skip
 

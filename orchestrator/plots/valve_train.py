@@ -168,7 +168,7 @@ def _find_gap(data: FigureData, contact: str, reference: bool) -> Vector:
     values = data.reference if reference else data.coupled
     near, far = data.drivers[f"{contact}.approach"], data.drivers.get(f"{contact}.retreat")
     apart = (values[far] if far else 0.0) - values[near]
-    return np.where(data.lost(contact, reference), np.maximum(apart, 0.0), 0.0)
+    return np.where(data.opened(contact, reference), np.maximum(apart, 0.0), 0.0)
 
 
 def list_columns(data: FigureData, train: Train) -> list[Panels]:
@@ -184,7 +184,7 @@ def list_columns(data: FigureData, train: Train) -> list[Panels]:
     }
     for adjuster in train.list_parts(roles.Adjuster)[:1]:
         motion |= {words: f"{adjuster}.{name}" for words, name in ADJUSTER.items()}
-    opened = any(data.lost(contact).any() for contact in train.contacts)
+    opened = any(data.opened(contact).any() for contact in train.contacts)
     columns = [motion]
     for contact in train.contacts:
         panels = {words: f"{contact}.{name}" for words, name in CONTACT.items()}

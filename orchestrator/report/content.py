@@ -11,9 +11,11 @@ from models.core.quantities import Vector
 from ..assessment.diagnosis.report import WORDS
 from ..assessment.diagnosis.suggestions import percent
 from ..assessment.films import FILMS, has_film
+from ..assessment.trains import find_train
 from ..engine.step import REASONS
 from ..scenario import Scenario, parse_ends
 from ..scenario.display import show_unit
+from ..scenario.system import build_system
 from ..store.records import Group, Records
 from .mechanism import list_sketches
 from .packing import COARSE, bucket, pack, pack_detail, pack_exactly
@@ -51,7 +53,7 @@ def collect_run(records: Records, scenario: Scenario | None, summary: Mapping[st
         "profiles": {name: _pack_profiles(group) for name, group in records.profiles.items()},
         "panels": panels,
         "abscissa": next((str(v["name"]) for v in variables if is_angle(str(v["name"]))), ""),
-        "marks": list_marks([str(v["name"]) for v in variables if v["group"] == "coupled"]),
+        "marks": list_marks([str(v["name"]) for v in variables if v["group"] == "coupled"], scenario),
         "steps": _tell_steps(records, bases, variables, scenario),
     }
 
@@ -172,13 +174,18 @@ def _place_times(times: Vector) -> dict[str, Any]:
     return {**placed, "time": pack_exactly(times)}
 
 
-def list_marks(names: Sequence[str]) -> list[dict[str, str]]:
-    """Loads of contacts, whose loss and return are marked, and counters of impacts."""
-    marks = []
+def list_marks(names: Sequence[str], scenario: Scenario | None) -> list[dict[str, Any]]:
+    """Loads of contacts, whose loss and return are marked, with the lift up to which they may be open; and
+    counters of impacts."""
+    marks: list[dict[str, Any]] = []
+    system = build_system(scenario) if scenario else None
     for name in names:
         part, _, ending = name.rpartition(".")
         if ending == "load" and f"{part}.film_thickness" in names:
+            train = find_train(system, part) if system else None
             marks.append({"part": part, "kind": "load", "variable": name})
+            if train and train.rest > 0.0:
+                marks[-1] |= {"lift": f"{train.cam}.cam_lift", "rest": train.rest}
         elif ending == "impact_count":
             marks.append({"part": part, "kind": "count", "variable": name})
     return marks

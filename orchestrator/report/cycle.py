@@ -12,8 +12,7 @@ from models.contact.oils import ZERO_CELSIUS
 from models.core import roles
 from models.core.component import Component
 
-from ..assessment.motion import LIFTED
-from ..assessment.trains import find_trains
+from ..assessment.trains import LIFTED, find_trains
 from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError
 from ..scenario.oil import evaluate
@@ -66,7 +65,7 @@ def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
         "leftOut": 0,
         "sketches": [sketch.content() for sketch in sketches],
         "panels": _choose(names),
-        "marks": list_marks(names),
+        "marks": list_marks(names, train.scenario),
         "abscissa": angle,
         "cycle": cycle,
     }
@@ -128,7 +127,7 @@ def _tell_parts(train: Train) -> Iterator[dict[str, Any]]:
         seated = [name for name in one.list_parts(roles.Valve) if numbers.get(f"{name}.seat_stiffness")]
         # JSON has no infinity, which tells bodies that never yield.
         limits = {name: min(numbers[f"{name}.elastic_limit"], float_info.max) for name in one.contacts}
-        yield {"lift": f"{one.cam}.cam_lift", "contacts": limits, "valves": seated}
+        yield {"lift": f"{one.cam}.cam_lift", "contacts": limits, "valves": seated, "rests": one.rest > 0.0}
 
 
 def _list_sliders(train: Train) -> Iterator[dict[str, Any]]:

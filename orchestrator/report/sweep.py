@@ -95,7 +95,7 @@ def _collect(cycles: xarray.Dataset, numbers: xarray.Dataset, scenario: Scenario
         "leftOut": 0,
         "sketches": [sketch.content() for sketch in sketches],
         "panels": _choose(names, PANELS) or names[:1],
-        "marks": list_marks(names),
+        "marks": list_marks(names, scenario),
         "abscissa": ANGLE,
         "sweep": {
             "angle": ANGLE,

@@ -98,7 +98,7 @@ HOP[CLOSED + 100 : CLOSED + 200] = 30e-6
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"contact__load": 9.0 * (abs(ANGLE - np.pi) > np.pi / 60.0)}, "while the cam lifts, in 1.7 % of"),
+        ({"contact__load": 9.0 * (abs(ANGLE - np.pi) > np.pi / 60.0)}, "contact is lost in 1.7 % of"),
         ({"valve__seat_dip": np.where(LIFT > 1e-9, -LIFT, 1e-6) - HOP}, "bounces by 29 µm"),
         ({"spring__clash_force": 45.0 * LIFT / 8e-3}, "coils of spring clash with up to 45 N"),
     ],

@@ -17,7 +17,9 @@ OUTPUTS = (
     "load", "maximum_pressure", "minimum_film_thickness", "film_ratio", "squeeze_velocity", "deflection",
 )  # fmt: skip
 INPUTS = ("entraining_velocity", "radius_of_curvature")
-SEEN = (*OUTPUTS, *INPUTS)
+# And the lift of its cam (m).
+LIFT = "cam_lift"
+SEEN = (*OUTPUTS, *INPUTS, LIFT)
 # A load (N) below this is rounding.
 ROUNDING = 1e-9
 
@@ -31,18 +33,25 @@ COURSE = np.dtype(
         [
             (name, np.float64)
             for name in (
-                "duration", "loaded_duration", "longest_step", "least_load", "largest_load", "load_time",
+                "duration", "loaded_duration", "longest_step", "least_load", "least_load_time",
+                "largest_load", "load_time",
                 "pressure", "pressure_time", "yield_duration", "film", "film_time", "film_ratio",
                 # Of the film, as it grows under the load (J): net and gross work; load times distance rolled.
                 "film_work", "film_gross", "rolled",
-                # Separations: how many, the longest, the largest gap, since when the present one lasts.
-                "separations", "longest_separation", "separation_time", "gap", "gap_time", "since",
+                # Since when it is open.
+                "since",
+                # Losses: how long, how many, the longest, the largest gap, since when the present one lasts.
+                "lost_duration", "separations", "longest_separation", "separation_time", "gap", "gap_time",
+                "lost_since",
+                # How long it was open at rest.
+                "rest_duration",
                 # Landings: how many, and the hardest.
                 "landings", "impact_load", "impact_time", "impact_speed", "impulse", "impact_steps",
                 # The present landing; `touched` is NaN where there is none.
                 "touched", "touch_speed", "peak", "peak_steps", "steps", "touch_impulse", "falling",
                 # The step before.
-                "time", "load", "deflection", "closing_speed", "yielding", "film_power", "rolling",
+                "time", "load", "deflection", "closing_speed", "yielding", "film_power", "rolling", "lost",
+                "resting",
             )
         ],
     )
@@ -57,7 +66,8 @@ def make_records(count: int) -> tuple[Any, Any]:
     """ContactSummaries and ranges of contacts of which nothing is known yet."""
     summaries = np.zeros(count, dtype=COURSE)
     summaries["least_load"] = summaries["film"] = summaries["film_ratio"] = np.inf
-    summaries["time"] = summaries["since"] = summaries["touched"] = np.nan
+    for name in ("time", "since", "lost_since", "touched"):
+        summaries[name] = np.nan
     ranges = np.zeros((count, 4 * 4))
     ranges[:, LEAST::4], ranges[:, MOST::4] = np.inf, -np.inf
     return summaries, ranges
@@ -89,8 +99,8 @@ def accumulate(memory: Any, summaries: Any, time: float) -> None:
     """Add the macro step that ends at `time`.
 
     `memory` has `seen` (contacts x SEEN); `origins`, where each contact's INPUTS are among `values` (-1: they
-    are in `seen`); `scales`, the elastic limit and the groups material, load and speed at 1 N, 1 m/s and
-    1 m; `bounds` (low, high) and `ranges` of the groups.
+    are in `seen`); `scales`, the elastic limit, the groups material, load and speed at 1 N, 1 m/s and 1 m,
+    and the lift up to which an open contact is not lost; `bounds` (low, high) and `ranges` of the groups.
     """
     m = memory[0]
     seen, values, origins = table(m.seen), numbers(m.values), integers(m.origins)
@@ -102,6 +112,9 @@ def accumulate(memory: Any, summaries: Any, time: float) -> None:
                 row[FIRST_INPUT + j] = values[origins[2 * i + j]]
         load = row[0] if abs(row[0]) > ROUNDING else 0.0
         step = 0.0 if np.isnan(c.time) else time - c.time
+        borne = row[FIRST_INPUT + 2] > scale[4]
+        if borne and load < c.least_load:
+            c.least_load, c.least_load_time = load, time
         _extremes(c, row, scale[0], load, time, step)
         speed, radius = abs(row[6]), row[7]
         _work(c, load * row[4], load * speed, step)
@@ -109,10 +122,12 @@ def accumulate(memory: Any, summaries: Any, time: float) -> None:
         groups = (scale[1], squeeze, scale[2] * load / radius, scale[3] * speed / radius)
         for k in range(4):
             _range(ranges[i, 4 * k : 4 * k + 4], groups[k], bounds[k, 0], bounds[k, 1], load > 0.0, step)
+        _lose(c, -row[5], load <= 0.0, borne, time, step)
         if load > 0.0:
             _touch(c, load, time, step)
         else:
-            _separate(c, -row[5], time)
+            c.since = time if np.isnan(c.since) else c.since
+            finish(c)
         if step > 0.0:
             c.closing_speed = (row[5] - c.deflection) / step
         c.time, c.load, c.deflection = time, load, row[5]
@@ -125,7 +140,6 @@ def _extremes(c: Any, row: Any, limit: float, load: float, time: float, step: fl
     c.longest_step = max(c.longest_step, step)
     ends = (1.0 if c.load > 0.0 else 0.0) + (1.0 if load > 0.0 else 0.0)
     c.loaded_duration += 0.5 * step * ends
-    c.least_load = min(c.least_load, load)
     if load > c.largest_load:
         c.largest_load, c.load_time = load, time
     yielding = 1.0 if row[1] > limit else 0.0
@@ -160,14 +174,28 @@ def _range(r: Any, value: float, low: float, high: float, loaded: bool, step: fl
 
 
 @compiled
-def _separate(c: Any, gap: float, time: float) -> None:
-    """A step without load at its end."""
-    if np.isnan(c.since):
-        c.since = time
+def _lose(c: Any, gap: float, opened: bool, borne: bool, time: float, step: float) -> None:
+    """A step at whose end the contact is open or not: lost, or at rest, where a seat bears the valve."""
+    lost, resting = 1.0 if opened and borne else 0.0, 1.0 if opened and not borne else 0.0
+    c.lost_duration += 0.5 * step * (c.lost + lost)
+    c.rest_duration += 0.5 * step * (c.resting + resting)
+    c.lost, c.resting = lost, resting
+    if lost == 0.0:
+        regain(c, time)
+        return
+    if np.isnan(c.lost_since):
+        c.lost_since = time
         c.separations += 1.0
     if gap > c.gap:
         c.gap, c.gap_time = gap, time
-    finish(c)
+
+
+@compiled
+def regain(c: Any, time: float) -> None:
+    """The present loss, if there is one, ends."""
+    if time - c.lost_since > c.longest_separation:
+        c.longest_separation, c.separation_time = time - c.lost_since, c.lost_since
+    c.lost_since = np.nan
 
 
 @compiled
@@ -175,8 +203,6 @@ def _touch(c: Any, load: float, time: float, step: float) -> None:
     """A step with load at its end. A landing is over where the load, after its peak, has fallen to LANDED of
     it, rises again or is zero."""
     if not np.isnan(c.since):
-        if time - c.since > c.longest_separation:
-            c.longest_separation, c.separation_time = time - c.since, c.since
         c.since = np.nan
         c.landings += 1.0
         c.touched, c.touch_speed = time, c.closing_speed

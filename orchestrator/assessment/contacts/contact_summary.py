@@ -1,7 +1,7 @@
 """What a contact went through, as a run's summary has it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,14 +16,16 @@ from models.core import roles
 from models.core.quantities import Vector
 from models.core.system import System
 
-from ..trains import list_parts
+from ..trains import find_train, list_parts
 from .accumulation import (
     INPUTS,
+    LIFT,
     OUTPUTS,
     SEEN,
     accumulate,
     finish,
     make_records,
+    regain,
     replay,
 )
 
@@ -47,8 +49,8 @@ class Excursion:
 
 @dataclass(frozen=True)
 class Separation:
-    """How often and how long (s) a contact was open: altogether, the longest time and when it began; the
-    largest gap (m, beyond the film) and when."""
+    """How often and how long (s) a contact was lost: altogether, the longest time and when it began; the
+    largest gap then (m, beyond the film) and when."""
 
     count: int
     duration: float
@@ -83,7 +85,10 @@ class ContactSummary:
     `film_power` (W) is what the growing film gives to the motion on average, `film_feed` the share of the
     power through the film, to and fro, that stays there, `film_friction` the coefficient of rolling friction
     that would take as much, `film_grows` whether the formula's film grows with the load.
-    `lost` is the share of the time without load, `yielding` that above the `elastic_limit` (Pa).
+    A contact is lost where it carries no load and no seat bears the valve (`Train.rest`): `lost` is that
+    share of the time, `at_rest` that without load else. The least load is that where no seat bears the valve,
+    in a train that has one (`seated`) while its cam lifts.
+    `yielding` is the share of the time above the `elastic_limit` (Pa).
     `longest_step` (s): extremes were looked for at least that often. `angles` (deg) of the times are of the
     shaft's `angle_of`, such as cam_angle; "" where none is known.
     """
@@ -110,10 +115,14 @@ class ContactSummary:
     solved: bool = False
     angle_of: str = ""
     angles: dict[str, float] = field(default_factory=dict)
+    least_load_time: float = 0.0
+    at_rest: float = 0.0
+    seated: bool = False
 
     def times(self) -> dict[str, float]:
         """When what it tells happened (s), by name."""
         times = {
+            "least_load": self.least_load_time,
             "largest_load": self.largest_load_time,
             "pressure": self.pressure_time,
             "film": self.film_time,
@@ -153,6 +162,8 @@ class Accumulator:
     ) -> None:
         all_of_them = contacts(system)
         self._parameters = {name: all_of_them[name] for name in names}
+        trains = {name: find_train(system, name) for name in names}
+        self._rests = {name: train.rest if train else -np.inf for name, train in trains.items()}
         count = len(self._parameters)
         self.seen: Vector = np.zeros((count, len(SEEN)))
         places = np.full(2 * count, -1, dtype=np.int64)
@@ -167,7 +178,9 @@ class Accumulator:
             seen=self.seen,
             values=np.zeros(1) if values is None else values,
             origins=places,
-            scales=np.array([_scales(p) for p in self._parameters.values()]).reshape(count, 4),
+            scales=np.array(
+                [[*_scales(p), self._rests[name]] for name, p in self._parameters.items()]
+            ).reshape(count, 5),
             bounds=np.array(list(TABLE_3.values())),
             ranges=self.ranges,
         )
@@ -189,7 +202,8 @@ class Accumulator:
         for i, (name, parameters) in enumerate(self._parameters.items()):
             c = self.summaries[i : i + 1].copy()[0]
             if c.largest_load > 0.0:
-                summaries[name] = _course(c, self.ranges[i].reshape(4, 4), parameters)
+                found = _course(c, self.ranges[i].reshape(4, 4), parameters)
+                summaries[name] = replace(found, seated=bool(np.isfinite(self._rests[name])))
         return summaries
 
 
@@ -204,8 +218,7 @@ def _scales(p: Mapping[str, float]) -> list[float]:
 
 
 def _course(record: Any, ranges: Vector, parameters: Mapping[str, float]) -> ContactSummary:
-    if not np.isnan(record.since) and record.time - record.since > record.longest_separation:
-        record.longest_separation, record.separation_time = record.time - record.since, record.since
+    regain(record, record.time)
     finish(record)
     c = SimpleNamespace(**dict(zip(record.dtype.names, record.item(), strict=True)))
     solved = "film_model" not in parameters
@@ -215,7 +228,7 @@ def _course(record: Any, ranges: Vector, parameters: Mapping[str, float]) -> Con
     if c.separations:
         separation = Separation(
             int(c.separations),
-            c.duration - c.loaded_duration,
+            c.lost_duration,
             *(c.longest_separation, c.separation_time, c.gap, c.gap_time),
         )
     if c.landings:
@@ -229,9 +242,11 @@ def _course(record: Any, ranges: Vector, parameters: Mapping[str, float]) -> Con
                 excursions[group] = Excursion(duration / c.loaded_duration, least, most, *range_)
     return ContactSummary(
         least_load=c.least_load,
+        least_load_time=c.least_load_time,
         largest_load=c.largest_load,
         largest_load_time=c.load_time,
-        lost=1.0 - c.loaded_duration / c.duration if separation and c.duration else 0.0,
+        lost=c.lost_duration / c.duration if c.duration else 0.0,
+        at_rest=c.rest_duration / c.duration if c.duration else 0.0,
         pressure=c.pressure,
         pressure_time=c.pressure_time,
         elastic_limit=parameters["elastic_limit"],
@@ -254,6 +269,8 @@ def _course(record: Any, ranges: Vector, parameters: Mapping[str, float]) -> Con
 def summarise_rows(system: System, read: Read) -> ContactSummaries:
     """The summaries as recorded rows have them, where nothing else is left of a run."""
     drivers = {str(c.target): str(c.source) for c in system.connections if c.target.variable in INPUTS}
+    trains = {name: find_train(system, name) for name in contacts(system)}
+    drivers |= {f"{name}.{LIFT}": f"{train.cam}.{LIFT}" for name, train in trains.items() if train}
     found: ContactSummaries = {}
     for name in contacts(system):
         # One contact at a time: there may be millions of records.

@@ -16,8 +16,8 @@ from ...engine.step import Step
 from ...participants.compiled_calls import CALLS, FINE, CompiledCalls
 from ...participants.protocol import Participant
 from ...store.json_codec import Plain
-from ..trains import find_angle
-from .accumulation import INPUTS, OUTPUTS, observe
+from ..trains import find_angle, find_train
+from .accumulation import INPUTS, LIFT, OUTPUTS, observe
 from .contact_summary import Accumulator, ContactSummaries, contacts
 
 
@@ -45,17 +45,20 @@ class ContactObserver(Observer):
         self._others: list[tuple[Participant, Vector, Any, Vector]] = []
         records, self._references = [], []
         for i, name in enumerate(self._names):
-            unit, row = units[name], self._accumulator.seen[i]
-            calls = coupling.offers.calls.get(coupling.wiring.names.index(name))
-            reading = calls and COMPILED and calls.bind_reading(OUTPUTS, row[: len(OUTPUTS)])
-            if calls and reading:
-                self._calls.append(calls)
-                records.append(reading[0])
-                self._references.append(reading[1])
-            else:
-                outputs = coupling.wiring.system.instances[name].component.outputs
-                index = np.array([outputs.index(variable) for variable in OUTPUTS])
-                self._others.append((unit, np.zeros(outputs.size), index, row[: len(OUTPUTS)]))
+            row, train = self._accumulator.seen[i], find_train(self._system, name)
+            wanted: list[tuple[str, Sequence[str], Vector]] = [(name, OUTPUTS, row[: len(OUTPUTS)])]
+            wanted += [(train.cam, (LIFT,), row[-1:])] if train else []
+            for part, variables, place in wanted:
+                calls = coupling.offers.calls.get(coupling.wiring.names.index(part))
+                reading = calls and COMPILED and calls.bind_reading(variables, place)
+                if calls and reading:
+                    self._calls.append(calls)
+                    records.append(reading[0])
+                    self._references.append(reading[1])
+                    continue
+                outputs = coupling.wiring.system.instances[part].component.outputs
+                index = np.array([outputs.index(variable) for variable in variables])
+                self._others.append((units[part], np.zeros(outputs.size), index, place))
         self._records = np.concatenate([np.zeros(0, dtype=CALLS), *records])
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.contact.wear import trapezoidal, worn_depth
 from models.core.quantities import Vector
@@ -31,11 +32,13 @@ OF_CAM = (
 
 @dataclass(frozen=True)
 class Cycle:
-    """Records of one revolution, in SI units: the variables of OF_CONTACT and OF_CAM, and the time."""
+    """Records of one revolution, in SI units: the variables of OF_CONTACT and OF_CAM, and the time. `rest` is
+    the lift of the cam up to which the contact may be open (`Train.rest`)."""
 
     contact: str
     time: Vector
     values: Mapping[str, Vector]
+    rest: float = -math.inf
 
     def __getitem__(self, name: str) -> Vector:
         return self.values[name]
@@ -49,6 +52,11 @@ class Cycle:
         """Angle of the cam from the first record to the last (rad)."""
         angle = self["cam_angle"]
         return float(angle[-1] - angle[0])
+
+    @property
+    def lost(self) -> NDArray[np.bool_]:
+        """Where contact is lost."""
+        return np.asarray((self["load"] <= 0.0) & (self["cam_lift"] > self.rest))
 
     @property
     def arc(self) -> Vector:
@@ -94,7 +102,7 @@ def last_revolution(contact: str, time: Vector, values: Mapping[str, Vector]) ->
 @dataclass(frozen=True)
 class Summary:
     """Of one revolution. `coefficient` is work over load times sliding distance; `lost` is the share of the
-    time without load. `least_film_ratio` is that under load."""
+    time in which contact is lost. `least_film_ratio` is that under load."""
 
     mean_torque: float
     largest_torque: float
@@ -114,7 +122,7 @@ def summary(cycle: Cycle) -> Summary:
     distance = np.abs(cycle["sliding_velocity"])
     loaded = float(time @ (cycle["load"] * distance))
     boundary = float(time @ (cycle["boundary_friction"] * cycle["sliding_velocity"]))
-    load, lost = cycle.mean(cycle["load"]), cycle["load"] <= 0.0
+    load = cycle.mean(cycle["load"])
     return Summary(
         mean_torque=work / cycle.turned,
         largest_torque=float(np.abs(cycle.torque).max()),
@@ -123,8 +131,8 @@ def summary(cycle: Cycle) -> Summary:
         coefficient=work / loaded if loaded else 0.0,
         boundary_share=boundary / work if work else 0.0,
         asperity_share=cycle.mean(cycle["asperity_load"]) / load if load else 0.0,
-        least_film_ratio=float(np.min(cycle["film_ratio"], where=~lost, initial=np.inf)),
-        lost=cycle.mean(lost.astype(float)),
+        least_film_ratio=float(np.min(cycle["film_ratio"], where=cycle["load"] > 0.0, initial=np.inf)),
+        lost=cycle.mean(cycle.lost.astype(float)),
     )
 
 

@@ -68,7 +68,7 @@ ROWS: tuple[tuple[str, str, Callable[[Judged], str]], ...] = (
     ("least film of the oil under load", "µm", _film),
     ("its ratio to the roughness", "", lambda f: format_number(f.summary.least_film_ratio, 3)),
     ("roughness", "µm", lambda f: format_number(1e6 * f.roughness, 3)),
-    ("time without contact", "%", lambda f: format_number(100.0 * f.summary.lost, 3)),
+    ("time in which contact is lost", "%", lambda f: format_number(100.0 * f.summary.lost, 3)),
     ("deepest wear of the cam", "pm", lambda f: format_number(1e12 * f.deepest[0], 3)),
     ("  at the cam angle", "deg", _cam_place),
     ("deepest wear of the follower", "pm", lambda f: format_number(1e12 * f.deepest[1], 3)),
@@ -110,7 +110,7 @@ def remarks(found: Judged) -> Iterator[Words]:
         )
     if found.summary.lost > 0.0:
         yield (
-            f"{contact}: the follower is off its cam for {100.0 * found.summary.lost:.3g} % of the time. "
+            f"{contact}: contact is lost in {100.0 * found.summary.lost:.3g} % of the time. "
             "Means are over all of it; the wear is that of sliding, without that of landing. These are rows "
             f"up to {1e6 * float(np.diff(cycle.time).max()):.3g} µs apart: summary.json has the peaks of all "
             "macro steps"

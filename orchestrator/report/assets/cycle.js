@@ -93,16 +93,17 @@ class CycleRecords extends Records {
       const { unit, factor } = this.variables.get(part + "." + output) || {}, shown = Math.abs(factor * value);
       if (isFinite(shown) && !(found.get(kind)?.value <= value)) found.set(kind, { value, text: readable(+shown.toPrecision(3)) + " " + unit + " (" + part + ")" });
     };
-    for (const { lift, contacts, valves } of this.told.trains) {
+    for (const { lift, contacts, valves, rests } of this.told.trains) {
       const lifts = this.column(lift), high = -this.told.lifted * least(lifts.map((one) => -one));
       for (const [part, limit] of Object.entries(contacts)) {
-        const load = least(this.column(part + ".load", this.lows).filter((_, i) => Math.min(lifts[i], lifts[i + 1]) > high));
+        const loads = this.column(part + ".load", this.lows);
+        const load = least(loads.filter((_, i) => Math.min(lifts[i], lifts[i + 1]) > high));
         const pressure = -least(this.column(part + ".maximum_pressure", this.highs).map((one) => -one));
         add("least load while the cam lifts", part, "load", load);
         add("highest pressure", part, "maximum_pressure", -pressure);
         const film = least(this.column(part + ".minimum_film_thickness", this.lows));
         add("least film", part, "minimum_film_thickness", film < 1e-6 * ATOM ? 0 : film);
-        if (load <= 0) lost.push(part);
+        if ((rests ? load : least(loads)) <= 0) lost.push(part);
         if (pressure > limit) yielding.push(part + " (" + megapascals(pressure) + ", limit " + megapascals(limit) + ")");
       }
       for (const part of valves) add("seating velocity", part, "velocity", this.land(part));

@@ -11,30 +11,37 @@ class Marks {
   async start() {
     this.lost.clear(); this.events = [];
     const times = this.records.bases[0].times;
-    for (const { part, kind, variable } of this.told) {
+    for (const { part, kind, variable, lift, rest } of this.told) {
       const series = await this.records.series(variable);
       if (!series) continue;
-      if (kind === "load") this.findLosses(part, series, times); else this.findCounts(part, series, times);
+      if (kind === "load") this.findLosses(part, series, times, lift ? await this.records.series(lift) : null, rest);
+      else this.findCounts(part, series, times);
     }
     this.events.sort((a, b) => a.time - b.time);
   }
 
-  // Spans of rows without load; it lands where one ends.
-  findLosses(part, series, times) {
-    const { low } = series.levels[0], spans = [];
-    for (let i = 0, begin = -1; i <= low.length && spans.length < MOST_MARKS; i++) {
-      const open = i < low.length && low[i] <= 0;
-      if (open && begin < 0) begin = i;
-      if (open || begin < 0) continue;
-      spans.push([begin, i]);
-      begin = -1;
-    }
+  // Spans of rows without load; it lands where one ends, and is lost where a lift above that of rest demands contact.
+  findLosses(part, series, times, lifts, rest) {
+    const { low } = series.levels[0], high = lifts ? lifts.levels[0].high : null;
+    const spans = this.findSpans(low.length, (i) => low[i] <= 0);
+    this.lost.set(part, high ? this.findSpans(low.length, (i) => low[i] <= 0 && high[i] > rest) : spans);
     const least = SLIGHT * series.range(0, low.length)[1];
     spans.forEach(([, at], k) => {
       const until = k + 1 < spans.length ? spans[k + 1][0] : low.length;
       if (at < until && series.range(at, until)[1] >= least) this.events.push({ part, kind: "lands", time: times[at] });
     });
-    this.lost.set(part, spans);
+  }
+
+  findSpans(count, open) {
+    const spans = [];
+    for (let i = 0, begin = -1; i <= count && spans.length < MOST_MARKS; i++) {
+      const now = i < count && open(i);
+      if (now && begin < 0) begin = i;
+      if (now || begin < 0) continue;
+      spans.push([begin, i]);
+      begin = -1;
+    }
+    return spans;
   }
 
   findCounts(part, series, times) {

@@ -17,7 +17,6 @@ from models.valve_train.cams.table import TURN
 from models.valve_train.worn_cam import sample_cam
 
 from ...assessment.films import has_film
-from ...assessment.motion import LIFTED
 from ...assessment.trains import Train, find_trains
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, build_scenario
@@ -188,7 +187,7 @@ class DesignedTrain:
 
     def lifted(self, curve_s: Vector) -> Vector:
         """Where the cam lifts, as the figures of merit count it."""
-        return np.asarray(curve_s > LIFTED * curve_s.max())
+        return np.asarray(curve_s > self.train.find_lobe(float(curve_s.max())))
 
 
 def open_train(
