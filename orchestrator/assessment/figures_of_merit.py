@@ -26,6 +26,7 @@ AFTER = math.pi / 3.0
 Figure = tuple[Quantity, Callable[[Part], Found]]
 NONE = Found(math.nan)
 PRESSURE = Quantity("Pa", display_unit="MPa")
+SHARE = Quantity("1", display_unit="%")
 
 
 def _at(values: Vector, row: int | np.intp) -> Found:
@@ -246,11 +247,11 @@ CONTACT: Mapping[str, Figure] = {
     ),
     "largest_load": (Quantity("N", "largest load"), _largest("load")),
     "lost": (
-        Quantity("1", "share of the time in which contact is lost"),
+        SHARE.of("share of the time in which contact is lost"),
         lambda c: Found(c.mean(c.lost)),
     ),
     "lost_on_nose": (
-        Quantity("1", "share of the time in which contact is lost from where the cam slows the valve"),
+        SHARE.of("share of the time in which contact is lost from where the cam slows the valve"),
         _lost_on_nose,
     ),
     "peak_pressure": (PRESSURE.of("largest Hertz pressure"), _largest("maximum_pressure")),
@@ -270,7 +271,7 @@ CONTACT: Mapping[str, Figure] = {
         Quantity("W", "mean power that the growing film gives to the motion"),
         _mean_power("load", "squeeze_velocity"),
     ),
-    "film_feed": (Quantity("1", "share of the film's power that the motion keeps"), _film_feed),
+    "film_feed": (SHARE.of("share of the film's power that the motion keeps"), _film_feed),
     "friction_power": (Quantity("W", "mean friction power"), _friction_power),
     "friction_torque": (Quantity("N.m", "mean friction power over the speed of the cam"), _friction_torque),
 }
@@ -281,7 +282,7 @@ VALVE: Mapping[str, Figure] = {
         _lift_area,
     ),
     "spring_margin": (
-        Quantity("1", "spring margin: least load on the open valve over the force of its springs"),
+        SHARE.of("spring margin: least load on the open valve over the force of its springs"),
         _spring_margin,
     ),
     "seating_velocity": (Quantity("m/s", "seating velocity"), _seating_velocity),

@@ -16,8 +16,9 @@ from models.core.system import Port, System
 from ..scenario.display import format_number, show
 from ..store import atomic_write
 from .contacts import ContactSummaries, ContactSummary
-from .figures_of_merit import measure
+from .figures_of_merit import SHARE, measure
 from .friction.losses import list_losses, name_outside, note_friction
+from .friction.shares import describe_torque, sum_losses
 from .motion import Motion
 from .trains import Angle, Train, find_angle, find_drive_angle, find_trains, list_parts
 
@@ -29,7 +30,7 @@ SHOWN = 4
 PLACES = ("least_load_angle", "least_clearance_angle")
 GAP = Quantity("m", "largest gap", display_unit="um")
 IMPACT = Quantity("m/s", "speed of the hardest impact")
-AT_REST = Quantity("1", "share of the time without load on base circle and ramps, the valve on its seat")
+AT_REST = SHARE.of("share of the time without load on base circle and ramps, the valve on its seat")
 NONE = Quantity("1")
 
 
@@ -150,11 +151,10 @@ def _follow(train: Train, found: Merits) -> tuple[float, list[str]]:
     first = next(iter(train.contacts), "")
     lost, least = found.get((first, "lost")), found.get((first, "least_load"))
     if lost and lost.value > 0.0:
-        share = f"{100.0 * lost.value:.2g} % of the time"
-        return -lost.value, [f"contact is lost in {share}"]
+        return -lost.value, [f"contact is lost in {lost.text} of the time"]
     if margin := found.get((train.valve, "spring_margin")):
         name, _, words = margin.quantity.description.partition(": ")
-        return margin.value, [f"{name} {100.0 * margin.value:.3g} % ({words})"]
+        return margin.value, [f"{name} {margin.text} ({words})"]
     return (least.value, [f"least load {least.text} while the cam lifts"]) if least else (0.0, [])
 
 
@@ -216,7 +216,7 @@ def _list_contacts(train: Train, found: Merits) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Friction:
-    """Mean powers (W) that the motion and the drive's torque contain and do not, and names of the latter."""
+    """Mean powers (W) that the motion contains and does not, and names of the latter."""
 
     in_the_motion: float
     outside: float
@@ -237,11 +237,15 @@ def sum_friction(system: System, merits: Sequence[Merit], parts: Sequence[str] =
 def _describe_friction(found: Friction) -> str:
     said = f"friction {found.in_the_motion + found.outside:.3g} W in the mean of the run"
     if not found.left_out:
-        return f"{said}, all of it in the motion and the drive's torque"
-    return (
-        f"{said}: {found.in_the_motion:.3g} W in the motion and the drive's torque, {found.outside:.3g} W "
-        f"outside, of {found.left_out}"
-    )
+        return f"{said}, all of it in the motion"
+    inside, outside = f"{found.in_the_motion:.3g} W in the motion", f"{found.outside:.3g} W outside"
+    return f"{said}: {inside}, {outside}, of {found.left_out}"
+
+
+def describe_drive(system: System, merits: Sequence[Merit], read: Read) -> Iterator[str]:
+    """The mean torque of the drive with all friction, and its parts."""
+    powers = {(merit.part, merit.figure): merit.value for merit in merits}
+    yield from describe_torque(sum_losses(read_motion(system, read), powers))
 
 
 HEAD = (

@@ -15,7 +15,14 @@ from models.core.system import System
 from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, suggestions
 from ..assessment.frozen import list_frozen
-from ..assessment.merits import Merit, describe_bearings, describe_trains, list_merits, sum_friction
+from ..assessment.merits import (
+    Merit,
+    describe_bearings,
+    describe_drive,
+    describe_trains,
+    list_merits,
+    sum_friction,
+)
 from ..errors import RunError, Set, Words, join
 from ..reporter import WITNESS, Reporter
 from ..scenario.capabilities import MONOLITHIC
@@ -77,14 +84,15 @@ def _conclude(summary: Summary, status: int, verdict: Words) -> Summary:
 
 def _summarise_contacts(system: System, summary: Summary, result: ResultFile) -> Summary:
     """The contacts as observed, or else as recorded, with their angles; figures of merit of all parts."""
-    contacts, source, figures = summary.contacts, MACRO_STEPS, list[Merit]()
+    contacts, source, figures, drive = summary.contacts, MACRO_STEPS, list[Merit](), list[str]()
     if result.length("coupled") > 1:
         read = partial(result.read, "coupled", rows=slice(None))
         if not contacts and (found := summarise_rows(system, read)):
             contacts, source = found, ROWS
         contacts = with_angles(system, contacts, read)
         figures = list_merits(system, contacts, lambda name: read([name])[name])
-    told = [*describe_trains(system, figures), *describe_bearings(system, figures)]
+        drive += describe_drive(system, figures, lambda name: read([name])[name])
+    told = [*describe_trains(system, figures), *drive, *describe_bearings(system, figures)]
     return replace(
         summary, contacts=contacts, contacts_from=source, merits=told, figures_of_merit=figures,
         friction=sum_friction(system, figures),

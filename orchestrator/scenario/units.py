@@ -38,7 +38,7 @@ FACTORS = {
     ("s", "s"): 1.0, ("ms", "s"): 1e-3, ("us", "s"): 1e-6,
     ("m", "m"): 1.0, ("mm", "m"): 1e-3, ("um", "m"): 1e-6,
     ("deg", "rad"): math.pi / 180.0, ("rpm", "rad/s"): math.pi / 30.0, ("N/mm", "N/m"): 1e3,
-    ("MPa", "Pa"): 1e6,
+    ("MPa", "Pa"): 1e6, ("%", "1"): 0.01,
 }  # fmt: skip
 
 _NUMBER_AND_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)")

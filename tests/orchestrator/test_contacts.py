@@ -183,7 +183,7 @@ def test_a_contact_that_lash_opens_on_the_base_circle_is_not_lost():
     assert lashed.separation.longest == pytest.approx(1.0, abs=0.02)
     said = " ".join(told({"contact": lashed}))
     assert "lost while the cam lifts, in 10 % of the time" in said
-    assert f"open in {100.0 * lashed.at_rest:.2g} % of the time on the base circle" in said
+    assert f"open in {100.0 * lashed.at_rest:.3g} % of the time on the base circle" in said
     whole = history(time, thrown, gap, "valve-train", lift)["contact"]
     assert whole.lost == pytest.approx(lashed.lost + lashed.at_rest, rel=1e-12)
     assert (whole.at_rest, whole.separation.gap) == (0.0, 2e-4)

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -93,6 +94,11 @@ def test_the_drive_gives_the_friction_in_the_motion_and_no_other(scenario, joint
     for side, note in (("in_the_motion", "in the motion"), ("outside", "outside the motion")):
         own = [float(r["value"]) for r in rows if r["friction"] == note and r["unit"] == "W"]
         assert sum(own) == pytest.approx(friction[side], rel=1e-5)
+    (said,) = (line for line in done.stdout.splitlines() if "mean torque with all friction" in line)
+    total, rubbed, *shares, rest = map(float, re.findall(r"(-?[\d.]+) N m", said.partition("; ")[0]))
+    turned = np.ptp(columns["flywheel.angle"])
+    assert total == pytest.approx((drive + np.ptp(time) * friction["outside"]) / turned, rel=6e-3)
+    assert (sum(shares), rubbed + rest) == pytest.approx((rubbed, total), rel=6e-3)
     (note,) = {
         row["friction"] for row in rows if "torque" in row["figure of merit"] and row["part"] == "flywheel"
     }

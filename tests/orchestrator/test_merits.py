@@ -15,7 +15,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
 from orchestrator.assessment.contacts import ContactSummary, lines
-from orchestrator.assessment.figures_of_merit import VALVE, measure
+from orchestrator.assessment.figures_of_merit import measure
 from orchestrator.assessment.merits import (
     HEAD,
     Merit,
@@ -74,7 +74,7 @@ def test_a_run_says_first_whether_its_valve_follows_lands_and_what_it_bears():
         "valve: spring margin 75 % (least load on the open valve over the force of its springs); "
         "seats with 0.25 m/s; does not bounce; no clash of coils, least gap 0.2 mm; "
         "highest pressure 500 MPa in contact; least film ratio 0.5 in contact; "
-        "friction 24 W in the mean of the run: 0 W in the motion and the drive's torque, 24 W outside, of "
+        "friction 24 W in the mean of the run: 0 W in the motion, 24 W outside, of "
         "cam contact (contact), rolling (contact)"
     )
 
@@ -98,7 +98,7 @@ HOP[CLOSED + 100 : CLOSED + 200] = 30e-6
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"contact__load": 9.0 * (abs(ANGLE - np.pi) > np.pi / 60.0)}, "contact is lost in 1.7 % of"),
+        ({"contact__load": 9.0 * (abs(ANGLE - np.pi) > np.pi / 60.0)}, "contact is lost in 1.67 % of"),
         ({"valve__seat_dip": np.where(LIFT > 1e-9, -LIFT, 1e-6) - HOP}, "bounces by 29 µm"),
         ({"spring__clash_force": 45.0 * LIFT / 8e-3}, "coils of spring clash with up to 45 N"),
     ],
@@ -128,8 +128,7 @@ def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_p
         assert table[merit.part, merit.quantity.description] == pytest.approx(shown, rel=5e-6)
         said += [merit.figure] if merit.text in line else []
     first = {"spring_margin", "seating_velocity", "bounce", "least_gap", "peak_pressure", "friction_power"}
-    assert first - set(said) == {"spring_margin"}  # in per cent
-    assert f"{100.0 * table['valve', VALVE['spring_margin'][0].description]:.3g} %" in line
+    assert first <= set(said)
 
 
 def test_films_of_bearings_are_told_and_doubted_near_the_bush():

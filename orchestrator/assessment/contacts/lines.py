@@ -85,7 +85,7 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
     when = " while the cam lifts" if summary.seated else ""
     text = f"kept{when}, least load {summary.least_load:.4g} N at {at('least_load')}"
     if summary.separation:
-        text = f"lost{when}, in {100.0 * summary.lost:.2g} % of the time"
+        text = f"lost{when}, in {100.0 * summary.lost:.3g} % of the time"
     text += f"; highest load {summary.largest_load:.4g} N at {at('largest_load')}"
     text += f"; highest pressure {1e-6 * summary.pressure:.4g} MPa at {at('pressure')}"
     text += " (spikes at a reversal grow with the nodes)" if summary.solved else ""
@@ -100,7 +100,7 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         text = f"{s.count} separation{plural}, the longest {1e3 * s.longest:.3g} ms from {at('separation')}"
         yield text + (f"; largest gap {1e6 * s.gap:.3g} µm at {at('gap')}" if s.gap > 0.0 else "")
     if summary.at_rest > 0.0:
-        share = f"{100.0 * summary.at_rest:.2g} % of the time"
+        share = f"{100.0 * summary.at_rest:.3g} % of the time"
         yield f"open in {share} on the base circle and its ramps, where the seat bears the valve"
     if i := summary.impact:
         speed = f" with {i.speed:.3g} m/s" if i.speed > 0.0 else ""

@@ -57,10 +57,9 @@ def name_outside(losses: Iterable[Loss]) -> str:
 def remark_outside(system: System) -> Iterator[str]:
     """A sentence to stand beside torques and friction; none where the motion has all friction."""
     if outside := name_outside(list_losses(system)):
-        yield (
-            f"friction outside the motion: {outside}; no connection takes it there, and the drive's torque "
-            "and power do not contain it"
-        )
+        said = f"friction outside the motion: {outside}; no connection takes it there"
+        drives = list_parts(system, roles.Drive)
+        yield f"{said}, and the drive's torque and power do not contain it" if drives else said
 
 
 def note_friction(system: System, part: str, figure: str) -> str:

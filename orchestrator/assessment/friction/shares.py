@@ -32,10 +32,12 @@ def add_losses(table: xarray.Dataset, system: System) -> xarray.Dataset:
 
 @dataclass(frozen=True)
 class Losses:
-    """Mean powers (W) of a motion by part and figure, that of its drives, and their mean speed (rad/s)."""
+    """Mean powers (W) of a motion by part and figure, that of its drives, and the mean speed (rad/s) of the
+    first one; nan without any."""
 
     losses: Sequence[Loss]
     powers: Mapping[tuple[str, str], float]
+    drives: Sequence[str]
     drive: float
     speed: float
 
@@ -67,14 +69,37 @@ class Losses:
 
 def measure_losses(motion: Motion) -> Losses:
     """Means over the rows of a motion."""
-    powers = {(part, figure): found.value for part, figure, _, found in measure(motion)}
+    return sum_losses(motion, {(part, figure): one.value for part, figure, _, one in measure(motion)})
+
+
+def sum_losses(motion: Motion, powers: Mapping[tuple[str, str], float]) -> Losses:
+    """Of these figures of a motion, as far as they are known."""
     drives = [Part(motion, name) for name in list_parts(motion.system, roles.Drive)]
     return Losses(
-        list_losses(motion.system),
+        [loss for loss in list_losses(motion.system) if (loss.part, loss.figure) in powers],
         powers,
+        [drive.name for drive in drives],
         sum(drive.mean(drive["supplied_torque"] * drive["speed"]) for drive in drives),
         drives[0].mean(drives[0]["speed"]) if drives else math.nan,
     )
+
+
+def describe_torque(found: Losses) -> Iterator[str]:
+    """The mean torque of the drive with all friction as a sum; none without drive or friction."""
+    if not found.losses or not abs(found.speed) > 0.0:
+        return
+    outside = found.total - sum(found.inside.values())
+
+    def say(power: float) -> str:
+        return f"{format_number(power / found.speed, 3)} N m"
+
+    parts = ", ".join(f"{share} {say(power)}" for share, power in found.shares.items())
+    text = (
+        f"{', '.join(found.drives)}: mean torque with all friction {say(found.drive + outside)} = friction "
+        f"{say(found.total)} ({parts}) + the rest {say(found.rest)}, of dampers, loads and inertia"
+    )
+    left_out = name_outside(found.losses)
+    yield f"{text}; the motion has {say(found.drive)}, without {left_out}" if left_out else text
 
 
 def cut_last_turn(motion: Motion, turned: float) -> Motion:
@@ -103,6 +128,7 @@ def tabulate_losses(found: Losses) -> Table:
 
 def remark_losses(found: Losses, motion: Motion) -> Iterator[Words]:
     """What the shares leave out."""
+    yield from describe_torque(found)
     yield from remark_outside(motion.system)
     for loss in found.losses:
         if loss.share == CONTACT and not np.any(Part(motion, loss.part)["sliding_velocity"]):

@@ -31,7 +31,7 @@ from ...reporter import Reporter
 from ...run.interruption import tell_interruption
 from ...scenario import build_scenario
 from ...scenario.checks import check_units
-from ...scenario.display import Shown, format_number, show_attributes
+from ...scenario.display import format_number, show_attributes
 from ...scenario.files import to_full_toml
 from ...scenario.system import build_system
 from ...scenario.units import is_bare
@@ -225,8 +225,7 @@ def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
         names = [str(n) for n in table.data_vars if str(n).endswith(f".{figure}")]
         name = min(names, key=lambda n: f"{n.split('.')[0]}.lost" not in table, default=None)
         if name is not None and np.any(np.isfinite(table[name].values)):
-            share = figure in ("lost", "spring_margin")
-            shown = Shown(100.0, "%") if share else show_attributes(table[name].attrs)
+            shown = show_attributes(table[name].attrs)
             found.append((f"{words} {shown.text}".strip(), name, shown.factor))
     return found
 
