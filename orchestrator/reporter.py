@@ -1,6 +1,7 @@
 """Lines and progress bars of a command: bars on a terminal, plain lines elsewhere."""
 
 import errno
+import math
 import os
 import sys
 import time as clock
@@ -33,6 +34,7 @@ COMPILING, COUPLED, REFERENCE, WITNESS = (
 )
 CHOICE, FMUS, RECORDS = "stability and errors of every method", "FMUs", "result file"
 DRAWING, PAGE = "figures and report", "report"
+COMPILES = "compiling what these components need (once on this machine; up to minutes)"
 SHOWN_EVERY_S = 0.1
 # Without a terminal a line says at least so often how far a long stage is.
 TOLD_EVERY_S = 20.0
@@ -107,6 +109,24 @@ class SafeConsole(Console):
             self.quiet = True
 
 
+@contextmanager
+def tell_compilation() -> Iterator[None]:
+    """Around a command: what is compiled outside its stages is told on standard error, again every 20 s."""
+    begun = told = -math.inf
+
+    def begin() -> None:
+        nonlocal begun, told
+        now = clock.monotonic()
+        if _innermost.get() or now - told < TOLD_EVERY_S:
+            return
+        begun, since = (now, "") if begun < 0.0 else (begun, f", for {now - begun:.0f} s")
+        SafeConsole(stderr=True, highlight=False).print(f"{COMPILES}{since}", soft_wrap=True)
+        told = now
+
+    with announce_compilation(begin, lambda seconds: None):
+        yield
+
+
 # Gets a stage in words and the share of it that is done, from 0 to 1.
 Tell = Callable[[str, float], object]
 
@@ -171,7 +191,7 @@ class Reporter:
 
     def _compiling(self) -> None:
         if COMPILING not in self.times:
-            self.line("compiling what these components need (once on this machine; up to minutes)")
+            self.line(COMPILES)
         self._compiled(0.0)
 
     def _compiled(self, seconds: float) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from models.compile.cache_folder import user_cache_directory
 from models.compile.temporary import TemporaryFolder
 from orchestrator.errors import MistakeError, Option, RunError, Words
+from orchestrator.reporter import show_share
 from orchestrator.scenario import Scenario
 
 from .messages import say
@@ -49,8 +50,11 @@ def _build_native_here(name: str, destination: Path | None, structure: Mapping[s
     from fmus.native.machine_code import NativeBuildError, this_platform
     from models.native.translate import TranslationError
 
+    def tell(step: str) -> None:
+        show_share(0.0, f", {name}: {step}")
+
     try:
-        return build(name, destination, structure, [this_platform()])
+        return build(name, destination, structure, [this_platform()], progress=tell)
     except (NativeBuildError, TranslationError) as error:
         raise MistakeError((f"building the native FMU {name}: ", error), WITHOUT) from None
 

@@ -41,16 +41,18 @@ def build_fmu(
     native: bool = False,
     platforms: Sequence[str] = (),
     fmi: int = 2,
+    progress: Callable[[str], None] = lambda step: None,
 ) -> Path:
     """Build an FMU in the folder `out`, as the command `fmu build` does; the path of its file.
 
     `component` is a name of the catalogue, or a user's own as "module:factory". `structure` has sizes such as
     {"coil_masses": 8}. A `native` FMU is machine code for the `platforms` (default: all), of `fmi` 2 or 3;
-    others run in Python, of FMI 2. MistakeError says what is wrong.
+    others run in Python, of FMI 2. `progress` is told each step of a native build. MistakeError says what is
+    wrong.
     """
     options = FmuOptions(structure, native, platforms or None, fmi)
     check_options([component], options)
-    return build_file(component, Path(out), options)
+    return build_file(component, Path(out), options, progress)
 
 
 def fmu_info(file: str | Path) -> FmuInfo:

@@ -26,6 +26,7 @@ from ..store.output_folder import (
     format_path,
     lock_folder,
     open_folder,
+    refuse_missing,
     refuse_overwriting_source,
     suggest_folder,
 )
@@ -119,6 +120,7 @@ def resume(
     nothing that it needs is changed then.
     """
     start = clock.perf_counter()
+    refuse_missing(out)
     if not (out / SCENARIO).is_file():
         remedy: Words = ("make one with ", Command("run"))
         if (out / SUMMARY).exists() or find_run_state(out).exists():

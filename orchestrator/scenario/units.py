@@ -38,8 +38,10 @@ FACTORS = {
     ("s", "s"): 1.0, ("ms", "s"): 1e-3, ("us", "s"): 1e-6,
     ("m", "m"): 1.0, ("mm", "m"): 1e-3, ("um", "m"): 1e-6,
     ("deg", "rad"): math.pi / 180.0, ("rpm", "rad/s"): math.pi / 30.0, ("N/mm", "N/m"): 1e3,
-    ("MPa", "Pa"): 1e6, ("%", "1"): 0.01,
+    ("MPa", "Pa"): 1e6, ("%", "1"): 0.01, ("degC", "K"): 1.0,
 }  # fmt: skip
+# Their zeros, as those of `find_conversion`.
+ZEROS = {("degC", "K"): 273.15}
 
 _NUMBER_AND_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)")
 _MASS = re.compile(r"\b(lb|kg|oz)s?\b")
@@ -89,8 +91,9 @@ def to_unit(text: str, unit: str, relative: bool = False) -> float:
         return number
     if not unit:
         raise UnitError(f"{text!r}: the FMU states no unit; write a plain number")
-    known = FACTORS.get((given, unit))
-    factor, zero = (known, 0.0) if known else find_conversion(text, given, unit)
+    pair = (given, unit)
+    known = pair in FACTORS
+    factor, zero = (FACTORS[pair], ZEROS.get(pair, 0.0)) if known else find_conversion(text, given, unit)
     if zero and not relative:
         return zero + number * factor
     parts = round(1.0 / factor) if factor < 1.0 else 0

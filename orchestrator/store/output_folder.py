@@ -161,6 +161,13 @@ def list_files(out: Path) -> list[Path]:
     return [path for path in [*(out / name for name in WRITTEN), *_figures(out)] if path.exists()]
 
 
+def refuse_missing(folder: Path) -> None:
+    """MistakeError if there is nothing of that name."""
+    if not folder.exists():
+        remedy = find_remedy(folder, "give the output folder of a run, or of a sweep")
+        raise MistakeError(f"{folder}: there is no such folder; {remedy}")
+
+
 def find_remedy(path: Path, otherwise: str) -> str:
     """Whether another run's output folder was meant by `path`, in words; `otherwise` where there is none."""
     close = suggest_folder(path)

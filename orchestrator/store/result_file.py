@@ -23,7 +23,7 @@ from ..errors import Command
 from .atomic_write import check_room, naming, partial
 from .coordinates import Coordinate, Extension
 from .journal import TIME, Recorded
-from .output_folder import RESULT, OutputFolderError, find_run_state
+from .output_folder import RESULT, OutputFolderError, find_run_state, refuse_missing
 
 if TYPE_CHECKING:
     import xarray
@@ -215,6 +215,7 @@ def find_result(path: Path | str) -> Path:
     if find_run_state(file.parent).exists():
         resume = Command("resume", (file.parent,))
         raise OutputFolderError(f"{file}: the run goes on or was killed", ("continue it with ", resume))
+    refuse_missing(file.parent)
     raise OutputFolderError(f"{file.parent}: has no {file.name}", "give the output folder of a run")
 
 

@@ -12,7 +12,7 @@ from ..plots import valve_train
 from ..plots.data import FigureData
 from ..plots.style import save_figure
 from ..reporter import Reporter
-from ..store.output_folder import MERITS, STORE, is_run
+from ..store.output_folder import MERITS, STORE, is_run, refuse_missing
 from .speeds.compare import label
 
 
@@ -90,6 +90,7 @@ def overlay(first: Path, second: Path, out: Path, names: tuple[str, str]) -> Pat
 
 def read_run(folder: Path) -> FigureData:
     """The run in the folder; MistakeError if it has none."""
+    refuse_missing(folder)
     if not is_run(folder):
         remedy = Command("run", (...,), (Option("out", folder),))
         raise MistakeError(f"{folder}: holds no finished run", ("make one with ", remedy))

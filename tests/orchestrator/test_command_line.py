@@ -8,11 +8,14 @@ import subprocess
 import sys
 import tomllib
 
+import numba
 import numpy as np
 import pytest
 import typer
+from rich.console import Console
 
 from fmus.build import NAMES
+from orchestrator.reporter import COMPILES, Reporter, tell_compilation
 from orchestrator.run.interruption import tell_interruption
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load
@@ -21,7 +24,7 @@ from orchestrator.store.result_file import open_result
 from orchestrator.study import files as studies
 from tribocosim.command_line import app
 from tribocosim.command_line.completion import complete_component, complete_scenario, complete_study
-from tribocosim.command_line.error_report import report_errors
+from tribocosim.command_line.error_report import INTERRUPTED, TERMINATED, _find_status, report_errors
 
 from .commands import IN_PROCESS, ROOT, SHORT, called, said, tribocosim
 
@@ -185,7 +188,7 @@ def test_ctrl_c_and_sigterm_keep_what_was_computed(asked, tmp_path):
         process.send_signal(asked)
     printed, errors = process.communicate(timeout=60)
     assert process.returncode == 128 + asked, errors
-    assert printed.index("the run is incomplete") < printed.index("contact: kept; load")
+    assert printed.index("the run is incomplete") < printed.index("contact: kept, least load")
     assert errors.startswith("tribocosim: incomplete: interrupted")
     assert f"tribocosim resume {out} " in errors
     summary = json.loads((out / "summary.json").read_text())
@@ -208,7 +211,16 @@ MISTAKES = {
     ("run", "valve-train", "--master", "jacob"): "did you mean jacobi?",
     ("run", "valve-train", "--out", "pyproject.toml"): "is a file",
     ("speeds", "valve-train", "--count", "2", "--out", "pyproject.toml/x"): "pyproject.toml: is a file",
-    ("resume", "none"): "none: holds no run (there is no scenario.toml)",
+    **dict.fromkeys(
+        [
+            ("resume", "none"),
+            ("report", "none"),
+            ("diagnose", "none"),
+            ("friction", "none"),
+            ("compare", "none", "docs"),
+        ],
+        "none: there is no such folder; give the output folder",
+    ),
     ("resume", "docs"): "docs: holds no run",
     ("calibrate", "valve-train", "none.csv", "--parameters", "contact.viscosity"): "none.csv: cannot be read",
     ("sensitivities", "valve-train", "--speed", "2000"): "--speed 2000: write the unit",
@@ -380,3 +392,20 @@ def test_what_a_library_makes_of_ctrl_c_is_an_interruption(capsys):
         ):
             command.__wrapped__()
     assert capsys.readouterr().err.startswith("tribocosim: interrupted\ntribocosim: unexpected")
+
+
+def test_what_is_compiled_before_a_stage_is_told_at_once(capsys):
+    """And once within 20 s; in a stage its reporter tells it."""
+    with tell_compilation():
+        numba.njit(lambda x: x + 1.0)(1.0)
+        numba.njit(lambda x: x + 2.0)(1.0)
+        with Reporter(Console(quiet=True)).stage("a stage"):
+            numba.njit(lambda x: x + 3.0)(1.0)
+    assert capsys.readouterr().err.splitlines() == [COMPILES]
+
+
+def test_sigterm_that_comes_while_modules_are_imported_is_told_apart(monkeypatch):
+    monkeypatch.setattr("tribocosim.command_line.error_report.early", [signal.SIGTERM])
+    assert _find_status([]) == TERMINATED
+    monkeypatch.setattr("tribocosim.command_line.error_report.early", [])
+    assert _find_status([]) == INTERRUPTED

@@ -13,7 +13,7 @@ from orchestrator.scenario import Scenario, ScenarioError, build_scenario, schem
 from orchestrator.scenario.conversion import convert_units
 from orchestrator.scenario.files import list_shipped, load, override, read_changed, to_full_toml
 from orchestrator.scenario.system import build_system
-from orchestrator.scenario.units import FACTORS, UnitError, find_conversion, to_unit
+from orchestrator.scenario.units import FACTORS, ZEROS, UnitError, find_conversion, to_unit
 from orchestrator.scenario.warnings import list_warnings
 
 # Of tens of instances: compiling their kernels takes long.
@@ -247,7 +247,7 @@ def test_what_does_not_fit_is_named(text, unit, named):
 
 @pytest.mark.parametrize("pair", FACTORS, ids=" to ".join)
 def test_factors_without_pint_are_pints(pair):
-    assert (FACTORS[pair], 0.0) == find_conversion("1", *pair)
+    assert (FACTORS[pair], ZEROS.get(pair, 0.0)) == find_conversion("1", *pair)
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,8 @@ from .apart import state
 
 # The last ones: 128 + 2, 13 and 15, as after SIGINT, SIGPIPE and SIGTERM.
 MISTAKE, FAILED, INTERRUPTED, NO_READER, TERMINATED = 2, 3, 130, 141, 143
+# SIGTERM, where it came before a command could note it.
+early: list[int] = []
 
 
 def report_errors(command: Callable[..., int | None]) -> Callable[..., None]:
@@ -37,10 +39,12 @@ def _interrupt_on_termination() -> Iterator[None]:
     """In the block SIGTERM interrupts as Ctrl-C does."""
 
     def interrupt(number: int, frame: object) -> None:
+        early.append(number)
         raise KeyboardInterrupt
 
     own = threading.current_thread() is threading.main_thread()
     own = own and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+    early.clear()
     if own:
         signal.signal(signal.SIGTERM, interrupt)
     try:
@@ -56,12 +60,12 @@ def _carry_out(
     """Its exit status; an error is told."""
     noticed, came = None, list[int]()
     try:
-        from orchestrator.reporter import unwritten  # with numba, which `--help` does not need
+        from orchestrator.reporter import tell_compilation, unwritten  # with numba, as `--help` is not
         from orchestrator.run.interruption import Noticed, came
 
         unwritten.clear()
         came.clear()
-        with Noticed() as noticed:
+        with Noticed() as noticed, tell_compilation():
             status = command(*arguments, **options)
         try:
             sys.stdout.flush()
@@ -84,7 +88,7 @@ def _carry_out(
         _discard_output()
         return NO_READER
     except Exception as error:
-        if noticed and noticed.asked:
+        if early or (noticed and noticed.asked):
             say("interrupted")
             return _find_status(came)
         if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
@@ -95,8 +99,8 @@ def _carry_out(
 
 
 def _find_status(signals: list[int]) -> int:
-    """Of a command that these signals ended."""
-    return TERMINATED if signal.SIGTERM in signals else INTERRUPTED
+    """Of a command that these signals ended, or one that came before."""
+    return TERMINATED if signal.SIGTERM in (*signals, *early) else INTERRUPTED
 
 
 def _discard_output() -> None:

@@ -62,11 +62,7 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     Exit status 0: within the tolerance, or without a reference, 1: outside the tolerance, 2: a mistake in the
     scenario or the command, 3: the run failed, 4: the reference could not be computed, 130: interrupted.
     """
-    from orchestrator.run.pipeline import run_plan
     from orchestrator.scenario.files import load
-    from orchestrator.store.output_folder import check_folder
-
-    from ..planning import resolve_run
 
     overrides = [f"master.name={master}"] if master else []
     overrides += [f"reference.witness={witness}"] if witness else []
@@ -74,6 +70,11 @@ def run_scenario(  # noqa: PLR0913  # options of a command
     loaded = load(scenario, overrides)
     if native:
         loaded = loaded.with_native_fmus()
+    from orchestrator.run.pipeline import run_plan  # a scenario's mistake is told before
+    from orchestrator.store.output_folder import check_folder
+
+    from ..planning import resolve_run
+
     folder = out or Path("results") / loaded.name
     carry_out_apart(loaded, folder)
     began, reporter = clock.perf_counter(), build_reporter(as_json, verbose)

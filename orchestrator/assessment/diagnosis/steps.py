@@ -13,7 +13,7 @@ from models.core.quantities import Vector
 
 from ...errors import MistakeError
 from ...store.journal import Recorded, journals
-from ...store.output_folder import find_remedy, find_run_state
+from ...store.output_folder import find_remedy, find_run_state, refuse_missing
 from ...store.result_file import ResultFile
 
 # Columns of /steps, and what a value of each needs: there may be many millions of steps.
@@ -93,6 +93,7 @@ def read_steps(out: Path) -> tuple[Steps, str]:
     """The steps of the run in an output folder, and how it ended. MistakeError if there are none."""
     if (out / "result.nc").is_file():
         return _read_file(out / "result.nc")
+    refuse_missing(out)
     found = journals(find_run_state(out)) if find_run_state(out).is_dir() else {}
     if "steps" not in found:
         remedy = find_remedy(out, "give a run's output folder")

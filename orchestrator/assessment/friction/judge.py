@@ -15,7 +15,7 @@ from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, ScenarioError
 from ...scenario.files import load
 from ...scenario.system import build_system, list_parameters
-from ...store.output_folder import RESULT, SCENARIO, find_remedy
+from ...store.output_folder import RESULT, SCENARIO, find_remedy, refuse_missing
 from ...store.result_file import open_result
 from ..merits import read_motion
 from ..motion import Motion
@@ -69,6 +69,7 @@ def judge_losses(folder: Path, scenario: Scenario) -> tuple[Losses, Motion]:
 
 
 def _load_scenario(folder: Path) -> Scenario:
+    refuse_missing(folder)
     for name in (RESULT, SCENARIO):
         if not (folder / name).is_file():
             remedy = find_remedy(folder, "give the output folder of a finished run")

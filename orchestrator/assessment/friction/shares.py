@@ -1,11 +1,13 @@
 """The friction of a whole system by shares, which are named by what a part does in its train."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray
 from rich import box
 from rich.table import Table
 
@@ -18,6 +20,9 @@ from ..figures_of_merit import measure
 from ..motion import Motion, Part
 from ..trains import list_parts
 from .losses import CONTACT, POWER, SHARES, Loss, list_losses, name_outside, remark_outside
+
+if TYPE_CHECKING:
+    import xarray
 
 
 def add_losses(table: xarray.Dataset, system: System) -> xarray.Dataset:

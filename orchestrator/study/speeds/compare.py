@@ -23,7 +23,7 @@ from ...reporter import Reporter
 from ...scenario import build_scenario
 from ...scenario.display import format_number, show_attributes
 from ...scenario.system import build_system
-from ...store.output_folder import STORE, SUMMARY
+from ...store.output_folder import STORE, SUMMARY, refuse_missing
 from .sweep import parse_speed, read_table
 
 RPM = 30.0 / math.pi
@@ -131,6 +131,7 @@ class Sweep:
 
 def read_sweep(folder: Path) -> Sweep:
     """MistakeError if there is none."""
+    refuse_missing(folder)
     if not (folder / STORE).exists() or not (folder / SUMMARY).exists():
         remedy = Command("speeds", (...,), (Option("out", folder),))
         raise MistakeError(f"{folder}: holds no finished sweep", ("make one with ", remedy))
