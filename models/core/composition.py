@@ -2,10 +2,12 @@
 
 Neighbouring instances of one component form a group: a loop over a table of their parts. Compiling takes as
 long for a hundred of them as for one. Groups are joined in pairs, and these again, so that the functions nest
-as deep as the logarithm of their number.
+as deep as the logarithm of their number. What is compiled knows neither sizes nor places: it is kept for the
+next system of the same components.
 """
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,6 +67,7 @@ def _nothing(t: float, x: Any, u: Any, p: Any, out: Any, tables: Tables, n: int)
     return
 
 
+@cache
 def _chain(first: Any, second: Any, groups: int) -> Any:
     """`first`, of so many groups, then `second`."""
 
@@ -76,6 +79,7 @@ def _chain(first: Any, second: Any, groups: int) -> Any:
     return run
 
 
+@cache
 def _repeat(function: Any) -> Any:
     """`function` for each of the instances of a group."""
 

@@ -1,5 +1,6 @@
 """Outputs, inputs and derivatives of a whole system at an instant."""
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -155,6 +156,7 @@ class Evaluation(Interpreted):
         self._composition(t, x, self.u, self.system.p, self.y)
 
 
+@cache
 def make_outputs(run: Any) -> Any:
     """outputs(t, x, memory) -> whether all algebraic loops are closed: u and y are then those at (t, x)."""
 
@@ -179,6 +181,7 @@ def make_outputs(run: Any) -> Any:
     return outputs
 
 
+@cache
 def make_along(outputs: Any) -> Any:
     """along(first, times, states, memory, u, y): inputs and outputs of the rows from `first`; the row with
     algebraic loops that are left open, or the number of rows."""
@@ -199,6 +202,7 @@ def make_along(outputs: Any) -> Any:
     return along
 
 
+@cache
 def make_derivative(run: Any) -> Any:
     """derivative(t, x, memory): dx, with the inputs of the last `outputs`."""
 

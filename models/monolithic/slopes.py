@@ -5,6 +5,7 @@ outputs depend on themselves (algebraic loops) their tangents are found as fixed
 """
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -92,6 +93,7 @@ class Slopes:
         return rates, inputs, outputs
 
 
+@cache
 def make_rates(outputs: Any, derivative: Any) -> Any:
     """rates(first, times, states, memory, found): of the rows from `first`; the row with algebraic loops that
     are left open, or the number of rows."""

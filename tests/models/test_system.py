@@ -160,6 +160,19 @@ def broken(a: float, numbers: Any) -> bool:
     return a < 0.0
 
 
+def test_what_is_compiled_serves_the_next_system_of_the_same_components():
+    """Each has its own values: what one computes does not depend on the other."""
+    slow = valve_train(1000)
+    faster = {n: i.parameters for n, i in valve_train(3000).instances.items()}
+    fast = slow.with_instances({n: replace(i, parameters=faster[n]) for n, i in slow.instances.items()})
+    first, second = Evaluation(slow), Evaluation(fast)
+    assert second.flat_outputs is first.flat_outputs
+    assert second.flat_derivative is first.flat_derivative
+    for system, evaluation in ((slow, first), (fast, second), (slow, first)):
+        expected = Interpreted(system).derivative(0.01, system.x0)
+        np.testing.assert_array_equal(evaluation.derivative(0.01, system.x0), expected)
+
+
 def test_numbers_stand_in_their_places() -> None:
     rule = Requirement(broken, "a = {0:g} m: must be {1:.3f} or {1:.9g}, not {0:g}")
     assert rule.fault(-1.0) is None
