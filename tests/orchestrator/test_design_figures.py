@@ -9,17 +9,28 @@ import numpy as np
 import pytest
 
 import tribocosim
+from models.core.quantities import Vector
 from models.core.system import ModelError
 from models.valve_train.followers.mechanisms import Flat
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.scenario.system import list_parameters
 from orchestrator.scenario.wire import insert_wire
+from orchestrator.study.design.answers import Answer, Column
 from orchestrator.study.design.brief import Brief, Limits, read_bounds, read_brief
 from orchestrator.study.design.deliverables import deliver
 from orchestrator.study.design.figures import Bound, Objective, find_objective, list_bounds
 from orchestrator.study.design.files import keep
-from orchestrator.study.design.limits import Limit, Model
+from orchestrator.study.design.limits import (
+    Limit,
+    Model,
+    closing_limit,
+    duration_limit,
+    film_limit,
+    find_sizes,
+    kinematic_limits,
+)
+from orchestrator.study.design.lobe import Lobe
 from orchestrator.study.design.run import find_own_limits
 from orchestrator.study.design.search import Search
 from orchestrator.study.design.slp import Line, Problem, maximise
@@ -29,7 +40,7 @@ from orchestrator.study.design.wanted import Wanted
 from orchestrator.study.design.wires import list_wires, wind
 from orchestrator.study.speeds.subject import describe_numbers
 
-from .test_design import build_lobe, write_brief
+from .test_design import build_lobe, build_model, optimise, write_brief
 
 SPEED = 2500.0 * math.pi / 30.0
 
@@ -49,6 +60,67 @@ def test_a_line_is_an_objective_and_a_limit() -> None:
     assert lobe.bumps.areas @ found.unknowns == pytest.approx(1e-3, rel=1e-6)
     gain = next(one.gain for one in found.active if one.name == "area")
     assert gain == pytest.approx(0.01 * found.local.objective, rel=1e-3)
+
+
+def answer_of(low: Vector, high: Vector, gradient: Vector) -> Answer:
+    return Answer(1.0, {"load": Column(low, high, low)}, {"load": gradient}, None)  # type: ignore[arg-type]
+
+
+def optimise_cam(lobe: Lobe, *more: Limit) -> Vector:
+    """The most area with the radius and lift of the own cam."""
+    sizes = find_sizes(lobe, lobe.own, lobe.kind.geometry, 1.0)
+    own = {name: sizes[name] for name in ("largest_lift", "least_radius")}
+    base = lobe.kind.geometry.base_radius
+    limits = [*kinematic_limits(own, 1.0, base), closing_limit(lobe.ramps, own["largest_lift"]), *more]
+    found = optimise(build_model(lobe, limits), lobe.start)
+    assert found.feasible
+    return found.unknowns
+
+
+def test_a_cam_lifts_by_a_millimetre_for_the_duration_that_it_may() -> None:
+    """Of the crank, that turns twice as far; the own cam and one without the limit lift for longer."""
+    lobe = build_lobe(count=24)
+    most = math.radians(240.0)
+    free, held = optimise_cam(lobe), optimise_cam(lobe, duration_limit(lobe.angles, most))
+    own, longer, duration = (
+        find_sizes(lobe, curve, lobe.kind.geometry, 1.0)["largest_duration"]
+        for curve in (lobe.own, lobe.curve(free), lobe.curve(held))
+    )
+    assert min(own, longer) > math.radians(250.0)
+    assert duration == pytest.approx(most, abs=math.radians(0.1))
+    edges = 0.5 * (lobe.begin + lobe.end) + np.array([-0.25, 0.25]) * most
+    assert (lobe.bumps.at(edges) @ held).max() < 1.001e-3
+
+
+def test_a_film_stays_where_no_tangent_foresees_a_new_reversal() -> None:
+    """Where the entraining velocity reverses a film is as thin as it will be; elsewhere one that had twice
+    its limit keeps that share of the velocity."""
+    lobe = build_lobe(count=24)
+    entraining = lobe.touch(lobe.own, lobe.kind.geometry).entraining
+    ratios = np.ones(lobe.angles.size)
+    answer = answer_of(ratios, ratios, np.zeros((ratios.size, 24)))
+    limit = film_limit("film", "load", 1.0, 0.5, ratios, entraining)
+    reverses = np.flatnonzero(np.diff(np.sign(entraining)))
+    away = np.abs(np.arange(ratios.size)[:, None] - reverses).min(axis=1, initial=ratios.size) > 10
+    sizes = find_sizes(lobe, lobe.own, lobe.kind.geometry, 1.0)
+    limits = list(kinematic_limits({"largest_lift": sizes["largest_lift"]}, 1.0, 20e-3))
+    shares = []
+    for more in ([], [limit]):
+        found = optimise(build_model(lobe, [*limits, *more], {1.0: answer}), lobe.start)
+        there = lobe.touch(lobe.curve(found.unknowns), lobe.kind.geometry).entraining
+        shares.append(float((there / entraining)[away].min()))
+    assert shares[0] < 0.2
+    assert shares[1] == pytest.approx(0.5 ** (1.0 / 0.7), abs=1e-3)
+
+
+def test_a_refused_cam_lowers_what_is_foreseen_by_what_it_fell_short() -> None:
+    """Loads that were higher than foreseen raise nothing."""
+    own = answer_of(np.full(3, 100.0), np.full(3, 120.0), np.full((3, 1), 1e3))
+    low = np.array([105.0, 110.0, 130.0])
+    there = answer_of(low, low + 25.0, np.zeros((3, 1)))
+    found = own.worsen(there, np.array([0.01])).columns["load"]
+    np.testing.assert_allclose(found.low, [95.0, 100.0, 100.0])
+    np.testing.assert_allclose(found.high, [120.0, 125.0, 145.0])
 
 
 def test_the_speed_of_separation_is_an_unknown() -> None:

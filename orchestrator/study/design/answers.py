@@ -26,6 +26,16 @@ class Answer(NamedTuple):
     gradients: Mapping[str, Vector]
     cycle: Cycle
 
+    def worsen(self, there: "Answer", step: Vector) -> "Answer":
+        """Lower and higher by what the columns `there`, a step (n,) away, are beyond the foreseen."""
+        columns = {}
+        for name, one in self.columns.items():
+            change = self.gradients[name] @ step
+            low = one.low + np.minimum(0.0, there.columns[name].low - one.low - change)
+            high = one.high + np.maximum(0.0, there.columns[name].high - one.high - change)
+            columns[name] = one._replace(low=low, high=high)
+        return self._replace(columns=columns)
+
 
 def differ_by_speed(low: Answer, high: Answer, column: str) -> Vector:
     """Derivative of a column at the higher speed by its logarithm, as of a + b speed^2."""

@@ -79,6 +79,8 @@ class Limits(Table):
     largest_nose_radius: Length = FREE
     # Of the grinding wheel that a hollow flank takes; own: no hollow, where there is none.
     wheel_radius: Length = OWN
+    # Of the crank, over which the cam lifts by 1 mm or more, about the middle of its event.
+    largest_duration: Annotated[Size, _limit("rad", "240 deg")] = FREE
     # By Hertz, of each contact.
     peak_pressure: Annotated[Size, _limit("Pa", "600 MPa")] = OWN
     # Of each contact while the cam lifts.

@@ -17,7 +17,7 @@ from models.core.quantities import Vector
 from models.valve_train.followers.shape import find_least_radius
 
 from .answers import Answer
-from .lobe import Curve, Lobe, Touch
+from .lobe import FINE, Curve, Lobe, Touch
 from .slp import Line, Local, Rows
 
 # Relative steps of differences.
@@ -28,6 +28,10 @@ LEAST = 1e-3
 CUSP = 0.02
 # The part of the event about its middle in which the lift has one nose.
 NOSE = 1.0 / 3.0
+# The lift (m) at which durations count.
+HEIGHT = 1e-3
+# Of the entraining velocity, in formulas of films.
+POWER = 0.7
 
 
 class State(NamedTuple):
@@ -81,7 +85,21 @@ def find_sizes(lobe: Lobe, curve: Curve, geometry: Any, speed: float) -> dict[st
         "least_radius": float(radius[find_least_radius(radius, touch.cam_rate)]),
         "wheel_radius": float(-1.0 / bend.min()) if bend.min() < 0.0 else 1e3,
         "largest_nose_radius": float(1.0 / max(bend[_middle(bend.size)].min(), 1e-3)),
+        "largest_duration": _find_duration(lobe.angles, curve.s),
     }
+
+
+def _find_duration(angles: Vector, s: Vector) -> float:
+    """Four times the larger cam angle from the middle of the event to a lift of HEIGHT: that of the crank."""
+    rows = np.flatnonzero(s >= HEIGHT)
+    if not rows.size:
+        return 0.0
+    first, last = max(1, int(rows[0])), min(s.size - 2, int(rows[-1]))
+    ends = (
+        np.interp(HEIGHT, s[first - 1 : first + 1], angles[first - 1 : first + 1]),
+        np.interp(-HEIGHT, -s[last : last + 2], angles[last : last + 2]),
+    )
+    return 4.0 * float(np.abs(np.array(ends) - 0.5 * (angles[0] + angles[-1])).max())
 
 
 def _middle(rows: int) -> NDArray[np.bool_]:
@@ -115,6 +133,18 @@ def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: floa
 def closing_limit(ramps: Curve, largest: float) -> Limit:
     """The event adds to its ramps and takes nothing from them."""
     return Limit("lift of the ramps", 0.0, lambda q, size: (ramps.s - q.curve.s) / largest - size)
+
+
+def duration_limit(angles: Vector, most: float) -> Limit:
+    """The cam lifts by less than HEIGHT beyond a crank angle (rad) about the middle of the event."""
+    from_middle = angles - 0.5 * (angles[0] + angles[-1])
+
+    def excess(state: State, size: float) -> Vector:
+        step = np.sign(from_middle) * 0.25 * size - from_middle
+        lift = state.curve.s + state.curve.ds * step
+        return np.where(np.abs(step) <= angles[1] - angles[0], lift / HEIGHT - 1.0, -1.0)
+
+    return Limit("largest_duration", most, excess)
 
 
 def load_limit(
@@ -151,12 +181,27 @@ def pressure_limit(
     return Limit(name, most, excess, column, speed)
 
 
-def film_limit(name: str, column: str, speed: float, least: float, ratios: Vector) -> Limit:
-    """The contact keeps at least this film over roughness, of which `ratios` are those of a cycle (nan:
-    none), where it is thinner than on both sides: such a place may move without harm."""
+def film_limit(
+    name: str, column: str, speed: float, least: float, ratios: Vector, entraining: Vector
+) -> Limit:
+    """The contact keeps at least this film over roughness, of which `ratios` are a cycle's (nan: none).
+
+    Around a reversal of the entraining velocity (m/rad, of the cycle's cam) only the thinnest place counts:
+    it may move without harm. Elsewhere the film also follows the velocity of the new cam, by POWER, so that
+    no new reversal is made: there no tangent foresees it.
+    """
     beside = np.pad(np.nan_to_num(ratios, nan=math.inf), 1, constant_values=math.inf)
     thin = np.isfinite(ratios) & (ratios <= np.minimum(beside[:-2], beside[2:]))
-    return Limit(name, least, lambda q, size: np.where(thin, 1.0 - q.low / size, -1.0), column, speed)
+    turns = np.diff(np.sign(entraining), append=np.sign(entraining[-1])) != 0.0
+    steady = np.isfinite(ratios) & (np.convolve(turns, np.ones(2 * FINE + 1), "same") < 0.5)
+    before = np.where(steady, entraining, 1.0)
+
+    def excess(state: State, size: float) -> Vector:
+        share = np.where(steady, np.maximum(0.0, state.touch.entraining / before), 1.0)
+        low = np.where(steady, np.minimum(state.low, ratios * share**POWER), state.low)
+        return np.where(thin | steady, 1.0 - low / size, -1.0)
+
+    return Limit(name, least, excess, column, speed)
 
 
 @dataclass(frozen=True)

@@ -32,12 +32,14 @@ class Curve(NamedTuple):
 
 class Touch(NamedTuple):
     """The contact along a curve: see `CamContact`; `turn` of the normal by the cam angle in the cam's frame,
-    so that `cam_rate`/`turn` is the cam's radius of curvature."""
+    so that `cam_rate`/`turn` is the cam's radius of curvature; `entraining` is twice the entraining velocity
+    per cam angle (m)."""
 
     cam_rate: Vector
     turn: Vector
     pressure_angle: Vector
     arm: Vector
+    entraining: Vector
 
 
 @dataclass(frozen=True)
@@ -110,16 +112,22 @@ class Lobe:
 
     def points(self, coefficients: Vector) -> Points:
         """The designed lift with its ramps through points at PLACES."""
-        ramps = np.array([self.ramp(a) for a in PLACES]).T
-        lift, slope, curvature = (r + self.bumps.at(PLACES, nu) @ coefficients for nu, r in enumerate(ramps))
+        ramps, matrices = self._at_places
+        lift, slope, curvature = (r + m @ coefficients for r, m in zip(ramps, matrices, strict=True))
         return Points(PLACES, lift, slope, curvature)
+
+    @cached_property
+    def _at_places(self) -> tuple[Vector, list[Vector]]:
+        """Lift and two derivatives of the ramps and of a coefficient of 1, at PLACES."""
+        ramps = np.array([self.ramp(a) for a in PLACES]).T
+        return ramps, [self.bumps.at(PLACES, nu) for nu in range(3)]
 
     def touch(self, curve: Curve, geometry: Any) -> Touch:
         """Where the follower touches the cam of this lift."""
         touch = self.kind.follower.touch
         rows = np.array([touch(Lift(*row), geometry) for row in zip(*curve[:3], strict=True)])
-        _, _, n_x, n_y, arm, _, cam_rate, _, normal_turn = rows.T
-        return Touch(cam_rate, normal_turn + 1.0, np.arctan2(n_x, n_y), arm)
+        _, _, n_x, n_y, arm, _, cam_rate, follower_rate, normal_turn = rows.T
+        return Touch(cam_rate, normal_turn + 1.0, np.arctan2(n_x, n_y), arm, cam_rate + follower_rate)
 
 
 def find_event(kind: CamKind, given: tuple[float, float] | None) -> tuple[float, float]:

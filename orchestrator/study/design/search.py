@@ -8,7 +8,7 @@ speed that keeps contact, by the square of the speed.
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,6 +30,7 @@ from .limits import (
     Limit,
     Model,
     closing_limit,
+    duration_limit,
     film_limit,
     gap_limit,
     kinematic_limits,
@@ -182,7 +183,7 @@ class Search:
                 best(found, seen)
             else:
                 self.tell(f"round {number} refused: {said}; a smaller step is tried")
-                box *= SHORTER
+                model, box = self.correct(model, x, seen), box * SHORTER
             if 0.0 < gain <= LITTLE or box < SMALLEST:
                 break
         # What holds the cam that was found, by its own cycles.
@@ -281,6 +282,8 @@ class Search:
         base = self.geometry(x).base_radius
         yield from kinematic_limits(self.wanted.sizes, self.cam_speed, base)
         yield closing_limit(lobe.ramps, float(lobe.own.s.max()))
+        if "largest_duration" in self.wanted.sizes:
+            yield duration_limit(lobe.angles, self.wanted.sizes["largest_duration"])
 
     def geometry(self, x: Vector) -> Any:
         """The follower's, with the parameters among the unknowns."""
@@ -316,6 +319,17 @@ class Search:
             lobe, limits, answers, x.copy(), self.geometry, self.scale,
             self.objective_line(x, seen, slopes) if objective.name != AREA else area, lines, self.stretched,
         )  # fmt: skip
+
+    def correct(self, model: Model, x: Vector, seen: Mapping[float, Seen]) -> Model:
+        """Loads and films of the model, less what those of the cycles at `x` are worse than it foresaw: as
+        rebounds of loose parts make them that no tangent knows."""
+        answers: dict[float, Answer] = {}
+        for speed, (near, cycle, *_) in sorted(seen.items()):
+            found = Answer(near, self.train.read(cycle.__getitem__, self.columns), {}, cycle)
+            answers[speed] = found if near == speed else go_on(answers[min(answers)], found, speed)
+        return replace(
+            model, answers={v: model.answers[v].worsen(one, x - model.place) for v, one in answers.items()}
+        )
 
     def objective_line(
         self, x: Vector, seen: Mapping[float, Seen], slopes: Mapping[float, Mapping[str, Vector]]
@@ -355,7 +369,9 @@ class Search:
                 yield pressure_limit(word, column, speed, most, stiffness, arc if name == first else None)
         if wanted.film:
             ratios = self.train.film_ratios(answer.cycle.__getitem__)
-            yield film_limit(f"film ratio {at}", f"{first}.film_ratio", speed, wanted.film, ratios)
+            yield film_limit(
+                f"film ratio {at}", f"{first}.film_ratio", speed, wanted.film, ratios, touch.entraining
+            )
         for name, gap in wanted.gaps.items():
             yield gap_limit(f"gap of {name} {at}", f"{name}.least_gap", speed, gap)
 

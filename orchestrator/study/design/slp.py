@@ -23,6 +23,8 @@ FIRST, LAST = 0.1, 1e-5
 MOST_STEPS = 60
 # Of the values of a linear limit.
 SMALLEST = 1e-12
+# Rows of a linear programme at first, and what breaks one of the others.
+TIGHTEST, BROKEN = 200, 1e-9
 # A violation below this is none.
 FULFILLED = 1e-6
 
@@ -150,10 +152,20 @@ def _solve(problem: Problem, x: Vector, here: Local, box: float) -> tuple[Vector
     matrix, bound = np.vstack(matrices) * scale, np.concatenate(bounds)
     size = np.maximum(np.abs(matrix[:, :n]).max(axis=1, initial=0.0), 1e-12)
     limits = [*zip(low / reach, high / reach, strict=True), *[(0.0, None)] * m]
-    found = linprog(cost * scale, matrix / size[:, None], bound / size, bounds=limits, method="highs")
-    if found.x is None:
-        return np.zeros(n), here.merit, [np.zeros(rows.excess.size) for rows in here.limits]
-    forces = -found.ineqlin.marginals / size
+    matrix, bound = matrix / size[:, None], bound / size
+    # Few rows hold: the tightest are taken at first, then those that the optimum breaks.
+    taken = np.zeros(bound.size, dtype=np.bool_)
+    taken[np.argsort(bound)[:TIGHTEST]] = True
+    while True:
+        found = linprog(cost * scale, matrix[taken], bound[taken], bounds=limits, method="highs")
+        if found.x is None:
+            return np.zeros(n), here.merit, [np.zeros(rows.excess.size) for rows in here.limits]
+        broken = (matrix @ found.x - bound > BROKEN) & ~taken
+        if not broken.any():
+            break
+        taken |= broken
+    forces = np.zeros(bound.size)
+    forces[taken] = -found.ineqlin.marginals / size[taken]
     multipliers = []
     for rows, near in zip(here.limits, kept, strict=True):
         spread = np.zeros(rows.excess.size)
