@@ -66,6 +66,8 @@ class Limits(Table):
     # Of the flywheel, up to which contact is kept.
     separation_speed: Annotated[Size, _limit("rad/s", "3000 rpm")] = OWN
     largest_lift: Length = OWN
+    # Of the nose.
+    least_lift: Length = FREE
     largest_velocity: Annotated[Size, _limit("m/s", "4 m/s")] = FREE
     largest_acceleration: Annotated[Size, _limit("m/s2", "3000 m/s2")] = FREE
     largest_deceleration: Annotated[Size, _limit("m/s2", "3000 m/s2")] = FREE

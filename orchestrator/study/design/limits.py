@@ -82,6 +82,7 @@ def find_sizes(lobe: Lobe, curve: Curve, geometry: Any, speed: float) -> dict[st
     with np.errstate(divide="ignore"):  # straight flanks
         radius = touch.cam_rate / touch.turn
     return {name: float(value(here).max()) for name, value in _most_values(speed).items()} | {
+        "least_lift": float(curve.s.max()),
         "least_radius": float(radius[find_least_radius(radius, touch.cam_rate)]),
         "wheel_radius": float(-1.0 / bend.min()) if bend.min() < 0.0 else 1e3,
         "largest_nose_radius": float(1.0 / max(bend[_middle(bend.size)].min(), 1e-3)),
@@ -112,14 +113,15 @@ def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: floa
     for name, value in _most_values(speed).items():
         if name in sizes:
             yield Limit(name, sizes[name], _most(value))
-    bends: dict[str, Callable[[State, float], Vector]] = {
+    others: dict[str, Callable[[State, float], Vector]] = {
+        "least_lift": lambda q, size: np.where(q.curve.s < q.curve.s.max(), -1.0, 1.0 - q.curve.s / size),
         "least_radius": lambda q, size: (q.touch.turn * size - q.touch.cam_rate) / base_radius,
         "wheel_radius": lambda q, size: -(q.touch.turn * size + q.touch.cam_rate) / base_radius,
         "largest_nose_radius": lambda q, size: np.where(
             _middle(q.curve.s.size), (q.touch.cam_rate - q.touch.turn * size) / base_radius, -1.0
         ),
     }
-    for name, excess in bends.items():
+    for name, excess in others.items():
         if name in sizes:
             yield Limit(name, sizes[name], excess)
     yield Limit("undercut", CUSP, lambda q, size: size - q.touch.cam_rate / base_radius)
@@ -140,7 +142,7 @@ def duration_limit(angles: Vector, most: float) -> Limit:
     from_middle = angles - 0.5 * (angles[0] + angles[-1])
 
     def excess(state: State, size: float) -> Vector:
-        step = np.sign(from_middle) * 0.25 * size - from_middle
+        step = np.copysign(0.25 * size, from_middle) - from_middle
         lift = state.curve.s + state.curve.ds * step
         return np.where(np.abs(step) <= angles[1] - angles[0], lift / HEIGHT - 1.0, -1.0)
 

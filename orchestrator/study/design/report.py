@@ -24,7 +24,7 @@ from .limits import find_sizes
 from .lobe import Curve, Lobe
 from .slp import Active
 from .train import DesignedTrain
-from .wanted import Improved, Wanted
+from .wanted import Improved, Wanted, describe_beyond
 
 RPM = 30.0 / math.pi
 CAMS = ("before", "after")
@@ -239,8 +239,7 @@ def report(table: xarray.Dataset, improved: Improved, answer: Answer) -> None:
     answer.table(shown)
     for text in [*json.loads(table.attrs["active"]), *json.loads(table.attrs["shape"])]:
         answer.line(text)
-    if beyond := improved.found.beyond:
-        worst = ", ".join(f"{name} by {100.0 * share:.2g} %" for name, share in beyond.items())
+    if worst := describe_beyond(improved.found.beyond):
         answer.line(f"no cam within all limits was found; the nearest one is beyond {worst}")
 
 

@@ -39,11 +39,13 @@ from .limits import (
 )
 from .slp import Line, Optimum, Problem, maximise
 from .train import DesignedTrain
-from .wanted import Found, Improved, Wanted, describe
+from .wanted import Found, Improved, Wanted, describe, describe_beyond
 
 # Of the largest lift: the box of the coefficients at first, at most, and where the search ends.
 BOX, LARGEST, SMALLEST = 0.05, 0.15, 2e-3
 SHORTER, LONGER, MOST_ROUNDS = 0.35, 2.0, 40
+# Boxes in which a first lift is looked for that keeps the limits of the cam itself: it needs no cycles.
+MOVES = (5e-3, 1.5e-2, 5e-2, 0.15, 0.5, 1.5)
 # A round that adds less of the objective is the last.
 LITTLE = 5e-4
 # Weights of the jerk in a first lift; the largest takes 3 % of the area.
@@ -138,7 +140,8 @@ class Search:
 
     def begin(self) -> Vector:
         """The scenario's cam in bumps, with as little less jerk as the limits of the cam itself need: corners
-        of its acceleration ring in bumps. Where that is not enough, moved to where it keeps them."""
+        of its acceleration ring in bumps. Where that is not enough, moved to where it keeps them, no farther
+        than needed. Where no lift keeps them, that is told."""
         lobe, given = self.train.lobe, [*self.train.given.values(), *[0.0] * self.stretched]
         for smoothing in SMOOTHINGS:
             x = np.append(lobe.near(smoothing), given)
@@ -146,8 +149,12 @@ class Search:
                 return x
         x = np.append(lobe.start, given)
         free = self.own_model(x, Line("", 0.0, np.zeros(x.size), x))
-        nearest = (self.solve(free, x, box, 1) for box in (0.1 * BOX, 0.3 * BOX, BOX))
-        return next((found for found in nearest if found.feasible), self.solve(free, x, BOX, 1)).unknowns
+        for box in MOVES:
+            if (found := self.solve(free, x, box, 1)).feasible:
+                return found.unknowns
+        beyond = describe_beyond(self.own_excesses(found.unknowns))
+        self.tell(f"no lift was found within the limits of the cam itself; the nearest is beyond {beyond}")
+        return found.unknowns
 
     def improve(self, start: Vector, best: Best) -> Improved:
         """Rounds of cycles and optima from `start`; `best` gets each better one, and the cycles of it."""

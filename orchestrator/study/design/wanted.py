@@ -60,5 +60,10 @@ def describe(found: Found, objective: Objective) -> str:
     if objective.name != AREA:
         change = objective.sign * 100.0 * (found.objective - 1.0)
         text = f"{objective.name.replace('_', ' ')} {change:+.2f} %, {text}"
-    beyond = (f"{name} by {100.0 * share:.2g} %" for name, share in found.beyond.items())
-    return f"{text}; beyond limits: {', '.join(beyond)}" if found.beyond else f"{text}, all limits kept"
+    beyond = describe_beyond(found.beyond)
+    return f"{text}; beyond limits: {beyond}" if beyond else f"{text}, all limits kept"
+
+
+def describe_beyond(beyond: Mapping[str, float]) -> str:
+    """Limits with the shares by which they are exceeded."""
+    return ", ".join(f"{name.replace('_', ' ')} by {100.0 * share:.2g} %" for name, share in beyond.items())
