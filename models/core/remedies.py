@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from types import EllipsisType
 from typing import TypeAlias
 
+from .words import tally
+
 
 @dataclass(frozen=True)
 class Set:
@@ -118,7 +120,7 @@ def _render(words: Words, render: Callable[[Action], str]) -> str:
     text = "".join(part if isinstance(part, str) else render(part) for part in _flatten(words))
     lines = make_printable(text).split("\n")
     if len(lines) > LINES:
-        lines = [*lines[:LINES], f"and {len(lines) - LINES} lines more"]
+        lines = [*lines[:LINES], f"and {tally(len(lines) - LINES, 'line')} more"]
     return "\n".join(line if len(line) <= LINE else f"{line[:HEAD]} ... {line[-TAIL:]}" for line in lines)
 
 

@@ -12,6 +12,7 @@ from models.contact.records import ATOM
 from models.core import roles
 from models.core.quantities import Quantity, Vector
 from models.core.system import Port, System
+from models.core.words import tally
 
 from ..scenario.display import format_number, show
 from ..store import atomic_write
@@ -125,7 +126,10 @@ def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
     if len(told) <= SHOWN:
         return [text for _, text in told]
     least = sorted(told)[:SHOWN]
-    return [*(text for _, text in least), f"{len(told) - SHOWN} more trains with larger spring margins"]
+    return [
+        *(text for _, text in least),
+        f"{tally(len(told) - SHOWN, 'more train')} with larger spring margins",
+    ]
 
 
 def describe_bearings(system: System, merits: Sequence[Merit]) -> list[str]:

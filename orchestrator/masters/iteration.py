@@ -9,6 +9,7 @@ import numpy as np
 
 from models.compile.compiled import compiled
 from models.core.quantities import Vector
+from models.core.words import tally
 
 from ..engine.coupling import Coupling
 from ..engine.sweeps import SweepKind
@@ -201,7 +202,7 @@ def _message(coupling: Coupling, interface: Interface, seen: Converging, time: f
     targets = [str(c.target) for c in coupling.wiring.system.connections if c.source == source]
     return (
         f"{source} -> {', '.join(targets)}: no convergence at t = {time:.6g} s in "
-        f"{len(seen.residuals)} iterations (change {seen.residuals[-1][seen.worst]:.2g} of nominal, "
+        f"{tally(len(seen.residuals), 'iteration')} (change {seen.residuals[-1][seen.worst]:.2g} of nominal, "
         f"tolerance {seen.tolerance:g}, contraction {seen.contraction():.2f} per iteration, macro step "
         f"{step:g} s); reduce macro_step, raise maximum_iterations, use acceleration quasi_newton, or "
         "[step_control], which shortens such steps"

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
-from ..scenario.display import show_unit
+from ..scenario.display import Shown
 from .style import COUPLED, MUTED, REFERENCE, create_subplots
 
 # Speeds that are drawn.
@@ -17,10 +18,12 @@ MOST_COLUMNS = 4
 
 
 class Panel(NamedTuple):
-    """A signal at one speed (rad/s; None: a run): measured and model over positions of `shaft` (rad or s)."""
+    """A signal at one speed (rad/s; None: a run): measured and model in `unit`, drawn as `shown`, over
+    positions of `shaft` (rad or s)."""
 
     signal: str
     unit: str
+    shown: Shown
     speed: float | None
     shaft: str
     positions: Vector
@@ -42,14 +45,14 @@ def draw_calibration(panels: Sequence[Panel], title: str) -> Figure:
         if one.speed not in speeds:
             continue
         column, row = speeds.index(one.speed), 2 * signals.index(one.signal)
-        shown, at = show_unit(one.unit or "1"), _scale(one)
+        shown, at = one.shown, _scale(one)
         above, below = axes[row, column], axes[row + 1, column]
         above.plot(at, shown.factor * one.data, ".", color=MUTED, markersize=2.5, label="measured")
         above.plot(at, shown.factor * one.model, color=COUPLED, label="model")
         below.plot(at, shown.factor * (one.data - one.model), color=REFERENCE, linewidth=0.7)
         if not column:
             above.set_ylabel(f"{one.signal}\n[{shown.symbol or '1'}]")
-            below.set_ylabel("residual")
+            below.set_ylabel(f"residual\n[{shown.symbol or '1'}]")
         if not row and one.speed is not None:
             above.set_title(f"{one.speed * 30.0 / math.pi:.0f} r/min")
         if row == rows - 2:
@@ -66,7 +69,10 @@ def _scale(one: Panel) -> Vector:
 def draw_parameters(names: Sequence[str], intervals: Vector, correlation: Vector, title: str) -> Figure:
     """95 % intervals (parameters, 2) over the values, nan where not identified, and correlations."""
     count = len(names)
-    figure, (left, right) = create_subplots(1, 2, title, (11.0, 1.8 + 0.35 * count), width_ratios=[1.0, 1.2])
+    width, shape = (6.0, [1.0]) if count == 1 else (11.0, [1.0, 1.2])
+    size = (width, 1.8 + 0.35 * count)
+    figure, axes = create_subplots(1, len(shape), title, size, width_ratios=shape, squeeze=False)
+    left = axes[0, 0]
     rows = np.arange(count)
     percent = 100.0 * (intervals - 1.0)
     left.hlines(rows, percent[:, 0], percent[:, 1], color=COUPLED, linewidth=3.0)
@@ -75,13 +81,18 @@ def draw_parameters(names: Sequence[str], intervals: Vector, correlation: Vector
         left.text(0.0, row, "not identified", ha="center", va="center", color=MUTED)
     left.set(yticks=rows, yticklabels=names, xlabel="95 % interval about the fitted value [%]")
     left.set_ylim(count - 0.5, -0.5)
+    for right in axes[0, 1:]:
+        _draw_correlation(figure, right, names, correlation)
+    return figure
+
+
+def _draw_correlation(figure: Figure, right: Axes, names: Sequence[str], correlation: Vector) -> None:
+    rows = np.arange(len(names))
     image = right.imshow(correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
     right.set(xticks=rows, yticks=rows, yticklabels=[])
     right.set_xticklabels([name.partition(".")[2] for name in names], rotation=40.0, ha="right")
     right.grid(visible=False)
-    for i in range(count):
-        for j in range(count):
-            shade = "white" if abs(correlation[i, j]) > 0.6 else "black"
-            right.text(j, i, f"{correlation[i, j]:.2f}", ha="center", va="center", color=shade, fontsize=7)
+    for (i, j), value in np.ndenumerate(correlation):
+        shade = "white" if abs(value) > 0.6 else "black"
+        right.text(j, i, f"{value:.2f}", ha="center", va="center", color=shade, fontsize=7)
     figure.colorbar(image, ax=right, label="correlation")
-    return figure

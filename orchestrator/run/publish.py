@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from models.core.quantities import Vector
+from models.core.words import tally
 
 from ..assessment.merits import write_merits
 from ..assessment.trains import find_angles
@@ -172,7 +173,7 @@ def _print_details(summary: Summary, out: Path, written_files: Sequence[Path], r
         speed = summary.macro_steps / summary.coupled_time_s
         reference = summary.reference_time_s
         reporter.line(
-            f"{summary.macro_steps} macro steps, {summary.iterations} iterations in "
+            f"{tally(summary.macro_steps, 'macro step')}, {tally(summary.iterations, 'iteration')} in "
             f"{summary.coupled_time_s:.2f} s ({speed:.0f} steps/s)"
             + ("" if reference is None else f"; reference {reference:.2f} s")
         )
@@ -228,8 +229,9 @@ def _tabulate_witness(witness: WitnessComparison) -> Table:
     """Coupled run, reference and witness side by side."""
     table = _make_table(
         "Coupled run, monolithic reference and multibody model (SI units: least, largest)",
-        f"{witness.method}\n{witness.constraints} constraints, {witness.freedoms} freedoms, "
-        f"constraints kept to {witness.drift:.0e}; {witness.wall_time_s:.1f} s",
+        f"{witness.method}\n{tally(witness.constraints, 'constraint')}, "
+        f"{tally(witness.freedoms, 'freedom')}, constraints kept to {witness.drift:.0e}; "
+        f"{witness.wall_time_s:.1f} s",
         "quantity",
         ["coupled", "reference", "multibody", "coupled,\nrelative RMS", "reference,\nrelative RMS"],
     )

@@ -20,6 +20,7 @@ import numpy as np
 import scipy
 
 from models.core.quantities import Vector
+from models.core.words import tally
 from models.slider_crank.piston.cylinder_gas import CylinderGasParameters, CylinderParameters
 
 from ..errors import MistakeError
@@ -181,7 +182,9 @@ def _parse(lines: list[tuple[int, str]], kind: Kind) -> AngleTable:
     value_factor = _read_unit(columns, 1, kind.unit, kind, notes)
     rows = [_read_row(n, line, separator, len(names)) for n, line in lines[1:]]
     if len(rows) < 2:
-        raise AngleTableError(f"has {len(rows)} rows of numbers; a table has one for each degree or so")
+        raise AngleTableError(
+            f"has {tally(len(rows), 'row')} of numbers; a table has one for each degree or so"
+        )
     written = np.array([row.angle for row in rows]) * factor
     scale = _choose_shaft(columns[0], written, kind, notes)
     angle = _pass_zero(written * scale, 2.0 * math.pi * kind.turns)
@@ -249,7 +252,8 @@ def _read_row(number: int, line: str, separator: str, columns: int) -> _Row:
     cells = split_row(line, separator)
     if any(cells[columns:]):
         raise AngleTableError(
-            f"line {number}, {line.strip()!r}: has {len(cells)} values, the header names {columns} columns; "
+            f"line {number}, {line.strip()!r}: "
+            f"has {tally(len(cells), 'value')}, the header names {tally(columns, 'column')}; "
             "if commas are the decimal signs, separate the columns by semicolons"
         )
     try:

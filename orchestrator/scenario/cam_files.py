@@ -13,6 +13,7 @@ import numpy as np
 import scipy
 
 from models.core.quantities import Vector
+from models.core.words import tally
 from models.valve_train.cams.table import TURN
 from models.valve_train.followers.shape import CamShape
 
@@ -44,7 +45,9 @@ def read_s96(path: Path) -> tuple[Vector, Vector, float]:
     """Angles (rad), lifts (m) and their step; the nose is at pi. AngleTableError for another file."""
     lines = [line.strip() for _, line in read_lines(path, "an .s96 file has one lift in inches to a line")]
     if len(lines) != DEGREES + AGAIN:
-        raise AngleTableError(f"{path}: has {len(lines)} lines; an .s96 file has {DEGREES + AGAIN} lifts")
+        raise AngleTableError(
+            f"{path}: has {tally(len(lines), 'line')}; an .s96 file has {DEGREES + AGAIN} lifts"
+        )
     lifts = np.empty(len(lines))
     for i, line in enumerate(lines):
         try:

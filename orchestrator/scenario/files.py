@@ -272,11 +272,12 @@ def split_path(path: str) -> list[str]:
     return [*keys[:depth], ".".join(keys[depth:])]
 
 
-def to_short_toml(scenario: Scenario, folder: Path) -> str:
-    """The scenario as TOML, without default values; paths of FMUs are relative to `folder`."""
+def to_short_toml(scenario: Scenario, folder: Path, values: Mapping[str, Any] | None = None) -> str:
+    """The scenario as TOML, without default values, with these `values` by "component.parameter"; paths of
+    FMUs are relative to `folder`."""
     import tomli_w
 
-    content = scenario.model_dump(exclude_defaults=True)
+    content = put_parameters(scenario.model_dump(exclude_defaults=True), values or {})
     for table in content["components"].values():
         path = Path(table.get("participant", ""))
         if path.is_relative_to(folder):

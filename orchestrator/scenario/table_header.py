@@ -134,13 +134,13 @@ def find_factor(written: str, unit: str) -> float:
     if len(known) > LONGEST_UNIT:
         raise UnitError(f"{written[:LONGEST_UNIT]!r}... is an unknown unit")
     tried = (UNITS[known],) if known in UNITS else (written, known)
-    for i, name in enumerate(tried, 1):
+    faults = []
+    for name in tried:
         try:
             return to_unit(f"1 {name}", unit)
-        except UnitError:
-            if i == len(tried):
-                raise
-    raise AssertionError
+        except UnitError as error:
+            faults.append(str(error).removeprefix(f"'1 {name}': "))
+    raise UnitError(faults[0])
 
 
 def is_doubtful_grad(column: Column, others: list[Column]) -> bool:

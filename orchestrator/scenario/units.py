@@ -30,6 +30,13 @@ COMMON = (
     *("degC", "K", "mm2/s", "cSt", "m2/s", "kg/m3", "g/cm3"),
 )
 
+# What is measured in some units.
+DIMENSIONS = {
+    "m": "length", "s": "time", "kg": "mass", "N": "force", "N.m": "torque", "J": "work", "W": "power",
+    "Pa": "pressure", "Pa.s": "viscosity", "K": "temperature", "rad": "plane angle", "rad/s": "speed",
+    "m/s": "velocity", "N/m": "stiffness", "kg.m2": "moment of inertia", "Hz": "frequency",
+}  # fmt: skip
+
 # Pint's names of FMI's base units, in the order of FMI's attributes.
 BASE = ("kilogram", "meter", "second", "ampere", "kelvin", "mole", "candela", "radian")
 
@@ -117,8 +124,9 @@ def find_conversion(text: str, given: str, unit: str) -> tuple[float, float]:
     except Exception:
         raise UnitError(f"{text!r}: the FMU's unit {unit!r} is unknown; write a plain number in it") from None
     if _find_dimension(units) != _find_dimension(wanted):
-        needed = "a plain number" if unit == "1" else f"a unit like {unit}"
-        raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed{_hint(given, unit)}")
+        what = f"a {DIMENSIONS[unit]}" if unit in DIMENSIONS else unit
+        needed = "; a plain number is needed" if unit == "1" else f" {what}; {_list_units(unit)}"
+        raise UnitError(f"{text!r}: the unit {given} does not fit{needed}{_hint(given, unit)}")
     try:
         return _find_line(units, wanted)
     except ValueError:
@@ -176,13 +184,18 @@ def _suggest_unit(given: str, unit: str) -> str:
     """Suggest a unit in place of an unknown one."""
     if unit == "1":
         return "a plain number is needed"
-    wanted = _find_dimension(_load_registry().Unit(_to_pint(unit)))
-    fitting = [name for name in COMMON if _find_dimension(_load_registry().Unit(_to_pint(name))) == wanted]
-    known = {name.lower(): name for name in (*fitting, unit)}
+    known = {name.lower(): name for name in (*_find_fitting(unit), unit)}
     close = difflib.get_close_matches(given.lower(), known, n=1)
-    if close:
-        return f"did you mean {known[close[0]]}?"
-    return f"write {' or '.join(dict.fromkeys((unit, *fitting[:3])))}"
+    return f"did you mean {known[close[0]]}?" if close else _list_units(unit)
+
+
+def _find_fitting(unit: str) -> list[str]:
+    """Common units of its dimension."""
+    return [name for name in COMMON if _fits(name, unit)]
+
+
+def _list_units(unit: str) -> str:
+    return f"write {' or '.join(dict.fromkeys((unit, *_find_fitting(unit)[:3])))}"
 
 
 @functools.cache

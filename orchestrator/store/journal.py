@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from models.core.quantities import Quantity, Vector
+from models.core.words import tally
 
 from ..errors import CheckpointError, start_over
 from .atomic_write import naming
@@ -230,7 +231,7 @@ def _start(path: Path, columns: Mapping[str, Quantity], rows: int, checksum: int
     if list(found.columns) != list(columns):
         raise JournalError(path, "has other columns than the run")
     if found.rows < rows:
-        raise JournalError(path, f"has {found.rows} rows, of {rows} at the checkpoint")
+        raise JournalError(path, f"has {tally(found.rows, 'row')}, of {rows} at the checkpoint")
     if found.compute_checksum(rows) != checksum:
         raise JournalError(
             path, f"damaged: its {rows} rows up to the checkpoint are not as they were written"

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from models.core.system import ModelError
+from models.core.words import tally
 
 from ..errors import MistakeError
 from ..reporter import Bar, Reporter
@@ -65,7 +66,7 @@ def run(
             store.flush()  # the last one may have been interrupted
             left = store.count(PENDING)
             raise KeyboardInterrupt(
-                f"interrupted; {len(plan.points) - left} points are kept in {out}, {left} are left: "
+                f"interrupted; {tally(len(plan.points) - left, 'point')} kept in {out}, {left} left: "
                 "the same command continues"
             ) from None
         return _report_end(plan, store, out, reporter)
@@ -121,7 +122,7 @@ def _publish(plan: Plan, out: Path) -> list[Path]:
 def _report_end(plan: Plan, store: Store, out: Path, reporter: Reporter) -> int:
     reporter.line(f"results in {out}, {', '.join(str(path) for path in _publish(plan, out))}")
     failed = np.flatnonzero(store.status == FAILED)
-    line = f"{out}: {store.count(DONE)} points done, {len(failed)} failed"
+    line = f"{out}: {tally(store.count(DONE), 'point')} done, {len(failed)} failed"
     if not len(failed):
         reporter.line(line)
         return COMPLETE

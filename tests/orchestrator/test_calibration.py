@@ -17,6 +17,7 @@ from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.scenario.system import list_parameters
 from orchestrator.study.calibration import models
+from orchestrator.study.calibration.doubts import find_doubt
 from orchestrator.study.calibration.fit import Fit, fit, half_width, profile
 from orchestrator.study.calibration.measured import Experiment, Measured, Signal
 from orchestrator.study.calibration.models import Prediction, count_samples, make_model
@@ -176,7 +177,7 @@ def test_masses_on_a_spring_have_the_stiffness_of_their_natural_frequency(tmp_pa
     assert found["start"].values == [40.0]
     assert found["fitted"].values == pytest.approx([48.0], rel=1e-7)
     written = load(out / "calibrated.toml")
-    assert written.components["first"].parameters["coupling_stiffness"] == pytest.approx(48.0, rel=1e-7)
+    assert written.components["first"].parameters["coupling_stiffness"] == found["fitted"].values[0]
 
 
 def test_a_free_oscillation_shows_stiffness_over_mass_and_neither_alone(tmp_path):
@@ -245,12 +246,29 @@ def test_of_several_starts_the_one_nearest_to_the_data_is_kept(noise):
     data = np.sin(12.0 * TIMES) + np.random.default_rng(1).normal(0.0, 0.1, TIMES.size)
     model = Formula(lambda t, a: {"y.y": np.sin(a * t)}, {"y.y": "1"})
     wanted, signal = [Fitted("a.a", "1", 5.0, low=2.0, high=20.0)], Signal("y", "y.y", noise=noise)
-    best, ends = _fit_from(objective_of(model, data, wanted, signal), 8, SilentReporter())
+    objective = objective_of(model, data, wanted, signal)
+    best, ends = _fit_from(objective, 8, SilentReporter())
+    assert not find_doubt(objective, best.x, ends[:1])
     # The deviation of the frequency is 0.1/(12 of the sum's root) = 6e-3 at most.
     assert 5.0 * best.x == pytest.approx([12.0], abs=0.03)
     assert min(ends) == pytest.approx(1.0, abs=0.1)
     assert ends[-1] > 5.0
     assert ends[0] > 5.0
+    trapped = fit(objective, np.ones(1))
+    assert "neighbouring residuals of y are alike" in find_doubt(objective, trapped.x, ends[:1])
+
+
+def test_a_fit_that_leaves_noise_is_seldom_doubted():
+    """Of a hundred fits: a residual is beyond chance in one of a thousand, its neighbours in one of 30 000. A
+    noise that was taken for half of what it is is seen in each."""
+    generator, doubted = np.random.default_rng(4), [0, 0]
+    for _ in range(100):
+        data = TIMES + generator.normal(0.0, 0.2, TIMES.size)
+        for which, noise in enumerate((0.2, 0.1)):
+            objective, found = fit_line(Signal("y", "line.height", noise=noise), data, fixed=True)
+            doubted[which] += bool(find_doubt(objective, found.x, [1.0]))
+    assert doubted[0] <= 2
+    assert doubted[1] == 100
 
 
 def test_a_second_fit_takes_what_the_first_one_computed(tmp_path):
@@ -291,6 +309,7 @@ def test_the_command_fits_a_spring_to_a_train_and_leaves_what_it_found(monkeypat
     assert load(out / "calibrated.toml").components["valve_spring"].parameters["spring_rate"] == float(fitted)
     assert (out / "calibration.png").stat().st_size > 10_000
     assert "N/mm" in done.stdout
+    assert ' N/mm"' in (out / "calibrated.toml").read_text("utf-8")
 
 
 def test_tangents_of_a_signal_are_the_limit_of_differences(monkeypatch):
@@ -366,6 +385,6 @@ def test_a_residual_above_the_given_noise_is_told(tmp_path):
     signals = [f"{WAY[0]}, noise 1 mm"]
     found = tribocosim.calibrate("two-masses", data, ["first.coupling_stiffness"], signals=signals)
     (note,) = found.attrs["notes"]
-    assert note.startswith("way: the residual is ")
+    assert "doubtful: the residual of way is " in note
     # The mean square of 200 numbers is within 20 %.
-    assert float(note.split()[4]) == pytest.approx(5.0, rel=0.2)
+    assert float(note.split()[6]) == pytest.approx(5.0, rel=0.2)

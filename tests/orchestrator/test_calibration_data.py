@@ -6,7 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from models.core.quantities import Quantity
+from models.core.words import tally
 from orchestrator.errors import MistakeError
+from orchestrator.plots.calibration import Panel, draw_calibration, draw_parameters
+from orchestrator.scenario.display import show_unit
 from orchestrator.scenario.files import load
 from orchestrator.study.calibration.measured import Measured, read_measured
 
@@ -57,7 +61,7 @@ def test_data_have_their_speeds_shafts_units_and_gaps(tmp_path):
         (("angle [deg], x [mm]", "1, 2", "2, 3"), (), "no column is of an output"),
         (("angle [deg], x [mm]", "1, 2", "2, 3"), ("x = contact.loads",), "did you mean contact.load"),
         (("angle [deg], x [mm]", "1, 2", "2, 3"), ("y = contact.load",), "no such column"),
-        (("angle [deg], contact.load [mm]", "1, 2", "2, 3"), (), "does not fit"),
+        (("angle [deg], contact.load [mm]", "1, 2", "2, 3"), (), "mm does not fit a force; write N or kN"),
         (("angle [deg], contact.load", "1, 2", "2, 3"), (), "has no unit"),
         (("angle [deg], contact.load [N]", "1, 2", "2, 3"), (), "has no speed"),
         (("angle [deg], contact.load [N]", "1, 2", "2, x"), (), "line 3"),
@@ -78,3 +82,27 @@ def test_data_have_their_speeds_shafts_units_and_gaps(tmp_path):
 def test_data_that_cannot_be_used_are_refused_with_what_is_wrong(lines, signals, why, tmp_path):
     with pytest.raises(MistakeError, match=why):
         read(tmp_path, *lines, signals=signals)
+
+
+def test_a_unit_beside_an_output_without_one_is_refused_with_what_to_write(tmp_path):
+    """As FMUs of other tools often state none."""
+    (tmp_path / "data.csv").write_text("time [s], body [mm]\n0, 1\n1, 2\n")
+    outputs = {"chassis.position": Quantity("", "position")}
+    with pytest.raises(MistakeError, match="states no unit; leave it out, with numbers in the FMU's: body"):
+        read_measured([tmp_path / "data.csv"], outputs, ["body = chassis.position"])
+
+
+def test_figures_have_display_units_and_no_correlation_of_one_parameter():
+    lift = np.array([0.0, 2e-3])
+    panel = Panel("lift", "m", show_unit("m", "mm"), None, "time", np.array([0.0, 1.0]), lift, lift)
+    above, below = draw_calibration([panel], "").axes
+    assert (above.get_ylabel(), below.get_ylabel()) == ("lift\n[mm]", "residual\n[mm]")
+    assert above.lines[0].get_ydata() == pytest.approx([0.0, 2.0])
+    for count, panels in ((1, 1), (2, 3)):  # with the bar of colours
+        figure = draw_parameters(["a.b"] * count, np.ones((count, 2)), np.eye(count), "")
+        assert len(figure.axes) == panels
+
+
+def test_one_thing_is_singular():
+    assert [tally(n, "signal") for n in (0, 1, 2)] == ["0 signals", "1 signal", "2 signals"]
+    assert tally(2, "more entry") == "2 more entries"

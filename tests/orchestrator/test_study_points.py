@@ -115,7 +115,7 @@ MISTAKES = {
     f"analysis = '{PLAIN}'\nfixed.z = 1": "plain has no parameter 'z'",
     f"analysis = '{PLAIN}'\nfixed.mode = 'plan'": "mode = 'plan' (kind of sum): did you mean plain?",
     f"analysis = '{PLAIN}'\nfixed.n = 1.5": "n = 1.5 (count): must be a whole number",
-    f"analysis = '{PLAIN}'\nfixed.x = '3 kg'": "a unit like m is needed",
+    f"analysis = '{PLAIN}'\nfixed.x = '3 kg'": "does not fit a length; write m or mm",
     f"analysis = '{PLAIN}'\nnames.a = ['x']": "names: are for settings of a scenario",
     f"analysis = '{PLAIN}'\n[grid]\nx = [1.0]": "grid: belongs in the table [points]",
 }

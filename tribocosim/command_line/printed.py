@@ -7,6 +7,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from models.core.words import tally
 from orchestrator.c_output import find_descriptor, flush, write_lines_at_once
 from orchestrator.reporter import Reporter
 from orchestrator.store.output_folder import format_path
@@ -27,8 +28,8 @@ class CommandReporter(Reporter):
         if failed:  # the folder may be gone
             sys.stderr.write(printed.decode(errors="replace"))
         else:
-            count = len(printed.splitlines())
-            self.line(f"{count} line{'s' * (count > 1)} that FMUs printed: {format_path(path)}")
+            lines = tally(len(printed.splitlines()), "line")
+            self.line(f"{lines} that FMUs printed: {format_path(path)}")
 
 
 @contextmanager

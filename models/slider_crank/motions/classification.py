@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.quantities import Vector
+from ...core.words import tally
 from .machine import Exponents, Machine, Motion
 from .recurrence import SETTLED, TOLERANCE, Recurrence, run_until_recurrent
 from .transients import ORDINARY_TRANSIENT
@@ -76,11 +77,10 @@ def classify(
     evidence = f"{_recurrence_text(found)}; exponent over the orbit {_exponent_text(orbit)}"
     evidence += _slides_text(motion, found.period, orbit)
     if found.transient > ORDINARY_TRANSIENT and before[0] > CERTAIN * before[1]:
-        evidence += (
-            f"; before, over {found.transient} cycles, the exponent was {before[0]:.3g} +- {before[1]:.2g}"
-        )
+        evidence += f"; before, over {tally(found.transient, 'cycle')}, the exponent was "
+        evidence += f"{before[0]:.3g} +- {before[1]:.2g}"
         return _build_classification(TRANSIENT_CHAOS, found, orbit, before, len(states), evidence)
-    evidence += f"; within {SETTLED:g} of it after {found.transient} cycles"
+    evidence += f"; within {SETTLED:g} of it after {tally(found.transient, 'cycle')}"
     return _build_classification(PERIODIC, found, orbit, before, len(states), evidence)
 
 
@@ -114,7 +114,7 @@ def finite_time_exponents(motion: Motion, cycles: int, window: int = WINDOW) -> 
 
 def _classify_aperiodic(end: Exponents, cycles: int) -> Classification:
     none = Recurrence(0, 0, math.nan, cycles, False)
-    evidence = f"no state repeats over {cycles} cycles"
+    evidence = f"no state repeats over {tally(cycles, 'cycle')}"
     if end.largest > CERTAIN * end.uncertainty:
         errors = end.largest / end.uncertainty
         evidence += f"; exponent afterwards {_exponent_text(end)}, {errors:.0f} standard errors"
@@ -156,7 +156,7 @@ def _slides_text(motion: Motion, period: int, orbit: Exponents) -> str:
 def _recurrence_text(found: Recurrence) -> str:
     times = f"{found.repeats} times" if found.repeats > 1 else "once"
     how = "to the last bit" if found.exact and not found.distance else f"within {TOLERANCE:g}"
-    return f"repeats every {found.period} cycles, {times} in succession {how}"
+    return f"repeats every {tally(found.period, 'cycle')}, {times} in succession {how}"
 
 
 def _exponent_text(found: Exponents) -> str:

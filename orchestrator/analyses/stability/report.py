@@ -15,6 +15,8 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from models.core.words import tally
+
 from ...masters import find_name
 from ...scenario.files import to_full_toml
 from ...scenario.units import format_time
@@ -101,8 +103,8 @@ def describe(found: Survey) -> Iterator[str]:
     else:
         yield f"Advised: {format_settings(best)}"
     yield (
-        f"Linearised at {len(found.points)} instants; limits are those of the hardest. Errors are carried "
-        f"up to t = {found.until:g} s, about t = {found.typical:.4g} s."
+        f"Linearised at {tally(len(found.points), 'instant')}; limits are those of the hardest. "
+        f"Errors are carried up to t = {found.until:g} s, about t = {found.typical:.4g} s."
     )
     yield (
         f"The scan of macro steps has a spacing of {SPACING:.0%} or {SPACING:g} rad of a participant's "

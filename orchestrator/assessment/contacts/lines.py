@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from models.contact.records import ATOM
+from models.core.words import tally
 
 from ...scenario.units import format_time
 from .contact_summary import RESOLVED, ContactSummaries, ContactSummary, Excursion
@@ -37,7 +38,7 @@ def lines(summaries: ContactSummaries, fixed_steps: bool) -> list[str]:
     macro steps do not resolve are warned of; step control resolves them."""
     lines = [f"{name}: {text}" for name, one in _list_shown(summaries) for text in _write_lines(one)]
     if len(summaries) > SHOWN:
-        lines.append(f"{len(summaries) - SHOWN} more contacts with thicker films: see summary.json")
+        lines.append(f"{tally(len(summaries) - SHOWN, 'more contact')} with thicker films: see summary.json")
     for name, summary in summaries.items():
         lines += [f"{name}: {text}" for text in _warnings(name, summary, fixed_steps)]
     return lines
@@ -96,8 +97,8 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         text += f"{which} {summary.film_ratio:.2g}" if summary.film_ratio > 0.0 else "smooth surfaces"
     yield text
     if s := summary.separation:
-        plural = "s" * (s.count > 1)
-        text = f"{s.count} separation{plural}, the longest {1e3 * s.longest:.3g} ms from {at('separation')}"
+        longest = f"the longest {1e3 * s.longest:.3g} ms from {at('separation')}"
+        text = f"{tally(s.count, 'separation')}, {longest}"
         yield text + (f"; largest gap {1e6 * s.gap:.3g} µm at {at('gap')}" if s.gap > 0.0 else "")
     if summary.at_rest > 0.0:
         share = f"{100.0 * summary.at_rest:.3g} % of the time"

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from models.core.words import tally
+
 from ...engine.step import REASONS
 from ...errors import Command, Set, in_command_line
 from ...scenario.units import format_time
@@ -73,7 +75,7 @@ def _tell_refused(facts: Facts) -> str:
     d, steps = facts.diagnosis, facts.steps
     if not d.rejected:
         return ""
-    said = f"; {d.rejected} attempts ({percent(d.rejected_share)}) were refused"
+    said = f"; refused: {tally(d.rejected, 'attempt')} ({percent(d.rejected_share)})"
     reason, count = max(d.rejections.items(), key=lambda item: item[1])
     own = steps.reason == REASONS.index(reason)
     sources = np.bincount(steps.source[own] + 1, steps.rejected[own])

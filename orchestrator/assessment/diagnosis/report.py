@@ -4,6 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from models.core.words import tally
+
 from ...engine.effort import Spent
 from ...errors import Command, MistakeError
 from ...scenario import Scenario, ScenarioError
@@ -67,13 +69,13 @@ def _over(d: Diagnosis) -> list[str]:
 def full(facts: Facts, suggestions: Sequence[str], message: str, spending: Spending = UNKNOWN) -> list[str]:
     """The answer in sentences, then everything in columns."""
     d, parts = facts.diagnosis, list_parts(facts.scenario, spending)
-    rejected = f"{d.rejected} attempts rejected ({percent(d.rejected_share)})"
+    rejected = f"{tally(d.rejected, 'attempt')} rejected ({percent(d.rejected_share)})"
     calls = f", {d.do_steps} doStep calls" if d.do_steps is not None else ""
     lines = [
         *answer(facts, spending, parts, suggestions),
         "",
         f"{facts.scenario.name} ({message}): {d.steps} macro steps from {d.start:g} to {d.end:g} s, "
-        f"{rejected}, {d.total_iterations} iterations{calls}",
+        f"{rejected}, {tally(d.total_iterations, 'iteration')}{calls}",
         "",
     ]
     if parts:

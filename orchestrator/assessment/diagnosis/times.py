@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from models.core.words import tally
+
 from ...engine.effort import Spent
 from ...reporter import CHOICE, COMPILING, COUPLED, DRAWING, FMUS, PAGE, RECORDS, WITNESS
 from ...scenario import Scenario
@@ -156,7 +158,7 @@ def _quicken(scenario: Scenario, name: str, spent: Spent) -> str:
             f"{spent.failed} of its {spent.own_steps} own steps failed: a shorter `macro_step` repeats fewer"
         )
     if scenario.components[name].substeps > 1:
-        return f"it makes {spent.own_steps} steps of its own: a smaller `components.{name}.substeps`"
+        return f"it makes {tally(spent.own_steps, 'step')} of its own: a smaller `components.{name}.substeps`"
     if scenario.process_limits(name) and each < 2.0 * MESSAGES_S:
         return _share_process(scenario, lambda other: other == name)
     if scenario.components[name].participant == "fmu":

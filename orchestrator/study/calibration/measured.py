@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from models.core.quantities import Quantity, Vector
+from models.core.words import tally
 
 from ...errors import MistakeError, Option, one_of
 from ...scenario.angle_table import find_separator, read_lines, split_row
@@ -163,8 +164,8 @@ def _read_row(number: int, line: str, separator: str, columns: int, path: Path) 
         return numbers
     except ValueError:
         raise MistakeError(
-            f"{path}: line {number}, {line.strip()[:80]!r}: must have {columns} numbers, as the header has "
-            "columns; one that was not measured stays empty"
+            f"{path}: line {number}, {line.strip()[:80]!r}: must have {tally(columns, 'number')}, as the "
+            "header has columns; one that was not measured stays empty"
         ) from None
 
 
@@ -235,7 +236,7 @@ def _split(
         yield Experiment(None, shaft, positions[kept], values[:, kept])
         return
     if lost := int(np.sum(kept & ~np.isfinite(speeds))):
-        notes.append(f"{file.path}: {lost} rows that have no speed are not used")
+        notes.append(f"{file.path}: {tally(lost, 'row')} without a speed left out")
     for part in _group_speeds(speeds[kept]):
         low, high = part[[0, -1]]
         if high - low > 2.0 * SAME_SPEED * abs(low):
@@ -270,6 +271,8 @@ def _convert(file: _File, column: Column, numbers: Vector, unit: str) -> Vector:
     if column.unit is None and unit in ("1", ""):
         return numbers
     try:
+        if not unit:
+            raise UnitError(f"the FMU states no unit; leave it out, with numbers in the FMU's: {column.name}")
         if column.unit is None:
             raise UnitError(f"has no unit; write it behind the name, e.g. {column.name} [{unit}]")
         one = _factor(column, unit)

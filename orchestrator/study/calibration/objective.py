@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from models.core.quantities import Vector
+from models.core.words import tally
 
 from ...errors import RunError
 from ...reporter import Reporter, show_share
@@ -173,7 +174,7 @@ class Objective:
         self._rounds += 1
         self._reporter.line(f"round {self._rounds}: residuals: {self.describe(x)}")
         requests = [replace(one, task="differentiate") for one in self._list_requests(x, x.tobytes())]
-        found = self._make(f"tangents of {len(requests)} cycles", requests)
+        found = self._make(f"tangents of {tally(len(requests), 'cycle')}", requests)
         why = next((one.message for one in found if one.message), "")
         self._exact = not why
         if why:
@@ -213,7 +214,7 @@ class Objective:
             moved = x.copy()
             moved[k] += step
             requests += self._list_requests(moved, x.tobytes())
-        found = self._make(f"differences of {len(requests)} predictions", requests)
+        found = self._make(f"differences of {tally(len(requests), 'prediction')}", requests)
         count = len(self.measured.experiments)
         return [found[i * count : (i + 1) * count] for i in range(len(steps))]
 

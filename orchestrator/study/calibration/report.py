@@ -20,24 +20,26 @@ from models.core.quantities import Quantity, Vector
 from ...plots.calibration import Panel, draw_calibration, draw_parameters
 from ...plots.style import save_figure
 from ...report.answer import Answer
-from ...scenario import Scenario, build_scenario
-from ...scenario.display import format_number, show, show_unit
-from ...scenario.files import put_parameters, to_short_toml
+from ...scenario import Scenario
+from ...scenario.display import Shown, format_number, say, show, show_unit
+from ...scenario.files import to_short_toml
 from ...scenario.system import list_outputs, list_quantities
+from ...scenario.units import to_unit
 from ...store.csv_file import write_rows
+from .doubts import find_doubt
 from .fit import Fit, half_width
 from .objective import Objective
 from .unseen import list_correlated
 
 PAGE, TABLE, NUMBERS, FITTED = "calibration.html", "calibration.csv", "calibration.json", "calibrated.toml"
-# A residual over the given noise above this is told.
-MISFIT = 1.5
+# Of a fitted value, in all files.
+DIGITS = 10
 SIGNALS, FIGURE, INTERVALS = "calibration-signals.csv", "calibration.png", "calibration-parameters.png"
 
 
 class Row(NamedTuple):
     """A parameter: its start, and the fitted value with its 95 % interval, in its unit; whether the signals
-    show it."""
+    show it; the fitted value as a scenario writes it."""
 
     name: str
     unit: str
@@ -47,6 +49,7 @@ class Row(NamedTuple):
     high: float
     deviation: float
     identified: bool
+    written: str
 
 
 @dataclass(frozen=True)
@@ -65,14 +68,16 @@ class Calibration:
         unknowns = len(self.objective.parameters) + measured.unknowns
         given = all(signal.noise for signal in measured.signals)
         width = half_width(10**9 if given else measured.count - unknowns)
-        found = []
+        found, quantities = [], list_quantities(self.scenario)
         for one, x, deviation in zip(self.objective.parameters, self.fit.x, self.fit.deviations, strict=True):
-            value, spread = one.size * float(x), one.size * float(deviation)
+            shown, spread = _show(quantities[one.name]), one.size * float(deviation)
+            written = f"{shown.factor * one.size * float(x):.{DIGITS}g} {shown.unit}".strip()
+            value = to_unit(written, one.unit)
             low, high = self.profiles.get(one.name, (value - width * spread, value + width * spread))
             seen = one.name not in hidden
             if not seen:
                 low, high, spread = math.nan, math.nan, math.nan
-            found.append(Row(one.name, one.unit, one.start, value, low, high, spread, seen))
+            found.append(Row(one.name, one.unit, one.start, value, low, high, spread, seen, written))
         return found
 
     @property
@@ -84,27 +89,20 @@ class Calibration:
             for one, x in zip(self.objective.parameters, self.fit.x, strict=True)
             if min(abs(one.size * x - one.low), abs(one.size * x - one.high)) <= 1e-6 * one.size
         ]
-        return [*(one.text for one in self.fit.unseen), *bounded, *self._list_misfits(), *correlated]
-
-    def _list_misfits(self) -> list[str]:
-        """Signals with a given noise that the model does not reach."""
-        return [
-            f"{signal.column}: the residual is {one.size:.2g} times the noise that was given: the model "
-            "lacks something, or the fit was trapped; begin elsewhere, or from several starts"
-            for signal, _, one in _list_signals(self)
-            if signal.noise and one.size > MISFIT
-        ]
+        doubt = find_doubt(self.objective, self.fit.x, self.ends)
+        return [*([doubt] if doubt else []), *(one.text for one in self.fit.unseen), *bounded, *correlated]
 
 
 def answer_fit(done: Calibration, answer: Answer) -> None:
     """The fitted parameters, what the signals show of them, and what they do not."""
-    shown = Table(
+    table = Table(
         Column("parameter", no_wrap=True), "unit", "start", "fitted", "95 % interval", "+/- %",
         title=f"{done.scenario.name}: fitted parameters", title_justify="left", padding=0,
     )  # fmt: skip
     quantities, outputs = list_quantities(done.scenario), list_outputs(done.scenario)
     for row in done.rows:
-        factor, unit = _show(quantities[row.name])
+        shown = _show(quantities[row.name])
+        factor = shown.factor
         low, high = (format_number(factor * end) for end in (row.low, row.high))
         interval = f"{low} .. {high}" if row.identified else "not identified"
         share = (
@@ -113,29 +111,24 @@ def answer_fit(done: Calibration, answer: Answer) -> None:
             else "–"
         )
         start, fitted = format_number(factor * row.start), format_number(factor * row.fitted, 6)
-        shown.add_row(row.name, unit, start, fitted, interval, share)
-    answer.table(shown)
+        table.add_row(row.name, shown.text, start, fitted, interval, share)
+    answer.table(table)
     for signal, noise, one in _list_signals(done):
-        factor, unit = _show(outputs[signal.variable])
+        unit = _show(outputs[signal.variable])
         more = f", gain {format_number(one.gain)}" * signal.gain
-        more += f", offset {format_number(factor * one.offset)} {unit}" * signal.offset
+        more += f", offset {say(one.offset, unit)}" * signal.offset
         level = "" if signal.noise else " (estimated)"
-        answer.line(
-            f"{signal.column}: noise {format_number(factor * noise, 3)} {unit}{level}, residual "
-            f"{format_number(one.size, 3)} of it{more}"
-        )
+        more = f"{level}, residual {format_number(one.size, 3)} of it{more}"
+        answer.line(f"{signal.column}: noise {say(noise, unit)}{more}")
     for note in done.notes:
         answer.line(note)
     if len(done.ends) > 1:
         answer.line(f"residuals over the noise by start: {', '.join(format_number(e) for e in done.ends)}")
 
 
-def _show(quantity: Quantity) -> tuple[float, str]:
-    """The factor and the unit of a table."""
-    shown = show(quantity)
-    if shown.unit == "N/m":
-        shown = show_unit(shown.unit, "N/mm")
-    return shown.factor, shown.text
+def _show(quantity: Quantity) -> Shown:
+    """In tables and figures, and in the fitted scenario."""
+    return show_unit(quantity.unit, "N/mm") if show(quantity).unit == "N/m" else show(quantity)
 
 
 def _list_signals(done: Calibration) -> list[tuple[Any, float, Any]]:
@@ -209,10 +202,9 @@ def _finite(value: Any) -> Any:
 
 
 def _write_scenario(done: Calibration, extends: str, out: Path) -> str:
-    values = {row.name: row.fitted for row in done.rows}
+    values = {row.name: row.written if " " in row.written else row.fitted for row in done.rows}
     if not extends:
-        own = done.scenario.model_dump(exclude_defaults=True)
-        return to_short_toml(build_scenario(put_parameters(own, values)), out.resolve())
+        return to_short_toml(done.scenario, out.resolve(), values)
     if Path(extends).suffix:
         extends = Path(os.path.relpath(Path(extends).resolve(), out.resolve())).as_posix()
     tables: dict[str, Any] = {}
@@ -226,8 +218,9 @@ def _write_scenario(done: Calibration, extends: str, out: Path) -> str:
 def _list_panels(done: Calibration) -> list[Panel]:
     objective, found = done.objective, []
     predicted = objective.predict(done.fit.x)
+    outputs = list_outputs(done.scenario)
     for i, (signal, _, one) in enumerate(_list_signals(done)):
-        unit = objective.units[signal.variable]
+        quantity = outputs[signal.variable]
         for experiment, model in zip(objective.measured.experiments, predicted, strict=True):
             seen = np.isfinite(experiment.values[i])
             order = np.argsort(experiment.positions[seen], kind="stable")
@@ -238,8 +231,8 @@ def _list_panels(done: Calibration) -> list[Panel]:
             line = one.gain * model.signals[i] + one.offset
             found.append(
                 Panel(
-                    signal.column, unit, experiment.speed, experiment.shaft, take(experiment.positions),
-                    take(experiment.values[i]), take(line),
+                    signal.column, quantity.unit, _show(quantity), experiment.speed, experiment.shaft,
+                    take(experiment.positions), take(experiment.values[i]), take(line),
                 )
             )  # fmt: skip
     return found

@@ -2,7 +2,7 @@
 
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 import xarray
 
 from models.core.quantities import Vector
+from models.core.words import tally
 
 from ...analyses._evaluate import create_folder, find_results
 from ...errors import MistakeError, Option, RunError
@@ -19,6 +20,7 @@ from ...reporter import Reporter
 from ...run.interruption import tell_interruption
 from ...scenario import build_scenario
 from ...scenario.system import Builder, list_outputs
+from ...store.output_folder import PRINTED
 from ..run import Where
 from .fit import Fit, fit, profile
 from .measured import read_measured
@@ -64,15 +66,17 @@ def calibrate(
     unknowns = len(parameters) + measured.unknowns
     if measured.count <= unknowns:
         raise MistakeError(
-            f"{measured.count} measured numbers cannot give {unknowns} unknowns (parameters, offsets, "
-            "gains); fit fewer"
+            f"{tally(measured.count, 'measured number')} cannot give {tally(unknowns, 'unknown')} "
+            "(parameters, offsets, gains); fit fewer"
         )
     model = make_model(scenario, measured, [one.name for one in parameters], build)
     held = find_results(out, "calibration", overwrite, "calibration.json", FITTED, SIGNALS)
     for line in notes:
         reporter.line(line)
+    others = any(table.third_party for table in scenario.components.values())
     with (
         create_folder(out),
+        reporter.keep_prints(out / PRINTED) if others else nullcontext(),
         closing(sqlite3.connect(out / FILE)) as file,
         _open_workers(where) as client,
         tell_interruption(lambda: f"what was computed is kept in {out / FILE}: the same command continues"),
@@ -80,12 +84,12 @@ def calibrate(
         predictions = Predictions(model, measured.experiments, file, client)
         places = len(measured.experiments)
         reporter.line(
-            f"{measured.count} numbers of {len(measured.signals)} signals in {places} "
-            f"{'cycles' if measured.experiments[0].speed else 'run'}; a derivative takes "
+            f"{tally(measured.count, 'number')} of {tally(len(measured.signals), 'signal')} in "
+            f"{tally(places, 'cycle' if measured.experiments[0].speed else 'run')}; differences take "
             f"{places * len(parameters)} of them"
         )
         objective = Objective(parameters, measured, predictions, reporter)
-        with reporter.stage(f"fit of {len(parameters)} parameters"):
+        with reporter.stage(f"fit of {tally(len(parameters), 'parameter')}"):
             best, ends = _fit_from(objective, asked.starts, reporter)
             limits = profile(objective, best, profiled) if profiled else {}
         done = Calibration(scenario, objective, best, ends, limits)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from rich.table import Column, Table
 
 from models.core.quantities import Vector
+from models.core.words import tally
 from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 
 from ...analyses import Parameter, Result
@@ -179,7 +180,7 @@ def find_sensitivities(
         return exact
     last = len(parameters) * len(SHARES)
     reporter.line(
-        f"{last + 1} steady cycles: {len(SHARES)} for each of {len(parameters)} parameters, and one"
+        f"{last + 1} steady cycles: {len(SHARES)} for each of {tally(len(parameters), 'parameter')}, and one"
     )
     description = f"{scenario.name}: cycles beside that at {speed:.6g} rad/s"
     plan = plan_axis(scenario.name, description, subject, "case", (0.0, float(last)), last + 1)
@@ -215,7 +216,7 @@ def _find_exact(
     """The same by the cycle's tangents; None, and why, where it has none. RunError without a steady cycle."""
     values = {SPEED: speed, **list_parameters(base.scenario)}
     try:
-        with reporter.stage(f"derivatives of the steady cycle by {len(parameters)} parameters"):
+        with reporter.stage(f"derivatives of the steady cycle by {tally(len(parameters), 'parameter')}"):
             found = find_slopes(base, speed, [{name: values[name]} for name in parameters])
     except MistakeError as error:
         reporter.line(f"no exact derivatives, but differences of whole cycles: {error}")
@@ -225,7 +226,7 @@ def _find_exact(
         for name, one in found.items()
         if one.value and np.any(one.slopes)
     }
-    reporter.line(f"exact derivatives of the cycle by {len(parameters)} parameters")
+    reporter.line(f"exact derivatives of the cycle by {tally(len(parameters), 'parameter')}")
     return _build(shares, parameters, speed=speed, status=0, method="tangents")
 
 

@@ -17,6 +17,7 @@ from rich.table import Table
 from models.contact.films import GROWING
 from models.core.roles import Contact
 from models.core.system import System
+from models.core.words import tally
 from models.monolithic.cycle import STEADY
 
 from ...assessment.contacts.lines import FED
@@ -207,7 +208,7 @@ def describe_unsteady(table: xarray.Dataset) -> Iterator[str]:
     yield (
         f"no steady cycle at {list_speeds(unsteady['speed'].values)}; the worst at "
         f"{float(worst['speed']) * RPM:.0f} r/min, where a period still changes the motion by "
-        f"{100.0 * float(worst['change']):.2g} % after {int(worst['periods'])} periods "
+        f"{100.0 * float(worst['change']):.2g} % after {tally(int(worst['periods']), 'period')} "
         f"(steady: {100.0 * STEADY:g} %). Such a motion may be subharmonic or chaotic; its numbers are "
         "of the period that changes it least"
     )

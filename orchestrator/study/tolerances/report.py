@@ -7,6 +7,8 @@ import numpy as np
 import xarray
 from rich.table import Column, Table
 
+from models.core.words import tally
+
 from ...plots.style import save_figure
 from ...plots.tolerances import Panel, draw_histograms, draw_indices
 from ...report.answer import Answer
@@ -97,7 +99,7 @@ def describe(dataset: xarray.Dataset, limits: Sequence[Limit]) -> Iterator[str]:
     found = dataset["percentile"]
     ends = [found.sel(figure=name, percent=p, end="high" if p > RARE else "low") for name, p in worst]
     if not np.isfinite(ends).all():
-        yield f"{dataset.attrs['sampled']} trains are too few to bound the worst {RARE:g} %"
+        yield f"{tally(dataset.attrs['sampled'], 'train')} are too few to bound the worst {RARE:g} %"
     for limit in map(str, dataset["limit"].values):
         own = dataset.sel(limit=limit)
         value, low, high = 100.0 * own["yield"].values

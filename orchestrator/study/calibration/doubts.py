@@ -1,0 +1,60 @@
+"""Whether a fit looks trapped: residuals above the noise or alike, and starts that disagree."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import scipy
+
+from models.core.quantities import Vector
+
+from .measured import Measured
+from .objective import Objective
+from .signals import Eliminated
+
+# What is this far beyond chance is told: the size of a residual, by the chi-square distribution, and the
+# correlation of its neighbours, in standard deviations of that of white noise.
+CHANCE, ALIKE = 1e-3, 4.0
+# Residuals below this part of a signal's range are of the solver, or of the digits of the data.
+SMALL = 1e-4
+# A start that ends this much above the best one is at another answer.
+OTHER = 1.05
+
+
+def find_doubt(objective: Objective, x: Vector, ends: Sequence[float]) -> str:
+    """What was seen and what to do, in a sentence; "" of a fit that leaves noise. `ends` are the residuals of
+    the starts."""
+    rows = enumerate(zip(objective.noises, objective.eliminate(x), strict=True))
+    seen = [text for i, row in rows for text in _doubt_signal(objective.measured, i, *row)]
+    if len(ends) > 2 and sum(end < OTHER * min(ends) for end in ends) == 1:
+        seen.append(f"only one of {len(ends)} starts came to this residual")
+    if not seen:
+        return ""
+    return (
+        f"doubtful: {'; '.join(seen)}. The model lacks something, the noise is another, or the fit was "
+        "trapped: look at the residuals in the figure, fit from more starts, leave out where signals ring or "
+        "bounce, or fit first what their slow part shows"
+    )
+
+
+def _doubt_signal(measured: Measured, i: int, noise: float, one: Eliminated) -> Iterator[str]:
+    signal, count = measured.signals[i], one.residual.size
+    parts = list(_split(measured, i, one.residual))
+    if signal.noise and one.size**2 > scipy.stats.chi2.isf(CHANCE, count) / count:
+        yield f"the residual of {signal.column} is {one.size:.3g} times the noise that was given"
+    squares = sum(float(part @ part) for part in parts)
+    alike = sum(float(part[1:] @ part[:-1]) for part in parts) / (squares or 1.0)
+    large = noise * one.size > SMALL * np.ptp(measured.pool(i))
+    if large and alike > (most := ALIKE / math.sqrt(count)):
+        yield (
+            f"neighbouring residuals of {signal.column} are alike (correlation {alike:.2g}, of white noise "
+            f"{most:.2g} at most)"
+        )
+
+
+def _split(measured: Measured, i: int, residual: Vector) -> Iterator[Vector]:
+    """The residual of a signal in each experiment, by position."""
+    for one in measured.experiments:
+        seen = np.isfinite(one.values[i])
+        own, residual = np.split(residual, [int(seen.sum())])
+        yield own[np.argsort(one.positions[seen], kind="stable")]
