@@ -220,8 +220,7 @@ class _Kernels:
         outputs = Composition(
             [s.instances[name].component.flat_output for name in s.order],
             [bounds(name, *slots, s.outputs) for name in s.order],
-            s.source_index,
-            s.target_index,
+            *s.wires,
         )
         evaluate = _make_evaluate(outputs, opening, s)
         every = [bounds(name, *slots) for name in names]
@@ -258,12 +257,23 @@ class _Kernels:
 
 def _make_evaluate(outputs: Composition, opening: _Opening, s: System) -> Any:
     """evaluate(t, x, c, p, u, y): all inputs u and outputs y from the open inputs c."""
-    run, tables = outputs.run, Tables(outputs.source, outputs.target, outputs.bounds, outputs.ends)
-    source, target, bound, ends = tables
+    run, source, target, bound, ends = (
+        outputs.run,
+        outputs.source,
+        outputs.target,
+        outputs.bounds,
+        outputs.ends,
+    )
     free_source, free_target = opening.source, opening.target
-    cut = s.outputs.index(s.torn[0]) if s.torn else 0
-    probe = float(s.outputs.nominal[cut])
+    torn = int(s.torn_index[0]) if s.torn else 0
+    cut = s.cuts[1]
+    probe = float(s.outputs.nominal[torn])
     looped = bool(s.torn)
+
+    @kernel
+    def assume(value: float, u: Any) -> None:
+        for k in range(cut.shape[0]):
+            u[cut[k]] = value
 
     @kernel
     def evaluate(t: float, x: Any, c: Any, p: Any, u: Any, y: Any) -> None:
@@ -272,17 +282,19 @@ def _make_evaluate(outputs: Composition, opening: _Opening, s: System) -> Any:
             u[free_target[k]] = c[free_source[k]]
         for i in range(y.shape[0]):
             y[i] = 0.0
+        assume(0.0, u)
         run(t, x, u, p, y, tables, 0)
         if looped:
-            still = y[cut]
-            y[cut] = probe
+            still = y[torn]
+            assume(probe, u)
             run(t, x, u, p, y, tables, 0)
-            slope = (y[cut] - still) / probe - 1.0
+            slope = (y[torn] - still) / probe - 1.0
             guess = -still / slope
             for _ in range(CORRECTIONS):
-                y[cut] = guess
+                assume(guess, u)
                 run(t, x, u, p, y, tables, 0)
-                guess -= (y[cut] - guess) / slope
+                guess -= (y[torn] - guess) / slope
+            assume(y[torn], u)
         for k in range(source.shape[0]):
             u[target[k]] = y[source[k]]
 

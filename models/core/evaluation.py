@@ -11,10 +11,11 @@ from .composition import Composition, Tables
 from .quantities import Vector
 from .system import ModelError, System, alike, bounds
 
-# Newton's method on algebraic loops ends at this share of nominal + |value|. The loops here are linear in the
-# torn outputs, so that one iteration does it.
+# Algebraic loops are closed to this share of nominal + |value|. Those of our components are linear in torn
+# outputs: one iteration of Newton's method does it, or three turns of the secant.
 LOOP_TOLERANCE = 1e-12
 LOOP_ITERATIONS = 20
+TURNS = 4
 
 
 class Interpreted:
@@ -22,7 +23,7 @@ class Interpreted:
 
     After `outputs(t, x)` or `derivative(t, x)`, `u` and `y` hold all inputs and outputs. ModelError where
     Newton's method finds no values for the torn outputs of algebraic loops, with slopes by differences over
-    `probe` times nominal.
+    `probe` times nominal. It begins with the last outputs, or with zero where these are not finite.
     """
 
     probe = 1.0
@@ -32,15 +33,14 @@ class Interpreted:
         self.u = s.u0.copy()
         self.y = np.zeros(s.outputs.size)
         self.dx = np.zeros(s.state.size)
-        self._torn = np.array([s.outputs.index(port) for port in s.torn], dtype=np.int64)
+        self._torn, (self._number, self._cut) = s.torn_index, s.cuts
         self._nominal: Vector = s.outputs.nominal[self._torn]
         self._guess: Vector = np.zeros(self._torn.size)
 
     def outputs(self, t: float, x: Vector) -> Vector:
         """All outputs at (t, x); shared memory, overwritten by the next call."""
         self._guess[:] = self.y[self._torn]
-        if not self._is_closed(self._residual(t, x, self._guess)):
-            self.close_loops(t, x)
+        self.close_loops(t, x)
         self.u[self.system.target_index] = self.y[self.system.source_index]
         return self.y
 
@@ -54,18 +54,22 @@ class Interpreted:
         return self.dx
 
     def close_loops(self, t: float, x: Vector) -> None:
-        """Newton's method on the torn outputs; `y` is that of the guess."""
-        residual = self.y[self._torn] - self._guess
+        """Newton's method on the torn outputs, from the guess."""
+        self._guess[~np.isfinite(self._guess)] = 0.0
+        residual = self._residual(t, x, self._guess)
         for _ in range(LOOP_ITERATIONS):
+            if self._is_closed(residual):
+                return
             columns = []
             for i, size in enumerate(self._nominal):
                 moved = self._guess.copy()
                 moved[i] += self.probe * size
                 columns.append((self._residual(t, x, moved) - residual) / (self.probe * size))
-            self._guess -= np.linalg.solve(np.column_stack(columns), residual)
+            try:
+                self._guess -= np.linalg.solve(np.column_stack(columns), residual)
+            except np.linalg.LinAlgError:  # a gain of one
+                break
             residual = self._residual(t, x, self._guess)
-            if self._is_closed(residual):
-                return
         raise ModelError(f"algebraic loop through {self.system.loops()}: no solution at t = {t:g} s")
 
     def _is_closed(self, residual: Vector) -> bool:
@@ -74,14 +78,15 @@ class Interpreted:
         return bool(np.all(small) or not np.all(np.isfinite(residual)))
 
     def _residual(self, t: float, x: Vector, assumed: Vector) -> Vector:
-        self.y[self._torn] = assumed
+        self.u[self._cut] = assumed[self._number]
         self._evaluate(t, x)
         return np.asarray(self.y[self._torn] - assumed)
 
     def _evaluate(self, t: float, x: Vector) -> None:
         s = self.system
+        source, target = s.wires
         for name in s.order:
-            self.u[s.target_index] = self.y[s.source_index]
+            self.u[target] = self.y[source]
             own = x[s.state.of(name)], self.u[s.inputs.of(name)], s.p[s.parameters.of(name)]
             s.instances[name].component.flat_output(t, *own, self.y[s.outputs.of(name)])
 
@@ -101,8 +106,7 @@ class Evaluation(Interpreted):
         outputs = Composition(
             [s.instances[name].component.flat_output for name in s.order],
             [bounds(name, s.state, s.inputs, s.parameters, s.outputs) for name in s.order],
-            s.source_index,
-            s.target_index,
+            *s.wires,
         )
         derivatives = Composition(
             [s.instances[name].component.flat_derivative for name in names],
@@ -111,8 +115,9 @@ class Evaluation(Interpreted):
         self._composition = outputs
         self.memory = ArrayPointers(
             u=self.u, y=self.y, dx=self.dx, p=s.p,
-            torn=self._torn, nominal=self._nominal, guess=self._guess,
-            source=outputs.source, target=outputs.target, none=derivatives.source,
+            torn=self._torn, nominal=self._nominal, guess=self._guess, number=self._number, cut=self._cut,
+            source=s.source_index, target=s.target_index, wires=outputs.source, ends=outputs.target,
+            none=derivatives.source,
             output_bounds=outputs.bounds, output_ends=outputs.ends,
             derivative_bounds=derivatives.bounds, derivative_ends=derivatives.ends,
         )  # fmt: skip
@@ -158,25 +163,44 @@ class Evaluation(Interpreted):
 
 @cache
 def make_outputs(run: Any) -> Any:
-    """outputs(t, x, memory) -> whether all algebraic loops are closed: u and y are then those at (t, x)."""
+    """outputs(t, x, memory) -> whether all algebraic loops are closed: u and y are then those at (t, x).
+
+    A single loop is closed by the secant. What was assumed before is not taken as it is, so that outputs
+    do not depend on the instant before.
+    """
 
     @kernel
     def outputs(t: float, x: Any, memory: Any) -> bool:
         m = memory[0]
         u, y, source, target = numbers(m.u), numbers(m.y), integers(m.source), integers(m.target)
         torn, nominal, guess = integers(m.torn), numbers(m.nominal), numbers(m.guess)
+        number, cut = integers(m.number), integers(m.cut)
         for i in range(torn.shape[0]):
-            guess[i] = y[torn[i]]
-        tables = Tables(source, target, integer_table(m.output_bounds), integers(m.output_ends))
-        run(t, x, u, numbers(m.p), y, tables, 0)
-        closed, finite = True, True
-        for i in range(torn.shape[0]):
-            residual = y[torn[i]] - guess[i]
-            finite = finite and residual - residual == 0.0
-            closed = closed and abs(residual) <= LOOP_TOLERANCE * (nominal[i] + abs(guess[i]))
+            last = y[torn[i]]
+            guess[i] = last if last - last == 0.0 else 0.0
+        bounds, ends = integer_table(m.output_bounds), integers(m.output_ends)
+        tables = Tables(integers(m.wires), integers(m.ends), bounds, ends)
+        closed, answer, change = False, 0.0, 0.0
+        for turn in range(TURNS):
+            for k in range(cut.shape[0]):
+                u[cut[k]] = guess[number[k]]
+            run(t, x, u, numbers(m.p), y, tables, 0)
+            closed, finite, residual = True, True, 0.0
+            tolerance = LOOP_TOLERANCE if turn else 0.0
+            for i in range(torn.shape[0]):
+                residual = y[torn[i]] - guess[i]
+                finite = finite and residual - residual == 0.0
+                closed = closed and abs(residual) <= tolerance * (nominal[i] + abs(guess[i]))
+            closed = closed or (turn == 0 and not finite)
+            if closed or torn.shape[0] > 1:
+                break
+            gain = (y[torn[0]] - answer) / change if turn else 0.0
+            answer = y[torn[0]]
+            change = residual / (1.0 - gain)
+            guess[0] = answer + gain * change
         for k in range(source.shape[0]):
             u[target[k]] = y[source[k]]
-        return closed or not finite
+        return closed
 
     return outputs
 

@@ -73,8 +73,9 @@ class System:
 
     `connections` maps inputs to the outputs that drive them, both as "instance.variable". The vectors of
     all instances stand one after the other in the order of `instances`: state `x0`, parameters `p`,
-    inputs and outputs. Raises ModelError for unknown names, unit mismatches, inputs driven twice and
-    values out of range.
+    inputs and outputs. Inputs that `torn` outputs drive take their assumed values (`cuts`: numbers of torn
+    outputs, and inputs), others the computed ones (`wires`: outputs, and inputs). Raises ModelError for
+    unknown names, unit mismatches, inputs driven twice and values out of range.
     """
 
     def __init__(self, instances: Mapping[str, Instance], connections: Sequence[tuple[str, str]]) -> None:
@@ -94,6 +95,10 @@ class System:
         self.source_index = np.array([self.outputs.index(c.source) for c in self.connections], dtype=np.int64)
         self.target_index = np.array([self.inputs.index(c.target) for c in self.connections], dtype=np.int64)
         self.order, self.torn = evaluation_order(self.instances, self.connections)
+        self.torn_index = np.array([self.outputs.index(port) for port in self.torn], dtype=np.int64)
+        cut, number = np.nonzero(self.source_index[:, None] == self.torn_index)
+        self.cuts = number.copy(), self.target_index[cut]
+        self.wires = np.delete(self.source_index, cut), np.delete(self.target_index, cut)
 
     def with_instances(self, instances: Mapping[str, Instance]) -> System:
         """The same connections between other instances of the same names."""

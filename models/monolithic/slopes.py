@@ -1,7 +1,7 @@
 """Derivatives of a whole system: how rates, inputs and outputs change with states and parameters.
 
-Tangents of the components' kernels one after the other, in the order in which outputs are computed. Where
-outputs depend on themselves (algebraic loops) their tangents are found as fixed points of that.
+Tangents of the components' kernels one after the other, in the order in which outputs are computed. Slopes d
+of the torn outputs of algebraic loops solve d = r + J d: r with the assumed values at rest, J by these alone.
 """
 
 from collections.abc import Sequence
@@ -16,9 +16,6 @@ from ..core.evaluation import Evaluation
 from ..core.quantities import Vector
 from ..core.system import ModelError, System, alike, bounds
 from ..native.tangents import call_tangent, find_tangents
-
-# Passes through all outputs for tangents of loops, and their closure over the largest.
-PASSES, CLOSED = 30, 1e-13
 
 
 class Slopes:
@@ -48,7 +45,6 @@ class Slopes:
         )
         self._bounds = np.array([bounds(n, s.state, s.inputs, s.parameters, into) for n, _, into in calls])
         self._outputs = len(outputs)
-        self._torn = np.array([s.outputs.index(port) for port in s.torn], dtype=np.int64)
         self._room = np.zeros(s.inputs.size), np.zeros(s.outputs.size), np.zeros(s.state.size)
         self._rates = make_rates(self.evaluation.flat_outputs, self.evaluation.flat_derivative)
 
@@ -75,22 +71,29 @@ class Slopes:
     def _fill(
         self, times: Vector, states: Vector, starts: Vector, steps: Vector
     ) -> tuple[Vector, Vector, Vector]:
-        s, k, m = self.system, times.size, starts.shape[0]
+        s, k, m, torn = self.system, times.size, starts.shape[0], len(self.system.torn)
         states = np.ascontiguousarray(states)
-        rates, inputs, outputs = (np.empty((k, m, part.size)) for part in (s.state, s.inputs, s.outputs))
+        parts = s.state, s.inputs, s.outputs
+        rates, inputs, outputs = (np.empty((k, m + torn, part.size)) for part in parts)
         u, y = self.evaluation.along(times, states)
         calls = self._addresses, self._bounds, self._outputs
-        wires = s.source_index, s.target_index, self._torn
+        starts, steps = (np.vstack([given, np.zeros((torn, given.shape[1]))]) for given in (starts, steps))
+        assumed = np.vstack([np.zeros((m, torn)), np.eye(torn)])
         for row in range(k):
-            filled = fill(
-                times[row], states[row], u[row], s.p, y[row], starts, steps, calls, wires, self._room,
-                rates[row], inputs[row], outputs[row],
+            fill(
+                times[row], states[row], u[row], s.p, y[row], starts, steps, assumed, calls, s.wires, s.cuts,
+                self._room, rates[row], inputs[row], outputs[row],
             )  # fmt: skip
-            if not filled:
-                raise ModelError(
-                    f"algebraic loop through {s.loops()}: its derivative is not found at t = {times[row]:g} s"
-                )
-        return rates, inputs, outputs
+        answers = outputs[:, :, s.torn_index]
+        try:
+            d = answers[:, :m] @ np.linalg.inv(np.eye(torn) - answers[:, m:])
+        except np.linalg.LinAlgError:
+            raise ModelError(
+                f"algebraic loop through {s.loops()}: with a gain of one no derivative"
+            ) from None
+        for part in (rates, inputs, outputs):
+            part[:, :m] += d @ part[:, m:]
+        return rates[:, :m], inputs[:, :m], outputs[:, :m]
 
 
 @cache
@@ -114,40 +117,23 @@ def make_rates(outputs: Any, derivative: Any) -> Any:
 
 @kernel
 def fill(  # noqa: PLR0913  # a kernel
-    t: float, x: Any, u: Any, p: Any, y: Any, starts: Any, steps: Any, calls: Any, wires: Any, room: Any,
-    rates: Any, inputs: Any, outputs: Any,
-) -> bool:  # fmt: skip
-    """By direction the slopes of rates, inputs and outputs; whether those of loops are found."""
+    t: float, x: Any, u: Any, p: Any, y: Any, starts: Any, steps: Any, assumed: Any, calls: Any, wires: Any,
+    cuts: Any, room: Any, rates: Any, inputs: Any, outputs: Any,
+) -> None:  # fmt: skip
+    """By direction the slopes of rates, inputs and outputs, with `assumed` slopes of torn outputs."""
     du, dy, dx = room
-    source, target, torn = wires
+    source, target = wires
+    number, cut = cuts
     addresses, parts, first = calls
     for k in range(starts.shape[0]):
         for i in range(dy.shape[0]):
             dy[i] = 0.0
-        given = before = change = 0.0
-        closed = torn.shape[0] == 0
-        for turn in range(PASSES):
-            for i in range(torn.shape[0]):
-                given = dy[torn[i]]
-            for c in range(first):
-                for i in range(source.shape[0]):
-                    u[target[i]], du[target[i]] = y[source[i]], dy[source[i]]
-                b = parts[c]
-                call(addresses[c], t, x, starts[k], u, du, p, steps[k], y, dy, b)
-            if closed:
-                break
-            miss = dy[torn[0]] - given
-            if turn > 0 and abs(miss) <= CLOSED * abs(given):
-                closed = True
-            elif turn > 0 and miss != change:
-                # The secant of a straight line.
-                dy[torn[0]] = given - miss * (given - before) / (miss - change)
-            before, change = given, miss
-            if closed or (turn == 0 and miss == 0.0):
-                closed = True
-                break
-        if not closed:
-            return False
+        for i in range(cut.shape[0]):
+            du[cut[i]] = assumed[k, number[i]]
+        for c in range(first):
+            for i in range(source.shape[0]):
+                u[target[i]], du[target[i]] = y[source[i]], dy[source[i]]
+            call(addresses[c], t, x, starts[k], u, du, p, steps[k], y, dy, parts[c])
         for i in range(source.shape[0]):
             u[target[i]], du[target[i]] = y[source[i]], dy[source[i]]
         for c in range(first, addresses.shape[0]):
@@ -156,7 +142,6 @@ def fill(  # noqa: PLR0913  # a kernel
             inputs[k, i] = du[i]
         for i in range(dy.shape[0]):
             outputs[k, i] = dy[i]
-    return True
 
 
 @kernel

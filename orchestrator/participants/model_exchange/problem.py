@@ -133,8 +133,9 @@ class PartwiseEvaluation(Interpreted):
 
     def _evaluate(self, t: float, x: Vector) -> None:
         s = self.system
+        source, target = s.wires
         for name in s.order:
-            self.u[s.target_index] = self.y[s.source_index]
+            self.u[target] = self.y[source]
             own = x[s.state.of(name)], self.u[s.inputs.of(name)], self.y[s.outputs.of(name)]
             self._parts[name].outputs(t, *own)
 
