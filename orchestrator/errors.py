@@ -96,12 +96,17 @@ class DiscardedStepError(RecoverableError):
     """The participant discarded a step (fmi2Discard); a shorter one may help.
 
     `reached` is the time (s) that it has arrived at, from which it can go on without `restore`: the
-    step's start where nothing has happened, or a time inside the step. None where it does not say.
+    step's start where nothing has happened, or a time inside the step. None where it does not say. The
+    message begins with the participant's name.
     """
 
     def __init__(self, message: Words, reached: float | None = None) -> None:
         super().__init__(message)
         self.reached = reached
+
+    @property
+    def participant(self) -> str:
+        return str(self).partition(":")[0]
 
 
 class NotFiniteError(RecoverableError):

@@ -33,6 +33,7 @@ from ..store.output_folder import (
 from ..texts import parse_json, read_text
 from .assess import assess
 from .checkpoint import read
+from .discards import execute_with_retries
 from .execute import execute
 from .plan import Plan, make_plan
 from .publish import open_result, publish, publish_merits, settle_ending
@@ -72,7 +73,7 @@ def run_plan(
     with open_folder(out, overwrite) as folder, keep_prints(plan, folder, reporter):
         atomic_write.write_whole(out / SCENARIO, plan.toml.encode())
         try:
-            summary = execute(plan, folder, reporter)
+            plan, summary = execute_with_retries(plan, folder, reporter)
         except RefusedError as error:  # a mistake in the scenario or a given file
             kept = _tell_of_backup(folder)
             folder.discard()

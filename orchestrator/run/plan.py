@@ -223,7 +223,7 @@ def plan_participants(
             limits=scenario.process_limits(name),
             proof=plan_proof(scenario, name),
             substeps=table.substeps,
-            retries=table.retries,
+            retries=table.retries or 0,
             linear=linear.get(name, {}),
         )
     return plans

@@ -16,7 +16,16 @@ from ..assessment.merits import Friction, Merit
 from ..engine.effort import Spent
 from ..engine.energy.account import Account
 from ..engine.energy.account import lines as energy_lines
-from ..errors import CheckpointError, ExplainedError, RefusedError, RunError, Words, in_command_line, join
+from ..errors import (
+    CheckpointError,
+    DiscardedStepError,
+    ExplainedError,
+    RefusedError,
+    RunError,
+    Words,
+    in_command_line,
+    join,
+)
 from ..scenario.capabilities import MONOLITHIC
 from ..store import atomic_write
 from ..texts import to_plain
@@ -86,6 +95,7 @@ class Summary:
     python_sweeps: Mapping[str, str] = field(default_factory=dict)  # slow participants: reason
     without_rates: Sequence[str] = ()  # participants whose rates were not used
     unproven: Sequence[str] = ()  # why participants were not restored
+    discarding: str = ""  # the participant that ended the run by discarding a step
     fmus: dict[str, str] = field(default_factory=dict)
     notices: Sequence[Words] = field(default_factory=list)
 
@@ -101,7 +111,9 @@ class Summary:
         else:
             message = f"incomplete: {error.filename or out}: {error.strerror or error}"
         resumable = self.resumable and not lasting
-        return replace(self, complete=False, resumable=resumable, message=message, exit_status=FAILED)
+        discarding = error.participant if isinstance(error, DiscardedStepError) else ""
+        ended = replace(self, complete=False, resumable=resumable, message=message, exit_status=FAILED)
+        return replace(ended, discarding=discarding)
 
     def tell(self) -> list[Words]:
         """What trains, contacts, energies and steps came to, and warnings of FMUs, in words."""
@@ -118,6 +130,10 @@ class Summary:
         for name, given in self.warnings.items():
             first = f", the first: {given.first}" if given.first else "; it does not say of what"
             lines.append(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
+        for name, one in self.effort.items():
+            if one.failed:
+                made = one.own_steps - one.failed
+                lines.append(f"{name}: discarded {one.failed} steps, and made {made}, some shorter")
         lines += self.unproven
         if self.without_rates:
             lines.append(

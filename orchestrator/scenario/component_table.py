@@ -116,9 +116,10 @@ class ComponentTable(Table):
     substeps: int = Field(
         1, description="Steps that it makes of every macro step", ge=1, le=10_000, strict=True
     )
-    retries: int = Field(
-        0,
-        description="How often a step that it discards is halved before the run fails",
+    retries: int | None = Field(
+        None,
+        description="How often a step that it discards is halved before the run fails; by default the run "
+        "begins again with 10 if it discards one in a run that repeats no steps",
         ge=0,
         le=20,
         strict=True,

@@ -251,6 +251,14 @@ MODELS["early"] = Model(
     "if (h > 6e-3) { $x *= exp(-$k * h / 2); m->reached = t + h / 2; return EARLY; } " + EXPONENTIAL,
     abilities='mightReturnEarlyFromDoStep="true" ',
 )
+# From half of the run on discard steps of more than 3 ms: after 2 ms, and with a state that is wrong.
+for _name, _way in {
+    "hasty": "$x *= exp(-$k * 2e-3); m->reached = t + 2e-3;",
+    "spoiling": "$x += 1.0;",
+}.items():
+    MODELS[_name] = replace(
+        DECAY, step=f"if (t > 0.495 && h > 3e-3) {{ {_way} return DISCARD; }} {EXPONENTIAL}"
+    )
 # Come back early without having got anywhere, from before the step, and from no time at all.
 for _name, _reached in {"stuck": "t", "backwards": "t - 1", "timeless": "0.0 / 0.0"}.items():
     MODELS[_name] = replace(

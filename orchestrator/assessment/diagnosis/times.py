@@ -1,5 +1,6 @@
 """Where the wall time of a run went: parts that add up to the whole, and what makes each shorter."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -154,8 +155,10 @@ def _quicken(scenario: Scenario, name: str, spent: Spent) -> str:
     """What makes the steps of a participant cheaper."""
     each = spent.stepping_s / max(1, spent.do_steps)
     if spent.failed > MUCH * spent.do_steps:
+        needed = math.ceil((spent.own_steps - spent.failed) / spent.do_steps)
         return (
-            f"{spent.failed} of its {spent.own_steps} own steps failed: a shorter `macro_step` repeats fewer"
+            f"{spent.failed} of its {spent.own_steps} own steps failed: "
+            f"`components.{name}.substeps = {needed}` or a shorter `macro_step` repeats fewer"
         )
     if scenario.components[name].substeps > 1:
         return f"it makes {tally(spent.own_steps, 'step')} of its own: a smaller `components.{name}.substeps`"

@@ -1,0 +1,73 @@
+"""A participant that discards long steps gets shorter ones by itself; the others keep the macro step."""
+
+import numpy as np
+import pytest
+
+from orchestrator.run.pipeline import run
+from orchestrator.scenario.files import load
+
+from .c_fmus import fmu
+from .runs import CASES, Reporter, never, ran, scenario
+
+
+class Heard(Reporter):
+    def __init__(self):
+        super().__init__()
+        self.lines = []
+
+    def line(self, text):
+        self.lines.append(str(text))
+
+
+@pytest.mark.parametrize(("version", "process"), CASES)
+@pytest.mark.parametrize(
+    ("name", "own"),
+    [
+        # Each of 50 steps is discarded after 2 ms, what is left of it again and again; the last is made.
+        pytest.param("hasty", 1, id="that arrives somewhere"),
+        # Each is halved twice, from the state that was saved.
+        pytest.param("spoiling", 4, id="that spoils its state"),
+    ],
+)
+def test_a_run_with_an_fmu_that_discards_long_steps_goes_to_its_end(name, own, version, process, tmp_path):
+    tables = {
+        "decay": {"participant": fmu(name, version, tmp_path), "process": process},
+        "other": {"participant": fmu("dahlquist", version, tmp_path), "process": process},
+    }
+    one, out = scenario(tables, master={"name": "jacobi"}), tmp_path / "out"
+    heard = Heard()
+    summary = run(one, out, never, heard, figures=False)
+    assert summary.complete, summary.message
+    found = np.genfromtxt(out / "coupled.csv", delimiter=",", names=True)
+    np.testing.assert_allclose(found["decayx"], np.exp(-found["time"]), rtol=1e-13)
+    assert (len(found), summary.macro_steps) == (101, 100)
+    spent = summary.effort["decay"], summary.effort["other"]
+    assert [part.do_steps for part in spent] == [100, 100]
+    assert (spent[0].own_steps - spent[0].failed, spent[1].own_steps) == (50 + 50 * own, 0)
+    assert sum("decay discards a step: the run begins again" in line for line in heard.lines) == 1
+    assert any(line.startswith("decay: discarded ") for line in map(str, summary.tell()))
+    # What was chosen is kept: the run of the result's scenario is the same, at once.
+    again = load(out / "scenario.toml")
+    assert again.components["decay"].retries == 10
+    heard.lines.clear()
+    run(again, tmp_path / "again", never, heard, figures=False)
+    assert not any("begins again" in line for line in heard.lines)
+    assert (tmp_path / "again" / "coupled.csv").read_bytes() == (out / "coupled.csv").read_bytes()
+
+
+def test_an_fmu_that_discards_every_step_ends_the_run_in_the_second_try(tmp_path):
+    """The rows up to there are kept, and the message names the step at first and the shortest."""
+    summary, found = ran(
+        scenario({"decay": {"participant": fmu("discarding", 2, tmp_path)}}), tmp_path / "out"
+    )
+    assert summary.exit_status == 3
+    assert len(found["time"]) == 51
+    assert "t = 0.5 s by 9.76563e-06 s returned Discard: no way on" in str(summary.message)
+    assert "longer steps failed as well, from 0.01 s on" in str(summary.message)
+
+
+def test_zero_retries_are_none(tmp_path):
+    tables = {"decay": {"participant": fmu("hasty", 2, tmp_path), "retries": 0}}
+    summary, _ = ran(scenario(tables), tmp_path / "out")
+    assert "step from t = 0.5 s by 0.01 s returned Discard" in str(summary.message)
+    assert summary.discarding == "decay"
