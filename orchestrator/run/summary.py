@@ -132,8 +132,7 @@ class Summary:
             lines.append(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
         for name, one in self.effort.items():
             if one.failed:
-                made = one.own_steps - one.failed
-                lines.append(f"{name}: discarded {one.failed} steps, and made {made}, some shorter")
+                lines.append(f"{name}: discarded {one.failed} of the {one.own_steps} steps that it tried")
         lines += self.unproven
         if self.without_rates:
             lines.append(
