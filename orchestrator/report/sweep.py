@@ -15,7 +15,7 @@ from models.core.quantities import Vector
 from ..assessment.lost_contact import find_lost
 from ..errors import MistakeError, Option
 from ..scenario import Scenario, ScenarioError, build_scenario
-from ..store.output_folder import CYCLES, SCENARIO, STORE, SUMMARY
+from ..store.output_folder import CYCLES, STORE, SUMMARY, SWEPT
 from .content import describe, list_marks, read_film
 from .mechanism import list_sketches
 from .packing import pack
@@ -70,7 +70,7 @@ def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector, folder: Path) -
         "notices": summary.get("notices", []),
         "version": summary.get("version", ""),
         "versions": "",
-        "command": repeat("speeds", Path(SCENARIO), folder, *ends, Option("count", speeds.size)),
+        "command": repeat("speeds", folder / SWEPT, folder, *ends, Option("count", speeds.size)),
         "fmus": {},
         "toml": toml,
     }

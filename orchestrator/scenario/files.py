@@ -258,6 +258,15 @@ def find_paths(content: Mapping[str, Any], keys: Sequence[str]) -> list[str]:
     return (found or [path for path, one in known.items() if variable in one.split("_")])[:3]
 
 
+def has_path(content: Any, path: str) -> bool:
+    """Whether there is a value at a path of `put`."""
+    for key in split_path(path):
+        if not isinstance(content, dict) or key not in content:
+            return False
+        content = content[key]
+    return True
+
+
 def put_parameters(content: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """A copy of the content with these values by "component.parameter"."""
     changed = copy.deepcopy(dict(content))

@@ -19,7 +19,8 @@ from ..texts import parse_toml, read_text
 from .atomic_write import partial
 
 UNFINISHED, LOCK, CHECKPOINT = "unfinished", "lock", "checkpoint"
-STORE, CYCLES = "speeds.zarr", "cycles.nc"  # of a sweep over speed, instead of a run
+# Of a sweep over speed, instead of a run; the last one is its scenario.
+STORE, CYCLES, SWEPT = "speeds.zarr", "cycles.nc", "swept.toml"
 REPLACED = "replaced"  # files of an earlier run, put aside until this one has its first values
 RESULT, CSV, UNITS, SCENARIO = "result.nc", "coupled.csv", "units.csv", "scenario.toml"
 SUMMARY, REPORT, PRINTED, TEXTS = "summary.json", "report.html", "printed.log", "texts.csv"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from models.core.system import suggestion
 from ..errors import MistakeError, list_faults, name_source
 from ..scenario import Written, find_faults
 from ..scenario.fields import FolderName
-from ..scenario.files import find, put, read_contents
+from ..scenario.files import find, has_path, put, read_contents
 from ..scenario.system import Builder
 from ..scenario.values import Value
 from ..texts import read_toml, to_path
@@ -145,6 +146,12 @@ def build_scenario_subject(study: Study, tables: dict[str, Any], build: Builder)
     """The scenario of these tables, with the study's fixed values."""
     from .scenario_subject import ScenarioSubject
 
-    fixed = study.fixed.items()
-    put(tables, {path: value for name, value in fixed for path in study.names.get(name, [name])})
+    fixed = {path: name for name in study.fixed for path in study.names.get(name, [name])}
+    put(tables, {path: study.fixed[name] for path, name in fixed.items()})
+    for axis in study.points.parameters:
+        varied = copy.deepcopy(tables)
+        put(varied, dict.fromkeys(study.names.get(axis, [axis]), 0.0))
+        for path, name in fixed.items():
+            if not has_path(varied, path):
+                raise MistakeError(f"fixed.{name}: {axis} of the points takes its place", "leave one out")
     return ScenarioSubject(tables, study.names, build)

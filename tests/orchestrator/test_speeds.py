@@ -1,6 +1,7 @@
 """tribocosim speeds: cycles of a scenario over speed, continued where it stopped."""
 
 import csv
+import html
 
 import numpy as np
 import pytest
@@ -15,8 +16,8 @@ from models.monolithic.cycle import STEADY
 from orchestrator.assessment.friction.shares import add_losses
 from orchestrator.errors import MistakeError
 from orchestrator.plots.speeds import draw_summary, find_orders
-from orchestrator.scenario.files import load, read_changed
-from orchestrator.scenario.system import build_system
+from orchestrator.scenario.files import load, read_changed, to_full_toml
+from orchestrator.scenario.system import build_system, list_parameters
 from orchestrator.store.output_folder import RESULT, STORE
 from orchestrator.study.speeds import separation
 from orchestrator.study.speeds.compare import Choice, find_worst, parse_choice, select_speeds
@@ -59,6 +60,11 @@ def test_a_sweep_leaves_a_table_cycles_and_figures(swept):
     assert set(describe_numbers(load("valve-train"))) <= {name.split(" ")[0] for name in rows[0]}
     for name in ("speeds.png", "contact-load-map.png", "contact-load-campbell.png"):
         assert (out / name).stat().st_size > 10_000
+    page = html.unescape((out / "report.html").read_text("utf-8"))
+    assert f"tribocosim speeds {out / 'swept.toml'} --from " in page
+    again = load(out / "swept.toml")
+    assert to_full_toml(again) == (out / "swept.toml").read_text("utf-8")
+    assert list_parameters(again) == list_parameters(load("valve-train"))
     with xarray.open_dataset(out / "cycles.nc", engine="h5netcdf") as cycles:
         assert dict(cycles.sizes) == {"speed": 3, "share": 721}
         lift = cycles["camshaft.cam_lift"]

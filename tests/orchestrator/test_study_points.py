@@ -199,6 +199,19 @@ def test_an_unknown_setting_of_a_scenario_is_named(path, fixed):
         plan_scenario({"kind": "grid", "axes": axes}, fixed={path: 1.0} if fixed else {})
 
 
+def test_a_fixed_value_in_whose_place_an_axis_comes_is_refused():
+    """A wire gives the spring's rate. What both may have stays."""
+    spring, axis = "components.valve_spring", "components.valve_spring.wire.diameter"
+    points = {"kind": "grid", "axes": {axis: ["3.8 mm", "4 mm"]}}
+    rate = f"{spring}.parameters.spring_rate"
+    with pytest.raises(MistakeError, match=f"fixed.{rate}: {axis} of the points takes its place; leave"):
+        plan_scenario(points, fixed={rate: "30 N/mm"})
+    subject = plan_scenario(
+        {"kind": "grid", "axes": {rate: ["30 N/mm"]}}, fixed={f"{spring}.parameters.valve_mass": "0.2 kg"}
+    ).subject
+    assert subject.tables["components"]["valve_spring"]["parameters"]["valve_mass"] == "0.2 kg"
+
+
 def test_every_shipped_study_and_analysis_is_whole():
     assert list_shipped()
     for name in list_shipped():

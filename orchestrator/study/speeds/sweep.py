@@ -36,7 +36,7 @@ from ...scenario.display import format_number, show_attributes
 from ...scenario.files import to_full_toml
 from ...scenario.system import build_system
 from ...scenario.units import is_bare
-from ...store.output_folder import CYCLES, REPORT, STORE, SUMMARY
+from ...store.output_folder import CYCLES, REPORT, STORE, SUMMARY, SWEPT
 from ..files import Plan, plan_axis
 from ..run import Where, run
 from ..store import DONE
@@ -106,14 +106,16 @@ def sweep(
     ]  # fmt: skip
     for text in notices:
         reporter.line(text)
+    toml = to_full_toml(subject.scenario)
     summary = {
         "scenario": subject.scenario.name,
         "separation": first and first._asdict(),
         "second_separation": second,
         "notices": notices,
         "version": metadata.version("tribocosim"),
-        "scenario_toml": to_full_toml(subject.scenario),
+        "scenario_toml": toml,
     }
+    (out / SWEPT).write_text(toml, "utf-8")
     (out / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", "utf-8")
     files = publish(subject, table, out, first and first.speed)
     if (out / CYCLES) in files:
