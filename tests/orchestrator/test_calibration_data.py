@@ -84,12 +84,16 @@ def test_data_that_cannot_be_used_are_refused_with_what_is_wrong(lines, signals,
         read(tmp_path, *lines, signals=signals)
 
 
-def test_a_unit_beside_an_output_without_one_is_refused_with_what_to_write(tmp_path):
+def test_an_output_without_a_unit_has_plain_numbers_and_others_are_refused_with_what_to_write(tmp_path):
     """As FMUs of other tools often state none."""
     (tmp_path / "data.csv").write_text("time [s], body [mm]\n0, 1\n1, 2\n")
     outputs = {"chassis.position": Quantity("", "position")}
     with pytest.raises(MistakeError, match="states no unit; leave it out, with numbers in the FMU's: body"):
         read_measured([tmp_path / "data.csv"], outputs, ["body = chassis.position"])
+    (tmp_path / "data.csv").write_text("time [s], body\n0, 1\n1, 2\n")
+    found, _ = read_measured([tmp_path / "data.csv"], outputs, ["body = chassis.position, noise 0.5"])
+    assert found.signals[0].noise == 0.5
+    assert found.pool(0) == pytest.approx([1.0, 2.0])
 
 
 def test_figures_have_display_units_and_no_correlation_of_one_parameter():

@@ -110,7 +110,7 @@ def _parse_noise(option: Option, text: str, unit: str) -> float:
         noise = to_unit(text, unit, relative=True)
     except UnitError as error:
         raise MistakeError((option, f": noise {error}")) from None
-    if is_bare(text) and unit != "1":
+    if is_bare(text) and unit not in ("", "1"):
         raise MistakeError((option, f": noise {text}: write the unit, e.g. {text} {unit}"))
     if not (noise > 0.0 and math.isfinite(noise)):
         raise MistakeError((option, f": noise {text}: must be > 0"))

@@ -251,6 +251,6 @@ class Objective:
         """How far the signals are from the data (root mean square)."""
         rows = zip(self.measured.signals, self.noises, self.eliminate(x), strict=True)
         return ", ".join(
-            f"{signal.column} {format_number(noise * one.size, 3)} {self.units[signal.variable]}"
+            f"{signal.column} {format_number(noise * one.size, 3)} {self.units[signal.variable]}".rstrip()
             for signal, noise, one in rows
         )
