@@ -47,7 +47,7 @@ from .heated import is_heated
 from .hierarchical import BAND
 from .mixed import Bodies, mean_plane_gap
 from .reynolds import Flow, Nodes, balance, cell, properties
-from .shear import Heat, HeatLaws, shear_film
+from .shear import Heat, HeatLaws, shear_film, thin_film
 from .workspace import FIELDS, heat_in, heat_size, keep_cold, nodes_in
 
 # Vectors besides those of Nodes and the two bands: pressure, film, no masses, a balance, and the drift.
@@ -134,6 +134,7 @@ def flow_powers(
     keep_cold(f)
     find_filled(pressure, x.filling, f)
     if is_heated(laws):
+        thin_film(fluid, laws, heat, f)
         shear_film(X, x.grid_scale, pressure, film, u.sliding_velocity, fluid, laws, heat, f)
     properties(pressure, film, fluid, f)
     copy(room[4], f.drift)

@@ -12,7 +12,8 @@ cavitates, oil that comes from nowhere comes with the temperature of its place. 
 solved one after the other, forth and back, as heat is carried both ways where bodies move against each other
 and oil turns back in the inlet. In a column the heat that shear makes is linear in all its temperatures
 (Newton's method, by Sherman's and Morrison's formula): cooler oil resists more, and all share one stress.
-`build_columns` divides the columns once; each way through them then costs what its right sides do.
+`build_bodies` divides the bodies' rows once for an implicit step, `build_columns` the film's once for what is
+known of it; each way through them then costs what its right sides do.
 """
 
 import math
@@ -130,8 +131,8 @@ def fill_constants(layers: int, laws: HeatLaws, c: Columns) -> None:
 
 @kernel
 def fill_body(i: int, body: int, kept: float, width: float, c: Columns) -> None:
-    """The rows of one body at node i from its depth to below its surface, divided, and its surface's row
-    without the film; `kept` (m2/s): width of the volume before, and what comes, over the time."""
+    """The rows of one body at node i from its depth to below its surface, divided, and `bare` of its surface;
+    `kept` (m2/s): width of the volume before, and what comes, over the time."""
     lower, inverse, upper, held, linked = c.lower[i], c.inverse[i], c.upper[i], c.held, c.linked
     before, share, step = 0.0, 0.0, 1 - 2 * body
     r = body * (held.shape[0] - 1)
@@ -142,7 +143,7 @@ def fill_body(i: int, body: int, kept: float, width: float, c: Columns) -> None:
         upper[r], lower[r + step] = -share, -share
         before = after
         r += step
-    inverse[r] = held[r] * kept + before * (1.0 - share)
+    c.bare[body, i] = held[r] * kept + before * (1.0 - share)
 
 
 @kernel
@@ -162,25 +163,22 @@ def fill_layers(
     half = 0.5 * h / (layers * laws.conductivity)
     crossing, across = 0.0, 0.0
     link = width / (c.linked[first - 1] + half)
-    inverse[first - 1] = 1.0 / (inverse[first - 1] + link)
+    inverse[first - 1] = 1.0 / (c.bare[0, i] + link)
     upper[first - 1] = -link * inverse[first - 1]
     other = width / (c.linked[end] + half)
-    inverse[end] = 1.0 / (inverse[end] + other)
+    inverse[end] = 1.0 / (c.bare[1, i] + other)
     upper[end] = -other * inverse[end]
     # What a row keeps of the one before, and the elements below and above the diagonal.
     below, above, diagonal = -link, 0.0, 0.0
     for k in range(layers):
         r = first + k
-        q_left = at.q_left + at.m_left * 0.5 * (v_left[k] + v[k])
-        q_right = at.q_right + at.m_right * 0.5 * (v[k] + v_right[k])
-        came = carry(q_left, q_right, at, c.come[i, 2 + k])
-        for side in range(4):
-            c.come[i, 2 + k, side] *= share
-        diagonal = held + share * came + c.diagonal[k]
+        q_left = share * (at.q_left + at.m_left * 0.5 * (v_left[k] + v[k]))
+        q_right = share * (at.q_right + at.m_right * 0.5 * (v[k] + v_right[k]))
+        diagonal = held + carry(q_left, q_right, at, c.come[i, 2 + k]) + c.diagonal[k]
         diagonal += link if k == 0 else across + 0.5 * crossing
         # What a layer has too much leaves it upwards. Crossing oil has the mean temperature of both sides
         # where conduction smooths that.
-        crossing = crossing - grown - share * (q_right - q_left)
+        crossing = crossing - grown - (q_right - q_left)
         across = max(inner, 0.5 * abs(crossing))
         if k == layers - 1:
             crossing, across = 0.0, 0.0
@@ -226,30 +224,38 @@ def heat_layers(
 
 
 @kernel
+def build_bodies(problem: FilmProblem, laws: HeatLaws, X: Any, nodes: Nodes, heat: Heat) -> None:
+    """The bodies' rows of all nodes, which neither pressure nor temperatures change."""
+    drive, scale_rate = problem.drive, problem.scale_rate
+    fill_constants(heat.speed.shape[1], laws, heat.columns)
+    for i in range(1, X.shape[0] - 1):
+        width = problem.scale * cell(X, i)
+        at = find_faces(i, width, 0.0, nodes.mass, X, nodes)
+        kept = width / problem.time_step - scale_rate * cell(X, i)
+        for body in range(2):
+            velocity = drive.velocity + (0.5 - body) * drive.sliding
+            left, right = velocity - scale_rate * at.left, velocity - scale_rate * at.right
+            came = carry(left, right, at, heat.columns.come[i, body])
+            fill_body(i, body, kept + came, width, heat.columns)
+
+
+@kernel
 def build_columns(
     p: Any, h: Any, problem: FilmProblem, old: Any, laws: HeatLaws, X: Any, nodes: Nodes, heat: Heat
 ) -> None:
-    """The columns of all nodes, under p and h, about the temperatures that `shear` saw; and in `nodes` what
-    heat makes of the drift where the pressure changes."""
+    """The columns of all nodes, after `build_bodies`, under p and h, about the temperatures that `shear` saw;
+    and in `nodes` what heat makes of the drift where the pressure changes."""
     c, n, layers, rows = heat.columns, p.shape[0], heat.speed.shape[1], heat.rise.shape[1]
-    drive, scale_rate, per_time = problem.drive, problem.scale_rate, 1.0 / problem.time_step
+    per_time = 1.0 / problem.time_step
     share, end = laws.capacity / layers, SOLID_LAYERS + layers
-    fill_constants(layers, laws, c)
     for i in range(1, n - 1):
         width = problem.scale * cell(X, i)
         at = find_faces(i, width, per_time, old, X, nodes)
-        kept = width * per_time - scale_rate * cell(X, i)
         source = c.source[i]
         for r in range(rows):
             source[r] = heat.base[i, r] * per_time
         source[SOLID_LAYERS - 1] += 0.5 * heat.rough[i]
         source[end] += 0.5 * heat.rough[i]
-        for body in range(2):
-            velocity = drive.velocity + (0.5 - body) * drive.sliding
-            came = carry(
-                velocity - scale_rate * at.left, velocity - scale_rate * at.right, at, c.come[i, body]
-            )
-            fill_body(i, body, kept + came, width, c)
         gradient = (p[i + 1] - p[i - 1]) / (problem.scale * (X[i + 1] - X[i - 1])) if p[i] > 0.0 else 0.0
         heat_layers(
             i, laws.thermal.temperature, laws.expansion * h[i] * width / layers,
@@ -259,14 +265,16 @@ def build_columns(
         grown = share * ((nodes.mass[i] * width - old[i]) * per_time - at.over)
         inner = width * layers * laws.conductivity / h[i]
         fill_layers(i, held, grown, share, inner, width, at, laws, h[i], heat)
-        divide_film(c.lower[i], c.inverse[i], c.upper[i], c.answer[i])
+        if p[i] > 0.0:
+            divide_film(c.lower[i], c.inverse[i], c.upper[i], c.answer[i])
         softer, moved, middle = 1.0, 0.0, 0.5 * (layers - 1)
         for k in range(layers):
-            softer += heat.softening[i, k] * c.answer[i, SOLID_LAYERS + k]
+            answered = heat.softening[i, k] * c.answer[i, SOLID_LAYERS + k]
+            softer += answered
             leant = (k - middle) / layers - heat.wedge[i]
-            moved += leant * heat.softening[i, k] * c.answer[i, SOLID_LAYERS + k]
+            moved += leant * answered
         c.softer[i] = 1.0 / softer
-        moved *= drive.sliding * heat.pressing[i] / (heat.response[i] * softer)
+        moved *= problem.drive.sliding * heat.pressing[i] / (heat.response[i] * softer)
         nodes.drift_p[i] = moved + heat.wedging[i]
 
 

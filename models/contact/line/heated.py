@@ -15,11 +15,11 @@ from ..asperities import find_separation, pressure_under, real_area_share
 from ..fluid import Lubricant
 from ..friction import boundary_friction
 from .cavities import find_filled, keeps_oil
-from .heat import COOL, build_columns, settle_heat, store, warm
+from .heat import COOL, build_bodies, build_columns, settle_heat, store, warm
 from .mixed import Bodies
 from .newton import TOLERANCE, FilmProblem, FilmSolution, newton
 from .reynolds import Flow, cell
-from .shear import SOLID_LAYERS, Heat, HeatLaws, shear_film
+from .shear import SOLID_LAYERS, Heat, HeatLaws, shear_film, thin_film
 from .workspace import Workspace
 
 # The heat alone settles to this share of the highest rise.
@@ -122,8 +122,10 @@ def solve_film(
         return newton(p, h, approach, problem, bodies, fluid, old, w, TOLERANCE)
     sliding, heat = problem.drive.sliding, w.heat
     iterations, finite, before = 0, True, math.inf
+    build_bodies(problem, laws, w.X, w.nodes, heat)
     for turn in range(MOST_TURNS):
         copy(heat.guess, heat.flat)
+        thin_film(fluid, laws, heat, w.nodes)
         shear_film(w.X, problem.scale, p, h, sliding, fluid, laws, heat, w.nodes)
         found = newton(p, h, approach, problem, bodies, fluid, old, w, NEAR * laws.settled)
         approach, iterations = found.approach, iterations + found.iterations
@@ -160,6 +162,7 @@ def begin_heat(
         copy(w.heat.pressure_base, p)
         copy_rows(w.heat.start, w.heat.rise)
         w.nodes.drift_p[:] = 0.0
+        thin_film(fluid, laws, w.heat, w.nodes)
         shear_film(w.X, scale, p, h, drive.sliding, fluid, laws, w.heat, w.nodes)
 
 

@@ -54,8 +54,9 @@ class Columns(NamedTuple):
     """The equations of temperatures, divided. Over rows (n, rows): source (W/m), factors of the rows
     eliminated before, inverses of the diagonal, shares of the rows eliminated after, and the film's answers
     to the heat of the stress. `come` (n, 2 + layers, 4) of bodies (m2/s) and layers (W/(m K)): shares of the
-    temperatures of two nodes to the left and two to the right; `origin` (n, layers): temperatures about which
-    the heat of shear is linear; `softer` (n): how the stress answers itself. The rest is of one column."""
+    temperatures of two nodes to the left and two to the right; `bare` (2, n): diagonals of the surfaces'
+    rows without the film; `origin` (n, layers): temperatures about which the heat of shear is linear;
+    `softer` (n): how the stress answers itself. The rest is of one column."""
 
     source: Any
     lower: Any
@@ -63,6 +64,7 @@ class Columns(NamedTuple):
     upper: Any
     answer: Any
     come: Any
+    bare: Any
     origin: Any
     softer: Any
     held: Any
@@ -75,10 +77,11 @@ class Heat(NamedTuple):
     """Scratch over nodes. Rises of temperature (K) over rows (n, rows): body 1 from the depth to its surface,
     film, body 2 to the depth; `flat` is `rise` as one vector, `slope` its rate (K/s) in the last step,
     `guess` and `trail` (4) are such of the turns of film and heat. Over layers (n, layers): heat (W/m), its
-    growth by the layer's own temperature, what all temperatures make of the stress (1/K), and velocity
-    (m/s) less the mean. Over nodes: stress (Pa), how heat answers the stress, pressure at the base (Pa),
-    heat of asperities (W/m), growth of heat (1/Pa) by the pressure, zeta_c - 1/2, and what the pressure makes
-    of the drift at these temperatures (m/(s Pa))."""
+    growth by the layer's own temperature, what all temperatures make of the stress (1/K), velocity (m/s) less
+    the mean, and what heat makes of ln(eta) at no pressure with its slope (1/K). Over nodes: stress (Pa), how
+    heat answers the stress, pressure at the base (Pa), heat of asperities (W/m), growth of heat (1/Pa) by the
+    pressure, the pressure under which the node was sheared (Pa; -1: at other temperatures), zeta_c - 1/2, and
+    what the pressure makes of the drift at these temperatures (m/(s Pa))."""
 
     flat: Any
     slope: Any
@@ -92,12 +95,15 @@ class Heat(NamedTuple):
     growth: Any
     softening: Any
     speed: Any
+    thinned: Any
+    thinning: Any
     stress: Any
     stress_middle: Any
     response: Any
     pressure_base: Any
     rough: Any
     pressing: Any
+    seen: Any
     wedge: Any
     wedging: Any
     columns: Columns
@@ -170,16 +176,13 @@ def shear_node(
     leaning = tilt  # that by which an Eyring oil's flow is divided
     if fluid.eyring_stress > 0.0 and abs(tilt) < _LEAST_TILT * fluid.eyring_stress:
         leaning = _LEAST_TILT * fluid.eyring_stress
-    fluidity, softening = heat.speed[i], heat.softening[i]
+    fluidity, softening, heating, growth = heat.speed[i], heat.softening[i], heat.heating[i], heat.growth[i]
     log_eta, by_pressure = log_viscosity(pressure, fluid)
     eta, pressed = fluid.viscosity * math.exp(log_eta), pressed_share(pressure, fluid)
-    thinned = heat.growth[i]
+    thinned, thinning_slope = heat.thinned[i], heat.thinning[i]
     J0, J1, J2 = 0.0, 0.0, 0.0
     for k in range(layers):
-        hot = thin_by_heat(heat.rise[i, SOLID_LAYERS + k], fluid.viscosity, laws.thermal)
-        thinned[k] = -pressed * hot.value
-        fluidity[k] = math.exp(thinned[k])
-        softening[k] = -pressed * hot.slope
+        fluidity[k] = math.exp(-pressed * thinned[k])
         zeta = (k + 0.5) * share
         J0 += share * fluidity[k]
         J1 += share * fluidity[k] * zeta
@@ -201,20 +204,22 @@ def shear_node(
     if follows < 1.0 and limit > 0.0:
         heat.pressing[i] += (1.0 - follows) * laws.traction.limiting_coefficient / limit
     stress = math.copysign(stress, sliding)
-    passed, mean, wedging = 0.0, 0.0, 0.0
+    passed, mean, wedging, part, thin = 0.0, 0.0, 0.0, share / J0, film * share / eta
+    rubbed = heat.stress[i] * sheared
     for k in range(layers):
         away = (k + 0.5) * share - centre
-        leant, part = away * tilt, share * fluidity[k] / J0
-        wedging += part * away * thinned[k]
-        slid = (stress - leant) * fluidity[k] / eta * film * share
-        heat.heating[i, k] = heat.stress[i] * slid * sheared - leant * slid * width if sheared > 0.0 else 0.0
-        heat.growth[i, k] = softening[k] * heat.heating[i, k]
-        softening[k] *= part
-        heat.speed[i, k] = -passed - 0.5 * slid
+        leant, flows, softer = away * tilt, fluidity[k], -pressed * thinning_slope[k]
+        wedging -= flows * away * thinned[k]
+        slid = (stress - leant) * (flows * thin)
+        heating[k] = (rubbed - leant * width) * slid if sheared > 0.0 else 0.0
+        growth[k] = softer * heating[k]
+        softening[k] = softer * (flows * part)
+        fluidity[k] = -passed - 0.5 * slid
         passed += slid
-        mean += heat.speed[i, k] * share
+        mean += fluidity[k] * share
+    wedging *= pressed * part
     for k in range(layers):
-        heat.speed[i, k] -= mean
+        fluidity[k] -= mean
     heat.wedge[i] = centre - 0.5
     heat.wedging[i] = 0.0
     if fluid.viscosity_law == ROELANDS:
@@ -229,13 +234,30 @@ def shear_node(
 
 
 @kernel
+def thin_film(fluid: Lubricant, laws: HeatLaws, heat: Heat, nodes: Any) -> None:
+    """What temperatures make of the oil: heat.thinned, and the expansion of the film's mean into `nodes`."""
+    n, layers = heat.thinned.shape
+    for i in range(n):
+        rise, thinned, slopes, total = heat.rise[i], heat.thinned[i], heat.thinning[i], 0.0
+        heat.seen[i] = -1.0
+        for k in range(layers):
+            hot = thin_by_heat(rise[SOLID_LAYERS + k], fluid.viscosity, laws.thermal)
+            thinned[k], slopes[k] = hot.value, hot.slope
+            total += rise[SOLID_LAYERS + k]
+        nodes.expansion[i] = math.exp(-laws.expansion * total / layers)
+
+
+@kernel
 def shear_film(
     X: Any, scale: float, p: Any, h: Any, sliding: float, fluid: Lubricant, laws: HeatLaws, heat: Heat,
     nodes: Any,
 ) -> None:  # fmt: skip
-    """`shear_node` of all nodes, with factors, drift and expansion (the mean over the film) into `nodes`."""
-    n, layers = p.shape[0], heat.speed.shape[1]
+    """`shear_node` of all nodes, at temperatures that `thin_film` saw; factors and drift into `nodes`."""
+    n, newtonian = p.shape[0], fluid.eyring_stress == 0.0
     for i in range(n):
+        if newtonian and p[i] == 0.0 and heat.seen[i] == 0.0:
+            continue  # nothing there depends on the film
+        heat.seen[i] = p[i]
         before, after = max(i - 1, 0), min(i + 1, n - 1)
         width = 0.5 * scale * (X[after] - X[before])
         sheared, tilt = 0.0, 0.0
@@ -247,7 +269,3 @@ def shear_film(
         )
         nodes.drift[i] *= nodes.filled[i]
         nodes.drift_0[i] = nodes.drift[i] - nodes.drift_p[i] * p[i]
-        mean = 0.0
-        for k in range(layers):
-            mean += heat.rise[i, SOLID_LAYERS + k] / layers
-        nodes.expansion[i] = math.exp(-laws.expansion * mean)

@@ -20,7 +20,7 @@ _VECTORS = 21
 # Of Mixed.
 _MIXED = 8
 # Of Heat: over rows, over layers and over nodes; and over rows of one column.
-_ROWS, _LAYERS, _STRESSES, _COLUMNS = 15, 5, 9, 4
+_ROWS, _LAYERS, _STRESSES, _COLUMNS = 15, 7, 12, 4
 # Nodes from which heat comes to one.
 _BESIDE = 4
 # Says that grid and matrix are filled; so much more for every layer.
@@ -112,10 +112,12 @@ def heat_in(work: Any, n: int, layers: int) -> Heat:
     come = shaped(work[k : k + _BESIDE * n * beside], (n, beside, _BESIDE))
     k += _BESIDE * n * beside
     one = shaped(work[k : k + _COLUMNS * rows], (_COLUMNS, rows))
-    columns = Columns(t[9], t[10], t[11], t[12], t[13], come, v[4], s[8], one[0], one[1], one[2], one[3])
+    columns = Columns(
+        t[9], t[10], t[11], t[12], t[13], come, s[9:11], v[4], s[8], one[0], one[1], one[2], one[3]
+    )
     return Heat(
         work[:size], work[14 * size : 15 * size], work[4 * size : 5 * size], trail, t[0], t[1], t[2], t[3],
-        v[0], v[1], v[2], v[3], s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], columns,
+        v[0], v[1], v[2], v[3], v[5], v[6], s[0], s[1], s[2], s[3], s[4], s[5], s[11], s[6], s[7], columns,
     )  # fmt: skip
 
 

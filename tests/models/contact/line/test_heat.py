@@ -12,12 +12,12 @@ from models.contact.asperities import Asperities, pressure_scale
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.contact.fluid import Lubricant
 from models.contact.friction import profile_friction
-from models.contact.line.heat import build_columns, capacity, resistance, warm
+from models.contact.line.heat import build_bodies, build_columns, capacity, resistance, warm
 from models.contact.line.heat_state import build_heat
 from models.contact.line.heated import solve_film, warm_asperities
 from models.contact.line.newton import FilmProblem
 from models.contact.line.reynolds import Flow, cell
-from models.contact.line.shear import SOLID_LAYERS, shear_film
+from models.contact.line.shear import SOLID_LAYERS, shear_film, thin_film
 from models.contact.line.transient import GAMMA, Drives
 from models.contact.line.workspace import workspace_in, workspace_size
 from models.contact.rheology import thin_by_heat
@@ -44,7 +44,9 @@ def warmed(laws, layers, heating=None, nodes=201, velocity=1.0, sliding=0.0, fil
     problem = FilmProblem(1e-4, 0.0, Flow(velocity, sliding, 0.02), 0.0, time)
     old = np.array([film * 1e-4 * cell(w.X, i) if 0 < i < nodes - 1 else 0.0 for i in range(nodes)])
     w.nodes.mass[:], w.nodes.through[:] = film, velocity * film
+    build_bodies(problem, laws, w.X, w.nodes, w.heat)
     for _ in range(turns):
+        thin_film(WATER, laws, w.heat, w.nodes)
         shear_film(w.X, 1e-4, p, h, sliding, WATER, laws, w.heat, w.nodes)
         if heating is not None:
             w.heat.growth[:], w.heat.softening[:] = 0.0, 0.0
