@@ -145,6 +145,7 @@ class Reporter:
         wide = None if sys.stdout.isatty() else 110
         self.console = console or SafeConsole(highlight=False, width=wide)
         self.times: dict[str, float] = defaultdict(float)
+        self._told = 0.0
 
     def line(self, text: Words) -> None:
         self.console.print(Text(in_command_line(text)), soft_wrap=True)
@@ -190,8 +191,14 @@ class Reporter:
             self._progress(text, 1.0)
 
     def _compiling(self) -> None:
+        """Told once, and again while it lasts."""
+        now = clock.monotonic()
         if COMPILING not in self.times:
             self.line(COMPILES)
+            self._told = now
+        elif now - self._told > TOLD_EVERY_S:
+            self.line(f"{self._stage}: compiling, for {self.times[COMPILING]:.0f} s so far")
+            self._told = now
         self._compiled(0.0)
 
     def _compiled(self, seconds: float) -> None:

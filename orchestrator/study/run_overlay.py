@@ -34,7 +34,8 @@ def compare_runs(first: Path, second: Path, out: Path | None, reporter: Reporter
     merits: dict[str, Any] = {}
     for figure in (figure for figure in one if figure in other_one):
         rows = {name: table[figure] for name, table in tables.items()}
-        unit = one[figure]["unit"] or "1"
+        # That of each where an older version wrote the one table in another unit.
+        unit = " / ".join(dict.fromkeys(row["unit"] or "1" for row in rows.values()))
         shown.add_row(figure, unit, *map(_describe_merit, rows.values()))
         merits[figure] = {"unit": unit, **{name: _to_numbers(row) for name, row in rows.items()}}
     reporter.console.print(shown)

@@ -122,6 +122,7 @@ def sweep(
         from ...report import write_report  # reads what is above
 
         files.append(write_report(out, out / REPORT))
+    files.append(out / SWEPT)
     reporter.line(f"results in {out}: {', '.join(path.relative_to(out).as_posix() for path in files)}")
     return Swept(status, table, summary)
 
