@@ -16,7 +16,7 @@ from orchestrator.errors import MistakeError
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.scenario.system import list_parameters
 from orchestrator.scenario.wire import insert_wire
-from orchestrator.study.design.answers import Answer, Column
+from orchestrator.study.design.answers import Answer, Column, follow_reversal
 from orchestrator.study.design.brief import Brief, Limits, read_bounds, read_brief
 from orchestrator.study.design.deliverables import deliver
 from orchestrator.study.design.figures import Bound, Objective, find_objective, list_bounds
@@ -111,6 +111,17 @@ def test_a_film_stays_where_no_tangent_foresees_a_new_reversal() -> None:
         shares.append(float((there / entraining)[away].min()))
     assert shares[0] < 0.2
     assert shares[1] == pytest.approx(0.5 ** (1.0 / 0.7), abs=1e-3)
+
+
+def test_a_dip_of_the_film_that_moves_with_its_reversal_keeps_its_depth() -> None:
+    """Film |u| + 0.1 over rows, with u = row - place: at a row beside the dip the derivative by the place is
+    the slope of the dip, and none once it follows the reversal."""
+    velocity = np.arange(-20.0, 21.0) + 0.4
+    slide = follow_reversal(np.abs(velocity) + 0.1, velocity, 8)
+    by_place = -np.sign(velocity)  # of the film; that of the velocity is -1
+    beside = (np.abs(velocity) > 1.0) & (np.abs(velocity) < 7.0)
+    np.testing.assert_allclose((by_place - slide * -1.0)[beside], 0.0, atol=1e-12)
+    assert not slide[np.abs(velocity) > 8.0].any()
 
 
 def test_a_refused_cam_lowers_what_is_foreseen_by_what_it_fell_short() -> None:

@@ -37,6 +37,15 @@ class Answer(NamedTuple):
         return self._replace(columns=columns)
 
 
+def follow_reversal(film: Vector, entraining: Vector, reach: int) -> Vector:
+    """By what the film over a cycle's rows changes with the entraining velocity, within `reach` rows of a
+    reversal; 0 elsewhere. Less that times the change of the velocity, the film's derivative is that of a dip
+    that moves with its reversal: one at a fixed instant would take its slope for a change of its depth."""
+    by_row = np.gradient(entraining)
+    near = np.abs(entraining) < reach * np.abs(by_row)
+    return np.where(near, np.gradient(film) / np.where(near, by_row, 1.0), 0.0)
+
+
 def differ_by_speed(low: Answer, high: Answer, column: str) -> Vector:
     """Derivative of a column at the higher speed by its logarithm, as of a + b speed^2."""
     share = 2.0 * high.speed**2 / (high.speed**2 - low.speed**2)

@@ -26,7 +26,7 @@ from ...scenario.system import build_system, list_parameters
 from ..speeds.finder import CycleFinder
 from ..speeds.subject import SpeedSubject, count_turns, find_flywheel
 from ..wear.train import put_points
-from .answers import Answer, Column
+from .answers import Answer, Column, follow_reversal
 from .brief import Ramps
 from .lobe import Lobe, find_event
 from .wires import WireLength, list_wires, wind
@@ -179,10 +179,21 @@ class DesignedTrain:
         begin, period = tangents.begin, cycle.times[-1]
         times = {name: begin + (one.row * cycle.times[1] - begin) % period for name, one in columns.items()}
         every = np.unique(list(times.values()))
-        by, gradients = tangents.rows_at(every).outputs_by, {}
+        rows, gradients, layout = tangents.rows_at(every), {}, tangents.system
         for name, own in times.items():
             places = np.searchsorted(every, own)
-            gradients[name] = by[:, places, tangents.system.outputs.names.index(name)].T
+            gradients[name] = rows.outputs_by[:, places, layout.outputs.names.index(name)].T
+            contact, _, output = name.rpartition(".")
+            if output == "film_ratio":
+                velocity = f"{contact}.entraining_velocity"
+                moved = rows.inputs_by[:, places, layout.inputs.names.index(velocity)].T
+                cell = math.ceil(cycle.times.size * float(np.diff(self.lobe.angles[:2])[0]) / TURN)
+                slide = follow_reversal(cycle[name], cycle[velocity], 2 * cell)[columns[name].row.astype(int)]
+                beside = np.pad(columns[name].low, 1, constant_values=math.inf)
+                slide[columns[name].low > np.minimum(beside[:-2], beside[2:])] = (
+                    0.0  # what is no dip's ground
+                )
+                gradients[name] = gradients[name] - slide[:, None] * moved
         return Answer(speed, columns, gradients, cycle)
 
     def lifted(self, curve_s: Vector) -> Vector:
