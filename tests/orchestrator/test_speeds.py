@@ -94,6 +94,9 @@ def test_friction_of_a_sweep_has_its_shares_over_speed(swept, tmp_path):
         shares = float(row["cam contact [N.m]"]) + float(row["rolling [N.m]"])
         assert float(row["sum [N.m]"]) == pytest.approx(shares, rel=1e-12)
         assert f"{1e3 * shares:.0f}" in done.stdout
+        # All of this friction is outside the motion.
+        whole = float(row["drive with all friction [N.m]"])
+        assert whole == pytest.approx(float(row["drive [N.m]"]) + shares, rel=1e-12)
     whole = add_losses(found, build_system(load("valve-train")))["whole train.friction_power"].values
     np.testing.assert_allclose([float(row["sum [W]"]) for row in rows], whole, rtol=1e-12)
     wrong = called("friction", str(out), "--table", str(tmp_path / "friction.nc"))

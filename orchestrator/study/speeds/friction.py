@@ -22,12 +22,13 @@ from ...store.output_folder import STORE, SUMMARY
 from .compare import read_sweep
 
 RPM = 30.0 / math.pi
-DRIVE = "drive"
+DRIVE, WHOLE = "drive", "drive with all friction"
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """A design's speeds (r/min) of the drive, and mean torques (N m) on it by share; what the drive gives.
+    """A design's speeds (r/min) of the drive, and mean torques (N m) on it by share; what the drive gives;
+    `whole` has the friction outside the motion too.
 
     `unsteady` are speeds at which no steady cycle was found: they have no means and are left out. `outside`
     names the friction that what the drive gives does not contain.
@@ -37,6 +38,7 @@ class Sheet:
     speeds: Vector
     torques: dict[str, Vector]
     drive: Vector
+    whole: Vector
     unsteady: Vector
     outside: str
 
@@ -62,13 +64,14 @@ def read_sheet(folder: Path) -> Sheet:
         raise MistakeError(f"{folder}: has no steady cycle, at none of its speeds; its friction has no mean")
     table = every.isel(speed=np.flatnonzero(steady))
     speed = table["speed"].values
-    torques: dict[str, Vector] = {}
-    for loss in list_losses(system):
-        power = table[f"{loss.part}.{loss.figure}"].values
-        torques[loss.share] = torques.get(loss.share, 0.0) + power / speed
     given = np.sum([table[f"{name}.mean_torque"].values for name in list_parts(system, Drive)], axis=0)
+    torques, whole = dict[str, Vector](), given
+    for loss in list_losses(system):
+        torque = table[f"{loss.part}.{loss.figure}"].values / speed
+        torques[loss.share] = torques.get(loss.share, 0.0) + torque
+        whole = whole if loss.acts else whole + torque
     unsteady, outside = RPM * every["speed"].values[~steady], name_outside(list_losses(system))
-    return Sheet(folder.name, RPM * speed, torques, given, unsteady, outside)
+    return Sheet(folder.name, RPM * speed, torques, given, whole, unsteady, outside)
 
 
 def _list_shares(sheets: Sequence[Sheet]) -> list[str]:
@@ -76,12 +79,15 @@ def _list_shares(sheets: Sequence[Sheet]) -> list[str]:
 
 
 def _list_rows(sheets: Sequence[Sheet]) -> list[tuple[str, list[float]]]:
-    """By design and speed: the speed, torque of each share, their sum, the drive's."""
+    """By design and speed: the speed, torque of each share, their sum, the drive's without and with all."""
     shares = _list_shares(sheets)
     return [
         (
             sheet.design,
-            [sheet.speeds[i], *(float(sheet.torques[s][i]) for s in shares), sheet.total[i], sheet.drive[i]],
+            [
+                *(sheet.speeds[i], *(float(sheet.torques[s][i]) for s in shares)),
+                *(sheet.total[i], sheet.drive[i], sheet.whole[i]),
+            ],
         )
         for sheet in sheets
         for i in range(len(sheet.speeds))
@@ -95,7 +101,7 @@ def tabulate_sheets(sheets: Sequence[Sheet]) -> Table:
         box=box.SIMPLE_HEAD, pad_edge=False,
     )  # fmt: skip
     table.add_column("design")
-    for head in ("r/min", *_list_shares(sheets), "sum", DRIVE):
+    for head in ("r/min", *_list_shares(sheets), "sum", DRIVE, WHOLE):
         table.add_column(head, justify="right")
     for design, (speed, *torques) in _list_rows(sheets):
         table.add_row(design, f"{speed:.0f}", *(format_number(1e3 * torque, 3) for torque in torques))
@@ -104,7 +110,7 @@ def tabulate_sheets(sheets: Sequence[Sheet]) -> Table:
 
 def write_sheets(sheets: Sequence[Sheet], path: Path) -> None:
     """Torques in N m, powers in W."""
-    shares = [*_list_shares(sheets), "sum", DRIVE]
+    shares = [*_list_shares(sheets), "sum", DRIVE, WHOLE]
     heads = [f"{share} [{unit}]" for unit in ("N.m", "W") for share in shares]
     rows = (
         [design, speed, *torques, *(torque * speed / RPM for torque in torques)]
