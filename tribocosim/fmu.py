@@ -46,9 +46,9 @@ def build_fmu(
     """Build an FMU in the folder `out`, as the command `fmu build` does; the path of its file.
 
     `component` is a name of the catalogue, or a user's own as "module:factory". `structure` has sizes such as
-    {"coil_masses": 8}. A `native` FMU is machine code for the `platforms` (default: all), of `fmi` 2 or 3;
-    others run in Python, of FMI 2. `progress` is told each step of a native build. MistakeError says what is
-    wrong.
+    {"coil_masses": 8}. A `native` FMU is machine code for the `platforms` (default: all but wasm32-wasip2),
+    of `fmi` 2 or 3; others run in Python, of FMI 2. `progress` is told each step of a native build.
+    MistakeError says what is wrong.
     """
     options = FmuOptions(structure, native, platforms or None, fmi)
     check_options([component], options)
@@ -134,11 +134,15 @@ def build_file(
     """
     from fmus.build import build as build_python
     from fmus.native.fmu import build as build_native
-    from fmus.native.machine_code import PLATFORMS
+    from fmus.native.machine_code import CHOICES, PLATFORMS
 
     for platform in options.platforms or ():
-        if platform not in PLATFORMS:
-            raise MistakeError(f"no platform {platform!r}; {suggestion(platform, PLATFORMS)}")
+        if platform not in CHOICES:
+            raise MistakeError(f"no platform {platform!r}; {suggestion(platform, CHOICES)}")
+        if options.fmi == 2 and not CHOICES[platform].fmi2:
+            raise MistakeError(
+                (Option("platform", platform), ": is none of FMI 2"), ("add ", Option("fmi", 3))
+            )
     try:
         with writing(out):
             if options.native:

@@ -1,4 +1,6 @@
-"""Layered standards of FMI in FMUs: their manifests, and tables by FMI-LS-STRUCT (1.0.0-rc.1)."""
+"""Layered standards of FMI in FMUs: their manifests, and tables by FMI-LS-STRUCT (1.0.0-rc.1).
+
+FMI-LS-WASM is an unofficial draft (commit c1aac17 of July 2026)."""
 
 from collections.abc import Iterable, Mapping
 from itertools import groupby
@@ -14,6 +16,7 @@ _NAMESPACE = "http://fmi-standard.org/fmi-ls-manifest"
 register_namespace("fmi-ls", _NAMESPACE)
 _STRUCT = "org.fmi-standard.fmi-ls-struct"
 STRUCT_MANIFEST = f"extra/{_STRUCT}/fmi-ls-manifest.xml"
+COMPONENT_MANIFEST = "extra/org.modelica.fmi-ls-wasm/manifest.xml"
 # What the names of structural sizes of tables end in.
 POINTS = "_points"
 
@@ -50,3 +53,9 @@ def describe_tables(component: Any) -> dict[str, bytes]:
     about = "Layered standard for structuring of variables"
     manifest = write_manifest("fmiLayeredStandardManifest", _STRUCT, "1.0.0-rc.1", about)
     return {TERMINALS: to_xml(root).encode(), STRUCT_MANIFEST: manifest}
+
+
+def describe_component() -> bytes:
+    """The manifest of an FMU with a WebAssembly component."""
+    about = "FMI Layered Standard for WebAssembly"
+    return write_manifest("fmiLayeredStandardManifest", "org.modelica.fmi-ls-wasm", "0.1.0", about)

@@ -11,9 +11,8 @@ from models.core.component import Component
 from models.native.translate import TranslationError, translate
 
 from .fmu import check_tools
-from .machine_code import RUNTIME, STRICT, Platform, object_code, run_zig
+from .machine_code import RUNTIME, STRICT, WEBASSEMBLY, Platform, object_code, run_zig
 
-BROWSER = Platform("wasm32-unknown-unknown", "wasm32-wasi", "", "", ".wasm")
 # What a page sets, reads and calls.
 _ARRAYS = ("parameters", "inputs", "state", "start", "nominal", "held", "positive", "rows", "lows", "highs")
 # Kernels keep small arrays on the stack.
@@ -34,7 +33,7 @@ def cycle_module(
     check_tools()
     exported = [f"-Wl,--export={one}" for one in (*_ARRAYS, "revolve")]
     sizes = list_sizes(component, samples)
-    return link_cycle(name, BROWSER, sizes, ["cycle.c"], [*_LINKED, *exported], progress)
+    return link_cycle(name, WEBASSEMBLY, sizes, ["cycle.c"], [*_LINKED, *exported], progress)
 
 
 def list_sizes(component: Component, samples: int) -> dict[str, int]:

@@ -18,9 +18,19 @@ from .. import declared
 from ..extras import tell_install
 from ..fmi import description3
 from ..fmi.description import EXCHANGE, GUID_PLACE, NATIVE, model_description
-from ..fmi.layered import describe_tables
+from ..fmi.layered import COMPONENT_MANIFEST, describe_component, describe_tables
 from ..sources import collect_sources
-from .machine_code import FMI_HEADERS, PLATFORMS, RUNTIME, NativeBuildError, shared_library, this_platform
+from .component import wrap
+from .machine_code import (
+    CHOICES,
+    FMI_HEADERS,
+    PLATFORMS,
+    RUNTIME,
+    WEBASSEMBLY,
+    NativeBuildError,
+    shared_library,
+    this_platform,
+)
 from .tables import tables
 
 # What makes machine code, and the constants in it; other versions may make others.
@@ -85,11 +95,15 @@ def collect_files(
     if fmi == 3:
         files["terminalsAndIcons/icon.png"] = files.pop("model.png")
         files |= describe_tables(component)
+        if WEBASSEMBLY.fmi3 in platforms:
+            files[COMPONENT_MANIFEST] = describe_component()
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, token).encode()
-    for count, platform in enumerate(map(PLATFORMS.__getitem__, platforms), 1):
+    for count, platform in enumerate(map(CHOICES.__getitem__, platforms), 1):
         progress(f"machine code for {platform.fmi3} ({count} of {len(platforms)})")
         folder = platform.fmi2 if fmi == 2 else platform.fmi3
         library = shared_library(platform, kernels, named, called, fmi)
+        if platform == WEBASSEMBLY:
+            library = wrap(library)
         files[f"binaries/{folder}/{called}{platform.suffix}"] = library
     return files
 

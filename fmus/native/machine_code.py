@@ -5,6 +5,7 @@ platforms come with the package `ziglang`.
 """
 
 import platform
+import re
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -51,6 +52,10 @@ def _platforms() -> Iterator[Platform]:
 
 
 PLATFORMS: Mapping[str, Platform] = {place.fmi3: place for place in _platforms()}
+# What a host of WebAssembly components runs, and a browser; FMI 2 has no such platform.
+WEBASSEMBLY = Platform("wasm32-unknown-unknown", "wasm32-wasi", "", "wasm32-wasip2", ".wasm")
+# The last one on demand.
+CHOICES: Mapping[str, Platform] = {**PLATFORMS, WEBASSEMBLY.fmi3: WEBASSEMBLY}
 
 _SYSTEMS = {"win32": "windows"}
 _PROCESSORS = {"AMD64": "x86_64", "arm64": "aarch64"}
@@ -71,7 +76,11 @@ _C = ["-std=c11", "-Os", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanit
 _C += ["-fno-unwind-tables", "-fno-asynchronous-unwind-tables", "-fomit-frame-pointer"]
 STRICT = ["-Wall", "-Wextra", "-Werror"]
 # By the suffix of libraries: without what identifies builds or names what is not exported.
-_LINKED = {".so": ["-Wl,--hash-style=sysv", "-Wl,--build-id=none", "-Wl,--gc-sections"], ".dylib": ["-Wl,-x"]}
+_LINKED = {
+    ".so": ["-shared", "-Wl,--hash-style=sysv", "-Wl,--build-id=none", "-Wl,--gc-sections"],
+    ".dylib": ["-shared", "-Wl,-x"],
+    ".wasm": ["-mexec-model=reactor", "-Wl,--gc-sections", "-Wl,-z,stack-size=1048576"],
+}
 
 # Of Windows' C library, by the part that has them.
 _UCRT = {
@@ -90,8 +99,8 @@ class NativeBuildError(MistakeError):
 def shared_library(
     place: Platform, kernels: Sequence[str], tables: Mapping[str, str], name: str, fmi: int = 2
 ) -> bytes:
-    """The library `name` for a platform: the runtime for a version of FMI, tables, and kernels (modules in
-    LLVM's language)."""
+    """The library `name` for a platform, or its module: the runtime for a version of FMI, tables, and kernels
+    (modules in LLVM's language)."""
     with TemporaryFolder() as here:
         (here / "kernels.o").write_bytes(object_code(place, kernels))
         for file, text in tables.items():
@@ -106,7 +115,7 @@ def shared_library(
                 run_zig([*compiler, "-D__USE_MINGW_ANSI_STDIO=0", "-c", source, "-o", f"{source}.o"], here)
             _link_for_windows(here, target)
         else:
-            linked = ["-shared", "-s", *_LINKED[place.suffix], "-lm"]
+            linked = ["-s", *_LINKED[place.suffix], "-lm"]
             run_zig([*compiler, *sources, "kernels.o", *linked, "-o", target], here)
         return (here / target).read_bytes()
 
@@ -140,9 +149,30 @@ def run_zig(arguments: Sequence[str], folder: Path) -> None:
         raise NativeBuildError(f"zig {' '.join(arguments)}: {made.stderr.strip()}")
 
 
+# What numba made has places for pointers of 64 bits: in records, which it reads and writes by their bytes.
+_RECORD = re.compile(r"(?<= = alloca ){.*}(?=, align)")
+# Whatever else lies in the memory otherwise where pointers are shorter.
+_POINTERS = re.compile(
+    r"(?:load|store|alloca|getelementptr)(?: \w+)* (?:[{\[<][^%@]*\bptr\b[^%@]*[}\]>]|ptr, i64 )"
+    r"|getelementptr(?: \w+)* ptr, "
+)
+
+
+def _widen(kernels: str) -> str:
+    """The same kernels where pointers have 32 bits. NativeBuildError for what would not be the same."""
+    wide = _RECORD.sub(lambda record: re.sub(r"\bptr\b", "i64", record[0]), kernels)
+    if found := _POINTERS.search(wide):
+        raise NativeBuildError(
+            f"no code for {WEBASSEMBLY.fmi3}: a kernel keeps pointers in an array: {found[0]}"
+        )
+    return wide
+
+
 def object_code(place: Platform, kernels: Sequence[str]) -> bytes:
     """Machine code of the kernels, and of their tangents if they follow, optimised for the platform, with the
     same bits as numba's: no operation is reordered or fused."""
+    if place == WEBASSEMBLY:
+        kernels = list(map(_widen, kernels))
     binding = llvm()
     target = binding.Target.from_triple(place.triple)
     machine = target.create_target_machine(opt=3, reloc="pic", codemodel="default")

@@ -33,7 +33,9 @@ def fmu_build(  # noqa: PLR0913  # options of a command
     ] = False,
     platform: Annotated[
         list[str] | None,
-        typer.Option(help="With --native: target platform; may be repeated.", show_default="all"),
+        typer.Option(
+            help="With --native: target platform; may be repeated.", show_default="all but wasm32-wasip2"
+        ),
     ] = None,
     fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native: NAME-native-fmi3.fmu).")] = 2,
     scenario: Annotated[

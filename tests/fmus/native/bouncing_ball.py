@@ -5,7 +5,7 @@ impact oscillator.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from models.compile.kernel import kernel
 from models.core.component import Component, Events
@@ -110,6 +110,17 @@ def bouncing_ball() -> Component:
         event_counter="bounces",
         event_time="last_bounce",
     )
+
+
+@dataclass
+class WordyParameters(Parameters):
+    restitution: float = Quantity("1", "\N{GREEK SMALL LETTER EPSILON}" * 600, minimum=0.0).default(0.5)
+
+
+def wordy_ball() -> Component:
+    """One that says more than goes into a message, in characters of two bytes."""
+    parameters = layouts(WordyParameters, State, Inputs, Outputs)["parameters"]
+    return replace(bouncing_ball(), name="wordy_ball", parameters=parameters)
 
 
 def list_bounces(count: int, restitution: float = 0.5) -> list[float]:

@@ -89,6 +89,20 @@ def sanitized_library(name: str, folder: Path, fmi: int) -> Path:
     return target
 
 
+def stepped_program(name: str, folder: Path) -> Path:
+    """That of stepped.c for a component, with the mathematical library of WebAssembly's, musl's."""
+    _, component = resolve_component(name, None)
+    (folder / "kernels.o").write_bytes(kernels(name))
+    for file, text in tables(component, name, "0" * 16, TOKEN, 3).items():
+        (folder / file).write_text(text, encoding="utf-8")
+    target = folder / "stepped"
+    options = ["-target", "x86_64-linux-musl", "-mcpu=baseline", "-std=c11", "-O2", "-ffp-contract=off"]
+    inputs = [HERE / "stepped.c", *runtime_sources(3), folder / "tables.c", folder / "kernels.o", "-lm"]
+    command = [sys.executable, "-m", "ziglang", "cc", *options, *WARNINGS, f"-I{RUNTIME}", f"-I{folder}"]
+    subprocess.run([*command, *map(str, inputs), "-o", str(target)], check=True)
+    return target
+
+
 def needs_sanitizers() -> None:
     if sanitizing_compiler() is None:
         pytest.skip("needs gcc with its sanitizers, on Linux")

@@ -12,7 +12,7 @@ from fmus.binaries import functions, platform
 from fmus.fmi.libraries import libraries
 from fmus.fmi.validate import validate
 from fmus.native.fmu import NAMES, build
-from fmus.native.machine_code import PLATFORMS
+from fmus.native.machine_code import PLATFORMS, WEBASSEMBLY, NativeBuildError, object_code
 from models.native.translate import TranslationError, _summarise, translate
 from tests.orchestrator.commands import called, said
 
@@ -45,6 +45,15 @@ def test_all_platforms_export_the_functions_of_fmi(name: str, fmi: int, tmp_path
         assert library.exports == functions(fmi) | own, folder
     assert validate(path) == []
     assert path.stat().st_size < LIMIT or name in (LARGER if fmi == 2 else LARGER_IN_FMI_3)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["getelementptr inbounds ptr, ptr %a, i64 1", "load <2 x ptr>, ptr %a", "alloca [3 x ptr], align 8"],
+)
+def test_kernels_with_pointers_in_arrays_have_no_code_where_pointers_are_shorter(line: str) -> None:
+    with pytest.raises(NativeBuildError, match=r"^no code for wasm32-wasip2: a kernel keeps pointers in"):
+        object_code(WEBASSEMBLY, [f"  %b = {line}"])
 
 
 def test_a_component_that_needs_python_is_refused_before_the_work(tmp_path: Path) -> None:

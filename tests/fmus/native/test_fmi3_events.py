@@ -272,6 +272,10 @@ REFUSED: list[tuple[Any, ...]] = [
 
 @pytest.mark.parametrize("row", REFUSED, ids=lambda row: row[1])
 def test_what_is_refused_has_its_reason_and_changes_nothing(spring: Instance3, row: tuple[Any, ...]) -> None:
+    check_refusal(spring, row)
+
+
+def check_refusal(spring: Instance3, row: tuple[Any, ...]) -> None:
     phase, said, function, *given = row
     if phase == "initialising":
         spring.fmu.enterInitializationMode()
