@@ -132,12 +132,22 @@ static size_t whole(const char *text)
     return size - end == (text[end - 1] >= '\xF0' ? 3u : text[end - 1] >= '\xE0' ? 2u : 1u) ? size : end - 1;
 }
 
+/* A host may call the component from within its call of the host's, which keeps what it has. */
+#define OUTSIDE(call)            \
+    do {                         \
+        Block *kept = blocks;    \
+        const Told begun = told; \
+        blocks = NULL;           \
+        call;                    \
+        blocks = kept;           \
+        told = begun;            \
+    } while (0)
+
 static void say(fmi3InstanceEnvironment name, fmi3Status status, fmi3String category, fmi3String message)
 {
-    log_message(name, strlen(name), status, category, strlen(category), message, whole(message));
+    OUTSIDE(log_message(name, strlen(name), status, category, strlen(category), message, whole(message)));
 }
 
-/* No host can call a component from within a call of the component's: it neither sets nor gets anything. */
 static void update(fmi3InstanceEnvironment name, fmi3Float64 time, fmi3Boolean set, fmi3Boolean get,
                    fmi3Boolean finished, fmi3Boolean can_return, fmi3Boolean *requested, fmi3Float64 *when)
 {
@@ -145,8 +155,8 @@ static void update(fmi3InstanceEnvironment name, fmi3Float64 time, fmi3Boolean s
         bool requested;
         double when;
     } asked;
-    (void)name; (void)set; (void)get;
-    intermediate_update(time, false, false, finished, can_return, &asked);
+    (void)name;
+    OUTSIDE(intermediate_update(time, set, get, finished, can_return, &asked));
     *requested = asked.requested;
     *when = asked.when;
 }
@@ -171,8 +181,8 @@ CALL(const int32_t *, instantiate, INTERFACE "#[static]" RESOURCE ".instantiate-
     (void)path; (void)path_size;
     if (own)
         made = fmi3InstantiateCoSimulation(strcpy(own, ended(name, size)), ended(token, token_size), "", visible,
-                                           logging, event_mode, early_return, required, count, own, say, NULL);
-    if (made && early_return) made->update = update;
+                                           logging, event_mode, early_return, required, count, own, say,
+                                           early_return || count ? update : NULL);
     if (!made) free(own);
     option[0] = made != NULL;
     option[1] = made ? new_resource(made) : 0;
