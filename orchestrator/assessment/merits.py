@@ -32,6 +32,7 @@ PLACES = ("least_load_angle", "least_clearance_angle")
 GAP = Quantity("m", "largest gap", display_unit="um")
 IMPACT = Quantity("m/s", "speed of the hardest impact")
 AT_REST = SHARE.of("share of the time without load on base circle and ramps, the valve on its seat")
+ON_RAMPS = SHARE.of("share of the time without load on ramps, above the lash")
 NONE = Quantity("1")
 
 
@@ -98,6 +99,8 @@ def _list_observed(contact: ContactSummary) -> Iterator[tuple[str, float, float 
     yield "lost", contact.lost, None, NONE
     if contact.at_rest > 0.0:
         yield "at_rest", contact.at_rest, None, AT_REST
+    if contact.on_ramps > 0.0:
+        yield "on_ramps", contact.on_ramps, contact.ramp_time, ON_RAMPS
     if contact.separation:
         yield "largest_gap", contact.separation.gap, contact.separation.gap_time, GAP
     if contact.impact:

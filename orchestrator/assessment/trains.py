@@ -85,7 +85,12 @@ class Train:
 
     def find_lobe(self, largest: float) -> float:
         """The lift (m) above which a cam of this largest lift lifts: a tenth of it, and the valves' lash."""
-        return max(LIFTED * largest, *self._list_of_valves("lash"))
+        return max(LIFTED * largest, self.lash)
+
+    @property
+    def lash(self) -> float:
+        """The largest of its valves (m)."""
+        return max(self._list_of_valves("lash"))
 
     @cached_property
     def lobe(self) -> float:
@@ -98,8 +103,10 @@ class Train:
     @property
     def rest(self) -> float:
         """The lift of its cam (m) up to which contacts may be open while a seat bears the valve: that of base
-        circle and ramps, which take up the lash. Of a valve without a seat none, minus infinity."""
-        return self.lobe if any(self._list_of_valves("seat_stiffness")) else -math.inf
+        circle and ramps, which take up the lash. None, minus infinity, of a valve without a seat, and where a
+        lash adjuster keeps contact."""
+        rests = any(self._list_of_valves("seat_stiffness")) and not self.list_parts(roles.Adjuster)
+        return self.lobe if rests else -math.inf
 
     def _list_of_valves(self, parameter: str) -> list[float]:
         """Of those that have it, after a zero."""

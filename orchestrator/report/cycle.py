@@ -119,15 +119,21 @@ def _tell_train(train: Train, turning: str) -> dict[str, Any]:
 
 
 def _tell_parts(train: Train) -> Iterator[dict[str, Any]]:
-    """What each cam moves: parts of which the page says figures, contacts with their elastic limits (Pa). A
-    valve without a seat has none."""
+    """What each cam moves: parts of which the page says figures, contacts with their elastic limits (Pa), and
+    which parameters are lashes. A valve without a seat has none."""
     parameters = train.component.parameters
     numbers = dict(zip(parameters.names, parameters.start, strict=True))
     for one in find_trains(build_system(train.scenario)):
-        seated = [name for name in one.list_parts(roles.Valve) if numbers.get(f"{name}.seat_stiffness")]
+        valves = one.list_parts(roles.Valve)
         # JSON has no infinity, which tells bodies that never yield.
         limits = {name: min(numbers[f"{name}.elastic_limit"], float_info.max) for name in one.contacts}
-        yield {"lift": f"{one.cam}.cam_lift", "contacts": limits, "valves": seated, "rests": one.rest > 0.0}
+        yield {
+            "lift": f"{one.cam}.cam_lift",
+            "contacts": limits,
+            "valves": [name for name in valves if numbers.get(f"{name}.seat_stiffness")],
+            "lashes": [parameters.index(at) for name in valves if (at := f"{name}.lash") in numbers],
+            "rests": one.rest > 0.0,
+        }
 
 
 def _list_sliders(train: Train) -> Iterator[dict[str, Any]]:

@@ -7,7 +7,7 @@ from ..scenario.capabilities import plan_proof
 from ..scenario.files import to_full_toml
 from ..store import atomic_write
 from ..store.output_folder import SCENARIO, OutputFolder, clear_run_state
-from .execute import execute
+from .execute import Checkpoint, execute
 from .plan import Plan
 from .summary import Summary
 
@@ -15,13 +15,16 @@ from .summary import Summary
 RETRIES = 10
 
 
-def execute_with_retries(plan: Plan, folder: OutputFolder, reporter: Reporter) -> tuple[Plan, Summary]:
-    """As `execute`, from the start; the plan that was executed at last is that of the folder's scenario.toml.
+def execute_with_retries(
+    plan: Plan, folder: OutputFolder, reporter: Reporter, checkpoint: Checkpoint | None = None
+) -> tuple[Plan, Summary]:
+    """As `execute`, then from the start; the plan that was executed at last is that of the folder's
+    scenario.toml.
 
     A participant that discards a step is given `retries`, unless the scenario does, steps are made again for
     their error, or it takes steps of one length only. The others keep the macro step.
     """
-    summary = execute(plan, folder, reporter)
+    summary = execute(plan, folder, reporter, checkpoint)
     while again := _retry(plan, summary.discarding):
         plan = again
         reporter.line(plan.notices[-1])
@@ -41,8 +44,8 @@ def _retry(plan: Plan, name: str) -> Plan | None:
     scenario = plan.scenario.model_copy(update={"components": tables})
     own = replace(plan.participants[name], retries=RETRIES, proof=plan_proof(scenario, name))
     said = (
-        f"{name} discards a step: the run begins again, in which it makes such in shorter ones and others "
-        f"keep theirs (components.{name}.retries = {RETRIES})"
+        f"{name} discards a step: the run begins again, and {name} halves what it discards up to {RETRIES} "
+        f"times; the others keep the macro step (components.{name}.retries = {RETRIES})"
     )
     return replace(
         plan,

@@ -34,7 +34,6 @@ from ..texts import parse_json, read_text
 from .assess import assess
 from .checkpoint import read
 from .discards import execute_with_retries
-from .execute import execute
 from .plan import Plan, make_plan
 from .publish import open_result, publish, publish_merits, settle_ending
 from .summary import ENDS, FAILED, Summary, begin_summary
@@ -154,7 +153,7 @@ def resume(
             clear_run_state(pending)
         with keep_prints(plan, folder, reporter):
             try:
-                summary = execute(plan, folder, reporter, checkpoint)
+                plan, summary = execute_with_retries(plan, folder, reporter, checkpoint)
             except RefusedError as error:
                 raise OutputFolderError((f"{format_path(out)}: ", error)) from None
             return conclude(plan, summary, folder, reporter, start)

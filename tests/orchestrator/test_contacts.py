@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 
 from models.contact.ehl_contact import TABLE_3
+from models.core import roles
 from orchestrator.assessment.contacts import lines, list_details, name_estimates, summarise_rows
 from orchestrator.assessment.contacts.accumulation import SEEN
 from orchestrator.assessment.contacts.contact_summary import Accumulator
 from orchestrator.assessment.contacts.lines import GROUPS
+from orchestrator.assessment.trains import list_parts
+from orchestrator.errors import CheckpointError
+from orchestrator.run.checkpoint import fitting
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.store.json_codec import from_text, to_text
@@ -127,9 +131,9 @@ def test_ranges_are_those_of_one_formula(run):
 
 
 def history(time, load_, gap=None, scenario="valve-train", lift=None):
-    """The contact of a contact with these loads, and gaps where there is none; pressure 1 MPa/N."""
+    """The first contact with these loads, and gaps where there is none; pressure 1 MPa/N."""
     system = build_system(load(scenario))
-    accumulator = Accumulator(system, ["contact"])
+    accumulator = Accumulator(system, list_parts(system, roles.Contact)[:1])
     for k, t in enumerate(time):
         row = {"load": load_[k], "maximum_pressure": 1e6 * max(load_[k], 0.0), "minimum_film_thickness": 1e-6,
                "film_ratio": 2.0, "deflection": -gap[k] if gap is not None else 0.0,
@@ -169,7 +173,8 @@ def test_a_separation_is_told_with_its_gap_and_the_landing_after_it():
 
 def test_a_contact_that_lash_opens_on_the_base_circle_is_not_lost():
     """A cam of 8.3 mm, lash 0.2 mm: up to a tenth of its lift the seat bears the valve. Open there in 62 % of
-    the time, and for one of ten seconds over the nose; without a seat all of it is lost."""
+    the time, also on the ramps above the lash, and for one of ten seconds over the nose; without a seat, or
+    where an adjuster has to keep contact, all of it is lost."""
     time, lift = np.arange(0.0, 10.005, 0.01), np.zeros(1001)
     lift[300:701] = 8.3e-3 * np.sin(np.linspace(0.0, np.pi, 401))
     rest, nose = lift <= 0.83e-3, (time >= 4.5) & (time < 5.5)
@@ -184,9 +189,18 @@ def test_a_contact_that_lash_opens_on_the_base_circle_is_not_lost():
     said = " ".join(told({"contact": lashed}))
     assert "lost while the cam lifts, in 10 % of the time" in said
     assert f"open in {100.0 * lashed.at_rest:.3g} % of the time on the base circle" in said
-    whole = history(time, thrown, gap, "valve-train", lift)["contact"]
-    assert whole.lost == pytest.approx(lashed.lost + lashed.at_rest, rel=1e-12)
-    assert (whole.at_rest, whole.separation.gap) == (0.0, 2e-4)
+    assert lashed.on_ramps == pytest.approx(np.mean(rest & (lift > 2e-4)), abs=2e-3)
+    assert (lashed.ramp_lift, lift[round(100.0 * lashed.ramp_time)]) == (lift[rest].max(),) * 2
+    on_ramps = f"opens on the ramps, above the lash, in {100.0 * lashed.on_ramps:.3g} % of the time"
+    assert f"{on_ramps}, up to a lift of {1e3 * lashed.ramp_lift:.3g} mm at t = " in said
+    closed = history(time, np.where(lift > 2e-4, 9.0, 0.0), gap, "seat-and-lash", lift)["contact"]
+    assert closed.at_rest > closed.on_ramps == 0.0
+    for name in ("valve-train", "direct-acting-hla"):
+        (whole,) = history(time, thrown, gap, name, lift).values()
+        assert whole.lost == pytest.approx(lashed.lost + lashed.at_rest, rel=1e-12)
+        assert (whole.at_rest, whole.on_ramps, whole.separation.gap) == (0.0, 0.0, 2e-4)
+    low = history(time, pressed + 1.0, gap, "seat-and-lash")
+    assert told(low)[0].startswith("contact: the cam does not lift; highest load")
     kept = history(time, pressed, gap, "seat-and-lash", lift)["contact"]
     assert (kept.lost, kept.separation) == (0.0, None)
     least = int(np.argmin(np.where(rest, np.inf, pressed)))
@@ -239,6 +253,10 @@ def test_a_course_that_goes_on_from_a_checkpoint_is_the_same_to_the_last_bit(run
     add(second, range(70, RECORDS))
     assert second.found() == whole.found()
     assert second.found() != first.found()
+    other = first.state()
+    del other["lost_since"]
+    with pytest.raises(CheckpointError, match="does not fit this run"), fitting():
+        second.resume(other)
 
 
 def test_of_many_contacts_the_thinnest_films_are_told_and_warnings_of_all(run):

@@ -83,6 +83,12 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
         assert figures.startswith("contact is lost: least load while the cam lifts 0 N")
         thin = page.evaluate("report.records.lows.fill(2e-10) && report.records.measure().figures")
         assert "least film 0 µm" in thin  # below an atom
+        lifting = (
+            "lash => { const chosen = report.records.view('parameters', Float64Array, report.records.told."
+            "parameters.length); chosen[report.records.told.trains[0].lashes[0]] = lash; "
+            "return report.records.measure().figures.includes('while the cam lifts'); }"
+        )
+        assert [page.evaluate(lifting, lash) for lash in (1.0, 0.0)] == [False, True]
         page.evaluate("report.records.told.parameters.fill(NaN)")
         slider.press("ArrowLeft")
         wait(page, "document.querySelector('#cycle-state').textContent.startsWith('no step succeeds: ')")

@@ -1,13 +1,16 @@
 """A participant that discards long steps gets shorter ones by itself; the others keep the macro step."""
 
+import os
+import signal
+
 import numpy as np
 import pytest
 
-from orchestrator.run.pipeline import run
+from orchestrator.run.pipeline import resume, run
 from orchestrator.scenario.files import load
 
 from .c_fmus import fmu
-from .runs import CASES, Reporter, never, ran, scenario
+from .runs import CASES, Reporter, never, ran, recorded, scenario
 
 
 class Heard(Reporter):
@@ -53,6 +56,23 @@ def test_a_run_with_an_fmu_that_discards_long_steps_goes_to_its_end(name, own, v
     run(again, tmp_path / "again", never, heard, figures=False)
     assert not any("begins again" in line for line in heard.lines)
     assert (tmp_path / "again" / "coupled.csv").read_bytes() == (out / "coupled.csv").read_bytes()
+
+
+def test_a_resumed_run_begins_again_too(tmp_path):
+    """It was interrupted where its bar is shown first, after 64 of 200 steps."""
+    tables, out = {"decay": {"participant": fmu("hasty", 2, tmp_path)}}, tmp_path / "out"
+    one = scenario(tables, macro_step=5e-3, checkpoint_every=1e-9)
+
+    def stop(words, share):
+        if 0.3 < share < 0.4:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    stopped = run(one, out, never, Reporter(tell=stop), figures=False)
+    assert stopped.exit_status == 130
+    heard = Heard()
+    assert resume(out, never, heard, figures=False).complete
+    assert sum("begins again" in line for line in heard.lines) == 1
+    assert len(recorded(out)["time"]) == 201
 
 
 def test_an_fmu_that_discards_every_step_ends_the_run_in_the_second_try(tmp_path):

@@ -43,15 +43,15 @@ COURSE = np.dtype(
                 # Losses: how long, how many, the longest, the largest gap, since when the present one lasts.
                 "lost_duration", "separations", "longest_separation", "separation_time", "gap", "gap_time",
                 "lost_since",
-                # How long it was open at rest.
-                "rest_duration",
+                # How long it was open at rest; of that on ramps, the largest lift and when.
+                "rest_duration", "ramp_duration", "ramp_lift", "ramp_time",
                 # Landings: how many, and the hardest.
                 "landings", "impact_load", "impact_time", "impact_speed", "impulse", "impact_steps",
                 # The present landing; `touched` is NaN where there is none.
                 "touched", "touch_speed", "peak", "peak_steps", "steps", "touch_impulse", "falling",
                 # The step before.
                 "time", "load", "deflection", "closing_speed", "yielding", "film_power", "rolling", "lost",
-                "resting",
+                "resting", "ramping",
             )
         ],
     )
@@ -100,7 +100,8 @@ def accumulate(memory: Any, summaries: Any, time: float) -> None:
 
     `memory` has `seen` (contacts x SEEN); `origins`, where each contact's INPUTS are among `values` (-1: they
     are in `seen`); `scales`, the elastic limit, the groups material, load and speed at 1 N, 1 m/s and 1 m,
-    and the lift up to which an open contact is not lost; `bounds` (low, high) and `ranges` of the groups.
+    the lift up to which an open contact is not lost, and the lash; `bounds` (low, high) and `ranges` of the
+    groups.
     """
     m = memory[0]
     seen, values, origins = table(m.seen), numbers(m.values), integers(m.origins)
@@ -122,7 +123,8 @@ def accumulate(memory: Any, summaries: Any, time: float) -> None:
         groups = (scale[1], squeeze, scale[2] * load / radius, scale[3] * speed / radius)
         for k in range(4):
             _range(ranges[i, 4 * k : 4 * k + 4], groups[k], bounds[k, 0], bounds[k, 1], load > 0.0, step)
-        _lose(c, -row[5], load <= 0.0, borne, time, step)
+        _lose(c, -row[5], load <= 0.0 and borne, time, step)
+        _rest(c, load <= 0.0 and not borne, row[FIRST_INPUT + 2], scale[5], time, step)
         if load > 0.0:
             _touch(c, load, time, step)
         else:
@@ -174,13 +176,23 @@ def _range(r: Any, value: float, low: float, high: float, loaded: bool, step: fl
 
 
 @compiled
-def _lose(c: Any, gap: float, opened: bool, borne: bool, time: float, step: float) -> None:
-    """A step at whose end the contact is open or not: lost, or at rest, where a seat bears the valve."""
-    lost, resting = 1.0 if opened and borne else 0.0, 1.0 if opened and not borne else 0.0
-    c.lost_duration += 0.5 * step * (c.lost + lost)
+def _rest(c: Any, rests: bool, lift: float, lash: float, time: float, step: float) -> None:
+    """A step at whose end the contact is open or not where a seat bears the valve, or a ramp lifts it."""
+    resting, ramping = 1.0 if rests else 0.0, 1.0 if rests and lift > lash else 0.0
     c.rest_duration += 0.5 * step * (c.resting + resting)
-    c.lost, c.resting = lost, resting
-    if lost == 0.0:
+    c.ramp_duration += 0.5 * step * (c.ramping + ramping)
+    c.resting, c.ramping = resting, ramping
+    if ramping and lift > c.ramp_lift:
+        c.ramp_lift, c.ramp_time = lift, time
+
+
+@compiled
+def _lose(c: Any, gap: float, loses: bool, time: float, step: float) -> None:
+    """A step at whose end contact is lost or not."""
+    lost = 1.0 if loses else 0.0
+    c.lost_duration += 0.5 * step * (c.lost + lost)
+    c.lost = lost
+    if not loses:
         regain(c, time)
         return
     if np.isnan(c.lost_since):

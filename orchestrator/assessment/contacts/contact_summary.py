@@ -86,8 +86,9 @@ class ContactSummary:
     power through the film, to and fro, that stays there, `film_friction` the coefficient of rolling friction
     that would take as much, `film_grows` whether the formula's film grows with the load.
     A contact is lost where it carries no load and no seat bears the valve (`Train.rest`): `lost` is that
-    share of the time, `at_rest` that without load else. The least load is that where no seat bears the valve,
-    in a train that has one (`seated`) while its cam lifts.
+    share of the time, `at_rest` that without load else, and `on_ramps` that of it where ramps lift the cam
+    above the lash, up to `ramp_lift` (m). The least load is that where no seat bears the valve, in a train
+    that has one (`seated`) while its cam lifts.
     `yielding` is the share of the time above the `elastic_limit` (Pa).
     `longest_step` (s): extremes were looked for at least that often. `angles` (deg) of the times are of the
     shaft's `angle_of`, such as cam_angle; "" where none is known.
@@ -117,6 +118,9 @@ class ContactSummary:
     angles: dict[str, float] = field(default_factory=dict)
     least_load_time: float = 0.0
     at_rest: float = 0.0
+    on_ramps: float = 0.0
+    ramp_lift: float = 0.0
+    ramp_time: float = 0.0
     seated: bool = False
 
     def times(self) -> dict[str, float]:
@@ -127,6 +131,8 @@ class ContactSummary:
             "pressure": self.pressure_time,
             "film": self.film_time,
         }
+        if self.on_ramps > 0.0:
+            times["ramp"] = self.ramp_time
         if self.separation:
             times |= {"separation": self.separation.longest_time, "gap": self.separation.gap_time}
         if self.impact:
@@ -162,8 +168,9 @@ class Accumulator:
     ) -> None:
         all_of_them = contacts(system)
         self._parameters = {name: all_of_them[name] for name in names}
-        trains = {name: find_train(system, name) for name in names}
-        self._rests = {name: train.rest if train else -np.inf for name, train in trains.items()}
+        trains = [find_train(system, name) for name in names]
+        rests = [(train.rest, train.lash) if train else (-np.inf, 0.0) for train in trains]
+        self._rests = dict(zip(names, rests, strict=True))
         count = len(self._parameters)
         self.seen: Vector = np.zeros((count, len(SEEN)))
         places = np.full(2 * count, -1, dtype=np.int64)
@@ -179,8 +186,8 @@ class Accumulator:
             values=np.zeros(1) if values is None else values,
             origins=places,
             scales=np.array(
-                [[*_scales(p), self._rests[name]] for name, p in self._parameters.items()]
-            ).reshape(count, 5),
+                [[*_scales(p), *self._rests[name]] for name, p in self._parameters.items()]
+            ).reshape(count, 6),
             bounds=np.array(list(TABLE_3.values())),
             ranges=self.ranges,
         )
@@ -190,10 +197,13 @@ class Accumulator:
         accumulate(self.memory.record, self.summaries, time)
 
     def state(self) -> dict[str, Vector]:
-        return {"summaries": self.summaries.view(np.float64).copy(), "ranges": self.ranges.copy()}
+        return {name: self.summaries[name].copy() for name in self.summaries.dtype.names} | {
+            "ranges": self.ranges.copy()
+        }
 
     def resume(self, state: Mapping[str, Vector]) -> None:
-        self.summaries.view(np.float64)[:] = state["summaries"]
+        for name in self.summaries.dtype.names:
+            self.summaries[name] = state[name]
         self.ranges[:] = state["ranges"]
 
     def found(self) -> ContactSummaries:
@@ -203,7 +213,7 @@ class Accumulator:
             c = self.summaries[i : i + 1].copy()[0]
             if c.largest_load > 0.0:
                 found = _course(c, self.ranges[i].reshape(4, 4), parameters)
-                summaries[name] = replace(found, seated=bool(np.isfinite(self._rests[name])))
+                summaries[name] = replace(found, seated=bool(np.isfinite(self._rests[name][0])))
         return summaries
 
 
@@ -247,6 +257,9 @@ def _course(record: Any, ranges: Vector, parameters: Mapping[str, float]) -> Con
         largest_load_time=c.load_time,
         lost=c.lost_duration / c.duration if c.duration else 0.0,
         at_rest=c.rest_duration / c.duration if c.duration else 0.0,
+        on_ramps=c.ramp_duration / c.duration if c.duration else 0.0,
+        ramp_lift=c.ramp_lift,
+        ramp_time=c.ramp_time,
         pressure=c.pressure,
         pressure_time=c.pressure_time,
         elastic_limit=parameters["elastic_limit"],

@@ -1,5 +1,6 @@
 """What contacts went through, in sentences."""
 
+import math
 from collections.abc import Iterator
 
 from models.contact.records import ATOM
@@ -85,6 +86,8 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
 
     when = " while the cam lifts" if summary.seated else ""
     text = f"kept{when}, least load {summary.least_load:.4g} N at {at('least_load')}"
+    if summary.least_load == math.inf:
+        text = "the cam does not lift"
     if summary.separation:
         text = f"lost{when}, in {100.0 * summary.lost:.3g} % of the time"
     text += f"; highest load {summary.largest_load:.4g} N at {at('largest_load')}"
@@ -103,6 +106,10 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
     if summary.at_rest > 0.0:
         share = f"{100.0 * summary.at_rest:.3g} % of the time"
         yield f"open in {share} on the base circle and its ramps, where the seat bears the valve"
+    if summary.on_ramps > 0.0:
+        share = f"{100.0 * summary.on_ramps:.3g} % of the time"
+        lift = f"up to a lift of {1e3 * summary.ramp_lift:.3g} mm at {at('ramp')}"
+        yield f"opens on the ramps, above the lash, in {share}, {lift}"
     if i := summary.impact:
         speed = f" with {i.speed:.3g} m/s" if i.speed > 0.0 else ""
         yield f"hardest impact at {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"

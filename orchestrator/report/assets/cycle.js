@@ -93,8 +93,10 @@ class CycleRecords extends Records {
       const { unit, factor } = this.variables.get(part + "." + output) || {}, shown = Math.abs(factor * value);
       if (isFinite(shown) && !(found.get(kind)?.value <= value)) found.set(kind, { value, text: readable(+shown.toPrecision(3)) + " " + unit + " (" + part + ")" });
     };
-    for (const { lift, contacts, valves, rests } of this.told.trains) {
-      const lifts = this.column(lift), high = -this.told.lifted * least(lifts.map((one) => -one));
+    const chosen = this.view("parameters", Float64Array, this.told.parameters.length);
+    for (const { lift, contacts, valves, lashes, rests } of this.told.trains) {
+      const lifts = this.column(lift), largest = -least(lifts.map((one) => -one));
+      const high = Math.max(this.told.lifted * largest, ...lashes.map((at) => chosen[at]));
       for (const [part, limit] of Object.entries(contacts)) {
         const loads = this.column(part + ".load", this.lows);
         const load = least(loads.filter((_, i) => Math.min(lifts[i], lifts[i + 1]) > high));
