@@ -50,8 +50,8 @@ def test_a_plan_is_run_and_stepped_as_often_as_wanted_with_the_same_bits() -> No
 
 
 def test_a_folder_without_a_result_is_named(tmp_path: Path) -> None:
-    for folder in (tmp_path, tmp_path / "none"):
-        with pytest.raises(tribocosim.MistakeError, match=r"has no result\.nc; give the output folder"):
+    for folder, lacks in ((tmp_path, r"has no result\.nc"), (tmp_path / "none", "there is no such folder")):
+        with pytest.raises(tribocosim.MistakeError, match=f"{lacks}; give the output folder"):
             tribocosim.open(folder)
 
 
