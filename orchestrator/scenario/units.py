@@ -94,7 +94,7 @@ def to_unit(text: str, unit: str, relative: bool = False) -> float:
         example = "mm" if unit == "m" else unit
         raise UnitError(f"{text!r} is not a number with a unit; write for example '8 {example}'")
     number, given = float(match[1]), match[2]
-    if not given:
+    if not given or given == unit:
         return number
     if not unit:
         raise UnitError(f"{text!r}: the FMU states no unit; write a plain number")
@@ -116,13 +116,13 @@ def find_conversion(text: str, given: str, unit: str) -> tuple[float, float]:
     UnitError if they do not fit.
     """
     try:
-        units = _load_registry().Unit(_to_pint(given))
-    except Exception:
-        raise UnitError(f"{text!r}: {given!r} is an unknown unit; {_suggest_unit(given, unit)}") from None
-    try:
         wanted = _load_registry().Unit("" if unit == "1" else _to_pint(unit))
     except Exception:
         raise UnitError(f"{text!r}: the FMU's unit {unit!r} is unknown; write a plain number in it") from None
+    try:
+        units = _load_registry().Unit(_to_pint(given))
+    except Exception:
+        raise UnitError(f"{text!r}: {given!r} is an unknown unit; {_suggest_unit(given, unit)}") from None
     if _find_dimension(units) != _find_dimension(wanted):
         what = f"a {DIMENSIONS[unit]}" if unit in DIMENSIONS else unit
         needed = "; a plain number is needed" if unit == "1" else f" {what}; {_list_units(unit)}"

@@ -109,4 +109,3 @@ def test_figures_have_display_units_and_no_correlation_of_one_parameter():
 
 def test_one_thing_is_singular():
     assert [tally(n, "signal") for n in (0, 1, 2)] == ["0 signals", "1 signal", "2 signals"]
-    assert tally(2, "more entry") == "2 more entries"

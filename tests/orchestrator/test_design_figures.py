@@ -1,9 +1,12 @@
 """tribocosim design: figures of merit, film, wires and ramps as limits, objectives and unknowns."""
 
 import math
+import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -32,7 +35,7 @@ from orchestrator.study.design.limits import (
 )
 from orchestrator.study.design.lobe import Lobe
 from orchestrator.study.design.run import find_own_limits
-from orchestrator.study.design.search import Search
+from orchestrator.study.design.search import Search, Seen
 from orchestrator.study.design.slp import Line, Problem, maximise
 from orchestrator.study.design.train import open_train
 from orchestrator.study.design.wanted import Found as Design
@@ -134,6 +137,21 @@ def test_a_refused_cam_lowers_what_is_foreseen_by_what_it_fell_short() -> None:
     np.testing.assert_allclose(found.high, [120.0, 125.0, 145.0])
 
 
+def test_a_refused_speed_of_separation_corrects_the_speeds_that_stay() -> None:
+    """The model has 1 and 19 rad/s, the refused cam 20, and lost contact there; it may be its lowest."""
+    near, far = (answer_of(np.full(3, one), np.full(3, one), np.zeros((3, 1))) for one in (100.0, 60.0))
+    train = SimpleNamespace(read=lambda cycle, columns: far.columns)
+    model = Model(
+        build_lobe(count=12), [], {1.0: near, 19.0: near}, np.zeros(1), MagicMock(), np.ones(1), MagicMock()
+    )
+    cycles = {1.0: Seen(1.0, MagicMock(), {}, 1.0), 20.0: Seen(18.0, MagicMock(), {}, 18.0)}
+    search = SimpleNamespace(train=train, columns=["load"])
+    for seen in (cycles, {20.0: cycles[20.0]}):
+        found = Search.correct(search, model, np.zeros(1), seen).answers  # type: ignore[arg-type]
+        assert found[19.0] is near
+        np.testing.assert_allclose(found[1.0].columns["load"].low, 60.0 if 1.0 in seen else 100.0)
+
+
 def test_the_speed_of_separation_is_an_unknown() -> None:
     """A limit that shrinks by the speed's logarithm by 2, with 6 % to spare, allows exp(3 %)."""
     lobe = build_lobe(count=12)
@@ -203,6 +221,21 @@ def test_a_first_lift_has_the_limits_of_corners_that_bumps_cannot_follow() -> No
     begun = search.begin()
     assert not search.own_excesses(begun)
     assert lobe.bumps.areas @ begun > 0.97 * area
+
+
+def test_limits_of_the_cam_that_contradict_are_told_before_its_cycles() -> None:
+    """A nose may be 2 % higher, and no lower than the highest that it may be."""
+    train, told = open_train(read_changed("valve-train"), 12), list[str]()
+    own = find_own_limits(train, Limits(), 200.0)
+    lift = own["largest_lift"]
+    for least, largest in ((1.02, 1.03), (1.2, 1.0)):
+        sizes = own | {"least_lift": least * lift, "largest_lift": largest * lift}
+        wanted = Wanted(sizes, {}, {}, 0.0, [200.0], [])
+        search = Search(train, wanted, np.zeros((0, 2)), 200.0, 1.0, told.append)
+        begun = search.begin()
+        assert bool(told) is bool(search.own_excesses(begun)) is (least > largest)
+    (text,) = told
+    assert re.search("no lift was found .* beyond .*least lift by", text)
 
 
 def test_asked_ramps_are_those_of_the_cam(tmp_path: Path) -> None:

@@ -218,6 +218,7 @@ def test_a_name_is_that_of_a_folder_below_the_results(name):
         ("-10 °C", "K", 263.15),
         ("20 K", "K", 20.0),
         ("2 J/degC", "J/K", 2.0),
+        ("3.2 foo", "foo", 3.2),  # of an FMU
     ],
 )
 def test_conversion(text, unit, value):
@@ -232,6 +233,7 @@ def test_conversion(text, unit, value):
         ("1000 rpm", "Hz", ("rpm", "Hz")),
         ("1 rad", "1", ("rad", "plain number")),
         ("3 foos", "m", ("foos", "known unit")),
+        ("3 bars", "foo", ("foo", "plain number")),
         ("400 lb/in", "N/m", ("lb is a mass", "lbf/in")),
         ("30 kg/cm2", "Pa", ("kgf/cm2",)),
         ("eight mm", "m", ("eight mm", "'8 mm'")),

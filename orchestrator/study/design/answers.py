@@ -52,8 +52,11 @@ def differ_by_speed(low: Answer, high: Answer, column: str) -> Vector:
     return np.asarray(share * (high.columns[column].low - low.columns[column].low))
 
 
-def go_on(low: Answer, high: Answer, speed: float) -> Answer:
-    """Columns at a higher speed (rad/s), as a + b speed^2."""
+def go_on(lower: Mapping[float, Answer], high: Answer, speed: float) -> Answer:
+    """Columns at a higher speed (rad/s), as a + b speed^2 from the lowest; without that as they are."""
+    low = lower[min(lower)] if lower else high
+    if not low.speed < high.speed < speed:
+        return high._replace(speed=speed)
     share = (speed**2 - high.speed**2) / (high.speed**2 - low.speed**2)
     columns = {
         name: one._replace(

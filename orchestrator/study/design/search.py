@@ -152,8 +152,8 @@ class Search:
         for box in MOVES:
             if (found := self.solve(free, x, box, 1)).feasible:
                 return found.unknowns
-        beyond = describe_beyond(self.own_excesses(found.unknowns))
-        self.tell(f"no lift was found within the limits of the cam itself; the nearest is beyond {beyond}")
+        if beyond := describe_beyond(self.own_excesses(found.unknowns)):
+            self.tell(f"no lift was found within the limits of the cam; the nearest is beyond {beyond}")
         return found.unknowns
 
     def improve(self, start: Vector, best: Best) -> Improved:
@@ -312,7 +312,7 @@ class Search:
             at, tangents = f"at {speed * RPM:.0f} r/min", self.train.differentiate(x, cycle, whole)
             answer = self.train.answer(tangents, cycle, near, self.columns)
             # Those of lost contact are continued from lower speeds.
-            answers[speed] = answer if near == speed else go_on(answers[min(answers)], answer, speed)
+            answers[speed] = go_on(answers, answer, speed)
             limits += self.list_limits(x, answers[speed], answers[min(answers)], at)
             if figures:
                 found = differentiate_figures(tangents, self.train.subject.flywheel)
@@ -329,14 +329,14 @@ class Search:
 
     def correct(self, model: Model, x: Vector, seen: Mapping[float, Seen]) -> Model:
         """Loads and films of the model, less what those of the cycles at `x` are worse than it foresaw: as
-        rebounds of loose parts make them that no tangent knows."""
+        rebounds of loose parts make them that no tangent knows. Speeds that changed with `x` stay."""
         answers: dict[float, Answer] = {}
         for speed, (near, cycle, *_) in sorted(seen.items()):
             found = Answer(near, self.train.read(cycle.__getitem__, self.columns), {}, cycle)
-            answers[speed] = found if near == speed else go_on(answers[min(answers)], found, speed)
-        return replace(
-            model, answers={v: model.answers[v].worsen(one, x - model.place) for v, one in answers.items()}
-        )
+            answers[speed] = go_on(answers, found, speed)
+        step, kept = x - model.place, model.answers
+        worse = {v: one.worsen(answers[v], step) if v in answers else one for v, one in kept.items()}
+        return replace(model, answers=worse)
 
     def objective_line(
         self, x: Vector, seen: Mapping[float, Seen], slopes: Mapping[float, Mapping[str, Vector]]

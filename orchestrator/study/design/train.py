@@ -190,10 +190,8 @@ class DesignedTrain:
                 cell = math.ceil(cycle.times.size * float(np.diff(self.lobe.angles[:2])[0]) / TURN)
                 slide = follow_reversal(cycle[name], cycle[velocity], 2 * cell)[columns[name].row.astype(int)]
                 beside = np.pad(columns[name].low, 1, constant_values=math.inf)
-                slide[columns[name].low > np.minimum(beside[:-2], beside[2:])] = (
-                    0.0  # what is no dip's ground
-                )
-                gradients[name] = gradients[name] - slide[:, None] * moved
+                ground = columns[name].low <= np.minimum(beside[:-2], beside[2:])
+                gradients[name] = gradients[name] - np.where(ground, slide, 0.0)[:, None] * moved
         return Answer(speed, columns, gradients, cycle)
 
     def lifted(self, curve_s: Vector) -> Vector:
