@@ -29,8 +29,6 @@ class Substepped(ParticipantWrapper):
         super().__init__(participant)
         self._substeps, self._halvings = substeps, halvings
         self._smallest = 0.5**halvings / substeps
-        saves = bool(halvings) and self.abilities.restorable
-        self._attempt = self._save_and_advance if saves else participant.advance
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         # Between its own steps it follows a signal of any degree, if only by values.
@@ -78,8 +76,11 @@ class Substepped(ParticipantWrapper):
         self._advance_in_pieces(start, 0.5 * length, halvings - 1)
         self._advance_in_pieces(start + 0.5 * length, 0.5 * length, halvings - 1)
 
-    def _save_and_advance(self, time: float, step: float) -> None:
-        """Advance; where that fails, the participant is where it was, or where it arrived with success."""
+    def _attempt(self, time: float, step: float) -> None:
+        """Advance; where that fails, what restores is where it was, or where it arrived with success."""
+        if not (self._halvings and self.abilities.restorable):
+            self._participant.advance(time, step)
+            return
         saved = self.save()
         try:
             self._participant.advance(time, step)

@@ -177,10 +177,8 @@ def plan_proof(scenario: Scenario, name: str) -> Proof | None:
     if not table.untrusted or not table.describe().restorable:
         return None
     required = _describe_repetition(scenario)
-    if table.retries and not required:
-        required = f"components.{name}.retries repeats steps; leave it out"
     repeated = scenario.connections and scenario.master.build().degree  # the first step
-    if not (required or repeated or scenario.checkpoint_every):
+    if not (required or repeated or table.retries or scenario.checkpoint_every):
         return None
     return Proof(scenario.macro_step / table.substeps, required and f"but {required}")
 

@@ -95,7 +95,7 @@ def test_the_drive_gives_the_friction_in_the_motion_and_no_other(scenario, joint
         own = [float(r["value"]) for r in rows if r["friction"] == note and r["unit"] == "W"]
         assert sum(own) == pytest.approx(friction[side], rel=1e-5)
     (said,) = (line for line in done.stdout.splitlines() if "mean torque with all friction" in line)
-    total, rubbed, *shares, rest = map(float, re.findall(r"(-?[\d.]+) N m", said.partition("; ")[0]))
+    total, rubbed, *shares, rest = map(float, re.findall(r"(-?[\d.e-]+) N m", said.partition("; ")[0]))
     turned = np.ptp(columns["flywheel.angle"])
     assert total == pytest.approx((drive + np.ptp(time) * friction["outside"]) / turned, rel=6e-3)
     assert (sum(shares), rubbed + rest) == pytest.approx((rubbed, total), rel=6e-3)

@@ -235,6 +235,12 @@ for name, counted in {"forgetful": "h", "collecting": "$u * h"}.items():
         f"*(double *)m->text += {counted}; $passed = *(double *)m->text;",
         depends={"passed": ()},
     )
+# From half of the run on it discards steps of more than 3 ms after 2 ms.
+MODELS["forgetful hasty"] = replace(
+    MODELS["forgetful"],
+    step="const double part = t > 0.495 && h > 3e-3 ? 2e-3 : h; *(double *)m->text += part; "
+    "$passed = *(double *)m->text; if (part < h) { m->reached = t + part; return DISCARD; }",
+)
 LIMITED = "if (t > 0.495) "
 for _name, _code in VICES.items():
     MODELS[_name] = Model(DECAY.variables, f"{LIMITED}{_code} {EXPONENTIAL}")

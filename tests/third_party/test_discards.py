@@ -86,6 +86,16 @@ def test_an_fmu_that_discards_every_step_ends_the_run_in_the_second_try(tmp_path
     assert "longer steps failed as well, from 0.01 s on" in str(summary.message)
 
 
+@pytest.mark.parametrize("given", [{}, {"retries": 3}])
+def test_an_fmu_that_does_not_come_back_goes_on_from_where_it_arrived(given, tmp_path):
+    """It saves a part of its state only, which is told."""
+    tables = {"one": {"participant": fmu("forgetful hasty", 2, tmp_path), **given}}
+    summary, found = ran(scenario(tables, checkpoint_every=30), tmp_path / "out")
+    np.testing.assert_allclose(found["one.passed"], found["time"], rtol=1e-13)
+    assert summary.complete
+    assert [line for line in summary.tell() if "does not come back to the state that it saved" in str(line)]
+
+
 def test_zero_retries_are_none(tmp_path):
     tables = {"decay": {"participant": fmu("hasty", 2, tmp_path), "retries": 0}}
     summary, _ = ran(scenario(tables), tmp_path / "out")

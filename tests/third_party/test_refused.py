@@ -189,7 +189,6 @@ def test_an_fmu_that_saves_a_part_of_its_state_is_not_taken_back(version, proces
     [
         ({"master": {"name": "iterated"}}, "the master iterated repeats steps; take the master jacobi or"),
         ({"step_control": {"estimator": "step_doubling"}}, r"\[step_control\] repeats steps; leave it out"),
-        ({"one": {"retries": 2}}, r"components\.one\.retries repeats steps; leave it out"),
     ],
 )
 def test_it_is_refused_where_steps_have_to_be_taken_back(changes, remedy, tmp_path):
