@@ -1,9 +1,11 @@
 """How the contacts of a train answer to unknowns of its design, at a speed."""
 
+import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.core.quantities import Vector
 from models.monolithic.cycle import Cycle
@@ -35,6 +37,12 @@ class Answer(NamedTuple):
             high = one.high + np.maximum(0.0, there.columns[name].high - one.high - change)
             columns[name] = one._replace(low=low, high=high)
         return self._replace(columns=columns)
+
+
+def find_dips(film: Vector) -> NDArray[np.bool_]:
+    """Where it is thinner than on both sides; nan is none."""
+    beside = np.pad(np.nan_to_num(film, nan=math.inf), 1, constant_values=math.inf)
+    return np.asarray(film <= np.minimum(beside[:-2], beside[2:]))
 
 
 def follow_reversal(film: Vector, entraining: Vector, reach: int) -> Vector:

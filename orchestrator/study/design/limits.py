@@ -5,7 +5,6 @@ differentiated by central differences in s, s', s'', s''' and in the load, at ev
 rule in the unknowns.
 """
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from models.core.quantities import Vector
 from models.valve_train.followers.shape import find_least_radius
 
-from .answers import Answer
+from .answers import Answer, find_dips
 from .lobe import FINE, Curve, Lobe, Touch
 from .slp import Line, Local, Rows
 
@@ -192,8 +191,7 @@ def film_limit(
     it may move without harm. Elsewhere the film also follows the velocity of the new cam, by POWER, so that
     no new reversal is made: there no tangent foresees it.
     """
-    beside = np.pad(np.nan_to_num(ratios, nan=math.inf), 1, constant_values=math.inf)
-    thin = np.isfinite(ratios) & (ratios <= np.minimum(beside[:-2], beside[2:]))
+    thin = find_dips(ratios)
     turns = np.diff(np.sign(entraining), append=np.sign(entraining[-1])) != 0.0
     steady = np.isfinite(ratios) & (np.convolve(turns, np.ones(2 * FINE + 1), "same") < 0.5)
     before = np.where(steady, entraining, 1.0)

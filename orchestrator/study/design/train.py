@@ -26,7 +26,7 @@ from ...scenario.system import build_system, list_parameters
 from ..speeds.finder import CycleFinder
 from ..speeds.subject import SpeedSubject, count_turns, find_flywheel
 from ..wear.train import put_points
-from .answers import Answer, Column, follow_reversal
+from .answers import Answer, Column, find_dips, follow_reversal
 from .brief import Ramps
 from .lobe import Lobe, find_event
 from .wires import WireLength, list_wires, wind
@@ -189,9 +189,7 @@ class DesignedTrain:
                 moved = rows.inputs_by[:, places, layout.inputs.names.index(velocity)].T
                 cell = math.ceil(cycle.times.size * float(np.diff(self.lobe.angles[:2])[0]) / TURN)
                 slide = follow_reversal(cycle[name], cycle[velocity], 2 * cell)[columns[name].row.astype(int)]
-                beside = np.pad(columns[name].low, 1, constant_values=math.inf)
-                ground = columns[name].low <= np.minimum(beside[:-2], beside[2:])
-                gradients[name] = gradients[name] - np.where(ground, slide, 0.0)[:, None] * moved
+                gradients[name] = gradients[name] - (slide * find_dips(columns[name].low))[:, None] * moved
         return Answer(speed, columns, gradients, cycle)
 
     def lifted(self, curve_s: Vector) -> Vector:
