@@ -31,8 +31,8 @@ SHOWN = 4
 PLACES = ("least_load_angle", "least_clearance_angle")
 GAP = Quantity("m", "largest gap", display_unit="um")
 IMPACT = Quantity("m/s", "speed of the hardest impact")
-AT_REST = SHARE.of("share of the time without load on base circle and ramps, the valve on its seat")
-ON_RAMPS = SHARE.of("share of the time without load on ramps, above the lash")
+AT_REST = SHARE.of("share of the time without load on the base circle and its ramps")
+ON_RAMPS = SHARE.of("share of the time without load on the ramps above the lash")
 NONE = Quantity("1")
 
 

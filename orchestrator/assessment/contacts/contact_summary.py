@@ -85,10 +85,10 @@ class ContactSummary:
     `film_power` (W) is what the growing film gives to the motion on average, `film_feed` the share of the
     power through the film, to and fro, that stays there, `film_friction` the coefficient of rolling friction
     that would take as much, `film_grows` whether the formula's film grows with the load.
-    A contact is lost where it carries no load and no seat bears the valve (`Train.rest`): `lost` is that
-    share of the time, `at_rest` that without load else, and `on_ramps` that of it where ramps lift the cam
-    above the lash, up to `ramp_lift` (m). The least load is that where no seat bears the valve, in a train
-    that has one (`seated`) while its cam lifts.
+    A contact is lost where it carries no load though its cam lifts (above `Train.rest`): `lost` is that share
+    of the time, `at_rest` that without load else, and `on_ramps` that of it where ramps lift the cam above
+    the lash, up to `ramp_lift` (m). Where a seat may bear the valve (`seated`) the least load is that while
+    the cam lifts, elsewhere that of the whole time.
     `yielding` is the share of the time above the `elastic_limit` (Pa).
     `longest_step` (s): extremes were looked for at least that often. `angles` (deg) of the times are of the
     shaft's `angle_of`, such as cam_angle; "" where none is known.

@@ -105,11 +105,11 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         yield text + (f"; largest gap {1e6 * s.gap:.3g} µm at {at('gap')}" if s.gap > 0.0 else "")
     if summary.at_rest > 0.0:
         share = f"{100.0 * summary.at_rest:.3g} % of the time"
-        yield f"open in {share} on the base circle and its ramps, where the seat bears the valve"
+        yield f"open in {share} on the base circle and its ramps"
     if summary.on_ramps > 0.0:
         share = f"{100.0 * summary.on_ramps:.3g} % of the time"
         lift = f"up to a lift of {1e3 * summary.ramp_lift:.3g} mm at {at('ramp')}"
-        yield f"opens on the ramps, above the lash, in {share}, {lift}"
+        yield f"open in {share} on the ramps above the lash, {lift}"
     if i := summary.impact:
         speed = f" with {i.speed:.3g} m/s" if i.speed > 0.0 else ""
         yield f"hardest impact at {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"
