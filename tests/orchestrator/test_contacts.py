@@ -199,6 +199,10 @@ def test_a_contact_that_lash_opens_on_the_base_circle_is_not_lost():
         (whole,) = history(time, thrown, gap, name, lift).values()
         assert whole.lost == pytest.approx(lashed.lost + lashed.at_rest, rel=1e-12)
         assert (whole.at_rest, whole.on_ramps, whole.separation.gap) == (0.0, 0.0, 2e-4)
+    far = history(time, 1e3 * thrown, 400.0 * gap, "seat-and-lash", lift)
+    said = " ".join(told(far))
+    assert "highest load 500000 N" in said
+    assert "largest gap 12000 µm" in said
     low = history(time, pressed + 1.0, gap, "seat-and-lash")
     assert told(low)[0].startswith("contact: the cam does not lift; highest load")
     kept = history(time, pressed, gap, "seat-and-lash", lift)["contact"]

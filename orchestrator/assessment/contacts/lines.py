@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from models.contact.records import ATOM
 from models.core.words import tally
 
+from ...scenario.display import format_number
 from ...scenario.units import format_time
 from .contact_summary import RESOLVED, ContactSummaries, ContactSummary, Excursion
 
@@ -90,7 +91,7 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         text = "the cam does not lift"
     if summary.separation:
         text = f"lost{when}, in {100.0 * summary.lost:.3g} % of the time"
-    text += f"; highest load {summary.largest_load:.4g} N at {at('largest_load')}"
+    text += f"; highest load {format_number(summary.largest_load)} N at {at('largest_load')}"
     text += f"; highest pressure {1e-6 * summary.pressure:.4g} MPa at {at('pressure')}"
     text += " (spikes at a reversal grow with the nodes)" if summary.solved else ""
     if summary.film > 0.0:
@@ -102,7 +103,8 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
     if s := summary.separation:
         longest = f"the longest {1e3 * s.longest:.3g} ms from {at('separation')}"
         text = f"{tally(s.count, 'separation')}, {longest}"
-        yield text + (f"; largest gap {1e6 * s.gap:.3g} µm at {at('gap')}" if s.gap > 0.0 else "")
+        gap = f"; largest gap {format_number(1e6 * s.gap, 3)} µm at {at('gap')}"
+        yield text + (gap if s.gap > 0.0 else "")
     if summary.at_rest > 0.0:
         share = f"{100.0 * summary.at_rest:.3g} % of the time"
         yield f"open in {share} on the base circle and its ramps"
@@ -112,7 +114,8 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         yield f"open in {share} on the ramps above the lash, {lift}"
     if i := summary.impact:
         speed = f" with {i.speed:.3g} m/s" if i.speed > 0.0 else ""
-        yield f"hardest impact at {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"
+        load = f"{format_number(i.load)} N, impulse {i.impulse:.3g} N s"
+        yield f"hardest impact at {at('impact')}{speed}: {load}"
 
 
 def _write_excursion(group: str, one: Excursion) -> str:
