@@ -31,9 +31,9 @@ def find_doubt(objective: Objective, x: Vector, ends: Sequence[float]) -> str:
     if not seen:
         return ""
     return (
-        f"doubtful: {'; '.join(seen)}. The model lacks something, the noise is another, or the fit was "
-        "trapped: look at the residuals in the figure, fit from more starts, leave out where signals ring or "
-        "bounce, or fit first what their slow part shows"
+        f"doubtful: {'; '.join(seen)}. The model lacks something, the noise is not as assumed, or the fit "
+        "was trapped: look at the residuals in the figure, fit from more starts, leave out where signals "
+        "ring or bounce, or fit first what their slow part shows"
     )
 
 
