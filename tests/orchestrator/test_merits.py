@@ -149,7 +149,11 @@ def test_films_of_bearings_are_told_and_doubted_near_the_bush():
 
 
 @pytest.mark.parametrize(
-    ("film", "said"), [(2e-10, "; no film at t = 3 s"), (1e-9, "; least film 0.001 µm at t = 3 s")]
+    ("film", "said"),
+    [
+        (2e-10, "; no film of smooth surfaces at t = 3 s, least film ratio 0.01 under the fluid's share of"),
+        (1e-9, "; least film 0.001 µm at t = 3 s"),
+    ],
 )
 def test_a_film_below_an_atom_is_none(film, said):
     summary = ContactSummary(1.0, 2.0, 1.0, 0.0, 1e8, 2.0, 1e9, 0.0, film, 3.0, 0.01, 1e-5)

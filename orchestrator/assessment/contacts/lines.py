@@ -95,10 +95,11 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
     text += f"; highest pressure {1e-6 * summary.pressure:.4g} MPa at {at('pressure')}"
     text += " (spikes at a reversal grow with the nodes)" if summary.solved else ""
     if summary.film > 0.0:
-        least = f"least film {1e6 * summary.film:.3g} µm" if summary.film >= ATOM else "no film"
-        text += f"; {least} at {at('film')}, "
+        least = f"least film {1e6 * summary.film:.3g} µm"
+        text += f"; {least if summary.film >= ATOM else 'no film of smooth surfaces'} at {at('film')}, "
         which = "least ratio of the central film to roughness" if summary.solved else "least film ratio"
-        text += f"{which} {summary.film_ratio:.2g}" if summary.film_ratio > 0.0 else "smooth surfaces"
+        borne = "" if summary.film >= ATOM else " under the fluid's share of the load"
+        text += f"{which} {summary.film_ratio:.2g}{borne}" if summary.film_ratio > 0.0 else "smooth surfaces"
     yield text
     if s := summary.separation:
         longest = f"the longest {1e3 * s.longest:.3g} ms from {at('separation')}"
