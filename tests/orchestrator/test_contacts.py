@@ -100,8 +100,9 @@ def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run):
     (short,) = name_estimates({"contact": summary})
     assert len(short) < 0.6 * len(said)
     for group, one in found.items():
-        below, above, _ = GROUPS[group]
-        assert ((below in said), (above in said)) == (one.least < one.low, one.most > one.high)
+        sides = (one.least < one.low) + 2 * (one.most > one.high)
+        assert f"{GROUPS[group][sides - 1]} in {100.0 * one.share:.1f}" in said
+    assert ("shares overlap" in short) == (len(found) > 1)
     # U = eta |u| / (E R) with E = pi / compliance, for two equal steels pi E1 / (2 (1 - nu^2)).
     fastest = np.abs(columns["camshaft.entraining_velocity"]) / columns["camshaft.radius_of_curvature"]
     modulus = np.pi * 207e9 / (2.0 * (1.0 - 0.3**2))

@@ -10,20 +10,27 @@ from ...scenario.display import format_number
 from ...scenario.units import format_time
 from .contact_summary import RESOLVED, ContactSummaries, ContactSummary, Excursion
 
-# Of each group of the film formula: what lies below and above its range, and what the group is.
+# Of each group of the film formula: what lies below, above, and on both sides of its range; its definition.
 GROUPS = {
     "material": (
         "oil that thickens little",
         "oil that thickens much",
+        "oil that thickens little or much",
         "pressure-viscosity x modulus",
     ),
     "squeeze": (
         "a film that shrinks fast",
         "a film that grows",
+        "a film that shrinks fast or grows",
         "velocity of film / entraining velocity",
     ),
-    "load": ("light load", "heavy load", "load / (modulus x radius x length)"),
-    "speed": ("slow entrainment", "fast entrainment", "viscosity x entraining velocity / (modulus x radius)"),
+    "load": ("light load", "heavy load", "light or heavy load", "load / (modulus x radius x length)"),
+    "speed": (
+        "slow entrainment",
+        "fast entrainment",
+        "slow or fast entrainment",
+        "viscosity x entraining velocity / (modulus x radius)",
+    ),
 }
 # The films of docs/films.md through the cycle of `valve-train`, with squeeze, outside the ranges.
 OFF = "0.6 to 3.2 times the solved one in valve-train"
@@ -57,8 +64,10 @@ def name_estimates(summaries: ContactSummaries) -> list[str]:
     with the numbers."""
     return [
         f"{name}: its film is an estimate: "
-        + ", ".join(f"{_name_causes(group, r)} {_percent(r.share)} %" for group, r in one.ranges.items())
-        + " of the time under load; ranges are in the report"
+        + ", ".join(f"{_name_causes(group, r)} in {_percent(r.share)} %" for group, r in one.ranges.items())
+        + " of the time under load"
+        + (", shares overlap" if len(one.ranges) > 1 else "")
+        + "; ranges are in the report"
         for name, one in _list_shown(summaries)
         if one.ranges
     ]
@@ -122,13 +131,12 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
 def _write_excursion(group: str, one: Excursion) -> str:
     extremes = f"{one.least:.2g} to {one.most:.2g}, range {one.low:g} to {one.high:g}"
     cause, words = _name_causes(group, one), GROUPS[group][-1]
-    return f"{cause} {_percent(one.share)} % of the time under load ({words}: {extremes})"
+    return f"{cause} in {_percent(one.share)} % of the time under load ({words}: {extremes})"
 
 
 def _name_causes(group: str, one: Excursion) -> str:
-    below, above, _ = GROUPS[group]
-    causes = [below] * (one.least < one.low) + [above] * (one.most > one.high)
-    return " or ".join(causes) or "no entrainment"
+    sides = (one.least < one.low) + 2 * (one.most > one.high)
+    return ("no entrainment", *GROUPS[group])[sides]
 
 
 def _warnings(name: str, summary: ContactSummary, fixed_steps: bool) -> Iterator[str]:
