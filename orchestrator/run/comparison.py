@@ -134,9 +134,11 @@ def _advise_on_coupling(scenario: Scenario, errors: Errors, falling: Mapping[str
         if scenario.step_control
         else Set("macro_step", f"{scenario.macro_step / parts:.6g} s")
     )
-    useful, used = FmuLimits(scenario).useful_degree, scenario.build_master().degree
+    limits, used = FmuLimits(scenario), scenario.build_master().degree
+    useful = limits.useful_degree if limits.followed or not used else 0
     signals: Words = ", or signals of a higher order: ", Set("master.extrapolation", list(DEGREES)[useful])
-    return found, "shorter steps: ", shorter, signals if useful > used else ""
+    whole = [(Set(f"components.{name}.interface", "model_exchange"), ", or ") for name in limits.integrable]
+    return found, *whole, "shorter steps: ", shorter, signals if useful > used else ""
 
 
 def describe_largest(errors: Errors) -> str:

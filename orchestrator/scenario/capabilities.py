@@ -199,9 +199,14 @@ def list_file_warnings(scenario: Scenario) -> Iterator[str]:
             )
         own = about.fixed_step
         if own and (scenario.step_control or _leaves_remainder(step, own)):
+            remedy = (
+                "interface = 'model_exchange'"
+                if about.exchange
+                else "a macro_step that is a multiple of them"
+            )
             yield (
                 f"components.{name}: its internal steps of {own:g} s (fixedInternalStepSize) do not fit into "
-                "macro steps, so its outputs may lag behind; take a macro_step that is a multiple of them"
+                f"macro steps, so its outputs may lag behind; take {remedy}"
             )
         if table.third_party and about.start:
             yield (

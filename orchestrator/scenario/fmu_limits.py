@@ -57,6 +57,18 @@ class FmuLimits:
             if self.get_degree(c.target) == 0 and c.source not in self.stepwise
         ]
 
+    @property
+    def followed(self) -> bool:
+        """Whether any connected input follows signals of a degree above 0."""
+        return any(self.get_degree(c.target) for c in self._connections)
+
+    @property
+    def integrable(self) -> list[str]:
+        """The participants that hold inputs, and offer model exchange, by which they would follow signals."""
+        names = dict.fromkeys(target.instance for target in self.held_inputs)
+        tables = self._scenario.components
+        return [name for name in names if tables[name].third_party and self._about[name].exchange]
+
     @cached_property
     def stepwise(self) -> list[Port]:
         """The outputs that change at events only and go to inputs that could follow more."""

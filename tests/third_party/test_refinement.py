@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import tribocosim
 from models.core.difference import Difference, difference, time_weights
-from models.core.remedies import in_python
+from models.core.remedies import in_command_line, in_python
 from orchestrator.run.comparison import VariableError, advise
 from orchestrator.run.reference import extrapolate
 from orchestrator.scenario import ScenarioError
@@ -22,6 +22,7 @@ from orchestrator.stepping import RefinedSteps
 
 from .c_fmus import fmu
 from .masses import exact_position, masses
+from .public import public
 from .runs import ran, recorded, scenario
 
 TIMES = np.linspace(0.0, 1.0, 41)
@@ -168,6 +169,29 @@ def test_an_error_that_halved_steps_leave_is_the_own_solvers():
     assert first.startswith("halved steps leave 100 % of the error of a.x, so the own solvers of a")
     assert "model_exchange" in first
     assert "error of b.y falls with the power 2" in second
+
+
+def test_equations_are_advised_before_steps_and_no_signal_that_nobody_follows():
+    """Of an FMU that holds its only input and offers model exchange; by that it follows signals."""
+    table = {"participant": public("reference-fmus-3/Feedthrough.fmu")}
+    source = {"participant": public("reference-fmus-3/VanDerPol.fmu"), "interface": "model_exchange"}
+    name = "through.Float64_continuous_output"
+    lines = ["one.x0 -> through.Float64_continuous_input"]
+    signals = {"name": "jacobi", "extrapolation": "linear"}
+    errors = {name: VariableError(1.0, 1.0, 5e-3, Difference(0.0, 0.0, 0.0), tolerance=1e-3)}
+    parts = {"one": source, "through": table}
+    closed = scenario(parts, connections=lines, master=signals)
+    said = in_command_line(advise(closed, errors, {name: 1.0}, []))
+    inside = "--set components.through.interface=model_exchange"
+    assert said.index(inside) < said.index("macro_step=0.001 s")
+    assert "extrapolation" not in said
+    warned = [text for text in list_warnings(closed) if "fixedInternalStepSize" in text]
+    assert [text.partition("; ")[2] for text in warned] == ["take interface = 'model_exchange'"]
+    parts["through"]["interface"] = "model_exchange"
+    following = scenario(parts, connections=lines, master=signals)
+    said = in_command_line(advise(following, errors, {name: 1.0}, []))
+    assert "model_exchange" not in said
+    assert "master.extrapolation=" in said
 
 
 @given(lengths=st.lists(st.floats(1e-6, 1.0), min_size=1, max_size=8), parts=st.integers(1, 4))
