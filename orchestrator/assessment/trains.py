@@ -92,13 +92,17 @@ class Train:
         """The largest of its valves (m)."""
         return max(self._list_of_valves("lash"))
 
-    @cached_property
+    @property
     def lobe(self) -> float:
-        """Of its own cam, by a law or points with their ramps."""
+        return self.find_lobe(self.largest_lift)
+
+    @cached_property
+    def largest_lift(self) -> float:
+        """Of its own cam (m), by a law or points with their ramps; of another 0."""
         cam = self.system.instances[self.cam]
         own = [n for n in cam.component.parameters.names if n == "lift" or n.startswith("table_lift[")]
         height = parameter_of(cam, "ramp_height") if own else 0.0
-        return self.find_lobe(height + max((parameter_of(cam, name) for name in own), default=0.0))
+        return height + max((parameter_of(cam, name) for name in own), default=0.0)
 
     @property
     def rest(self) -> float:

@@ -79,6 +79,15 @@ def test_a_run_says_first_whether_its_valve_follows_lands_and_what_it_bears():
     )
 
 
+@pytest.mark.parametrize(("reached", "margin"), [(0.3e-3, ""), (4e-3, ""), (5e-3, "75 %"), (8e-3, "75 %")])
+def test_a_run_that_ends_in_the_lift_has_the_margin_of_the_open_valve_or_none(reached, margin):
+    """The valve bounces as the lash is taken up, to 0.3 mm: below a twentieth of the cam's 8.3 mm."""
+    read = read_columns(contact__load=np.where(LIFT < 0.3e-3, 0.0, 300.0))
+    end = np.flatnonzero(0.999 * reached <= LIFT)[0]
+    merits = list_merits(SYSTEM, {}, lambda name: read(name)[:end])
+    assert [merit.text for merit in merits if merit.figure == "spring_margin"] == [margin] * bool(margin)
+
+
 def test_a_run_tells_the_friction_of_all_shares():
     """Of a roller finger: rolling, slip, pin, tip and guide. The pad has the friction of its contact."""
     system = build_system(load("roller-friction"))
