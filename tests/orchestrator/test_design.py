@@ -312,6 +312,7 @@ def test_a_cycle_that_fails_between_speeds_makes_the_step_smaller_and_ends_no_se
     told: list[str] = []
     search = Parting(train, wanted, np.empty((0, 2)), 100.0, 1.0, told.append)
     found = search.improve(np.zeros(1), lambda *best: None).found
+    assert told[0].startswith("goes on from designed.toml: area ")
     assert found.unknowns == pytest.approx([SHORTER * BOX])
     assert sum("no cycles (no step succeeds)" in line for line in told) == 1
     assert search.look(found.unknowns)[100.0].parting == pytest.approx(95.0, abs=0.2)

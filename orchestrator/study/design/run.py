@@ -199,7 +199,7 @@ def design(
 
         try:
             with reporter.stage("search for a better cam"):
-                improved = search.improve(search.begin() if begun is None else begun, note)
+                improved = search.improve(begun, note)
         except KeyboardInterrupt:
             if not best:
                 raise

@@ -26,6 +26,7 @@ from ..speeds.separation import is_separated
 from ..speeds.subject import to_motion
 from .answers import Answer, differ_by_speed, go_on
 from .figures import AREA, LEAST, SEPARATION, bound_lines, read_figures
+from .files import SCENARIO
 from .limits import (
     Limit,
     Model,
@@ -156,12 +157,15 @@ class Search:
             self.tell(f"no lift was found within the limits of the cam; the nearest is beyond {beyond}")
         return found.unknowns
 
-    def improve(self, start: Vector, best: Best) -> Improved:
-        """Rounds of cycles and optima from `start`; `best` gets each better one, and the cycles of it."""
+    def improve(self, kept: Vector | None, best: Best) -> Improved:
+        """Rounds of cycles and optima from what a search has `kept`, else from the own cam; `best` gets
+        each better one, and the cycles of it."""
+        origin = "start, the scenario's cam as splines" if kept is None else f"goes on from {SCENARIO}"
+        start = self.begin() if kept is None else kept
         show_share(0.0, ", the first cam")
         seen = self.look(start)
         found = self.judge(start, seen)
-        self.tell(f"start, the scenario's cam as splines: {describe(found, self.wanted.objective)}")
+        self.tell(f"{origin}: {describe(found, self.wanted.objective)}")
         if found.beyond:
             self.tell("it breaks limits itself: the first rounds look for a cam that keeps them all")
         best(found, seen)
