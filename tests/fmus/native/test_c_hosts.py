@@ -173,7 +173,8 @@ PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "native-fmus.md"
 @pytest.mark.skipif(sys.platform != "linux", reason="the page's commands are Linux's")
 def test_the_page_s_host_steps_an_fmu(native_files, tmp_path):
     """Its rows are those of another host, to the digits that it prints."""
-    code = re.search(r"```c\n(.+?)```", PAGE.read_text("utf-8"), re.DOTALL)
+    page = PAGE.read_text("utf-8")
+    code = re.search(r"```c\n(.+?)```", page, re.DOTALL)
     assert code
     (tmp_path / "host.c").write_text(code[1])
     command = [*compiler(), "-std=c99", f"-I{FMI_HEADERS}", "host.c", "-o", "host", "-ldl"]
@@ -184,7 +185,9 @@ def test_the_page_s_host_steps_an_fmu(native_files, tmp_path):
     with zipfile.ZipFile(file) as archive:
         archive.extractall(tmp_path)
     library = next((tmp_path / "binaries" / "linux64").glob("*.so"))
-    arguments = [str(library), described.guid, str(position.valueReference), "1e-4", "1e-3"]
+    rest = [str(position.valueReference), "1e-4", "1e-3"]
+    assert f'valve_spring.so "{{GUID}}" {" ".join(rest)}\n' in page
+    arguments = [str(library), described.guid, *rest]
     done = subprocess.run([str(tmp_path / "host"), *arguments], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     rows = [tuple(map(float, line.split(","))) for line in done.stdout.splitlines()]
