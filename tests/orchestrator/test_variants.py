@@ -113,7 +113,7 @@ def test_a_line_of_a_sweep_has_the_units_that_figures_have():
     attributes = {"peak_pressure": {"units": "Pa"}, "least_film": {"units": "m", "display_units": "um"}}
     data = {f"contact.{name}": ("speed", [1.0], attributes[name]) for name in attributes}
     heads = [(head, factor) for head, _, factor in select_columns(xarray.Dataset(data))]
-    assert heads == [("pressure MPa", pytest.approx(1e-6)), ("film µm", pytest.approx(1e6))]
+    assert heads == [("largest pressure MPa", pytest.approx(1e-6)), ("least film µm", pytest.approx(1e6))]
 
 
 @pytest.mark.parametrize(

@@ -221,8 +221,8 @@ def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
     """Head, result and factor of what a line shows: of the first part that has it, contacts before others."""
     wanted = {
         "least load": "least_load", "at": "least_load_angle", "largest load": "largest_load", "lost": "lost",
-        "pressure": "peak_pressure", "film": "least_film", "spring margin": "spring_margin",
-        "seating": "seating_velocity", "at lift": "landing_lift", "torque": "largest_torque",
+        "largest pressure": "peak_pressure", "least film": "least_film", "spring margin": "spring_margin",
+        "seating": "seating_velocity", "lands at lift": "landing_lift", "largest torque": "largest_torque",
     }  # fmt: skip
     found = []
     for words, figure in wanted.items():
