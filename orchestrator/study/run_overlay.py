@@ -17,9 +17,9 @@ from .speeds.compare import label
 
 
 def compare_runs(first: Path, second: Path, out: Path | None, reporter: Reporter) -> dict[str, Any]:
-    """Print the figures of merit that both runs have, and draw both in the file `out`.
+    """Print the figures of merit that both runs have and unless zero in both; draw both in `out`.
 
-    Returns what is printed, by "part: figure", and the figure. MistakeError where one is no run.
+    Returns all that both have, by "part: figure", and the figure. MistakeError where one is no run.
     """
     for folder, other in ((first, second), (second, first)):
         if (folder / STORE).exists():
@@ -36,7 +36,8 @@ def compare_runs(first: Path, second: Path, out: Path | None, reporter: Reporter
         rows = {name: table[figure] for name, table in tables.items()}
         # That of each where an older version wrote the one table in another unit.
         unit = " / ".join(dict.fromkeys(row["unit"] or "1" for row in rows.values()))
-        shown.add_row(figure, unit, *map(_describe_merit, rows.values()))
+        if any(float(row["value"]) for row in rows.values()):
+            shown.add_row(figure, unit, *map(_describe_merit, rows.values()))
         merits[figure] = {"unit": unit, **{name: _to_numbers(row) for name, row in rows.items()}}
     reporter.console.print(shown)
     for name, table in tables.items():

@@ -159,6 +159,20 @@ def test_the_torques_of_a_design_differ_by_their_line_and_lost_contact_is_shaded
     assert np.ptp(lift.get_ylim()) > 0.08
 
 
+def test_runs_are_not_compared_by_what_is_zero_in_both(tmp_path):
+    """The table leaves it out; what it returns has it."""
+    for name, load in (("soft", 0), ("stiff", 5)):
+        (tmp_path / name).mkdir()
+        head = "part,figure of merit,value,unit,angle [deg],time [ms]"
+        rows = f"{head}\nseat,largest seat force,{load},N,,\nshaft,largest twist,0,deg,0,\n"
+        (tmp_path / name / "summary.csv").write_text(rows)
+    folders, text = (tmp_path / "soft", tmp_path / "stiff"), StringIO()
+    found = run_overlay.compare_runs(*folders, None, Reporter(Console(file=text, width=110)))
+    assert list(found["merits"]) == ["seat: largest seat force", "shaft: largest twist"]
+    assert "seat: largest seat force" in text.getvalue()
+    assert "twist" not in text.getvalue()
+
+
 def test_two_runs_lie_over_each_other_with_their_names(tmp_path):
     short = {"stop_time": "60 ms", "macro_step": "20 us", "reference.enabled": False}
     for name, preload in (("soft", 250.0), ("stiff", 400.0)):

@@ -28,10 +28,11 @@ def compare_sweeps(  # options of a command
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Compare two designs over speed: worst value of each number, separation speed, and a figure.
+    """Compare two designs over speed, or two runs, in numbers and a figure.
 
-    The worst is taken over the speeds at which both keep contact. Of two runs: their figures of merit with
-    angle or time, and their valve trains over the angle in one figure.
+    Over speed: the speed of separation, and the worst value of each number over the speeds at which both keep
+    contact. Of two runs: their figures of merit with angle or time unless zero in both, and their trains
+    over the angle.
     """
     check_study_packages()
     from orchestrator.errors import MistakeError, Option
