@@ -170,7 +170,7 @@ def _list_landing(train: Train, found: Merits) -> Iterator[str]:
     for valve in train.list_parts(roles.Valve):
         velocity, bounce = found.get((valve, "seating_velocity")), found.get((valve, "bounce"))
         if velocity and bounce:
-            yield f"seats with {velocity.text}"
+            yield f"seats with at most {velocity.text}"
             yield f"bounces by {bounce.text}" if bounce.value > 0.0 else "does not bounce"
 
 

@@ -72,7 +72,7 @@ def told(**changed: Vector) -> str:
 def test_a_run_says_first_whether_its_valve_follows_lands_and_what_it_bears():
     assert told() == (
         "valve: spring margin 75 % (least load on the open valve over the force of its springs); "
-        "seats with 0.25 m/s; does not bounce; no clash of coils, least gap 0.2 mm; "
+        "seats with at most 0.25 m/s; does not bounce; no clash of coils, least gap 0.2 mm; "
         "highest pressure 500 MPa in contact; least film ratio 0.5 in contact; "
         "friction 24 W in the mean of the run: 0 W in the motion, 24 W outside, of "
         "cam contact (contact), rolling (contact)"
