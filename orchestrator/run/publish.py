@@ -19,6 +19,7 @@ from ..assessment.merits import write_merits
 from ..assessment.trains import find_angles
 from ..errors import Command, Words, in_command_line, join, start_over
 from ..reporter import DRAWING, PAGE, RECORDS, Reporter
+from ..scenario.values import WARNING
 from ..store.atomic_write import NO_ROOM, naming
 from ..store.csv_file import write_csv
 from ..store.journal import Recorded, journals
@@ -157,6 +158,9 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
     for line in ((f"{summary.scenario}: ", summary.verdict), summary.largest_error):
         if line:
             reporter.line(line)
+    for notice in summary.notices:
+        if isinstance(notice, str) and notice.startswith(WARNING):
+            reporter.line(notice)
     report = out / REPORT
     place = f"report in {format_path(report)}" if report.exists() else f"results in {format_path(out)}"
     reporter.line(f"{place}, after {summary.wall_time_s:.1f} s")

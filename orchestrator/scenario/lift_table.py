@@ -25,7 +25,7 @@ from .angle_table import AngleTable, AngleTableError, Kind, find_gaps, read_angl
 from .cam_files import S96, read_s96
 from .fields import Table, in_unit
 from .messages import place_faults
-from .values import Faults, Inserted
+from .values import WARNING, Faults, Inserted
 
 if TYPE_CHECKING:
     from models.valve_train.cams.smoothing import SmoothedLift
@@ -224,7 +224,7 @@ def insert_lift_table(table: dict[str, Any]) -> Inserted:
     """The points of the table's `lift_table`."""
     check_no_law(table, "lift_table")
     read, smoothed = smooth_file(Path(table["lift_table"]))
-    notes = [*read.list_notes(), *read.list_doubts(smoothed)]
+    notes = [*read.list_notes(), *(WARNING + doubt for doubt in read.list_doubts(smoothed))]
     return _insert_points(smoothed.points, smoothed.event, notes)
 
 

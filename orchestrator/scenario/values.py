@@ -41,6 +41,10 @@ def list_layouts(component: Component) -> dict[str, Layout]:
     return dict(zip(SECTIONS, layouts, strict=True))
 
 
+# Begins a note that says what may be wrong with the input; a run repeats it beside its verdict.
+WARNING = "warning: "
+
+
 @dataclass(frozen=True)
 class Inserted:
     """What a key of a component's table becomes.

@@ -14,7 +14,7 @@ from .checks import list_doubtful
 from .fmu_limits import list_limit_warnings
 from .oil import OILED, OilSheet, evaluate, in_celsius, read_oil
 from .units import to_base_units
-from .values import WithUnit
+from .values import WARNING, WithUnit
 
 # A stop time (s) as long as this, in so many macro steps, is doubted.
 LONG, MANY_STEPS = 10.0, 1_000_000
@@ -76,7 +76,9 @@ def _doubt_times(scenario: Scenario) -> list[str]:
 def _list_notes(scenario: Scenario) -> list[str]:
     """What was chosen and doubted in reading files."""
     return [
-        f"components.{name}: {note}" for name, table in scenario.components.items() for note in table.notes
+        f"{WARNING * note.startswith(WARNING)}components.{name}: {note.removeprefix(WARNING)}"
+        for name, table in scenario.components.items()
+        for note in table.notes
     ]
 
 

@@ -10,6 +10,9 @@ from hypothesis import strategies as st
 
 from orchestrator.analyses import load as load_analysis
 from orchestrator.errors import MistakeError
+from orchestrator.reporter import Reporter
+from orchestrator.run.publish import _print_end
+from orchestrator.run.summary import Summary
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.angle_table import AngleTableError
 from orchestrator.scenario.files import SHIPPED, load
@@ -323,6 +326,17 @@ def test_a_run_says_what_it_read(tmp_path):
     said = "\n".join(list_warnings(load(write_scenario(tmp_path))))
     assert "components.camshaft: column 1, 'Kurbelwinkel [Grad]': crank angles" in said
     assert "column 3, 'x': is ignored" in said
+
+
+def test_a_run_repeats_beside_its_verdict_what_is_doubted_of_its_table(tmp_path, capsys):
+    write(tmp_path / "cam.csv", lifts=lift(ANGLES) - 2.0 * (np.abs(ANGLES - 150.0) < 0.1))
+    notices = list_warnings(load(write_scenario(tmp_path)))
+    (doubt,) = [line for line in notices if line.startswith("warning: components.camshaft: the row at 150")]
+    summary = Summary("x", "", "", {}, 1e-5, True, {}, complete=True, verdict="within", notices=notices)
+    _print_end(summary, tmp_path, [], Reporter())
+    told = " ".join(capsys.readouterr().out.split())
+    assert told.index("x: within") < told.index(doubt)
+    assert not any(line in told for line in notices if line != doubt)
 
 
 def test_a_table_that_ends_above_the_base_circle_is_refused(tmp_path):
