@@ -1,5 +1,6 @@
 """Where a cam or a spring comes from: a lift table, a law, or a component of a scenario."""
 
+import difflib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from ..scenario.cams import name_follower
 from ..scenario.component_table import ComponentTable
 from ..scenario.files import find, list_shipped, load, read_contents
 from ..scenario.values import to_value
+from ..texts import to_path
 from ._cam_profile import FIELDS, list_lift_parameters, read_base_radius
 
 # Of these a wire has one.
@@ -36,6 +38,10 @@ def find_settings(source: str, component: str | None = None) -> dict[str, Any]:
             f"cam {source!r}: {suggestion(source, [*RISES, *list_shipped()])} (a law, a shipped "
             "scenario, or a file: a lift table .csv, a scenario .toml or .ssp)"
         )
+    if not to_path(source).exists():
+        near = difflib.get_close_matches(source, map(str, Path(source).parent.glob(f"*{kind}")), 1)
+        known = f"a path, a law ({', '.join(RISES)}) or a shipped scenario"
+        raise MistakeError(f"{source}: no such file", f"did you mean {near[0]}?" if near else f"give {known}")
     if is_contour(Path(source)):
         return {"contour": source, "base_radius": read_base_radius(source)}
     return {"lift_table": source}

@@ -75,6 +75,7 @@ def test_data_have_their_speeds_shafts_units_and_gaps(tmp_path):
             (),
             "speeds from 1000 to 1024 r/min have no gap",
         ),
+        ((), (), "data.csv: is empty; the first line names the columns"),
         (("angle [deg], x [N]", "1, 2", "2, 3"), ("x = contact.load, drift",), "offset, gain"),
         (("contact.load [N]; p [bar]", "1; 2", "2; 3"), (), "no column of an angle or the time"),
     ],

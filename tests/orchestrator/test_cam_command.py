@@ -127,6 +127,8 @@ def test_it_says_of_which_follower_and_speed_its_results_are():
         ("engine-16v", "tappet_intake_2", "did you mean tappet_intake_2"),
         ("cycloidal", "camshaft", "is no scenario"),
         ("absent.toml", None, "no such scenario file"),
+        ("absent.csv", None, "absent.csv: no such file; give a path, a law"),
+        (str(TABLE).replace(".csv", "s.csv"), None, f"no such file; did you mean {TABLE}"),
     ],
 )
 def test_what_has_no_cam_is_named(source, component, message):

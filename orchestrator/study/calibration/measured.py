@@ -135,7 +135,9 @@ def _read_file(path: Path) -> _File:
             comments.append(line.lstrip()[1:].strip())
         else:
             rows.append((number, line))
-    separator = find_separator(rows[0][1]) if rows else None
+    if not rows:
+        raise MistakeError(f"{path}: is empty; {HEADER}")
+    separator = find_separator(rows[0][1])
     if separator is None or len(rows) < 3:
         raise MistakeError(f"{path}: has no two columns, or no two rows of numbers; {HEADER}")
     columns = [split_column(cell) for cell in rows[0][1].split(separator)]
