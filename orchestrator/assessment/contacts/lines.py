@@ -116,12 +116,12 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         gap = f"; largest gap {format_number(1e6 * s.gap, 3)} µm at {at('gap')}"
         yield text + (gap if s.gap > 0.0 else "")
     if summary.at_rest > 0.0:
-        share = f"{100.0 * summary.at_rest:.3g} % of the time"
-        yield f"open in {share} on the base circle and its ramps"
+        share = f"{100.0 * summary.at_rest:.3g} % of the whole time"
+        yield f"open in {share}, on the base circle and its ramps"
     if summary.on_ramps > 0.0:
-        share = f"{100.0 * summary.on_ramps:.3g} % of the time"
+        share = f"{100.0 * summary.on_ramps:.3g} % of the whole time"
         lift = f"up to a lift of {1e3 * summary.ramp_lift:.3g} mm at {at('ramp')}"
-        yield f"open in {share} on the ramps above the lash, {lift}"
+        yield f"open in {share}, on the ramps above the lash, {lift}"
     if i := summary.impact:
         speed = f" with {i.speed:.3g} m/s" if i.speed > 0.0 else ""
         load = f"{format_number(i.load)} N, impulse {i.impulse:.3g} N s"
