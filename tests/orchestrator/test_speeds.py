@@ -279,6 +279,10 @@ def test_lift_is_compared_at_speeds_with_contact():
     (sentence,) = describe_lift_loss(table)
     assert sentence == "valve: the area under its lift is 5 % less at 1910 than at 955 r/min"
     assert not list(describe_lift_loss(table.isel(speed=[2])))
+    table["valve.lift_area"][1] = 2.0001e-3
+    assert list(describe_lift_loss(table)) == [
+        "valve: the area under its lift is unchanged from 955 to 1910 r/min"
+    ]
 
 
 def test_a_run_and_a_sweep_are_not_compared(tmp_path):
