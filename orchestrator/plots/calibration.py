@@ -56,7 +56,7 @@ def draw_calibration(panels: Sequence[Panel], title: str) -> Figure:
         if not row and one.speed is not None:
             above.set_title(f"{one.speed * 30.0 / math.pi:.0f} r/min")
         if row == rows - 2:
-            words = {"time": "time [s]", "cam_angle": "cam angle [°]", "crank_angle": "crank angle [°]"}
+            words = {"time": "Time (s)", "cam_angle": "Cam angle (°)", "crank_angle": "Crank angle (°)"}
             below.set_xlabel(words[one.shaft])
     axes[0, 0].legend(loc="best")
     return figure

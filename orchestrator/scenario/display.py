@@ -48,9 +48,9 @@ def show(quantity: Quantity) -> Shown:
     return show_unit(quantity.unit, quantity.display_unit)
 
 
-def say(value: float, shown: Shown) -> str:
+def say(value: float, shown: Shown, digits: int = 4) -> str:
     """A number in SI with the unit in which it is shown, e.g. "330 N"."""
-    return f"{format_number(shown.factor * value)} {shown.text}".rstrip()
+    return f"{format_number(shown.factor * value, digits)} {shown.text}".rstrip()
 
 
 def show_attributes(attributes: Mapping[Any, Any]) -> Shown:

@@ -14,6 +14,7 @@ import scipy
 import tribocosim
 from orchestrator.errors import MistakeError, RunError
 from orchestrator.scenario import build_scenario
+from orchestrator.scenario.display import Shown, show_unit
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.scenario.system import list_parameters
 from orchestrator.study.calibration import models
@@ -48,6 +49,10 @@ class Formula:
     def outputs(self) -> list[str]:
         return list(self.units)
 
+    @property
+    def shown(self) -> dict[str, Shown]:
+        return {name: show_unit(unit or "1") for name, unit in self.units.items()}
+
     def content(self) -> str:
         return self.function.__name__
 
@@ -58,6 +63,13 @@ class Formula:
 
     def differentiate(self, values: Mapping[str, float], experiment: Experiment, start: Any) -> Prediction:
         raise RunError("a formula has no tangents")
+
+
+def test_residuals_are_told_in_the_unit_in_which_their_signal_is_shown():
+    """A model that is 0.5 rad off everywhere."""
+    turning = Formula(lambda times, angle: {"y": 0.0 * times + angle}, {"y": "rad"})
+    objective = objective_of(turning, np.zeros(TIMES.size), [Fitted("a.angle", "rad", 1.0)])
+    assert objective.describe(np.array([0.5])) == "y 28.6 deg"
 
 
 def objective_of(

@@ -103,6 +103,7 @@ def test_figures_have_display_units_and_no_correlation_of_one_parameter():
     above, below = draw_calibration([panel], "").axes
     assert (above.get_ylabel(), below.get_ylabel()) == ("lift\n[mm]", "residual\n[mm]")
     assert above.lines[0].get_ydata() == pytest.approx([0.0, 2.0])
+    assert below.get_xlabel() == "Time (s)"
     for count, panels in ((1, 1), (2, 3)):  # with the bar of colours
         figure = draw_parameters(["a.b"] * count, np.ones((count, 2)), np.eye(count), "")
         assert len(figure.axes) == panels

@@ -17,6 +17,7 @@ from benchmarks.pushrod_fits import (
     open_objective,
     predict_truth,
 )  # fmt: skip
+from orchestrator.scenario.display import show_unit
 from orchestrator.study.calibration.fit import fit
 from orchestrator.study.calibration.measured import Measured
 from orchestrator.study.calibration.models import Prediction
@@ -31,7 +32,7 @@ class Linear:
 
     base: Sequence[np.ndarray]
     slopes: Sequence[np.ndarray]
-    units = {one.variable: "" for one in SIGNALS}  # noqa: RUF012
+    shown = {one.variable: show_unit("1") for one in SIGNALS}  # noqa: RUF012
     outputs = tuple(one.variable for one in SIGNALS)
 
     @property

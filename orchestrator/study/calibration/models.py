@@ -30,6 +30,7 @@ from ...reporter import Reporter
 from ...run.plan import make_plan, open_participants
 from ...run.simulation import simulate
 from ...scenario import Scenario, build_scenario
+from ...scenario.display import Shown, show
 from ...scenario.files import put_parameters, to_full_toml
 from ...scenario.system import Builder, build_system, list_outputs, resolve, resolve_start
 from ...texts import parse_toml
@@ -92,12 +93,12 @@ class Model(ABC):
     @property
     def outputs(self) -> Sequence[str]:
         """The rows of `Prediction.others`."""
-        return list(self.units)
+        return list(self.shown)
 
     @cached_property
-    def units(self) -> dict[str, str]:
-        """Of all outputs."""
-        return {name: quantity.unit for name, quantity in list_outputs(self.scenario).items()}
+    def shown(self) -> dict[str, Shown]:
+        """How all outputs are shown."""
+        return {name: show(quantity) for name, quantity in list_outputs(self.scenario).items()}
 
     def content(self) -> str:
         """Text that determines the predictions together with values and positions."""

@@ -14,7 +14,7 @@ from models.core.words import tally
 
 from ...errors import RunError
 from ...reporter import Reporter, show_share
-from ...scenario.display import format_number
+from ...scenario.display import say
 from .measured import Measured
 from .models import Prediction, combine
 from .parameters import Fitted
@@ -39,7 +39,7 @@ class Objective:
         self, parameters: Sequence[Fitted], measured: Measured, predictions: Predictions, reporter: Reporter
     ) -> None:
         self.parameters, self.measured, self._reporter = parameters, measured, reporter
-        self._predictions, self.units = predictions, predictions.model.units
+        self._predictions, self._shown = predictions, predictions.model.shown
         self.noises = [signal.noise or 1.0 for signal in measured.signals]
         self._held: dict[bytes, list[Prediction]] = {}
         self._x: Vector | None = None
@@ -248,9 +248,9 @@ class Objective:
         return float(total)
 
     def describe(self, x: Vector) -> str:
-        """How far the signals are from the data (root mean square)."""
+        """How far the signals are from the data (root mean square), in the units in which they are shown."""
         rows = zip(self.measured.signals, self.noises, self.eliminate(x), strict=True)
         return ", ".join(
-            f"{signal.column} {format_number(noise * one.size, 3)} {self.units[signal.variable]}".rstrip()
+            f"{signal.column} {say(noise * one.size, self._shown[signal.variable], 3)}"
             for signal, noise, one in rows
         )
