@@ -17,7 +17,7 @@ BAD = {
     "components.camshaft.substeps=2.5": ("components.camshaft.substeps = 2.5: must be an integer",),
     "macro_stp=1": ("macro_stp", "did you mean macro_step?"),
     "macro_step=0": ("macro_step", "> 0"),
-    "macro_step=3 kg": ("macro_step", "kg", "like s"),
+    "macro_step=3 kg": ("macro_step", "kg does not fit a time", "write s or ms"),
     "macro_step=3 microsecnd": ("macro_step", "did you mean microsecond?"),
     "components.camshaft.parameters.lift=3 qwx": ("lift", "write m or mm"),
     "macro_step=1 s": ("macro_step", "stop_time"),
@@ -50,7 +50,7 @@ BAD = {
     "components.camshaft.participant=matlab": ("matlab", "in-process"),
     "components.camshaft.parameters.flexibl=true": ("flexibl", "did you mean flexible?"),
     "components.camshaft.parameters.flexible=2": ("flexible", "true or false"),
-    "components.camshaft.parameters.lift=3 kg": ("lift", "kg", "like m"),
+    "components.camshaft.parameters.lift=3 kg": ("lift", "kg does not fit a length", "write m or mm"),
     "components.camshaft.parameters.lift=[1]": ("lift", "must be a number"),
     "components.camshaft.start.twst=1": ("start.twst", "did you mean twist?"),
     "components.camshaft.paramters.lift=5": (

@@ -64,7 +64,7 @@ def test_points_counted_as_finished_at_ctrl_c_are_in_the_store(tmp_path, monkeyp
     monkeypatch.setattr(study, "connect", lambda *where: contextlib.nullcontext(workers))
     monkeypatch.setattr(study, "Execution", lambda *arguments: execution)
     monkeypatch.setattr(module, "Store", _Interrupted)
-    with pytest.raises(KeyboardInterrupt, match="2 points are kept"):
+    with pytest.raises(KeyboardInterrupt, match="2 points kept"):
         study.run(PLAN, path, study.Where(), Reporter(Console(quiet=True)))
     assert np.flatnonzero(Store(path).status != PENDING).tolist() == [0, 5]
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import gc
 import os
 import subprocess
 import sys
@@ -178,6 +179,7 @@ def test_a_start_at_the_limit_of_descriptors_leaves_none_open(monkeypatch):
         return open_pipe()
 
     monkeypatch.setattr(os, "pipe", open_while_some_are_left)
+    gc.collect()  # what other tests left open
     before = psutil.Process().num_fds()
     with pytest.raises(OSError, match=os.strerror(errno.EMFILE)):
         Forked("orchestrator.participants.process", "0", os.environ)

@@ -352,5 +352,7 @@ def test_a_step_that_it_discards_ends_the_run_with_its_words(decay: Path, tmp_pa
     table = {"participant": decay, "parameters": {"limit": 0.5}}
     summary, found = ran(scenario({"one": table}), tmp_path / "out")
     assert summary.exit_status == 3
-    assert "x would be 0.496585" in summary.message
+    # The last attempt is one of the shortest steps, over which x falls by less than 5e-6.
+    refused = float(summary.message.partition("x would be ")[2].partition(";")[0])
+    assert 0.5 - 5e-6 < refused < 0.5
     assert found["time"][-1] == pytest.approx(0.69)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
-from rich.table import Table
+from rich.table import Column, Table
 
 from models.contact.films import GROWING
 from models.core.roles import Contact
@@ -193,7 +193,8 @@ def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
     """A line for each speed."""
     columns, lost = select_columns(table), find_lost(table)
     heads = (head for head, _, _ in columns)
-    shown = Table("r/min", *heads, "motion", title="Steady cycles", title_justify="left", padding=0)
+    ends = Column("r/min", no_wrap=True), Column("motion", no_wrap=True)
+    shown = Table(ends[0], *heads, ends[1], title="Steady cycles", title_justify="left", padding=0)
     for i, speed in enumerate(table["speed"].values):
         cells = (format_number(scale * float(table[name][i])) for _, name, scale in columns)
         marks = {"contact lost": lost[i], "not steady": table["change"][i] > STEADY}
