@@ -36,14 +36,14 @@ def test_fmu_commands(fmu):
 
 def test_an_fmu_is_renewed_and_another_one_replaced_with_a_word(tmp_path):
     build = ("fmu", "build", "coupled_mass", "--out", str(tmp_path))
-    assert "replaced" not in called(*build).stderr  # where a machine may tell that it compiles
+    assert not called(*build).stderr
     assert not called(*build).stderr  # the same bytes
     file = tmp_path / "coupled_mass.fmu"
     file.write_bytes(b"of another tool")
     assert said(called(*build)) == f"tribocosim: {file}: replaced a different file of this name"
     assert zipfile.is_zipfile(file)
     train = ("fmu", "build", "--scenario", "two-masses", "--whole", "--out", str(tmp_path / "train.fmu"))
-    assert "replaced" not in called(*train).stderr
+    assert not called(*train).stderr
     other = called(*train, "--set", "components.first.parameters.mass=2")
     assert said(other) == f"tribocosim: {tmp_path / 'train.fmu'}: replaced a different file of this name"
 
