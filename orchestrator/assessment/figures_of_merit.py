@@ -255,10 +255,7 @@ CONTACT: Mapping[str, Figure] = {
         _least_load_angle,
     ),
     "largest_load": (Quantity("N", "largest load"), _largest("load")),
-    "lost": (
-        SHARE.of("share of the time in which contact is lost"),
-        lambda c: Found(c.mean(c.lost)),
-    ),
+    "lost": (SHARE.of("share of the time in which contact is lost"), lambda c: Found(c.mean(c.lost))),
     "lost_on_nose": (
         SHARE.of("share of the time in which contact is lost from where the cam slows the valve"),
         _lost_on_nose,

@@ -193,8 +193,8 @@ def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
     """A line for each speed."""
     columns, lost = select_columns(table), find_lost(table)
     heads = (head for head, _, _ in columns)
-    ends = Column("r/min", no_wrap=True), Column("motion", no_wrap=True)
-    shown = Table(ends[0], *heads, ends[1], title="Steady cycles", title_justify="left", padding=0)
+    marked = Column("motion", no_wrap=True)
+    shown = Table("r/min", *heads, marked, title="Steady cycles", title_justify="left", padding=0)
     for i, speed in enumerate(table["speed"].values):
         cells = (format_number(scale * float(table[name][i])) for _, name, scale in columns)
         marks = {"contact lost": lost[i], "not steady": table["change"][i] > STEADY}
