@@ -4,6 +4,7 @@ import hashlib
 import re
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -30,6 +31,7 @@ from tests.third_party.runs import find_texts, never, recorded
 from tribocosim.cached_fmus import build_fmu
 
 from .packages import binding, component, connection, package
+from .schemas import task_schema
 
 __all__ = ["isolated"]
 
@@ -149,7 +151,8 @@ def test_a_public_package_runs(name, tmp_path):
     assert "--set: the run in" in changed.stderr
     made = tmp_path / "made.ssp"
     shown = called("ssp", "export", str(tmp_path / "out"), "--out", str(made))
-    assert shown.stdout.split() == [str(made), str(made.with_suffix(".srmd"))], shown.stderr
+    task = made.with_suffix(".stmd")
+    assert shown.stdout.split() == [str(made), str(made.with_suffix(".srmd")), str(task)], shown.stderr
     metadata = SRMD(made.with_suffix(".srmd"))
     metadata.__check_compliance__()
     told = {one.classification_type: one.classification_entries for one in metadata.classifications}
@@ -163,6 +166,9 @@ def test_a_public_package_runs(name, tmp_path):
     assert {"out/result.nc", "out/scenario.toml", "out/summary.json"} <= {link for link, _ in files}
     for link, digest in [*files, (metadata.data, metadata.checksum)]:
         assert hashlib.sha3_256((tmp_path / link).read_bytes()).hexdigest() == digest, link
+    task_schema().validate(str(task))
+    named = [one.get("source") for one in ElementTree.parse(task).iter() if one.get("source")]
+    assert sorted(named) == sorted(["made.ssp", "made.srmd", *(link for link, _ in files)])
 
 
 def test_a_public_package_for_another_system_is_refused(tmp_path):

@@ -31,11 +31,13 @@ def ssp_export(
 ) -> None:
     """Write a scenario as an SSP package with its FMUs, for other tools.
 
-    Of a run's folder also its verdict, versions and checksums, in a .srmd file beside the package.
+    Of a run's folder also, beside the package, its verdict, versions and checksums in a .srmd file, and its
+    steps with their files in a .stmd file.
     """
     from orchestrator.errors import REPLACE, MistakeError, Option, another, one_of
     from orchestrator.scenario.files import load
     from orchestrator.scenario.ssp import VERSIONS, export
+    from orchestrator.scenario.ssp.task import TASK_SUFFIX, write_task
     from orchestrator.scenario.ssp.traceability import SUFFIX, describe_run, write_metadata
     from orchestrator.store import atomic_write
     from orchestrator.store.output_folder import SCENARIO, is_run, writing
@@ -53,7 +55,7 @@ def ssp_export(
     if target.suffix != ".ssp":
         remedy = "give ", Option("out", f"{target}.ssp")
         raise MistakeError(f"{target}: the file of a package ends in .ssp", remedy)
-    written = [target, target.with_suffix(SUFFIX)] if run else [target]
+    written = [target, *(target.with_suffix(one) for one in (SUFFIX, TASK_SUFFIX) if run)]
     for path in written:
         if path.exists() and not overwrite:
             raise MistakeError(f"{path}: is already there", another(), REPLACE)
@@ -62,6 +64,7 @@ def ssp_export(
         export(loaded, target, build_fmu, version)
         if run:
             atomic_write.write_whole(written[1], write_metadata(described, run, target))
+            atomic_write.write_whole(written[2], write_task(described, run, target))
     show("\n".join(map(str, written)))
 
 

@@ -19,6 +19,7 @@ NAMESPACES = {
     "ssb": _SSP + "SystemStructureSignalDictionary",
     "stc": _TRACEABILITY + "SSPTraceabilityCommon",
     "srmd": _TRACEABILITY + "SimulationResourceMetaData",
+    "stmd": _TRACEABILITY + "SimulationTaskMetaData",
     "xlink": "http://www.w3.org/1999/xlink",
     # Steps of other tools' masters: OMSimulator's, and that of libcosim and ecos.
     "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",

@@ -16,7 +16,7 @@ from ...store.output_folder import RESULT, SUMMARY, list_files
 from ...texts import parse_json, read_text
 from .names import add_element, expand_tag, to_bytes
 
-SUFFIX = ".srmd"
+SUFFIX, VERSION = ".srmd", "1.0.0-beta2"
 # The only algorithm of the standard, by its name there.
 CHECKSUM = "SHA3-256"
 VERDICT = "verdict", "message", "exit_status", "reference_method", "macro_steps"
@@ -38,7 +38,7 @@ def describe_run(run: Path) -> Any:
         root = add_element(
             None,
             "srmd:SimulationResourceMetaData",
-            version="1.0.0-beta2",
+            version=VERSION,
             name=summary["scenario"],
             description=make_printable(summary["description"]) or None,
             generationTool=f"tribocosim {summary['version']}",
@@ -71,11 +71,15 @@ def write_metadata(root: Any, run: Path, package: Path) -> bytes:
     root.attrib |= {"data": quote(package.name), "checksum": _digest(package), "checksumType": CHECKSUM}
     files = _add_classification(root, f"file-{CHECKSUM.lower()}")
     for path in filter(Path.is_file, list_files(run)):
-        place = quote(Path(os.path.relpath(path, package.parent)).as_posix())
         entry = _add_entry(files, path.relative_to(run).as_posix())
-        entry.set(expand_tag("xlink:href"), place)
+        entry.set(expand_tag("xlink:href"), locate(path, package))
         entry.text = _digest(path)
     return to_bytes(root)
+
+
+def locate(path: Path, package: Path) -> str:
+    """The address of a file from the folder of the package."""
+    return quote(Path(os.path.relpath(path, package.parent)).as_posix())
 
 
 def _add_classification(root: Any, kind: str) -> Any:
