@@ -18,6 +18,7 @@ from .diagnose import print_diagnosis
 from .fmu import fmu_build, fmu_compare, fmu_info, fmu_validate
 from .friction import print_friction
 from .masters import run_masters
+from .misuse import Commands
 from .report import write_page
 from .run import resume_run, run_scenario
 from .scenarios import list_scenarios
@@ -29,6 +30,7 @@ from .tolerances import run_tolerances
 from .wear import run_wear
 
 app = typer.Typer(
+    cls=Commands,
     help="Co-simulation of valve train and slider-crank tribodynamics, compared with a monolithic reference.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
