@@ -31,6 +31,7 @@ def write_cycle_page(folder: Path, path: Path | None, reporter: Reporter) -> Pat
     with a part that needs Python; NativeBuildError without the tools.
     """
     from fmus.native.cycle_module import cycle_module
+    from fmus.native.machine_code import library_licenses
     from models.catalogue import find_factory
     from orchestrator.report import SAMPLES, Train, repeat, write_cycle
     from orchestrator.scenario.files import load as load_checked
@@ -48,7 +49,7 @@ def write_cycle_page(folder: Path, path: Path | None, reporter: Reporter) -> Pat
         show = lambda done, words: bar.show(0.2 + 0.8 * done, f", {words}")  # noqa: E731
         code = cycle_module(own, component, SAMPLES, show)
     train = Train(
-        checked, component, code, flywheel, count_turns(build_system(checked)),
+        checked, component, code, library_licenses(), flywheel, count_turns(build_system(checked)),
         repeat("run", source, folder if folder.is_dir() else Path("results") / checked.name),
         lambda text: load_checked(source, [text]),
     )  # fmt: skip

@@ -28,6 +28,7 @@ from .machine_code import (
     RUNTIME,
     WEBASSEMBLY,
     NativeBuildError,
+    library_licenses,
     shared_library,
     this_platform,
 )
@@ -97,6 +98,10 @@ def collect_files(
         files |= describe_tables(component)
         if WEBASSEMBLY.fmi3 in platforms:
             files[COMPONENT_MANIFEST] = describe_component()
+            files |= {
+                f"documentation/licenses/{part}.txt": text.encode()
+                for part, text in library_licenses().items()
+            }
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, token).encode()
     for count, platform in enumerate(map(CHOICES.__getitem__, platforms), 1):
         progress(f"machine code for {platform.fmi3} ({count} of {len(platforms)})")

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -138,6 +139,18 @@ def runtime_sources(fmi: int) -> list[Path]:
     """The C files of the runtime for a version of FMI."""
     paths = sorted(RUNTIME.glob("*.c"))
     return [path for path in paths if path.name.startswith(f"fmi{fmi}") or not path.name.startswith("fmi")]
+
+
+def library_licenses() -> dict[str, str]:
+    """The licences by name of the C library that is linked into WebAssembly, from zig, which ships it."""
+    library = Path(str(metadata.distribution("ziglang").locate_file("ziglang/lib/libc/wasi")))
+    parts = {
+        "wasi-libc": "LICENSE",
+        "wasi-libc-MIT": "LICENSE-MIT",
+        "cloudlibc": "libc-bottom-half/cloudlibc/LICENSE",
+        "musl": "libc-top-half/musl/COPYRIGHT",
+    }
+    return {name: (library / place).read_text("utf-8") for name, place in parts.items()}
 
 
 def run_zig(arguments: Sequence[str], folder: Path) -> None:

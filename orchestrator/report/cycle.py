@@ -41,11 +41,13 @@ VARIED = {
 @dataclass(frozen=True)
 class Train:
     """A scenario's whole train as one component, as code for a page, and what turns it: the flywheel, and its
-    turns in a period. `command` runs the scenario; `change("path=value")` is it with another value."""
+    turns in a period. `licenses` are those of the code, by part. `command` runs the scenario;
+    `change("path=value")` is it with another value."""
 
     scenario: Scenario
     component: Component
     code: bytes
+    licenses: Mapping[str, str]
     flywheel: str
     turns: int
     command: str
@@ -104,6 +106,7 @@ def _tell_train(train: Train, turning: str) -> dict[str, Any]:
     fields = component.state.fields
     return {
         "code": base64.b64encode(zlib.compress(train.code, 9)).decode(),
+        "licenses": train.licenses,
         "parameters": list(map(float, component.parameters.start)),
         "inputs": list(map(float, component.inputs.start)),
         "state": list(map(float, component.state.start)),

@@ -191,6 +191,11 @@ def test_the_platform_is_chosen_and_described(tmp_path: Path) -> None:
     assert validate(file) == []
     with zipfile.ZipFile(file) as archive:
         manifest = ElementTree.fromstring(archive.read(COMPONENT_MANIFEST))
+        licences = {
+            one: archive.read(f"documentation/licenses/{one}.txt").decode() for one in ("musl", "cloudlibc")
+        }
+    assert "Rich Felker" in licences["musl"]
+    assert "Redistributions in binary form must reproduce" in licences["cloudlibc"]
     assert "org.modelica.fmi-ls-wasm" in manifest.attrib.values()
     with pytest.raises(MistakeError, match=r"^platform='wasm32-wasip2': is none of FMI 2; add fmi=3$"):
         tribocosim.build_fmu("valve_spring", tmp_path, native=True, platforms=["wasm32-wasip2"])
