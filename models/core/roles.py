@@ -4,7 +4,7 @@ A role promises variables and parameters of the component; a field of a role nam
 component's own. `Component` checks the outputs that its roles promise.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar, TypeVar
 
@@ -71,10 +71,18 @@ class Rod(Role):
     """A pushrod between tappet and rocker."""
 
 
+@dataclass(frozen=True)
 class Rocker(Role):
-    """Turns about its middle and opens a valve. Parameters: those of `rocker`."""
+    """Turns about its middle and opens a valve. Parameters: those of `rocker`. By `find_rod_position` of the
+    position of the valve's end (m) and the parameters its rod's end has moved so far (m)."""
 
     outputs = ("rotation", "rod_position", "tip_position")
+
+    find_rod_position: Callable[[float, Mapping[str, float]], float]
+
+    @property
+    def promised(self) -> list[str]:
+        return list(self.outputs)
 
 
 class Losing(Role):

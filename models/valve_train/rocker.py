@@ -1,6 +1,7 @@
 """Rocker: a lever on a fixed pivot in its middle, with a pushrod at one end and a valve at the other."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -72,6 +73,15 @@ def place_ends(x: LeverMotion, p: RockerParameters) -> Ends:
     return Ends(rod, by_rotation, tip)
 
 
+def find_rod_position(tip: float, p: Mapping[str, float]) -> float:
+    """Position of the pushrod's end (m) where the pad's is `tip` (m): `place_ends` the other way round."""
+    rod, valve = p["rod_arm"], p["valve_arm"]
+    if p["small_motion"]:
+        return tip * rod * math.cos(p["rod_angle"]) / (valve * math.cos(p["valve_angle"]))
+    rotation = p["valve_angle"] + math.asin(tip / valve - math.sin(p["valve_angle"]))
+    return rod * (math.sin(rotation - p["rod_angle"]) + math.sin(p["rod_angle"]))
+
+
 @kernel
 def derivative(t: float, x: LeverMotion, u: RockerInputs, p: RockerParameters, dx: LeverMotion) -> None:
     """J phi'' = the moments of rod, valve, friction on the valve, and of the pivot."""
@@ -109,7 +119,7 @@ def rocker() -> Component:
         tolerance=FINE_TOLERANCE,
         name="rocker",
         description="Lever on a fixed pivot between pushrod and valve",
-        roles=(roles.Rocker(),),
+        roles=(roles.Rocker(find_rod_position),),
         **layouts(RockerParameters, LeverMotion, RockerInputs, RockerOutputs),
         derivative=derivative,
         output=output,

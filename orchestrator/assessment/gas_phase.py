@@ -54,12 +54,12 @@ def _is_gas_force(system: System, line: Connection) -> bool:
 
 def _judge(train: Train, gas: str, valve: str, outputs: Vector) -> Iterator[str]:
     system = train.system
-    of_gas, lash = system.instances[gas], parameter_of(system.instances[valve], "lash")
+    of_gas = system.instances[gas]
     (crank,) = (line.source for line in system.connections if line.target == Port(gas, "crank_angle"))
     angle = outputs[:, system.outputs.index(crank)]
     lift = outputs[:, system.outputs.index(Port(train.cam, "cam_lift"))]
     pressure = outputs[:, system.outputs.index(Port(gas, "gas_pressure"))]
-    lifted = lift > max(lash, LIFTED * float(np.max(lift)))
+    lifted = lift > max(train.lash, LIFTED * float(np.max(lift)))
     after = np.degrees(angle - parameter_of(of_gas, "firing_angle")) % 720.0
     blowdown = math.nan
     if "exhaust_opening" in of_gas.component.parameters:

@@ -1,8 +1,66 @@
-"""Speeds at which a train loses contact, in the table of a sweep."""
+"""Lost contact: its one definition, and the speeds of a sweep at which it is met."""
+
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
 from numpy.typing import NDArray
+
+from models.compile.compiled import compiled
+from models.core.quantities import Vector
+
+# A load (N) below this is rounding.
+ROUNDING = 1e-9
+# What a contact does: it carries load, or is open at rest, on a ramp, or lost.
+LOADED, AT_REST, ON_RAMP, LOST = range(4)
+
+
+@compiled
+def judge(load: float, lift: float, lash: float, lobe: float, before: int) -> int:
+    """What a contact does at this load (N) and lift of its cam (m), after `before`, by its `ContactLaw`."""
+    if load > ROUNDING:
+        return LOADED
+    if lift > lobe:
+        return LOST
+    if lift <= lash:
+        return AT_REST
+    return LOST if before == LOST else ON_RAMP
+
+
+@compiled
+def judge_rows(load: Any, lift: Any, lash: float, lobe: float, found: Any) -> None:
+    before = LOADED
+    for i in range(len(load)):
+        before = found[i] = judge(load[i], lift[i], lash, lobe, before)
+
+
+class ContactLaw(NamedTuple):
+    """What a contact without load is, by the lift of its cam (m).
+
+    - Up to the `lash`, on base circle and ramps, it is open as designed: a seat bears the valve.
+    - On the lobe it is lost: above a tenth of the largest lift, and above the lash (`lobe`).
+    - On a ramp between them it has rebounded, as the lash was taken up or the valve put down. A flight that
+      has been on the lobe is lost there too, until load returns or the cam comes down to the lash.
+
+    The lash is that at the valve as the cam has it (`Train.lash`). A valve without a seat is borne by its cam
+    alone, a lash adjuster has to keep contact on the base circle, and a contact without a cam has no base
+    circle: there nothing is at rest, and every contact without load is lost. That is the default.
+    """
+
+    lash: float = -math.inf
+    lobe: float = -math.inf
+
+    @property
+    def rests(self) -> bool:
+        """Whether a seat may bear the valve."""
+        return self.lobe > -math.inf
+
+    def judge(self, load: Vector, lift: Vector) -> NDArray[np.int8]:
+        """What the contact does in these rows, from the first to the last."""
+        found = np.zeros(len(load), np.int8)
+        judge_rows(load, lift, self.lash, self.lobe, found)
+        return found
 
 
 def list_shares(table: xarray.Dataset, number: str = "lost") -> list[str]:

@@ -1,6 +1,5 @@
 """The parts of a motion, and what is found of them."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,7 +12,7 @@ from models.core.component import Component
 from models.core.quantities import Vector
 from models.core.system import System
 
-from .trains import Angle, Train, find_train, find_trains, parameter_of
+from .trains import Angle, Train, find_lost_rows, find_train, find_trains, parameter_of
 
 
 class Found(NamedTuple):
@@ -70,17 +69,14 @@ class Part:
     @cached_property
     def lifted(self) -> NDArray[np.bool_]:
         """Where its cam lifts (`Train.lobe`); everywhere, if it has no cam of its own."""
-        return self._rises_above(self.train.lobe if self.train else -math.inf)
+        if self.train is None or self.cam_lift is None:
+            return np.ones(self.motion.times.size, dtype=np.bool_)
+        return np.asarray(self.cam_lift > self.train.lobe)
 
     @cached_property
     def lost(self) -> NDArray[np.bool_]:
-        """Where a contact carries no load though no seat bears the valve (`Train.rest`)."""
-        return (self["load"] <= 0.0) & self._rises_above(self.train.rest if self.train else -math.inf)
-
-    def _rises_above(self, lift: float) -> NDArray[np.bool_]:
-        if self.train is None or self.cam_lift is None:
-            return np.ones(self.motion.times.size, dtype=np.bool_)
-        return np.asarray(self.cam_lift > lift)
+        """Where a contact is (`ContactLaw`)."""
+        return find_lost_rows(self.motion.system, self.name, self.motion.column)
 
     def parameter(self, name: str) -> float:
         return parameter_of(self.motion.system.instances[self.name], name)

@@ -1,7 +1,6 @@
 """The valve trains of a system, and the angles over which its parts are read; both found by roles."""
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import chain
@@ -9,12 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from models.core import roles
 from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 
 from ..store.coordinates import Coordinate
+from .lost_contact import LOST, ContactLaw
 
 # What ends a train: it is no part of one, or of several.
 ENDS = (
@@ -87,10 +88,16 @@ class Train:
         """The lift (m) above which a cam of this largest lift lifts: a tenth of it, and the valves' lash."""
         return max(LIFTED * largest, self.lash)
 
-    @property
+    def find_cam_lash(self, lash: float) -> float:
+        """The lift of the cam (m) that takes up a lash at the valve (m). A finger's lift is its valve's; a
+        rocker has it from the rod's end."""
+        rockers = [self.system.instances[name] for name in self.list_parts(roles.Rocker)]
+        return max((_find_rod_position(rocker, lash) for rocker in rockers), default=lash)
+
+    @cached_property
     def lash(self) -> float:
-        """The largest of its valves (m)."""
-        return max(self._list_of_valves("lash"))
+        """The largest of its valves, as the cam has it (m)."""
+        return self.find_cam_lash(max(self._list_of_valves("lash")))
 
     @property
     def lobe(self) -> float:
@@ -105,12 +112,9 @@ class Train:
         return height + max((parameter_of(cam, name) for name in own), default=0.0)
 
     @property
-    def rest(self) -> float:
-        """The lift of its cam (m) up to which contacts may be open while a seat bears the valve: that of base
-        circle and ramps, which take up the lash. None, minus infinity, of a valve without a seat, and where a
-        lash adjuster keeps contact."""
+    def contact_law(self) -> ContactLaw:
         rests = any(self._list_of_valves("seat_stiffness")) and not self.list_parts(roles.Adjuster)
-        return self.lobe if rests else -math.inf
+        return ContactLaw(self.lash, self.lobe) if rests else ContactLaw()
 
     def _list_of_valves(self, parameter: str) -> list[float]:
         """Of those that have it, after a zero."""
@@ -160,6 +164,20 @@ def find_train(system: System, instance: str) -> Train | None:
     return next((train for train in find_trains(system) if instance in train.parts), None)
 
 
+def find_law(system: System, contact: str) -> ContactLaw:
+    """That of its train."""
+    train = find_train(system, contact)
+    return train.contact_law if train else ContactLaw()
+
+
+def find_lost_rows(system: System | None, contact: str, column: Callable[[str], Vector]) -> NDArray[np.bool_]:
+    """Where the contact is lost, in rows of "instance.variable". Without a system the load alone says it."""
+    train, load = find_train(system, contact) if system else None, column(f"{contact}.load")
+    law = train.contact_law if train else ContactLaw()
+    lift = column(f"{train.cam}.cam_lift") if train and law.rests else load
+    return law.judge(load, lift) == LOST
+
+
 def find_angle(system: System, instance: str) -> Angle | None:
     """The angle over which the instance is read: its own cam's, or else the crank's or shaft's."""
     own = find_train(system, instance)
@@ -178,6 +196,12 @@ def list_ratios(system: System) -> list[float]:
 def parameter_of(instance: Instance, name: str) -> float:
     """As given, or its default."""
     return instance.parameters.get(name, instance.component.parameters.field(name).start)
+
+
+def _find_rod_position(rocker: Instance, tip: float) -> float:
+    role, numbers = rocker.component.find_role(roles.Rocker), rocker.component.parameters
+    assert role
+    return role.find_rod_position(tip, numbers.named(numbers.vector(rocker.parameters)))
 
 
 def list_parts(system: System, role: type[roles.Role]) -> list[str]:

@@ -16,7 +16,7 @@ from models.core.system import System
 
 from ..assessment.diagnosis.steps import NONE, Steps, read_steps
 from ..assessment.films import FILMS, has_film, slides
-from ..assessment.trains import Angle, Train, find_angle, find_angles, find_train, find_trains
+from ..assessment.trains import Angle, Train, find_angle, find_angles, find_lost_rows, find_trains
 from ..scenario.display import SYMBOLS, show
 from ..scenario.files import load
 from ..scenario.system import build_system, list_outputs
@@ -111,11 +111,8 @@ class FigureData:
         return np.asarray(values[f"{contact}.load"] <= 0.0)
 
     def lost(self, contact: str) -> NDArray[np.bool_]:
-        """Where it carries no load though no seat bears the valve (`Train.rest`)."""
-        train = find_train(self.system, contact) if self.system else None
-        lift = self.coupled.get(f"{train.cam}.cam_lift") if train else None
-        opened = self.opened(contact)
-        return opened if train is None or lift is None else np.asarray(opened & (lift > train.rest))
+        """Where it is lost (`ContactLaw`)."""
+        return find_lost_rows(self.system, contact, self.coupled.__getitem__)
 
     def in_contact(self, contact: str) -> FigureData:
         """The data with NaN for the contact's films and friction where they have no meaning, and for films

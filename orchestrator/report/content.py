@@ -11,14 +11,14 @@ from models.core.quantities import Vector
 from ..assessment.diagnosis.report import WORDS
 from ..assessment.diagnosis.suggestions import percent
 from ..assessment.films import FILMS, has_film
-from ..assessment.trains import find_train
+from ..assessment.trains import find_lost_rows
 from ..engine.step import REASONS
 from ..scenario import Scenario, parse_ends
 from ..scenario.display import show_unit
 from ..scenario.system import build_system
 from ..store.records import Group, Records
 from .mechanism import list_sketches
-from .packing import COARSE, bucket, pack, pack_detail, pack_exactly
+from .packing import COARSE, bucket, list_spans, pack, pack_detail, pack_exactly
 from .sketch import Sketch
 
 # Rows that are kept one by one; of more, least and largest values of as many stretches.
@@ -45,6 +45,7 @@ def collect_run(records: Records, scenario: Scenario | None, summary: Mapping[st
     bases, variables, left_out = _pack_groups(records, scenario, sketches, summary)
     panels = _choose_panels(variables, scenario, summary)
     _add_detail(records, bases, variables, panels)
+    coupled = [str(v["name"]) for v in variables if v["group"] == "coupled"]
     return {
         "bases": bases,
         "variables": variables,
@@ -53,7 +54,7 @@ def collect_run(records: Records, scenario: Scenario | None, summary: Mapping[st
         "profiles": {name: _pack_profiles(group) for name, group in records.profiles.items()},
         "panels": panels,
         "abscissa": next((str(v["name"]) for v in variables if is_angle(str(v["name"]))), ""),
-        "marks": list_marks([str(v["name"]) for v in variables if v["group"] == "coupled"], scenario),
+        "marks": list_marks(coupled, lambda part: [_list_lost(records, scenario, part)]),
         "steps": _tell_steps(records, bases, variables, scenario),
     }
 
@@ -174,21 +175,25 @@ def _place_times(times: Vector) -> dict[str, Any]:
     return {**placed, "time": pack_exactly(times)}
 
 
-def list_marks(names: Sequence[str], scenario: Scenario | None) -> list[dict[str, Any]]:
-    """Loads of contacts, whose loss and return are marked, with the lift up to which they may be open; and
-    counters of impacts."""
+def list_marks(
+    names: Sequence[str], list_lost: Callable[[str], Sequence[Sequence[Sequence[int]]]]
+) -> list[dict[str, Any]]:
+    """Loads of contacts, whose landings are marked, with the spans of rows in which contact is lost, one list
+    for each cycle; and counters of impacts."""
     marks: list[dict[str, Any]] = []
-    system = build_system(scenario) if scenario else None
     for name in names:
         part, _, ending = name.rpartition(".")
         if ending == "load" and f"{part}.film_thickness" in names:
-            train = find_train(system, part) if system else None
-            marks.append({"part": part, "kind": "load", "variable": name})
-            if train and train.rest > 0.0:
-                marks[-1] |= {"lift": f"{train.cam}.cam_lift", "rest": train.rest}
+            marks.append({"part": part, "kind": "load", "variable": name, "lost": list_lost(part)})
         elif ending == "impact_count":
             marks.append({"part": part, "kind": "count", "variable": name})
     return marks
+
+
+def _list_lost(records: Records, scenario: Scenario | None, part: str) -> list[list[int]]:
+    group = records.groups["coupled"]
+    system = build_system(scenario) if scenario else None
+    return list_spans(find_lost_rows(system, part, group.read), _find_stretch(group.rows))
 
 
 def _tell_steps(
@@ -247,13 +252,18 @@ def read_film(name: str, stored: Container[str], read: Callable[[str], Vector]) 
     return np.where(has_film(ending, read(f"{part}.load")), read(name), np.nan)
 
 
+def _find_stretch(rows: int) -> int:
+    """How many rows a page takes together."""
+    return -(-rows // ROWS)
+
+
 class _Base:
     """The times of a group, thinned to stretches if there are many rows."""
 
     def __init__(self, group: Group, kind: str, number: int) -> None:
         self.kind, self.number = kind, number
         time = group.read("time")
-        self.size = -(-len(time) // ROWS)
+        self.size = _find_stretch(len(time))
         self.content = {
             "rows": len(time),
             "stretch": self.size,

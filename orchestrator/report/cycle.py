@@ -24,6 +24,8 @@ from .mechanism import list_sketches
 SAMPLES = 720
 PANELS = (".load", ".film_thickness", ".velocity", ".position")
 RPM = 30.0 / math.pi
+# A lash (m) that gives the ratio of a train without one.
+SMALL = 1e-6
 # Positions of sliders: shares of the scenario's number, and temperatures (degC).
 SHARES = tuple(k / 20 for k in range(8, 41))
 TEMPERATURES = tuple(range(30, 155, 5))
@@ -67,7 +69,7 @@ def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
         "leftOut": 0,
         "sketches": [sketch.content() for sketch in sketches],
         "panels": _choose(names),
-        "marks": list_marks(names, train.scenario),
+        "marks": list_marks(names, lambda part: []),
         "abscissa": angle,
         "cycle": cycle,
     }
@@ -122,8 +124,9 @@ def _tell_train(train: Train, turning: str) -> dict[str, Any]:
 
 
 def _tell_parts(train: Train) -> Iterator[dict[str, Any]]:
-    """What each cam moves: parts of which the page says figures, contacts with their elastic limits (Pa), and
-    which parameters are lashes. A valve without a seat has none."""
+    """What each cam moves: parts of which the page says figures, contacts with their elastic limits (Pa),
+    and by what its contacts are judged (`ContactLaw`): a tenth of the largest lift (m), and which parameters
+    are lashes, each with what the cam lifts for it, in shares of it. A valve without a seat has none."""
     parameters = train.component.parameters
     numbers = dict(zip(parameters.names, parameters.start, strict=True))
     for one in find_trains(build_system(train.scenario)):
@@ -134,8 +137,13 @@ def _tell_parts(train: Train) -> Iterator[dict[str, Any]]:
             "lift": f"{one.cam}.cam_lift",
             "contacts": limits,
             "valves": [name for name in valves if numbers.get(f"{name}.seat_stiffness")],
-            "lashes": [parameters.index(at) for name in valves if (at := f"{name}.lash") in numbers],
-            "rests": one.rest > 0.0,
+            "lashes": [
+                [parameters.index(at), one.find_cam_lash(numbers[at] or SMALL) / (numbers[at] or SMALL)]
+                for name in valves
+                if (at := f"{name}.lash") in numbers
+            ],
+            "lobe": LIFTED * one.largest_lift,
+            "rests": one.contact_law.rests,
         }
 
 

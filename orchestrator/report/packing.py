@@ -5,6 +5,7 @@ import zlib
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.core.quantities import Vector
 
@@ -44,6 +45,13 @@ def pack_detail(values: Vector) -> dict[str, Any]:
 
 def _deflate(rows: Any) -> str:
     return base64.b64encode(zlib.compress(rows.T.tobytes(), LEVEL)).decode("ascii")
+
+
+def list_spans(rows: NDArray[np.bool_], size: int = 1) -> list[list[int]]:
+    """Begin and end of the rows that are true, in stretches of `size` rows of which any is."""
+    any_of = np.logical_or.reduceat(rows, np.arange(0, len(rows), size)) if len(rows) else rows
+    edges = np.flatnonzero(np.diff(any_of, prepend=False, append=False))
+    return [[int(begin), int(end)] for begin, end in edges.reshape(-1, 2)]
 
 
 def bucket(values: Vector, size: int) -> tuple[Vector, Vector]:

@@ -13,12 +13,14 @@ import xarray
 from models.core.quantities import Vector
 
 from ..assessment.lost_contact import find_lost
+from ..assessment.trains import find_lost_rows
 from ..errors import MistakeError, Option
 from ..scenario import Scenario, ScenarioError, build_scenario
+from ..scenario.system import build_system
 from ..store.output_folder import CYCLES, STORE, SUMMARY, SWEPT
 from .content import describe, list_marks, read_film
 from .mechanism import list_sketches
-from .packing import pack
+from .packing import list_spans, pack
 from .repetition import repeat
 
 ANGLE = "cam_angle"
@@ -89,13 +91,19 @@ def _collect(cycles: xarray.Dataset, numbers: xarray.Dataset, scenario: Scenario
     variables = [_pack(name, values) for name, values in zip(names, filmed, strict=True)]
     variables.insert(0, _pack(ANGLE, cycles[ANGLE].copy(data=turned)))
     sketches = list_sketches(scenario, names) if scenario else []
+    system = build_system(scenario) if scenario else None
+
+    def list_lost(part: str) -> list[list[list[int]]]:
+        every = [{name: cycles[name].values[k] for name in names} for k in range(speeds.size)]
+        return [list_spans(find_lost_rows(system, part, one.__getitem__)) for one in every]
+
     return {
         "bases": [{"rows": cycles.sizes["share"], "stretch": 1, "end": 1.0}],
         "variables": variables,
         "leftOut": 0,
         "sketches": [sketch.content() for sketch in sketches],
         "panels": _choose(names, PANELS) or names[:1],
-        "marks": list_marks(names, scenario),
+        "marks": list_marks(names, list_lost),
         "abscissa": ANGLE,
         "sweep": {
             "angle": ANGLE,

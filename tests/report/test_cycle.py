@@ -1,5 +1,6 @@
 """cycle.html: a page that computes the steady cycle of a train, in a real browser."""
 
+import itertools
 import math
 import platform
 import re
@@ -15,8 +16,10 @@ from fmus.native.cycle_module import cycle_module, link_cycle, list_sizes
 from fmus.native.machine_code import Platform
 from models.catalogue import find_factory
 from models.native.translate import TranslationError
+from orchestrator.assessment.lost_contact import LOST, ContactLaw
 from orchestrator.errors import MistakeError
 from orchestrator.report.cycle import SAMPLES
+from orchestrator.report.packing import list_spans
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.scenario.system import list_parameters
 from orchestrator.study.speeds.subject import SpeedSubject, measure_cycle
@@ -85,7 +88,7 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
         assert "least film 0 µm" in thin  # below an atom
         lifting = (
             "lash => { const chosen = report.records.view('parameters', Float64Array, report.records.told."
-            "parameters.length); chosen[report.records.told.trains[0].lashes[0]] = lash; "
+            "parameters.length); chosen[report.records.told.trains[0].lashes[0][0]] = lash; "
             "return report.records.measure().figures.includes('while the cam lifts'); }"
         )
         assert [page.evaluate(lifting, lash) for lash in (1.0, 0.0)] == [False, True]
@@ -108,6 +111,28 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
     assert 1e-6 * film == pytest.approx(thinnest, rel=6e-3)
     hard = subject.find_cycle_at(6000.0 * math.pi / 30.0)
     assert 1e6 * highest == pytest.approx(hard["contact.maximum_pressure"].max(), rel=6e-3)
+
+
+def test_the_page_finds_lost_contact_as_python_does_by_the_lash_of_its_slider(browser, path):
+    """Of a rocker's train: the cam lifts by 0.8 times the lash, and by 8 mm."""
+    random = np.random.default_rng(5)
+    lifts = 8e-3 * np.maximum(0.0, np.sin(np.linspace(0.0, 4.0 * np.pi, 721)))
+    loads = np.repeat(random.choice([0.0, 1e-10, 400.0], 103), 7)
+    own = (
+        "([lash, loads, lifts, rests]) => CycleRecords.prototype.findLost.call({ told: { parameters: [0], "
+        "trains: [{ contacts: { c: 1 }, lift: 'lift', lobe: 8e-4, lashes: [[0, 0.8]], rests }] }, "
+        "view: () => [lash], column: (name) => name === 'lift' ? lifts : loads, "
+        "findLaw: CycleRecords.prototype.findLaw }, { part: 'c' })"
+    )
+    found = []
+    with opened(browser, path) as page:
+        for lash in (0.0, 0.3e-3, 2e-3):
+            law = ContactLaw(0.8 * lash, max(0.8e-3, 0.8 * lash))
+            found.append(page.evaluate(own, [lash, loads.tolist(), lifts.tolist(), True]))
+            assert found[-1] == list_spans(law.judge(loads, lifts) == LOST)
+        bare = page.evaluate(own, [0.0, loads.tolist(), lifts.tolist(), False])
+    assert bare == list_spans(ContactLaw().judge(loads, lifts) == LOST)
+    assert all(one != other for one, other in itertools.combinations([*found, bare], 2))
 
 
 @pytest.mark.parametrize(

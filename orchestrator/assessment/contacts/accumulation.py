@@ -11,6 +11,7 @@ from models.core.integrator import copy
 
 from ...participants.compiled import take
 from ...participants.compiled_calls import FINE
+from ..lost_contact import AT_REST, LOST, ON_RAMP, ROUNDING, judge
 
 # What is read of a contact at each step: outputs, then inputs.
 OUTPUTS = (
@@ -20,9 +21,6 @@ INPUTS = ("entraining_velocity", "radius_of_curvature")
 # And the lift of its cam (m).
 LIFT = "cam_lift"
 SEEN = (*OUTPUTS, *INPUTS, LIFT)
-# A load (N) below this is rounding.
-ROUNDING = 1e-9
-
 # A landing is over where its load has fallen to this share of its peak.
 LANDED = 0.1
 
@@ -50,8 +48,7 @@ COURSE = np.dtype(
                 # The present landing; `touched` is NaN where there is none.
                 "touched", "touch_speed", "peak", "peak_steps", "steps", "touch_impulse", "falling",
                 # The step before.
-                "time", "load", "deflection", "closing_speed", "yielding", "film_power", "rolling", "lost",
-                "resting", "ramping",
+                "time", "load", "deflection", "closing_speed", "yielding", "film_power", "rolling", "state",
             )
         ],
     )
@@ -100,7 +97,7 @@ def accumulate(memory: Any, summaries: Any, time: float) -> None:
 
     `memory` has `seen` (contacts x SEEN); `origins`, where each contact's INPUTS are among `values` (-1: they
     are in `seen`); `scales`, the elastic limit, the groups material, load and speed at 1 N, 1 m/s and 1 m,
-    the lift up to which an open contact is not lost, and the lash; `bounds` (low, high) and `ranges` of the
+    lash and lobe of the `ContactLaw`; `bounds` (low, high) and `ranges` of the
     groups.
     """
     m = memory[0]
@@ -113,8 +110,8 @@ def accumulate(memory: Any, summaries: Any, time: float) -> None:
                 row[FIRST_INPUT + j] = values[origins[2 * i + j]]
         load = row[0] if abs(row[0]) > ROUNDING else 0.0
         step = 0.0 if np.isnan(c.time) else time - c.time
-        borne = row[FIRST_INPUT + 2] > scale[4]
-        if borne and load < c.least_load:
+        lift, lash, lobe = row[FIRST_INPUT + 2], scale[4], scale[5]
+        if lift > lobe and load < c.least_load:
             c.least_load, c.least_load_time = load, time
         _extremes(c, row, scale[0], load, time, step)
         speed, radius = abs(row[6]), row[7]
@@ -123,8 +120,11 @@ def accumulate(memory: Any, summaries: Any, time: float) -> None:
         groups = (scale[1], squeeze, scale[2] * load / radius, scale[3] * speed / radius)
         for k in range(4):
             _range(ranges[i, 4 * k : 4 * k + 4], groups[k], bounds[k, 0], bounds[k, 1], load > 0.0, step)
-        _lose(c, -row[5], load <= 0.0 and borne, time, step)
-        _rest(c, load <= 0.0 and not borne, row[FIRST_INPUT + 2], scale[5], time, step)
+        state = judge(load, lift, lash, lobe, int(c.state))
+        _last(c, state, step)
+        if state == ON_RAMP and lift > c.ramp_lift:
+            c.ramp_lift, c.ramp_time = lift, time
+        _lose(c, -row[5], state == LOST, time)
         if load > 0.0:
             _touch(c, load, time, step)
         else:
@@ -176,23 +176,19 @@ def _range(r: Any, value: float, low: float, high: float, loaded: bool, step: fl
 
 
 @compiled
-def _rest(c: Any, rests: bool, lift: float, lash: float, time: float, step: float) -> None:
-    """A step at whose end the contact is open or not where a seat bears the valve, or a ramp lifts it."""
-    resting, ramping = 1.0 if rests else 0.0, 1.0 if rests and lift > lash else 0.0
-    c.rest_duration += 0.5 * step * (c.resting + resting)
-    c.ramp_duration += 0.5 * step * (c.ramping + ramping)
-    c.resting, c.ramping = resting, ramping
-    if ramping and lift > c.ramp_lift:
-        c.ramp_lift, c.ramp_time = lift, time
+def _last(c: Any, state: int, step: float) -> None:
+    """How long it was open at rest and on ramps, and lost, by the trapezoidal rule."""
+    for one in (int(c.state), state):
+        c.rest_duration += 0.5 * step * (one in (AT_REST, ON_RAMP))
+        c.ramp_duration += 0.5 * step * (one == ON_RAMP)
+        c.lost_duration += 0.5 * step * (one == LOST)
+    c.state = state
 
 
 @compiled
-def _lose(c: Any, gap: float, loses: bool, time: float, step: float) -> None:
+def _lose(c: Any, gap: float, lost: bool, time: float) -> None:
     """A step at whose end contact is lost or not."""
-    lost = 1.0 if loses else 0.0
-    c.lost_duration += 0.5 * step * (c.lost + lost)
-    c.lost = lost
-    if not loses:
+    if not lost:
         regain(c, time)
         return
     if np.isnan(c.lost_since):

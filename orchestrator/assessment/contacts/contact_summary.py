@@ -16,7 +16,7 @@ from models.core import roles
 from models.core.quantities import Vector
 from models.core.system import System
 
-from ..trains import find_train, list_parts
+from ..trains import find_law, find_train, list_parts
 from .accumulation import (
     INPUTS,
     LIFT,
@@ -85,10 +85,9 @@ class ContactSummary:
     `film_power` (W) is what the growing film gives to the motion on average, `film_feed` the share of the
     power through the film, to and fro, that stays there, `film_friction` the coefficient of rolling friction
     that would take as much, `film_grows` whether the formula's film grows with the load.
-    A contact is lost where it carries no load though its cam lifts (above `Train.rest`): `lost` is that share
-    of the time, `at_rest` that without load else, and `on_ramps` that of it where ramps lift the cam above
-    the lash, up to `ramp_lift` (m). Where a seat may bear the valve (`seated`) the least load is that while
-    the cam lifts, elsewhere that of the whole time.
+    By the `ContactLaw`, `lost` is the share of the time in which contact is lost, `at_rest` that without load
+    else, and `on_ramps` that of it on ramps above the lash, up to `ramp_lift` (m). Where a seat may bear the
+    valve (`seated`) the least load is that while the cam lifts, elsewhere that of the whole time.
     `yielding` is the share of the time above the `elastic_limit` (Pa).
     `longest_step` (s): extremes were looked for at least that often. `angles` (deg) of the times are of the
     shaft's `angle_of`, such as cam_angle; "" where none is known.
@@ -168,9 +167,7 @@ class Accumulator:
     ) -> None:
         all_of_them = contacts(system)
         self._parameters = {name: all_of_them[name] for name in names}
-        trains = [find_train(system, name) for name in names]
-        rests = [(train.rest, train.lash) if train else (-np.inf, 0.0) for train in trains]
-        self._rests = dict(zip(names, rests, strict=True))
+        self._laws = {name: find_law(system, name) for name in names}
         count = len(self._parameters)
         self.seen: Vector = np.zeros((count, len(SEEN)))
         places = np.full(2 * count, -1, dtype=np.int64)
@@ -186,7 +183,7 @@ class Accumulator:
             values=np.zeros(1) if values is None else values,
             origins=places,
             scales=np.array(
-                [[*_scales(p), *self._rests[name]] for name, p in self._parameters.items()]
+                [[*_scales(p), *self._laws[name]] for name, p in self._parameters.items()]
             ).reshape(count, 6),
             bounds=np.array(list(TABLE_3.values())),
             ranges=self.ranges,
@@ -213,7 +210,7 @@ class Accumulator:
             c = self.summaries[i : i + 1].copy()[0]
             if c.largest_load > 0.0:
                 found = _course(c, self.ranges[i].reshape(4, 4), parameters)
-                summaries[name] = replace(found, seated=bool(np.isfinite(self._rests[name][0])))
+                summaries[name] = replace(found, seated=self._laws[name].rests)
         return summaries
 
 

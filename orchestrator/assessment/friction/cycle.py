@@ -11,6 +11,7 @@ from models.contact.wear import trapezoidal, worn_depth
 from models.core.quantities import Vector
 
 from ...errors import MistakeError
+from ..lost_contact import LOST, ContactLaw
 
 TURN = 2.0 * math.pi
 # Of a revolution: a run that lacks no more than this is one; what is missing is some of the base circle.
@@ -32,13 +33,12 @@ OF_CAM = (
 
 @dataclass(frozen=True)
 class Cycle:
-    """Records of one revolution, in SI units: the variables of OF_CONTACT and OF_CAM, and the time. `rest` is
-    the lift of the cam up to which the contact may be open (`Train.rest`)."""
+    """Records of one revolution, in SI units: the variables of OF_CONTACT and OF_CAM, and the time."""
 
     contact: str
     time: Vector
     values: Mapping[str, Vector]
-    rest: float = -math.inf
+    law: ContactLaw = ContactLaw()
 
     def __getitem__(self, name: str) -> Vector:
         return self.values[name]
@@ -56,7 +56,7 @@ class Cycle:
     @property
     def lost(self) -> NDArray[np.bool_]:
         """Where contact is lost."""
-        return np.asarray((self["load"] <= 0.0) & (self["cam_lift"] > self.rest))
+        return self.law.judge(self["load"], self["cam_lift"]) == LOST
 
     @property
     def arc(self) -> Vector:

@@ -1,6 +1,5 @@
 """Friction and wear of a run's contacts over a cam revolution, from its output folder."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +18,7 @@ from ...store.output_folder import RESULT, SCENARIO, find_remedy, refuse_missing
 from ...store.result_file import open_result
 from ..merits import read_motion
 from ..motion import Motion
-from ..trains import find_cams, find_drive_angle, find_train, find_trains, list_parts
+from ..trains import find_cams, find_drive_angle, find_law, find_trains, list_parts
 from .cycle import OF_CAM, OF_CONTACT, TURN, last_revolution, wear
 from .report import Judged
 from .shares import Losses, cut_last_turn, measure_losses
@@ -49,8 +48,7 @@ def judge_friction(
     found = []
     for name in [contact] if contact else list(cams):
         cycle = last_revolution(name, *_read(folder, list_columns(system, name, cams[name])))
-        train = find_train(system, name)
-        cycle = replace(cycle, rest=train.rest if train else -math.inf)
+        cycle = replace(cycle, law=find_law(system, name))
         worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
         found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
     return scenario, found

@@ -10,6 +10,12 @@ const TOLERANCE = 3e-6;
 const least = (values) => values ? values.reduce((a, b) => Math.min(a, b), Infinity) : Infinity;
 const megapascals = (pressure) => +(1e-6 * pressure).toPrecision(4) + " MPa";
 
+// Rows in which a contact is lost: ContactLaw of orchestrator/assessment/lost_contact.py, where this page has its own lash.
+function judgeLost(loads, lifts, lash, lobe) {
+  let lost = false;
+  return Array.from(loads, (load, i) => lost = !(load > 1e-9) && (lifts[i] > lobe || (lost && lifts[i] > lash)));
+}
+
 class CycleRecords extends Records {
   constructor(content) {
     super(content);
@@ -93,13 +99,11 @@ class CycleRecords extends Records {
       const { unit, factor } = this.variables.get(part + "." + output) || {}, shown = Math.abs(factor * value);
       if (isFinite(shown) && !(found.get(kind)?.value <= value)) found.set(kind, { value, text: readable(+shown.toPrecision(3)) + " " + unit + " (" + part + ")" });
     };
-    const chosen = this.view("parameters", Float64Array, this.told.parameters.length);
-    for (const { lift, contacts, valves, lashes, rests } of this.told.trains) {
-      const lifts = this.column(lift), largest = -least(lifts.map((one) => -one));
-      const high = Math.max(this.told.lifted * largest, ...lashes.map((at) => chosen[at]));
+    for (const train of this.told.trains) {
+      const { lift, contacts, valves, rests } = train, lifts = this.column(lift), { lobe } = this.findLaw(train);
       for (const [part, limit] of Object.entries(contacts)) {
         const loads = this.column(part + ".load", this.lows);
-        const load = least(loads.filter((_, i) => Math.min(lifts[i], lifts[i + 1]) > high));
+        const load = least(loads.filter((_, i) => Math.min(lifts[i], lifts[i + 1]) > lobe));
         const pressure = -least(this.column(part + ".maximum_pressure", this.highs).map((one) => -one));
         add("least load while the cam lifts", part, "load", load);
         add("highest pressure", part, "maximum_pressure", -pressure);
@@ -113,6 +117,20 @@ class CycleRecords extends Records {
     const figures = [...found].map(([kind, { value, text }]) => (kind.endsWith("lifts") && value <= 0 ? "contact is lost: " : "") + kind + " " + text).join(", ");
     const warnings = { "contact is lost in": lost, "bodies yield above the elastic limit, which is not computed:": yielding };
     return { figures, warnings: Object.entries(warnings).filter(([, parts]) => parts.length).map(([words, parts]) => words + " " + parts.join(", ")) };
+  }
+
+  // Lifts of the cam at the sliders' lash and where its lobe begins (m), after ContactLaw.
+  findLaw({ lobe, lashes }) {
+    const chosen = this.view("parameters", Float64Array, this.told.parameters.length);
+    const lash = Math.max(0, ...lashes.map(([at, share]) => share * chosen[at]));
+    return { lash, lobe: Math.max(lobe, lash) };
+  }
+
+  findLost(mark) {
+    const { part } = mark, train = this.told.trains.find((one) => part in one.contacts), loads = this.column(part + ".load");
+    const { lash, lobe } = train && train.rests ? this.findLaw(train) : { lash: -Infinity, lobe: -Infinity };
+    const lost = judgeLost(loads, train ? this.column(train.lift) : loads, lash, lobe);
+    return findSpans(lost.length, (i) => lost[i]);
   }
 
   // The velocity at the last row before the seat, of the hardest landing of a flight from the cam's lift.

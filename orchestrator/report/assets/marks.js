@@ -5,43 +5,43 @@ const MOST_MARKS = 50000;
 // Landings with less than this share of a contact's largest load are not marked.
 const SLIGHT = 0.01;
 
+// Begin and end of rows.
+function findSpans(count, holds) {
+  const spans = [];
+  for (let i = 0, begin = -1; i <= count && spans.length < MOST_MARKS; i++) {
+    const now = i < count && holds(i);
+    if (now && begin < 0) begin = i;
+    if (now || begin < 0) continue;
+    spans.push([begin, i]);
+    begin = -1;
+  }
+  return spans;
+}
+
 class Marks {
   constructor(records, told) { this.records = records; this.told = told; this.lost = new Map(); this.events = []; }
 
   async start() {
     this.lost.clear(); this.events = [];
     const times = this.records.bases[0].times;
-    for (const { part, kind, variable, lift, rest } of this.told) {
-      const series = await this.records.series(variable);
+    for (const mark of this.told) {
+      const { part, kind, variable } = mark, series = await this.records.series(variable);
       if (!series) continue;
-      if (kind === "load") this.findLosses(part, series, times, lift ? await this.records.series(lift) : null, rest);
-      else this.findCounts(part, series, times);
+      if (kind !== "load") { this.findCounts(part, series, times); continue; }
+      this.lost.set(part, this.records.findLost(mark));
+      this.findLandings(part, series, times);
     }
     this.events.sort((a, b) => a.time - b.time);
   }
 
-  // Spans of rows without load; it lands where one ends, and is lost where a lift above that of rest demands contact.
-  findLosses(part, series, times, lifts, rest) {
-    const { low } = series.levels[0], high = lifts ? lifts.levels[0].high : null;
-    const spans = this.findSpans(low.length, (i) => low[i] <= 0);
-    this.lost.set(part, high ? this.findSpans(low.length, (i) => low[i] <= 0 && high[i] > rest) : spans);
+  // It lands where rows without load end.
+  findLandings(part, series, times) {
+    const { low } = series.levels[0], spans = findSpans(low.length, (i) => low[i] <= 0);
     const least = SLIGHT * series.range(0, low.length)[1];
     spans.forEach(([, at], k) => {
       const until = k + 1 < spans.length ? spans[k + 1][0] : low.length;
       if (at < until && series.range(at, until)[1] >= least) this.events.push({ part, kind: "lands", time: times[at] });
     });
-  }
-
-  findSpans(count, open) {
-    const spans = [];
-    for (let i = 0, begin = -1; i <= count && spans.length < MOST_MARKS; i++) {
-      const now = i < count && open(i);
-      if (now && begin < 0) begin = i;
-      if (now || begin < 0) continue;
-      spans.push([begin, i]);
-      begin = -1;
-    }
-    return spans;
   }
 
   findCounts(part, series, times) {

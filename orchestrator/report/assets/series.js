@@ -93,6 +93,9 @@ class Records {
     })());
     return this.open.get(id);
   }
+
+  // Spans of rows in which a contact is lost.
+  findLost(mark) { return mark.lost[0]; }
 }
 
 function readable(x) {

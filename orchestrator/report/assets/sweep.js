@@ -14,6 +14,8 @@ class SweepRecords extends Records {
     base.times = Float64Array.from({ length: base.rows }, (_, i) => i * period / (base.rows - 1));
   }
 
+  findLost(mark) { return mark.lost[this.chosen]; }
+
   async whole(name) {
     const v = this.variables.get(name);
     if (v && !this.wholes.has(name)) this.wholes.set(name, await unpack(v.data.values, Float32Array));
