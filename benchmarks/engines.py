@@ -1,10 +1,11 @@
 """Shipped scenarios of engines: `python -m benchmarks.engines` writes `valve-train-16v`, `engine-16v` and
 `pushrod-engine`.
 
-Sixteen valve trains on two elastic camshafts, of four cylinders that fire in the order 1-3-4-2, without and
-with the cylinders; and eight pushrod trains on one camshaft. Each train starts in the steady cycle that it
-has alone on a rigid shaft, at its cam's angle. The comments at the beginning of the files stay, and so do the
-order of components and start values that are in that cycle as exactly as it is known.
+Sixteen valve trains `direct-acting-hla` on two elastic camshafts, of four cylinders that fire in the order
+1-3-4-2, without and with the cylinders; and eight pushrod trains on one camshaft. Each train starts in the
+steady cycle that it has alone on a rigid shaft, at its cam's angle. The comments at the beginning of the
+files stay, and so do the order of components and start values that are in that cycle as exactly as it is
+known.
 """
 
 import copy
@@ -18,7 +19,7 @@ import tomli_w
 
 from models.monolithic.cycle import STEADY, find_cycle
 from orchestrator.scenario import build_scenario
-from orchestrator.scenario.files import SHIPPED, load
+from orchestrator.scenario.files import SHIPPED, load, read
 from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.scenario.values import build_component
 
@@ -98,40 +99,7 @@ FIRING_ORDER = (1, 3, 4, 2)
 NOSES = {"intake": 470.0, "exhaust": 250.0}
 SPEED = {"motion": "prescribed", "initial_speed": "2000 rpm"}
 CAM_SPEED = 1000.0 * math.pi / 30.0
-OIL = {"oil": "SAE 5W-30", "temperature": "100 degC"}
-# Lifts over 240 degrees of the crank, with a pointed nose.
-CAM = {
-    "law": "modified_trapezoid", "base_radius": "21 mm", "rise_angle": "60 deg", "dwell_half_width": 0.0,
-    "onset_share": 0.08, "flank_share": 0.1, "reversal_share": 0.12, "nose_share": 0.7,
-}  # fmt: skip
-TRAIN: dict[str, Any] = {
-    **OIL,
-    "name": "train",
-    "stop_time": "60 ms",
-    "macro_step": "2 us",
-    "tolerance": {"contact.load": 1e-3},
-    "connections": [
-        "flywheel.angle -> tappet.cam_angle",
-        "flywheel.speed -> tappet.cam_speed",
-        "tappet.cam_torque -> flywheel.load_torque[1]",
-        "tappet.overlap -> contact.approach",
-        "tappet.overlap_rate -> contact.approach_rate",
-        "tappet.entraining_velocity -> contact.entraining_velocity",
-        "tappet.sliding_velocity -> contact.sliding_velocity",
-        "tappet.radius_of_curvature -> contact.radius_of_curvature",
-        "contact.load -> tappet.cam_load",
-        "contact.friction_force -> tappet.cam_friction",
-        "tappet.position -> spring.position",
-        "tappet.velocity -> spring.velocity",
-        "spring.force -> tappet.load",
-    ],
-    "components": {
-        "flywheel": {"component": "flywheel"},
-        "tappet": {"component": "tappet", "parameters": {"mass": "220 g", **CAM}},
-        "spring": {"component": "coil_spring", "structure": {"segments": 3}, "parameters": {"gap": "6 mm"}},
-        "contact": {"component": "ehl_contact", "parameters": {"film_model": "dowson_toyoda"}},
-    },
-}
+TRAIN = read("direct-acting-hla")[0]
 # A bearing stands between the two cams of each cylinder, and one beside the chain wheel.
 CYLINDERS_AT = (70, 165, 260, 355)
 SHAFT = {
@@ -174,16 +142,17 @@ def build_valve_train() -> dict[str, Any]:
             components |= place_train(TRAIN, phase, starts[phase], valve)
             connections += connect_train([*TRAIN["connections"], *BENDING], shaft, number, valve)
     return {
-        "description": "Valve trains of a 16-valve engine on two camshafts, firing 1-3-4-2, 51 instances",
+        "description": "Valve trains of a 16-valve engine on two camshafts, firing 1-3-4-2, 67 instances",
         "stop_time": "60 ms",
         "macro_step": "2 us",
         "output_step": "40 us",
-        **OIL,
+        "oil": TRAIN["oil"],
+        "temperature": TRAIN["temperature"],
         "start": "given",
         "master": {"name": "gauss_seidel", "extrapolation": "quadratic"},
         "tolerance": {
-            "contact_intake_1a.load": 1e-3,
-            "contact_exhaust_4b.load": 1e-3,
+            "cam_contact_intake_1a.load": 1e-3,
+            "cam_contact_exhaust_4b.load": 1e-3,
             "intake_shaft.drive_torque": 1e-3,
         },
         "connections": connections,
@@ -219,7 +188,7 @@ def build_engine() -> dict[str, Any]:
     crankshaft = {"structure": {"loads": shafts + count, "throws": count}, "parameters": SPEED | throws}
     return {
         "extends": "valve-train-16v",
-        "description": "Engine with four cylinders, firing 1-3-4-2, and 16 valves, 59 instances",
+        "description": "Engine with four cylinders, firing 1-3-4-2, and 16 valves, 75 instances",
         "reference": {"enabled": False},
         "connections": connections,
         "components": {"flywheel": crankshaft} | components,

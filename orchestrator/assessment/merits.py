@@ -170,7 +170,8 @@ def _list_landing(train: Train, found: Merits) -> Iterator[str]:
     for valve in train.list_parts(roles.Valve):
         velocity, bounce = found.get((valve, "seating_velocity")), found.get((valve, "bounce"))
         if velocity and bounce:
-            yield f"seats with at most {velocity.text}"
+            when = "" if velocity.time is None else f" at t = {1e3 * velocity.time:.4g} ms"
+            yield f"hardest seating {velocity.text}{when}"
             yield f"bounces by {bounce.text}" if bounce.value > 0.0 else "does not bounce"
 
 
@@ -261,11 +262,14 @@ HEAD = (
 )  # fmt: skip
 
 
-def write_merits(system: System, merits: Sequence[Merit], read: Read, path: Path) -> None:
-    """The table as a CSV file that a spreadsheet opens as it is."""
+def write_merits(
+    system: System, merits: Sequence[Merit], doubts: Sequence[str], read: Read, path: Path
+) -> None:
+    """The table as a CSV file that a spreadsheet opens as it is; it begins with what is doubted."""
     text = io.StringIO()
     table = csv.writer(text)
     table.writerow(HEAD)
+    table.writerows(("", doubt, *[""] * (len(HEAD) - 2)) for doubt in doubts)
     drive = find_drive_angle(system)
     for merit in merits:
         shown = show(merit.quantity)

@@ -78,7 +78,13 @@ def publish_merits(plan: Plan, summary: Summary, result: ResultFile) -> None:
         def read(name: str) -> Vector:
             return result.read("coupled", [name], slice(None))[name]
 
-        write_merits(plan.system, summary.figures_of_merit, read, result.path.with_name(MERITS))
+        path = result.path.with_name(MERITS)
+        write_merits(plan.system, summary.figures_of_merit, list_warnings(summary), read, path)
+
+
+def list_warnings(summary: Summary) -> list[str]:
+    """What is doubted of the scenario's files."""
+    return [note for note in summary.notices if isinstance(note, str) and note.startswith(WARNING)]
 
 
 def settle_ending(summary: Summary, folder: OutputFolder) -> Summary:
@@ -158,9 +164,8 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
     for line in ((f"{summary.scenario}: ", summary.verdict), summary.largest_error):
         if line:
             reporter.line(line)
-    for notice in summary.notices:
-        if isinstance(notice, str) and notice.startswith(WARNING):
-            reporter.line(notice)
+    for warning in list_warnings(summary):
+        reporter.line(warning)
     report = out / REPORT
     place = f"report in {format_path(report)}" if report.exists() else f"results in {format_path(out)}"
     reporter.line(f"{place}, after {summary.wall_time_s:.1f} s")

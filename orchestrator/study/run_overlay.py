@@ -59,7 +59,8 @@ def read_merits(folder: Path) -> dict[str, dict[str, str]]:
     if not path.is_file():
         return {}
     with path.open(encoding="utf-8-sig", newline="") as file:
-        return {f"{row['part']}: {row['figure of merit']}": row for row in csv.DictReader(file)}
+        rows = [row for row in csv.DictReader(file) if row["part"]]  # others are what is doubted
+    return {f"{row['part']}: {row['figure of merit']}": row for row in rows}
 
 
 def _describe_merit(row: dict[str, str]) -> str:

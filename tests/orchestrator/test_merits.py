@@ -72,7 +72,7 @@ def told(**changed: Vector) -> str:
 def test_a_run_says_first_whether_its_valve_follows_lands_and_what_it_bears():
     assert told() == (
         "valve: spring margin 75 % (least load on the open valve over the force of its springs); "
-        "seats with at most 0.25 m/s; does not bounce; no clash of coils, least gap 0.2 mm; "
+        "hardest seating 0.25 m/s at t = 39.99 ms; does not bounce; no clash of coils, least gap 0.2 mm; "
         "highest pressure 500 MPa in contact; least film ratio 0.5 in contact; "
         "friction 24 W in the mean of the run: 0 W in the motion, 24 W outside, of "
         "cam contact (contact), rolling (contact)"
@@ -121,7 +121,7 @@ def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_p
     """To the six digits of the table."""
     read = read_columns(valve__seat_dip=np.where(LIFT > 1e-9, -LIFT, 1e-6) - HOP)
     merits = list_merits(SYSTEM, {}, read)
-    write_merits(SYSTEM, merits, read, tmp_path / "summary.csv")
+    write_merits(SYSTEM, merits, [], read, tmp_path / "summary.csv")
     rows = csv.DictReader((tmp_path / "summary.csv").read_text("utf-8-sig").splitlines())
     table = {(row["part"], row["figure of merit"]): float(row["value"]) for row in rows}
     inputs, outputs = (
@@ -290,12 +290,13 @@ def test_each_number_has_its_unit_angle_time_and_speed(tmp_path):
     columns["valve_spring.valve_lift"] = np.where(np.arange(11) == 5, 8e-3, 0.0)
 
     system, read = build_system(load("valve-train")), columns.__getitem__
-    write_merits(system, list_merits(system, {}, read), read, tmp_path / "summary.csv")
+    write_merits(system, list_merits(system, {}, read), ["warning: a row"], read, tmp_path / "summary.csv")
     text = (tmp_path / "summary.csv").read_bytes()
     assert text.startswith(b"\xef\xbb\xbf")  # by which a spreadsheet knows UTF-8
     head, *rows = csv.reader(text.decode("utf-8-sig").splitlines())
     assert tuple(head) == HEAD
     found = {(row[0], row[1]): row[2:] for row in rows}
+    assert rows[0] == ["", "warning: a row", *[""] * 7]
     force = found["valve_spring", "largest spring force"]
     assert force == ["500", "N", "108.00", "cam", "18", "1000", ""]
     lift = found["valve_spring", "largest lift"]

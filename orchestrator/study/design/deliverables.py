@@ -44,4 +44,4 @@ def deliver(out: Path, train: DesignedTrain, unknowns: Vector) -> Iterator[Words
             yield f"{name}: {error}"
             continue
         apart = max(abs(read.lift(a).s - lift((a + turn) % TURN).s) for a in angles)
-        yield f"{name} read back: within {1e6 * apart:.2g} um of the design"
+        yield f"{name} read back: within {1e6 * apart:.2g} µm of the design"

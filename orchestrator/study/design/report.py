@@ -198,7 +198,7 @@ def describe_shape(lobe: Lobe, own: Curve, designed: Curve, radii: Sequence[floa
     s = designed.s
     sides = np.maximum.accumulate(s), np.maximum.accumulate(s[::-1])[::-1]
     if (dip := float((np.minimum(*sides) - s).max())) > DEEP * float(s.max()):
-        yield f"the lift dips by {1e6 * dip:.3g} um between two noses; limits.largest_nose_radius forbids it"
+        yield f"the lift dips by {1e6 * dip:.3g} µm between two noses; limits.largest_nose_radius forbids it"
 
 
 def describe_active(active: Active, angle: float, objective: Objective) -> str:
