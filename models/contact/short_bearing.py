@@ -45,6 +45,15 @@ class Impedance(NamedTuple):
     mixed: float
 
 
+class Search(NamedTuple):
+    """For the angle of u from a force (rad): between which it is, where it is, and by how much it changed."""
+
+    low: float
+    high: float
+    angle: float
+    change: float
+
+
 @kernel
 def find_impedance(xi: float, zeta: float) -> Impedance:
     """int (cos^2, sin^2, sin cos)/(1 - xi cos - zeta sin)^3 over |angle| < pi/2, for xi^2 + zeta^2 < 1."""
@@ -71,12 +80,25 @@ def find_force(squeeze: Squeeze, eps: Squeeze) -> Squeeze:
 
 
 @kernel
+def turn_squeeze(search: Search, k: Impedance) -> Search:
+    """Newton's step to the direction of u, or half of what is left where that leaves it.
+
+    The force is the derivative of a convex potential, whose second derivative is A, so that it turns the same
+    way as u.
+    """
+    ahead = search.angle + math.atan2(k.mixed, k.along)
+    low, high = (search.low, search.angle) if ahead > 0.0 else (search.angle, search.high)
+    angle = search.angle - ahead / ((k.along * k.across - k.mixed**2) / (k.along**2 + k.mixed**2))
+    if not low <= angle <= high:
+        angle = 0.5 * (low + high)
+    return Search(low, high, angle, angle - search.angle)
+
+
+@kernel
 def find_squeeze(force: Squeeze, eps: Squeeze) -> Squeeze:
     """The u with A u = force, the inverse of `find_force` for |eps| < 1.
 
-    The force is the derivative of a convex potential, whose second derivative is A, so that it turns the same
-    way as u. It lies between u and eps, at less than a right angle from u. Newton's method seeks u there, and
-    halves the rest where it leaves it.
+    It lies between the force and eps, at less than a right angle from the force.
     """
     size = math.sqrt(force.x**2 + force.y**2)
     if size == 0.0:
@@ -84,22 +106,14 @@ def find_squeeze(force: Squeeze, eps: Squeeze) -> Squeeze:
     c, s = force.x / size, force.y / size
     along, across = c * eps.x + s * eps.y, c * eps.y - s * eps.x
     low = -0.5 * math.pi if across > 0.0 else 0.0
-    high, angle = low + 0.5 * math.pi, 0.0
+    search = Search(low, low + 0.5 * math.pi, 0.0, 1.0)
     for _ in range(STEPS):
-        cos, sin = math.cos(angle), math.sin(angle)
+        cos, sin = math.cos(search.angle), math.sin(search.angle)
         k = find_impedance(cos * along + sin * across, cos * across - sin * along)
-        ahead = angle + math.atan2(k.mixed, k.along)
-        if ahead > 0.0:
-            high = angle
-        else:
-            low = angle
-        slope = (k.along * k.across - k.mixed**2) / (k.along**2 + k.mixed**2)
-        before, angle = angle, angle - ahead / slope
-        if not low <= angle <= high:
-            angle = 0.5 * (low + high)
-        if abs(angle - before) <= CLOSE:
+        search = turn_squeeze(search, k)
+        if abs(search.change) <= CLOSE:
             break
-    cos, sin = math.cos(angle), math.sin(angle)
+    cos, sin = math.cos(search.angle), math.sin(search.angle)
     k = find_impedance(cos * along + sin * across, cos * across - sin * along)
     speed = size / math.sqrt(k.along**2 + k.mixed**2)
     return Squeeze(speed * (cos * c - sin * s), speed * (cos * s + sin * c))

@@ -10,11 +10,10 @@ symmetric: the force is the derivative by u of a convex function, and takes powe
 sets (Hintermueller, Ito and Kunisch 2003) find the wet part exactly, from any first guess.
 
 Nodes lie about sqrt(1 - eps) as wide at the thin place, and at most twice as wide as even ones elsewhere.
-There are nodes along lines of no pressure, such as edges of grooves.
+There are nodes along the edges of grooves, and none in them.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -31,13 +30,15 @@ EDGE = 1.3
 
 @dataclass(frozen=True)
 class Grid:
-    """Of half of the width; ratio = L/D; `lines` are angles (rad) without pressure, from the thin place."""
+    """Of half of the width; ratio = L/D; `grooves` are angles (rad) without pressure, from the thin place, and
+    `opening` is how wide (rad) each of them is."""
 
     eps: float
     ratio: float
-    lines: tuple[float, ...] = ()
+    grooves: tuple[float, ...] = ()
     around: int = AROUND
     across: int = ACROSS
+    opening: float = 0.0
 
     def _count(self, angle: Array) -> Array:
         """How many nodes lie between 0 and an angle, over `around` and times 2 pi."""
@@ -58,16 +59,17 @@ class Grid:
     @cached_property
     def counts(self) -> tuple[Array, Mask]:
         """Where the nodes are, in the map's own measure, and which of them are open to pressure."""
-        if not self.lines:
-            return np.arange(self.around) * 2.0 * math.pi / self.around, np.ones(self.around, bool)
-        angles = np.sort((np.array(self.lines) + math.pi) % (2.0 * math.pi) - math.pi)
-        ends = self._count(angles)
+        turn = 2.0 * math.pi
+        if not self.grooves:
+            return np.arange(self.around) * turn / self.around, np.ones(self.around, bool)
+        middles = np.sort((np.array(self.grooves) + math.pi) % turn - math.pi)
+        ends, begins = self._count(middles - 0.5 * self.opening), self._count(middles + 0.5 * self.opening)
         parts = []
-        for low, high in zip(ends, [*ends[1:], ends[0] + 2.0 * math.pi], strict=True):
-            number = max(1, round(self.around * (high - low) / (2.0 * math.pi)))
-            parts.append(low + (high - low) * np.arange(number) / number)
-        places = np.concatenate(parts)
-        return places, ~np.isin(places, ends)
+        for begin, end in zip(begins, [*ends[1:], ends[0] + turn], strict=True):
+            number = max(1, round(self.around * (end - begin) / turn))
+            parts.append(np.linspace(begin, end, number + 1)[: number + (self.opening > 0.0)])
+        free = [np.arange(part.size) % (part.size - (self.opening > 0.0)) > 0 for part in parts]
+        return np.concatenate(parts), np.concatenate(free)
 
     @cached_property
     def angle(self) -> Array:
@@ -179,10 +181,10 @@ def _factorise(grid: Grid, wet: Mask, start: int) -> Array:
 def solve(grid: Grid, direction: float, guess: Mask | None = None) -> Solution:
     """The field for a unit squeeze in this direction (rad). `guess` is the wet part of one nearby.
 
-    Without lines, the film is dry where it is most opened; ArithmeticError where it would not be.
+    Without grooves, the film is dry where it is most opened; ArithmeticError where it would not be.
     """
     source = grid.squeezed(direction)
-    start = int(np.argmin(source[:, 0] / grid.weights[:, 0] + 99.0 * grid.counts[1] * bool(grid.lines)))
+    start = int(np.argmin(source[:, 0] / grid.weights[:, 0] + 99.0 * grid.counts[1] * bool(grid.grooves)))
     allowed = np.repeat(grid.counts[1][:, None], grid.across, 1)
     allowed[start] = False
     wet = allowed & (source > 0.0 if guess is None else guess)
@@ -192,13 +194,8 @@ def solve(grid: Grid, direction: float, guess: Mask | None = None) -> Solution:
         lacking = source - apply(grid.resistance, found)
         fuller = allowed & np.where(wet, found > 0.0, lacking > 0.0)
         if np.array_equal(fuller, wet):
-            if not grid.lines and lacking[start].max() > 0.0:
+            if not grid.grooves and lacking[start].max() > 0.0:
                 raise ArithmeticError("a film without a dry place")
             return Solution(grid, found, wet, factor, start)
         wet = fuller
     raise ArithmeticError("the wet part of the film was not found")
-
-
-def spread(angle: float, grooves: Sequence[float], width: float) -> tuple[float, ...]:
-    """Lines of no pressure along grooves of a width (rad) at angles from the load, at `angle` from eps."""
-    return tuple(angle + at + side * 0.5 * width for at in grooves for side in (-1.0, 1.0))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from .reynolds import ACROSS, AROUND, Array, Grid, Solution, apply, solve, spread
+from .reynolds import ACROSS, AROUND, Array, Grid, Solution, apply, solve
 
 # A steady journal squeezes the film at a right angle to eps, with omega eps/2 (anticlockwise).
 WEDGE = -0.5 * math.pi
@@ -43,7 +43,8 @@ def solve_steady(
     """Of a bearing with grooves at angles (rad) from the load, none by default; ratio = L/D."""
 
     def at(attitude: float) -> Solution:
-        return solve(Grid(eps, ratio, spread(-attitude, grooves, GROOVE), around, across), WEDGE)
+        places = tuple(at - attitude for at in grooves)
+        return solve(Grid(eps, ratio, places, around, across, GROOVE), WEDGE)
 
     def turned(attitude: float) -> float:
         x, y = at(attitude).force

@@ -1,0 +1,293 @@
+"""Plain bearing with two axial grooves opposite to each other: mobility of the films on its two pads.
+
+Grooves hold p = 0, so that each of the pads between them has a film of its own. With y = z/R, the film h and
+a squeeze u as in `short_bearing`, Reynolds' equation over an angle t is that of `analysis.bearing`,
+
+    d/dt(h^3 dp/dt) + h^3 d2p/dy2 >= -12 n.u,    p >= 0
+
+As h depends on t alone, axial modes of the pressure part it into ordinary equations, for a source n.u:
+
+    P' = M/h^3,    M' = (kappa D/L)^2 h^3 P - n.u
+
+kappa and the weights of the modes' mean pressures are Galerkin's for (1 - Y^2) (1, Y^2) over Y = 2 z/L. Each
+mode ends where its own P and M vanish: that is exact in a narrow film, in a wide one and where a pad is full,
+and between these the only approximation. It keeps the force the gradient of a convex function of u.
+
+From a groove on, P = R M + Q (Riccati). A film that ended at t would have the flux -m there, m = Q/R, and its
+dissipation grows by m^2/h^3 with the place of the end (Hadamard), which is free where m.u = 0. So the
+impedance of `short_bearing` needs no pressure:
+
+    A = 3 (D/L)^2 sum weight int m m^T/h^3 dt    from a groove to the free end or to the other groove
+
+Steps are Magnus' of fourth order (Iserles and Norsett 1999) between even places tau, which are closer to each
+other at the thin place: tan(t/2) = sqrt(1 - eps) tan(tau/2).
+"""
+
+import math
+from typing import NamedTuple
+
+from ..compile.kernel import kernel
+from .finite_bearing import find_finite_squeeze
+from .short_bearing import Impedance, Search, Squeeze, turn_squeeze
+
+# Of the axial modes: kappa^2, and the weight of the mean pressure.
+_ROOT = math.sqrt(133.0)
+SQUARES = 14.0 - _ROOT, 14.0 + _ROOT
+WEIGHTS = 7.0 / 15.0 + 119.0 / (30.0 * _ROOT), 7.0 / 15.0 - 119.0 / (30.0 * _ROOT)
+# Along each pad.
+CELLS = 32
+# Steps for the direction of u end at this change (rad), or after so many; so do those for an end in a cell.
+CLOSE, NEAR, STEPS = 1e-12, 1e-6, 60
+GAUSS, TURN = 0.5 - math.sqrt(3.0) / 6.0, math.sqrt(3.0) / 12.0
+
+
+class Grooves(NamedTuple):
+    """L/D up to 1, the angle of a groove's middle from x, and the width of both (rad)."""
+
+    ratio: float
+    angle: float
+    width: float
+
+
+class Pad(NamedTuple):
+    """eps; from which tau on, and how long; cosine and sine of the direction of u from the thin place."""
+
+    eps: float
+    begin: float
+    length: float
+    cos: float
+    sin: float
+
+
+class Point(NamedTuple):
+    """By dtau: dt/h^3, h^3 dt, n.u dt, and n.v dt for v at a right angle to u."""
+
+    ease: float
+    hold: float
+    along: float
+    across: float
+
+
+class Cell(NamedTuple):
+    """From tau on, of a length: its ends, and the two places of Gauss between."""
+
+    tau: float
+    length: float
+    low: Point
+    one: Point
+    two: Point
+    high: Point
+
+
+class Step(NamedTuple):
+    """Magnus' exponent ((d, b), (c, -d)) of (P, M), and what becomes of R and shrinks Q."""
+
+    b: float
+    c: float
+    d: float
+    r: float
+    shrink: float
+
+
+class Cubic(NamedTuple):
+    """m over a cell, from 0 to 1."""
+
+    value: float
+    slope: float
+    square: float
+    cube: float
+
+
+class Mode(NamedTuple):
+    """At a place: R, m for u and v, the impedance up to there, and whether the film has ended."""
+
+    r: float
+    along: float
+    across: float
+    impedance: Impedance
+    ended: bool
+
+
+@kernel
+def point(angle: float) -> Squeeze:
+    return Squeeze(math.cos(angle), math.sin(angle))
+
+
+@kernel
+def turn(at: Squeeze, by: Squeeze) -> Squeeze:
+    return Squeeze(at.x * by.x - at.y * by.y, at.x * by.y + at.y * by.x)
+
+
+@kernel
+def see_film(at: Squeeze, pad: Pad) -> Point:
+    """At cosine and sine of tau."""
+    c, s, gap = at.x, at.y, 1.0 - pad.eps
+    denominator = 1.0 + c + gap * (1.0 - c)
+    rate = 2.0 * math.sqrt(gap) / denominator
+    cos, sin = (1.0 + c - gap * (1.0 - c)) / denominator, rate * s
+    h = gap * (1.0 + 2.0 * pad.eps * (1.0 - c) / denominator)
+    along, across = cos * pad.cos + sin * pad.sin, sin * pad.cos - cos * pad.sin
+    return Point(rate / h**3, rate * h**3, rate * along, rate * across)
+
+
+@kernel
+def find_step(r: float, square: float, cell: Cell) -> Step:
+    """square = (kappa D/L)^2."""
+    one, two, step = cell.one, cell.two, cell.length
+    b = 0.5 * step * (one.ease + two.ease)
+    c = 0.5 * step * square * (one.hold + two.hold)
+    d = TURN * step * step * square * (two.ease * one.hold - one.ease * two.hold)
+    size = math.sqrt(d * d + b * c)
+    small = math.exp(-size)
+    slope = (1.0 - small * small) / (size * (1.0 + small * small))
+    divisor = 1.0 + slope * (c * r - d)
+    shrink = 2.0 * small / ((1.0 + small * small) * divisor)
+    return Step(b, c, d, (r + slope * (d * r + b)) / divisor, shrink)
+
+
+@kernel
+def carry(m: float, r: float, by: Step, one: float, two: float, cell: Cell) -> float:
+    """m at the end of a cell, with the sources at its two places, by the fixed point (p, flux) of the step."""
+    step = cell.length
+    pull = TURN * step * step * (cell.one.ease * two - cell.two.ease * one)
+    push, square = 0.5 * step * (one + two), by.d * by.d + by.b * by.c
+    p, flux = (by.b * push - by.d * pull) / square, -(by.c * pull + by.d * push) / square
+    return ((r * (m + flux) - p) * by.shrink + p) / by.r - flux
+
+
+@kernel
+def bend(m: tuple[float, float], r: tuple[float, float], sources: tuple[float, float], cell: Cell) -> Cubic:
+    """Hermite's, with m' = n.u - m/(h^3 R), of which the groove has half of n.u."""
+    rise = cell.length * (sources[0] - m[0] * cell.low.ease / r[0] if r[0] > 0.0 else 0.5 * sources[0])
+    end = cell.length * (sources[1] - m[1] * cell.high.ease / r[1])
+    more = m[1] - m[0]
+    return Cubic(m[0], rise, 3.0 * more - 2.0 * rise - end, rise + end - 2.0 * more)
+
+
+@kernel
+def evaluate(m: Cubic, x: float) -> float:
+    return m.value + x * (m.slope + x * (m.square + x * m.cube))
+
+
+@kernel
+def find_end(m: Cubic) -> float:
+    """Where m, positive at first and not at 1, vanishes."""
+    low, high, x = 0.0, 1.0, 0.5
+    for _ in range(STEPS):
+        value = evaluate(m, x)
+        if value > 0.0:
+            low = x
+        else:
+            high = x
+        before, x = x, x - value / (m.slope + x * (2.0 * m.square + 3.0 * x * m.cube))
+        if not low <= x <= high:
+            x = 0.5 * (low + high)
+        if abs(x - before) <= CLOSE:
+            break
+    return x
+
+
+@kernel
+def advance(at: Mode, square: float, cell: Cell, pad: Pad) -> Mode:
+    """Over a cell, or to the end of the film in it: int m m^T/h^3 at two places of Gauss."""
+    if at.ended:
+        return at
+    by = find_step(at.r, square, cell)
+    one, two, r = cell.one, cell.two, (at.r, by.r)
+    along = carry(at.along, at.r, by, one.along, two.along, cell)
+    across = carry(at.across, at.r, by, one.across, two.across, cell)
+    u = bend((at.along, along), r, (cell.low.along, cell.high.along), cell)
+    v = bend((at.across, across), r, (cell.low.across, cell.high.across), cell)
+    part, ended = 1.0, along <= 0.0
+    if ended:
+        part = find_end(u)
+        one = see_film(point(cell.tau + part * GAUSS * cell.length), pad)
+        two = see_film(point(cell.tau + part * (1.0 - GAUSS) * cell.length), pad)
+    u_one, u_two = evaluate(u, part * GAUSS), evaluate(u, part * (1.0 - GAUSS))
+    v_one, v_two = evaluate(v, part * GAUSS), evaluate(v, part * (1.0 - GAUSS))
+    a, b = 0.5 * part * cell.length * one.ease, 0.5 * part * cell.length * two.ease
+    total = Impedance(
+        at.impedance.along + a * u_one * u_one + b * u_two * u_two,
+        at.impedance.across + a * v_one * v_one + b * v_two * v_two,
+        at.impedance.mixed + a * u_one * v_one + b * u_two * v_two,
+    )
+    return Mode(by.r, along, across, total, ended)
+
+
+@kernel
+def sweep(pad: Pad, ratio: float) -> Impedance:
+    """Of a pad whose film begins at its first groove."""
+    dry = Impedance(0.0, 0.0, 0.0)
+    first, second = Mode(0.0, 0.0, 0.0, dry, False), Mode(0.0, 0.0, 0.0, dry, False)
+    step, at = pad.length / CELLS, point(pad.begin)
+    high, nearer, farther, whole = see_film(at, pad), point(GAUSS * step), point((1.0 - GAUSS) * step), point(step)
+    for i in range(CELLS):
+        low, one, two = high, see_film(turn(at, nearer), pad), see_film(turn(at, farther), pad)
+        at = turn(at, whole)
+        high = see_film(at, pad)
+        cell = Cell(pad.begin + i * step, step, low, one, two, high)
+        first = advance(first, SQUARES[0] / ratio**2, cell, pad)
+        second = advance(second, SQUARES[1] / ratio**2, cell, pad)
+        if first.ended and second.ended:
+            break
+    a, b = 3.0 * WEIGHTS[0] / ratio**2, 3.0 * WEIGHTS[1] / ratio**2
+    i, j = first.impedance, second.impedance
+    return Impedance(
+        a * i.along + b * j.along, a * i.across + b * j.across, a * i.mixed + b * j.mixed
+    )
+
+
+@kernel
+def find_tau(angle: float, eps: float) -> float:
+    turns = 2.0 * math.pi * math.floor(0.5 * angle / math.pi + 0.5)
+    half = 0.5 * (angle - turns)
+    return turns + 2.0 * math.atan2(math.sin(half), math.sqrt(1.0 - eps) * math.cos(half))
+
+
+@kernel
+def find_pad_impedance(begin: float, eps: float, u: Squeeze, grooves: Grooves) -> Impedance:
+    """Of a pad from an angle (rad) from eps on, in the axes of the unit squeeze u."""
+    end = begin + math.pi - grooves.width
+    if u.x * math.cos(begin) + u.y * math.sin(begin) > 0.0:
+        tau = find_tau(begin, eps)
+        return sweep(Pad(eps, tau, find_tau(end, eps) - tau, u.x, u.y), grooves.ratio)
+    if u.x * math.cos(end) + u.y * math.sin(end) > 0.0:
+        tau = find_tau(-end, eps)
+        k = sweep(Pad(eps, tau, find_tau(-begin, eps) - tau, u.x, -u.y), grooves.ratio)
+        return Impedance(k.along, k.across, -k.mixed)
+    return Impedance(0.0, 0.0, 0.0)
+
+
+@kernel
+def find_grooved_impedance(u: Squeeze, eps: Squeeze, grooves: Grooves) -> Impedance:
+    """A for a unit squeeze u, in its axes."""
+    far = math.sqrt(eps.x**2 + eps.y**2)
+    c, s = (eps.x / far, eps.y / far) if far > 0.0 else (1.0, 0.0)
+    seen = Squeeze(c * u.x + s * u.y, c * u.y - s * u.x)
+    begin = grooves.angle + 0.5 * grooves.width - math.atan2(s, c)
+    k = find_pad_impedance(begin, far, seen, grooves)
+    other = find_pad_impedance(begin + math.pi, far, seen, grooves)
+    return Impedance(k.along + other.along, k.across + other.across, k.mixed + other.mixed)
+
+
+@kernel
+def find_grooved_squeeze(force: Squeeze, eps: Squeeze, grooves: Grooves) -> Squeeze:
+    """The squeeze u under a force over mu R L^3/c^3, as `find_squeeze`: at less than a right angle from it."""
+    size = math.sqrt(force.x**2 + force.y**2)
+    if size == 0.0:
+        return Squeeze(0.0, 0.0)
+    toward = Squeeze(force.x / size, force.y / size)
+    plain = find_finite_squeeze(force, eps, grooves.ratio)
+    near = math.atan2(toward.x * plain.y - toward.y * plain.x, toward.x * plain.x + toward.y * plain.y)
+    search = Search(-0.5 * math.pi, 0.5 * math.pi, near, 1.0)
+    k, u = Impedance(1.0, 1.0, 0.0), toward
+    for _ in range(STEPS):
+        u = turn(toward, point(search.angle))
+        k = find_grooved_impedance(u, eps, grooves)
+        search = turn_squeeze(search, k)
+        if abs(search.change) <= NEAR:
+            break
+    # A^-1 F: to the square of the last change.
+    along, across = u.x * force.x + u.y * force.y, u.x * force.y - u.y * force.x
+    scale = k.along * k.across - k.mixed**2
+    return turn(u, Squeeze((k.across * along - k.mixed * across) / scale, (k.along * across - k.mixed * along) / scale))
