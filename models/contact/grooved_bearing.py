@@ -147,7 +147,7 @@ def find_step(r: float, square: float, cell: Cell) -> Step:
 
 @kernel
 def carry(m: float, r: float, by: Step, one: float, two: float, cell: Cell) -> float:
-    """m at the end of a cell, with the sources at its two places, by the fixed point (p, flux) of the step."""
+    """m at the end of a cell, with the sources at its two places, by the step's fixed point (p, flux)."""
     step = cell.length
     pull = TURN * step * step * (cell.one.ease * two - cell.two.ease * one)
     push, square = 0.5 * step * (one + two), by.d * by.d + by.b * by.c
@@ -215,12 +215,19 @@ def advance(at: Mode, square: float, cell: Cell, pad: Pad) -> Mode:
 
 
 @kernel
+def add(total: Impedance, k: Impedance, share: float) -> Impedance:
+    along, across = total.along + share * k.along, total.across + share * k.across
+    return Impedance(along, across, total.mixed + share * k.mixed)
+
+
+@kernel
 def sweep(pad: Pad, ratio: float) -> Impedance:
     """Of a pad whose film begins at its first groove."""
     dry = Impedance(0.0, 0.0, 0.0)
     first, second = Mode(0.0, 0.0, 0.0, dry, False), Mode(0.0, 0.0, 0.0, dry, False)
     step, at = pad.length / CELLS, point(pad.begin)
-    high, nearer, farther, whole = see_film(at, pad), point(GAUSS * step), point((1.0 - GAUSS) * step), point(step)
+    high, whole = see_film(at, pad), point(step)
+    nearer, farther = point(GAUSS * step), point((1.0 - GAUSS) * step)
     for i in range(CELLS):
         low, one, two = high, see_film(turn(at, nearer), pad), see_film(turn(at, farther), pad)
         at = turn(at, whole)
@@ -230,11 +237,8 @@ def sweep(pad: Pad, ratio: float) -> Impedance:
         second = advance(second, SQUARES[1] / ratio**2, cell, pad)
         if first.ended and second.ended:
             break
-    a, b = 3.0 * WEIGHTS[0] / ratio**2, 3.0 * WEIGHTS[1] / ratio**2
-    i, j = first.impedance, second.impedance
-    return Impedance(
-        a * i.along + b * j.along, a * i.across + b * j.across, a * i.mixed + b * j.mixed
-    )
+    total = add(dry, first.impedance, 3.0 * WEIGHTS[0] / ratio**2)
+    return add(total, second.impedance, 3.0 * WEIGHTS[1] / ratio**2)
 
 
 @kernel
@@ -247,15 +251,19 @@ def find_tau(angle: float, eps: float) -> float:
 @kernel
 def find_pad_impedance(begin: float, eps: float, u: Squeeze, grooves: Grooves) -> Impedance:
     """Of a pad from an angle (rad) from eps on, in the axes of the unit squeeze u."""
-    end = begin + math.pi - grooves.width
-    if u.x * math.cos(begin) + u.y * math.sin(begin) > 0.0:
+    end, total = begin + math.pi - grooves.width, Impedance(0.0, 0.0, 0.0)
+    low = max(u.x * math.cos(begin) + u.y * math.sin(begin), 0.0) ** 2
+    high = max(u.x * math.cos(end) + u.y * math.sin(end), 0.0) ** 2
+    # A full film is swept from both ends, so that nothing jumps where the film leaves one of them.
+    if low > 0.0:
         tau = find_tau(begin, eps)
-        return sweep(Pad(eps, tau, find_tau(end, eps) - tau, u.x, u.y), grooves.ratio)
-    if u.x * math.cos(end) + u.y * math.sin(end) > 0.0:
+        k = sweep(Pad(eps, tau, find_tau(end, eps) - tau, u.x, u.y), grooves.ratio)
+        total = add(total, k, low / (low + high))
+    if high > 0.0:
         tau = find_tau(-end, eps)
         k = sweep(Pad(eps, tau, find_tau(-begin, eps) - tau, u.x, -u.y), grooves.ratio)
-        return Impedance(k.along, k.across, -k.mixed)
-    return Impedance(0.0, 0.0, 0.0)
+        total = add(total, Impedance(k.along, k.across, -k.mixed), high / (low + high))
+    return total
 
 
 @kernel
@@ -266,13 +274,12 @@ def find_grooved_impedance(u: Squeeze, eps: Squeeze, grooves: Grooves) -> Impeda
     seen = Squeeze(c * u.x + s * u.y, c * u.y - s * u.x)
     begin = grooves.angle + 0.5 * grooves.width - math.atan2(s, c)
     k = find_pad_impedance(begin, far, seen, grooves)
-    other = find_pad_impedance(begin + math.pi, far, seen, grooves)
-    return Impedance(k.along + other.along, k.across + other.across, k.mixed + other.mixed)
+    return add(k, find_pad_impedance(begin + math.pi, far, seen, grooves), 1.0)
 
 
 @kernel
 def find_grooved_squeeze(force: Squeeze, eps: Squeeze, grooves: Grooves) -> Squeeze:
-    """The squeeze u under a force over mu R L^3/c^3, as `find_squeeze`: at less than a right angle from it."""
+    """The squeeze u under a force over mu R L^3/c^3, as `find_squeeze`, for |eps| < 1."""
     size = math.sqrt(force.x**2 + force.y**2)
     if size == 0.0:
         return Squeeze(0.0, 0.0)
@@ -289,5 +296,6 @@ def find_grooved_squeeze(force: Squeeze, eps: Squeeze, grooves: Grooves) -> Sque
             break
     # A^-1 F: to the square of the last change.
     along, across = u.x * force.x + u.y * force.y, u.x * force.y - u.y * force.x
+    found = Squeeze(k.across * along - k.mixed * across, k.along * across - k.mixed * along)
     scale = k.along * k.across - k.mixed**2
-    return turn(u, Squeeze((k.across * along - k.mixed * across) / scale, (k.along * across - k.mixed * along) / scale))
+    return turn(u, Squeeze(found.x / scale, found.y / scale))

@@ -1,8 +1,9 @@
 """Journal bearing: the journal of a shaft in an elastically held bush, with film and asperities between.
 
-The film is short (`contact.short_bearing`), or also flows round the journal (`contact.finite_bearing`). The
-bush has no mass, and its support is a spring. The eccentricity e of the journal in the bush is a state, and
-the force one of displacement:
+The film is short (`contact.short_bearing`), or also flows round the journal: all round a plain bush
+(`contact.finite_bearing`), or on the two pads between axial grooves (`contact.grooved_bearing`). The bush has
+no mass, and its support is a spring. The eccentricity e of the journal in the bush is a state, and the force
+one of displacement:
 
     F = -k (a - e)      on the journal, with its axis at a
     e' = u + omega/2 k x e,      mu R L^3/c^3 A u = k (a - e) - N e/|e|
@@ -21,6 +22,7 @@ from ..compile.kernel import kernel
 from ..contact.asperities import APART, Asperities, mean_gap
 from ..contact.asperity_arc import Arc, AsperityForce, press_arc
 from ..contact.finite_bearing import find_finite_squeeze, find_highest_pressure
+from ..contact.grooved_bearing import Grooves, find_grooved_squeeze
 from ..contact.short_bearing import Squeeze, find_squeeze, highest_pressure
 from ..core import roles
 from ..core.bonds import counts_energies
@@ -36,7 +38,11 @@ THINNEST = 1e-4
 ROUGHEST = 0.1
 # Of the mean planes of rough surfaces that are pressed together, over the roughness: no load reaches it.
 OVERLAP = 10.0
-SHORT, FINITE = 0.0, 1.0
+SHORT, FINITE, GROOVED = 0.0, 1.0, 2.0
+# Pads are longer than a right angle, so that a squeeze in any direction meets one.
+WIDEST_GROOVE = 0.5 * math.pi
+# Least L/D with grooves: narrower, the ends of the pads need closer steps.
+NARROWEST = 0.1
 
 
 Eccentricity = Annotated[float, kinds.DEFLECTION.of("eccentricity of the journal in the bush")]
@@ -52,10 +58,12 @@ class PlainBearingParameters:
     radial_clearance: float = kinds.CLEARANCE("radius of the bush less that of the journal", 25e-6)
     viscosity: float = kinds.VISCOSITY("viscosity of the oil", 0.01)
     film_model: float = kinds.NUMBER(
-        "Ocvirk's film, too thick in wide bearings, or Reynolds' equation",
+        "Ocvirk's film, too thick in wide bearings; Reynolds' equation; that with two axial grooves",
         FINITE,
-        choices=("short", "finite"),
+        choices=("short", "finite", "grooved"),
     )
+    groove_angle: float = kinds.ANGLE("from x to the middle of a groove; the other one is opposite")
+    groove_width: float = kinds.ANGLE("width of each groove", math.radians(20.0), positive=True)
     roughness: float = kinds.PLACE(
         "composite rms roughness", 0.4e-6, nominal=1e-7, positive=True, display_unit="um"
     )
@@ -103,7 +111,8 @@ class Outputs:
     eccentricity_y: Eccentricity = 0.0
     eccentricity_ratio: float = kinds.NUMBER("eccentricity over the radial clearance")
     minimum_film_thickness: float = kinds.FILM(
-        "least thickness of the film; finite: to 0.1 % of Reynolds' equation up to an eccentricity of 0.95"
+        "least thickness of the film; to 0.1 % of Reynolds' equation up to an eccentricity of 0.95, grooved "
+        "to 0.2 % for L/D >= 0.25"
     )
     film_ratio: float = kinds.NUMBER("least film over roughness")
     maximum_pressure: float = kinds.PRESSURE("highest pressure of the film")
@@ -170,6 +179,9 @@ def squeeze_film(force: Squeeze, film: Film, p: PlainBearingParameters) -> Squee
     """mu R L^3/c^3 u."""
     if p.film_model == SHORT:
         return find_squeeze(force, film.eps)
+    if p.film_model == GROOVED:
+        grooves = Grooves(p.width / p.diameter, p.groove_angle, p.groove_width)
+        return find_grooved_squeeze(force, film.eps, grooves)
     return find_finite_squeeze(force, film.eps, p.width / p.diameter)
 
 
@@ -262,7 +274,19 @@ def is_inside(x: Any, u: Any, p: PlainBearingParameters, numbers: Vector) -> boo
     return x.eccentricity_x**2 + x.eccentricity_y**2 < farthest**2
 
 
-REQUIREMENTS = (is_short, is_smooth)
+@require("groove_width = {0:g} deg: must be less than {1:g} deg")
+def has_pads(p: PlainBearingParameters, numbers: Vector) -> bool:
+    numbers[0], numbers[1] = math.degrees(p.groove_width), math.degrees(WIDEST_GROOVE)
+    return p.groove_width < WIDEST_GROOVE
+
+
+@require("width = {0:g} mm: must be >= {1:g} mm, a tenth of the diameter, for film_model = grooved")
+def is_resolved(p: PlainBearingParameters, numbers: Vector) -> bool:
+    numbers[0], numbers[1] = 1e3 * p.width, 1e3 * NARROWEST * p.diameter
+    return p.film_model != GROOVED or p.width >= NARROWEST * p.diameter
+
+
+REQUIREMENTS = (is_short, is_smooth, has_pads, is_resolved)
 
 
 @counts_energies

@@ -30,8 +30,8 @@ EDGE = 1.3
 
 @dataclass(frozen=True)
 class Grid:
-    """Of half of the width; ratio = L/D; `grooves` are angles (rad) without pressure, from the thin place, and
-    `opening` is how wide (rad) each of them is."""
+    """Of half of the width; ratio = L/D; without pressure at the angles `grooves` (rad) from the thin place,
+    each `opening` wide (rad)."""
 
     eps: float
     ratio: float
