@@ -99,13 +99,17 @@ class Cubic(NamedTuple):
 
 
 class Mode(NamedTuple):
-    """At a place: R, m for u and v, the impedance up to there, and whether the film has ended."""
+    """At a place: R, m for u and v, and the impedance up to there. The film has ended where m.u <= 0."""
 
     r: float
     along: float
     across: float
     impedance: Impedance
-    ended: bool
+
+
+@kernel
+def has_ended(mode: Mode) -> bool:
+    return mode.r > 0.0 and mode.along <= 0.0
 
 
 @kernel
@@ -190,7 +194,7 @@ def find_end(m: Cubic) -> float:
 @kernel
 def advance(at: Mode, square: float, cell: Cell, pad: Pad) -> Mode:
     """Over a cell, or to the end of the film in it: int m m^T/h^3 at two places of Gauss."""
-    if at.ended:
+    if has_ended(at):
         return at
     by = find_step(at.r, square, cell)
     one, two, r = cell.one, cell.two, (at.r, by.r)
@@ -198,8 +202,8 @@ def advance(at: Mode, square: float, cell: Cell, pad: Pad) -> Mode:
     across = carry(at.across, at.r, by, one.across, two.across, cell)
     u = bend((at.along, along), r, (cell.low.along, cell.high.along), cell)
     v = bend((at.across, across), r, (cell.low.across, cell.high.across), cell)
-    part, ended = 1.0, along <= 0.0
-    if ended:
+    part = 1.0
+    if along <= 0.0:
         part = find_end(u)
         one = see_film(point(cell.tau + part * GAUSS * cell.length), pad)
         two = see_film(point(cell.tau + part * (1.0 - GAUSS) * cell.length), pad)
@@ -211,7 +215,7 @@ def advance(at: Mode, square: float, cell: Cell, pad: Pad) -> Mode:
         at.impedance.across + a * v_one * v_one + b * v_two * v_two,
         at.impedance.mixed + a * u_one * v_one + b * u_two * v_two,
     )
-    return Mode(by.r, along, across, total, ended)
+    return Mode(by.r, along, across, total)
 
 
 @kernel
@@ -224,7 +228,7 @@ def add(total: Impedance, k: Impedance, share: float) -> Impedance:
 def sweep(pad: Pad, ratio: float) -> Impedance:
     """Of a pad whose film begins at its first groove."""
     dry = Impedance(0.0, 0.0, 0.0)
-    first, second = Mode(0.0, 0.0, 0.0, dry, False), Mode(0.0, 0.0, 0.0, dry, False)
+    first, second = Mode(0.0, 0.0, 0.0, dry), Mode(0.0, 0.0, 0.0, dry)
     step, at = pad.length / CELLS, point(pad.begin)
     high, whole = see_film(at, pad), point(step)
     nearer, farther = point(GAUSS * step), point((1.0 - GAUSS) * step)
@@ -235,7 +239,7 @@ def sweep(pad: Pad, ratio: float) -> Impedance:
         cell = Cell(pad.begin + i * step, step, low, one, two, high)
         first = advance(first, SQUARES[0] / ratio**2, cell, pad)
         second = advance(second, SQUARES[1] / ratio**2, cell, pad)
-        if first.ended and second.ended:
+        if has_ended(first) and has_ended(second):
             break
     total = add(dry, first.impedance, 3.0 * WEIGHTS[0] / ratio**2)
     return add(total, second.impedance, 3.0 * WEIGHTS[1] / ratio**2)

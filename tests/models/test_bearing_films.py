@@ -1,7 +1,7 @@
 """Short films of journal bearings against quadrature, and their asperities.
 
-Plain bearings of finite width: Reynolds' equation against closed forms and published tables, and the table
-of its solution against the equation.
+Bearings of finite width: Reynolds' equation against closed forms and published tables, and the mobilities of
+plain and grooved ones against the equation.
 """
 
 import math
@@ -14,11 +14,15 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from models.contact.analysis.bearing.reynolds import Grid, solve
-from models.contact.analysis.bearing.steady import SIDES, WEDGE, describe_steady, solve_steady
+from models.contact.analysis.bearing.steady import GROOVE, SIDES, WEDGE, describe_steady, solve_steady
 from models.contact.analysis.bearing.table import describe
 from models.contact.asperities import Asperities, asperity_pressure
 from models.contact.asperity_arc import Arc, press_arc
 from models.contact.finite_bearing import find_finite_squeeze, find_highest_pressure
+from models.contact.grooved_bearing import (
+    Grooves,
+    find_grooved_squeeze,
+)
 from models.contact.short_bearing import Squeeze, find_force, find_impedance, find_squeeze, highest_pressure
 
 pytestmark = pytest.mark.plain
@@ -270,44 +274,60 @@ def test_squeeze_of_finite_bearings(ratio, eps, record):
         record("Film", f"{quantity}: {name} (rel.)", error, 0.0, EQUATION, tolerance=tolerance)
 
 
-def attitude_of(eps, ratio):
+def find_squeeze_between_grooves(force, eps, ratio):
+    """With grooves at a right angle to x, the load."""
+    return find_grooved_squeeze(force, eps, Grooves(ratio, 0.5 * math.pi, GROOVE))
+
+
+# By the grooves' places from the load.
+MOBILITIES = {(): find_finite_squeeze, SIDES: find_squeeze_between_grooves}
+NAMES = {(): "journal bearing", SIDES: "journal bearing with two grooves"}
+
+
+def attitude_of(eps, ratio, mobility):
     """Sommerfeld number mu N L D/W (R/c)^2 and attitude angle (rad) of the film under a steady load."""
 
     def across(angle):
         """Of the squeeze under a load along x, less that of the rotation, which is at right angles to eps."""
-        u = find_finite_squeeze(Squeeze(1.0, 0.0), polar(eps, angle), ratio)
+        u = mobility(Squeeze(1.0, 0.0), polar(eps, angle), ratio)
         return u.x * math.cos(angle) + u.y * math.sin(angle)
 
     angle = brentq(across, 1e-9, 0.5 * math.pi)
-    u = find_finite_squeeze(Squeeze(1.0, 0.0), polar(eps, angle), ratio)
+    u = mobility(Squeeze(1.0, 0.0), polar(eps, angle), ratio)
     # u = (omega/2) eps c and W = mu R L^3/c^2 per unit.
     return math.hypot(u.x, u.y) / (2.0 * math.pi * eps * ratio**2), angle
 
 
 @pytest.mark.parametrize(
-    ("ratio", "eps"), [(r, e) for r in (0.25, 0.5, 1.0) for e in (0.2, 0.6, 0.8, 0.9, 0.95)]
+    ("ratio", "eps", "grooves", "film", "degrees"),
+    [
+        *((r, e, (), 1e-3, 0.05) for r in (0.25, 0.5, 1.0) for e in (0.2, 0.6, 0.8, 0.9, 0.95)),
+        *((r, e, SIDES, 2e-3, 0.1) for r in (0.25, 0.5, 1.0) for e in (0.1, 0.6, 0.8, 0.95)),
+        (0.1, 0.8, SIDES, 1e-2, 0.4),
+    ],
 )
-def test_films_and_attitudes_of_steady_loads(ratio, eps, record):
+def test_films_and_attitudes_of_steady_loads(ratio, eps, grooves, film, degrees, record):
     """The film at the load that Reynolds' equation has at eps, and the angle there."""
-    exact = solve_steady(eps, ratio)
-    at = brentq(lambda e: attitude_of(e, ratio)[0] - exact.sommerfeld, 0.5 * eps, 0.5 + 0.5 * eps)
-    quantity = f"journal bearing of L/D = {ratio:g} under the load of eps = {eps:g}"
-    film, angle = (1.0 - at) / (1.0 - eps), math.degrees(attitude_of(eps, ratio)[1])
-    record("Film", f"{quantity}: least film over the equation's", film, 1.0, EQUATION, tolerance=1e-3)
-    expected = math.degrees(exact.attitude)
-    record("Film", f"{quantity}: attitude angle (deg)", angle, expected, EQUATION, tolerance=0.05)
+    exact, mobility = solve_steady(eps, ratio, grooves), MOBILITIES[grooves]
+    at = brentq(lambda e: attitude_of(e, ratio, mobility)[0] - exact.sommerfeld, 0.5 * eps, 0.5 + 0.5 * eps)
+    quantity = f"{NAMES[grooves]} of L/D = {ratio:g} under the load of eps = {eps:g}"
+    text = f"{quantity}: least film over the equation's"
+    record("Film", text, (1.0 - at) / (1.0 - eps), 1.0, EQUATION, tolerance=film)
+    angle, expected = math.degrees(attitude_of(eps, ratio, mobility)[1]), math.degrees(exact.attitude)
+    record("Film", f"{quantity}: attitude angle (deg)", angle, expected, EQUATION, tolerance=degrees)
 
 
+@pytest.mark.parametrize("grooves", [(), SIDES])
 @pytest.mark.parametrize(("ratio", "eps"), [(0.5, 0.2), (0.5, 0.8), (1.0, 0.6), (1.0, 0.9)])
-def test_coefficients_of_finite_bearings(ratio, eps, record):
+def test_coefficients_of_finite_bearings(ratio, eps, grooves, record):
     """Of the mobility: u(F, eps) is linearised, and the force on the film is what balances a small motion."""
-    exact = solve_steady(eps, ratio)
-    _, attitude = attitude_of(eps, ratio)
+    exact, mobility = solve_steady(eps, ratio, grooves), MOBILITIES[grooves]
+    _, attitude = attitude_of(eps, ratio, mobility)
     at, step = np.array(polar(eps, attitude)), 1e-4
-    size = eps / math.hypot(*find_finite_squeeze(Squeeze(1.0, 0.0), Squeeze(*at), ratio))
+    size = eps / math.hypot(*mobility(Squeeze(1.0, 0.0), Squeeze(*at), ratio))
 
     def squeeze(force, place):
-        return np.array(find_finite_squeeze(Squeeze(*force), Squeeze(*place), ratio))
+        return np.array(mobility(Squeeze(*force), Squeeze(*place), ratio))
 
     load, axes = np.array([size, 0.0]), np.eye(2)
     by_force, by_place = (
@@ -317,7 +337,7 @@ def test_coefficients_of_finite_bearings(ratio, eps, record):
     # In units of c with omega = 2: u = e' - k x e.
     damping = np.linalg.inv(by_force)
     stiffness = -damping @ (by_place + np.array([[0.0, -1.0], [1.0, 0.0]]))
-    quantity = f"journal bearing of L/D = {ratio:g} at eps = {eps:g}"
+    quantity = f"{NAMES[grooves]} of L/D = {ratio:g} at eps = {eps:g}"
     for name, found, expected in (("K", stiffness, exact.stiffness), ("B", 2.0 * damping, exact.damping)):
         off = np.abs(found / size - expected).max() / np.abs(expected).max()
         text = f"{quantity}: {name}, largest error over the largest"

@@ -213,17 +213,22 @@ def test_a_heavy_load_never_whirls():
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.floats(0.0, 1.05), ANGLES, st.floats(0.0, 3e-5), ANGLES, st.floats(-300.0, 300.0), ANGLES)
-@example(1.0, 0.7, 1e-5, 2.0, 100.0, 1.0)  # pressed into the bush
-def test_all_directions_are_equal(ratio, angle, stretch, direction, speed, turn):
-    """Turning the journal and its axis turns the force and the motion, and nothing else."""
+@given(
+    st.floats(0.0, 1.05), ANGLES, st.floats(0.0, 3e-5), ANGLES, st.floats(-300.0, 300.0), ANGLES,
+    st.sampled_from([1.0, 2.0]),
+)  # fmt: skip
+@example(1.0, 0.7, 1e-5, 2.0, 100.0, 1.0, 1.0)  # pressed into the bush
+@example(0.9, 0.7, 1e-5, 2.0, 100.0, 1.0, 2.0)
+def test_all_directions_are_equal(ratio, angle, stretch, direction, speed, turn, model):
+    """Turning the journal, its axis and its grooves turns the force and the motion, and nothing else."""
 
     def evaluate(by):
         e = turned(polar(ratio * C, angle), by)
         a = turned(polar(ratio * C, angle) + polar(stretch, direction), by)
         state = {"eccentricity_x": e[0], "eccentricity_y": e[1]}
         inputs = {"shaft_speed": speed, "axis_x": a[0], "axis_y": a[1]}
-        return outputs_of(BEARING, {}, state, inputs), rates_of(BEARING, {}, state, inputs)
+        values = {"film_model": model, "groove_angle": 0.3 + by}
+        return outputs_of(BEARING, values, state, inputs), rates_of(BEARING, values, state, inputs)
 
     y, dx = evaluate(0.0)
     there, moved = evaluate(turn)
@@ -251,6 +256,8 @@ def test_bearings_outside_the_theory_and_journals_outside_their_bush_are_refused
     for values, message in (
         ({"width": 30e-3}, "width = 30 mm: must be <= diameter = 25 mm"),
         ({"roughness": 5e-6}, "roughness = 5 um: must be <= 2.5 um"),
+        ({"groove_width": 2.0}, "groove_width = 114.592 deg: must be less than 90 deg"),
+        ({"width": 2e-3, "film_model": 2.0}, "width = 2 mm: must be >= 2.5 mm, a tenth of the diameter"),
     ):
         assert message in BEARING.parameter_faults(BEARING.parameters.vector(values))[0]
     x = BEARING.state.vector({"eccentricity_x": 21e-6, "eccentricity_y": 21e-6})

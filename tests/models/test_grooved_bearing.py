@@ -1,0 +1,86 @@
+"""Films between two axial grooves: their axial modes, their potential, and the inverse of their impedance.
+
+`test_bearing_films` compares them with Reynolds' equation.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from scipy.linalg import eigh
+
+from models.contact.analysis.bearing.steady import GROOVE
+from models.contact.grooved_bearing import (
+    SQUARES,
+    WEIGHTS,
+    Grooves,
+    find_grooved_impedance,
+    find_grooved_squeeze,
+)
+from models.contact.short_bearing import Squeeze
+
+pytestmark = pytest.mark.plain
+
+ANGLES = st.floats(-math.pi, math.pi)
+
+
+def polar(size, angle):
+    return Squeeze(size * math.cos(angle), size * math.sin(angle))
+
+
+def test_the_axial_modes_are_galerkins():
+    """Of -P'' + D P = 1 over -1 to 1 with P = 0 at both ends, for (1 - Y^2) (1, Y^2)."""
+    shapes = [np.polynomial.Polynomial(c) for c in ((1.0, 0.0, -1.0), (0.0, 0.0, 1.0, 0.0, -1.0))]
+
+    def mean(shape):
+        return 0.5 * float(np.diff(shape.integ()([-1.0, 1.0]))[0])
+
+    bending, mass = (
+        np.array([[mean(f(a) * f(b)) for a in shapes] for b in shapes])
+        for f in (lambda a: a.deriv(), lambda a: a)
+    )
+    squares, vectors = eigh(bending, mass)
+    assert pytest.approx(squares, rel=1e-12) == SQUARES
+    assert pytest.approx((vectors.T @ [mean(a) for a in shapes]) ** 2, rel=1e-12) == WEIGHTS
+
+
+def grooved(direction, eps, ratio=0.5):
+    """The impedance for a squeeze in this direction, with eps along x and grooves of 20 degrees."""
+    k = find_grooved_impedance(polar(1.0, direction), polar(eps, 0.0), Grooves(ratio, 0.4, GROOVE))
+    return np.array(k)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(0.0, 0.95), ANGLES, st.floats(0.2, 1.0))
+def test_a_film_between_grooves_takes_power_and_has_a_potential(eps, direction, ratio):
+    """The force is the gradient of half of what A has along u, a convex function."""
+    along, across, mixed = grooved(direction, eps, ratio)
+    assert along > 0.0
+    assert along * across > mixed**2
+    slope = (grooved(direction + 1e-4, eps, ratio)[0] - grooved(direction - 1e-4, eps, ratio)[0]) / 4e-4
+    assert mixed == pytest.approx(slope, abs=1e-3 * (along + across))
+
+
+@pytest.mark.parametrize("eps", [0.3, 0.8, 0.95])
+def test_nothing_jumps_where_a_squeeze_passes_a_groove(eps):
+    """Second differences of the force over the direction fall with the square of the step."""
+    for at in (
+        0.4 + side * 0.5 * GROOVE + turn for side in (-1.0, 1.0) for turn in (0.5 * math.pi, -0.5 * math.pi)
+    ):
+        forces = np.array([grooved(at + step, eps)[[0, 2]] for step in 5e-4 * np.arange(-4, 5)])
+        assert np.abs(np.diff(forces, 2, axis=0)).max() < 2e-5 * np.abs(forces).max()
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(0.0, 0.99), ANGLES, ANGLES)
+@example(0.0, 0.0, 0.0)
+def test_the_squeeze_between_grooves_is_the_inverse_of_the_impedance(eps, angle, direction):
+    force, at = polar(3.0, direction), polar(eps, angle)
+    grooves = Grooves(0.5, 0.4, GROOVE)
+    u = find_grooved_squeeze(force, at, grooves)
+    size = math.hypot(*u)
+    k = find_grooved_impedance(Squeeze(u.x / size, u.y / size), at, grooves)
+    found = u.x * k.along - u.y * k.mixed, u.y * k.along + u.x * k.mixed
+    assert found == pytest.approx(force, abs=1e-7)
