@@ -253,32 +253,28 @@ def find_tau(angle: float, eps: float) -> float:
 
 
 @kernel
-def find_pad_impedance(begin: float, eps: float, u: Squeeze, grooves: Grooves) -> Impedance:
-    """Of a pad from an angle (rad) from eps on, in the axes of the unit squeeze u."""
-    end, total = begin + math.pi - grooves.width, Impedance(0.0, 0.0, 0.0)
-    low = max(u.x * math.cos(begin) + u.y * math.sin(begin), 0.0) ** 2
-    high = max(u.x * math.cos(end) + u.y * math.sin(end), 0.0) ** 2
-    # A full film is swept from both ends, so that nothing jumps where the film leaves one of them.
-    if low > 0.0:
-        tau = find_tau(begin, eps)
-        k = sweep(Pad(eps, tau, find_tau(end, eps) - tau, u.x, u.y), grooves.ratio)
-        total = add(total, k, low / (low + high))
-    if high > 0.0:
-        tau = find_tau(-end, eps)
-        k = sweep(Pad(eps, tau, find_tau(-begin, eps) - tau, u.x, -u.y), grooves.ratio)
-        total = add(total, Impedance(k.along, k.across, -k.mixed), high / (low + high))
-    return total
-
-
-@kernel
 def find_grooved_impedance(u: Squeeze, eps: Squeeze, grooves: Grooves) -> Impedance:
-    """A for a unit squeeze u, in its axes."""
+    """A for a unit squeeze u, in its axes.
+
+    Films are swept from the edges of grooves, those before a groove in a mirror. A full film is swept from
+    both its ends, so that nothing jumps where it leaves one of them.
+    """
     far = math.sqrt(eps.x**2 + eps.y**2)
     c, s = (eps.x / far, eps.y / far) if far > 0.0 else (1.0, 0.0)
-    seen = Squeeze(c * u.x + s * u.y, c * u.y - s * u.x)
-    begin = grooves.angle + 0.5 * grooves.width - math.atan2(s, c)
-    k = find_pad_impedance(begin, far, seen, grooves)
-    return add(k, find_pad_impedance(begin + math.pi, far, seen, grooves), 1.0)
+    along, across, at = c * u.x + s * u.y, c * u.y - s * u.x, math.atan2(s, c)
+    total = Impedance(0.0, 0.0, 0.0)
+    for i in range(4):
+        side = 1.0 - 2.0 * (i % 2)
+        begin = side * (grooves.angle + math.pi * (i // 2) - at) + 0.5 * grooves.width
+        end = begin + math.pi - grooves.width
+        low = max(along * math.cos(begin) + side * across * math.sin(begin), 0.0) ** 2
+        high = max(along * math.cos(end) + side * across * math.sin(end), 0.0) ** 2
+        if low > 0.0:
+            tau = find_tau(begin, far)
+            pad = Pad(far, tau, find_tau(end, far) - tau, along, side * across)
+            k = sweep(pad, grooves.ratio)
+            total = add(total, Impedance(k.along, k.across, side * k.mixed), low / (low + high))
+    return total
 
 
 @kernel
