@@ -38,6 +38,9 @@ class Parameters(PlainBearingParameters):
     diameter: float = kinds.DIAMETER("diameter of the pin", 8e-3)
     width: float = kinds.WIDTH("width of the bearing", 8e-3)
     radial_clearance: float = kinds.CLEARANCE("radius of the bush less that of the pin", 15e-6)
+    groove_angle: float = kinds.ANGLE(
+        "from x to the middle of a groove; the other one is opposite", 0.5 * math.pi
+    )
     sticking_stiffness: TwistStiffness = 50.0
     relaxation_time: RelaxationTime = 3e-5
     face_radius: float = kinds.DIAMETER("outer radius R_F of the end faces", 7e-3)
