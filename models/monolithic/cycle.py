@@ -92,13 +92,13 @@ def find_cycle(
     scaling = _Scaling(system, held)
     x = np.array(system.x0 if start is None else start, dtype=np.float64)
     x[held] = system.x0[held]
-    # Stops at samples take a third of a period's time: after a near start the second may be the last one.
-    near = start is not None and not problem.guard_count
+    # Any period may be the last one, and its samples are free where no guard has to be located between them.
+    stops = times[[0, -1]] if problem.guard_count else times
     begun, ended, found = list[Vector](), list[Vector](), list[_Period]()
     states = np.zeros((0, n))
     while len(found) < most_periods:
         try:
-            rows = _move(problem, x, times, times if near and found else times[[0, -1]], tolerance)
+            rows = _move(problem, x, times, stops, tolerance)
         except ModelError:
             if len(begun) < SETTLED:
                 raise
