@@ -1,5 +1,6 @@
 """The documents: CI runs the README's test command; commands are understood, links lead somewhere."""
 
+import csv
 import importlib.util
 import os
 import re
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 import typer
+import typer.testing
 import yaml
 
 import tribocosim
@@ -96,6 +98,22 @@ def test_every_command_is_understood(line: str) -> None:
         context = command.make_context(name, words[:], parent=context, resilient_parsing=not words)
     if name == "run" and "NAME" not in line and context.params["scenario"] in list_shipped():
         load(context.params["scenario"], context.params["set_"] or [])
+
+
+def test_the_guide_to_fits_finds_the_leak_gap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By its command, word for word: the record was computed for a gap of 6.4 um."""
+    (line,) = [line for line in COMMANDS if line.startswith("calibrate leak-down")]
+    (tmp_path / "orchestrator").symlink_to(ROOT / "orchestrator")
+    monkeypatch.chdir(tmp_path)
+    done = typer.testing.CliRunner().invoke(app, shlex.split(line))
+    assert done.exit_code == 0, done.output
+    (file,) = tmp_path.glob("results/**/calibration.csv")
+    (row,) = csv.DictReader(file.read_text("utf-8").splitlines())
+    assert float(row["low"]) < 6.4e-6 < float(row["high"])
+    assert float(row["high"]) - float(row["low"]) < 1e-8
+    guide = (DOCS / "how-to" / "fit-to-measurements.md").read_text("utf-8")
+    said = f"{1e6 * float(row['fitted']):.5g} um with an interval from {1e6 * float(row['low']):.4g} to"
+    assert said in " ".join(guide.split())
 
 
 def test_every_name_of_the_interface_is_on_its_page() -> None:
