@@ -1,18 +1,13 @@
-"""Functions that numba compiles as it does by default, for code that is never part of an FMU."""
+"""Functions that numba compiles with errors, as of a division by zero, for code that no FMU contains."""
 
 from collections.abc import Callable
-from typing import Any, TypeVar, cast
+from typing import TypeVar
 
-import numba
+from .kernel import compile_with
 
-from .kernel_cache import KernelCache
-
-F = TypeVar("F", bound=Callable[..., Any])
+F = TypeVar("F", bound=Callable[..., object])
 
 
 def compiled(function: F) -> F:
     """Compile `function` at its first call, or load what an earlier process compiled."""
-    dispatcher: Any = numba.njit(function)
-    if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
-        dispatcher._cache = KernelCache(function, "with errors")
-    return cast(F, dispatcher)
+    return compile_with(function, {"nopython": True, "boundscheck": None, "no_cfunc_wrapper": True})

@@ -44,12 +44,17 @@ def kernel(function: F) -> F:
     Division by zero gives inf or nan (as in numpy), so that kernels cannot raise. They release the
     interpreter, so that threads run them side by side.
     """
+    return compile_with(function, _OPTIONS)
+
+
+def compile_with(function: F, options: dict[str, Any]) -> F:
+    """As `kernel`, with these options of numba's."""
     if not COMPILED:
         return function
     dispatcher: Any = (
-        KernelDispatcher(function, targetoptions=_OPTIONS)
+        KernelDispatcher(function, targetoptions=options)
         if KernelDispatcher
-        else numba.jit(**_OPTIONS)(function)
+        else numba.jit(**options)(function)
     )
     dispatcher.get_call_template = _call_exactly(dispatcher.get_call_template)
     return cast(F, dispatcher)
