@@ -45,6 +45,8 @@ MISSING, REGULAR = 1.5, 0.8
 NEARBY = 9
 MOST_ROWS = 100_000  # 3.6 thousandths of a degree
 LONGEST_LINE = 5000
+# No lift and no pressure is over in so many degrees; two turns of the crank in radians are 12.6.
+LEAST_SPAN = 13.0
 LONGEST_NUMBER = 40
 
 
@@ -290,6 +292,11 @@ def _check_order(angle: Vector, lines: list[tuple[int, str]], kind: Kind) -> Non
     if turned > 360.0 * kind.turns * (1.0 + 1e-9):
         raise AngleTableError(
             f"spans {turned:g} deg: must be at most {360 * kind.turns} deg of {kind.turned}"
+        )
+    if turned < LEAST_SPAN:
+        raise AngleTableError(
+            f"spans {turned:g} deg: must be at least {LEAST_SPAN:g} deg; if its angles are radians, write "
+            "'angle [rad]'"
         )
 
 

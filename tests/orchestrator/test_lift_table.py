@@ -93,8 +93,8 @@ def test_a_table_of_the_event_and_one_of_the_turn_give_the_same_cam(tmp_path):
         ("angle [deg], lift [mm]\n1, 2", "1 row"),
         ("angle lift\n1 2", "one column"),
         ("angle [deg], lift [mm]\n1, 2,439\n2, 3,1", "semicolons"),
-        ("angle [deg], lift [m]\n1, 2\n2, 3", "0.1 to 100 mm"),
-        ("angle [deg], lift [um]\n1, 2\n2, 3", "0.1 to 100 mm"),
+        ("angle [deg], lift [m]\n1, 2\n20, 3", "0.1 to 100 mm"),
+        ("angle [deg], lift [um]\n1, 2\n20, 3", "0.1 to 100 mm"),
         ("angle [deg], lift [mm]\n1, 2\n0, 3\n2, 3\n4, 3", "line 3"),
         ("PK\0\x03", "no text file"),
         ("cam angle [deg KW]; lift [mm]\n1; 2\n2; 3", "names the cam and the crank"),
@@ -238,6 +238,12 @@ def test_a_gap_on_the_base_circle_is_round_whatever_row_is_first(tmp_path, first
     between = np.abs((np.degrees(points.angle) + 180.0) % 360.0 - 180.0) > 75.0
     assert np.abs(points.lift[between]).max() < 2e-6
     assert any("no rows between 70 and 290 deg" in note for note in table.list_notes())
+
+
+@pytest.mark.parametrize("header", ["angle, lift", "angle [deg], lift [mm]", "crank angle [deg], lift [mm]"])
+def test_radians_that_are_named_degrees_are_refused(tmp_path, header):
+    with pytest.raises(AngleTableError, match=r"at least 13 deg; .* write 'angle \[rad\]'"):
+        read(tmp_path, header, "{0:.5f}, {1:.3f}", angles=np.radians(2.0 * ANGLES), lifts=lift(ANGLES))
 
 
 @pytest.mark.parametrize("missing", [4, 20])
