@@ -129,9 +129,10 @@ class LoadedSpring(Role):
 
 
 class Adjuster(Role):
-    """A hydraulic lash adjuster, with an oil."""
+    """A hydraulic lash adjuster, with an oil, which flows out by a leak and in through a check valve.
+    Parameter: `plunger_diameter`."""
 
-    outputs = ("pressure", "extension")
+    outputs = ("pressure", "extension", "leak_flow", "valve_flow")
 
 
 class Bearing(Losing):

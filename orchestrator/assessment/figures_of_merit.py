@@ -14,6 +14,7 @@ from models.core.component import Component
 from models.core.quantities import Quantity, Vector
 from models.valve_train.wire_materials import Fatigue
 
+from .adjusters import ADJUSTER
 from .motion import Found, Motion, Part
 from .trains import LIFTED
 
@@ -318,13 +319,6 @@ DRIVE: Mapping[str, Figure] = {
 }
 SHAFT: Mapping[str, Figure] = {
     "largest_twist": (Quantity("rad", "largest twist", display_unit="deg"), _twist)
-}
-ADJUSTER: Mapping[str, Figure] = {
-    "peak_pressure": (PRESSURE.of("largest pressure of the chamber"), _largest("pressure")),
-    "largest_extension": (
-        Quantity("m", "largest length over that of the start", display_unit="um"),
-        _largest("extension"),
-    ),
 }
 ROLLING: Mapping[str, Figure] = {
     "rolling_power": (

@@ -16,6 +16,7 @@ from models.core.words import tally
 
 from ..scenario.display import format_number, show
 from ..store import atomic_write
+from .adjusters import describe_growth
 from .contacts import ContactSummaries, ContactSummary
 from .figures_of_merit import SHARE, measure
 from .friction.losses import list_losses, name_outside, note_friction
@@ -148,6 +149,35 @@ def describe_bearings(system: System, merits: Sequence[Merit]) -> list[str]:
         )
         told.append(f"{text}{doubt * (far.value > roles.Bearing.near)}; highest pressure {pressure.text}")
     return told
+
+
+def describe_adjusters(system: System, merits: Sequence[Merit], read: Read) -> list[str]:
+    """A line for each lash adjuster, of many those with the highest pressures."""
+    found, adjusters = {(m.part, m.figure): m for m in merits}, list_parts(system, roles.Adjuster)
+    known = [found[name, "chamber_pressure"] for name in adjusters if (name, "chamber_pressure") in found]
+    told = []
+    for highest in sorted(known, key=lambda merit: -merit.value)[:SHOWN]:
+        own = {figure: merit for (part, figure), merit in found.items() if part == highest.part}
+        said = [f"highest chamber pressure {highest.text} at {_find_place(system, highest, read)}"]
+        if "leak_down" in own:
+            opened, intake = own["check_valve_open"], own["intake"]
+            said += [
+                f"leaks {own['leak_down'].text} in a turn, and is at most {own['shortening'].text} shorter",
+                f"its check valve, open in {opened.text} of the turn, lets {intake.text} in, most at "
+                f"{_find_place(system, intake, read)}",
+                describe_growth(own["growth"].value, own["held_open"].value if "held_open" in own else 0.0),
+            ]
+        if "seat_force_kept" in own:
+            said.append(f"the seat bears {own['seat_force_kept'].text} on the base circle")
+        told.append(f"{highest.part}: {'; '.join(said)}")
+    return told
+
+
+def _find_place(system: System, merit: Merit, read: Read) -> str:
+    """The angle at which a figure stands."""
+    assert merit.time is not None
+    degrees, shaft = _place(find_angle(system, merit.part), merit.time, read)
+    return f"{shaft} {float(degrees):.1f} deg" if shaft else f"t = {merit.time:.6g} s"
 
 
 Merits = Mapping[tuple[str, str], Merit]

@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from models.core import roles
 from models.core.quantities import Quantity, Vector
 
+from ..assessment.adjusters import ADJUSTER, describe_growth
 from ..assessment.figures_of_merit import OPENED, VALVE
 from ..assessment.films import LIGHT
 from ..assessment.friction.losses import describe_content, list_losses, name_outside
@@ -43,7 +44,7 @@ CONTACT = {
     "Sliding velocity": "sliding_velocity",
     "Friction": "friction_force",
 }
-ADJUSTER = {"Adjuster\nextension": "extension", "Adjuster\npressure": "pressure"}
+HYDRAULIC = {"Adjuster\nextension": "extension", "Adjuster\npressure": "pressure"}
 # What a run may lack of a revolution.
 OPEN = 0.01
 PALE = "#c3ccd5"
@@ -97,6 +98,7 @@ def draw(data: FigureData) -> Figure:
     _add_kinematics(by_words, own, train)
     _add_margin(by_words["Spring force"], own, train)
     _magnify_seat(by_words["Lift, magnified"], own, train)
+    _remark_adjuster(by_words, own, train)
     losses = [loss for loss in list_losses(train.system) if loss.part in train.parts]
     if losses and "Cam torque" in by_words:
         write_remark(by_words["Cam torque"], describe_content(name_outside(losses)))
@@ -183,7 +185,7 @@ def list_columns(data: FigureData, train: Train) -> list[Panels]:
         "Cam torque": f"{train.cam}.{train.role.torque}",
     }
     for adjuster in train.list_parts(roles.Adjuster)[:1]:
-        motion |= {words: f"{adjuster}.{name}" for words, name in ADJUSTER.items()}
+        motion |= {words: f"{adjuster}.{name}" for words, name in HYDRAULIC.items()}
     opened = any(data.opened(contact).any() for contact in train.contacts)
     columns = [motion]
     for contact in train.contacts:
@@ -240,6 +242,22 @@ def _add_margin(ax: Axes, data: FigureData, train: Train) -> None:
     share, at = _measure(data, train, "spring_margin")
     if at is not None:
         write_remark(ax, f"spring margin {100.0 * share:.3g} % at {data.x()[at]:.1f}°")
+
+
+def _remark_adjuster(panels: Mapping[str, Axes], data: FigureData, train: Train) -> None:
+    """Its leak and growth in the turn, the highest pressure, and how long the check valve is open."""
+    for name in train.list_parts(roles.Adjuster)[:1]:
+        motion = read_motion(train.system, {"time": data.time, **data.coupled}.__getitem__)
+        found = {figure: find(Part(motion, name)) for figure, (_, find) in ADJUSTER.items()}
+        highest = found["chamber_pressure"]
+        most = f"at most {1e-6 * highest.value:.3g} MPa at {data.x()[highest.row]:.1f}°"
+        if math.isnan(found["leak_down"].value):
+            write_remark(panels["Adjuster\npressure"], most)
+            continue
+        opened, leak = 100.0 * found["check_valve_open"].value, 1e6 * found["leak_down"].value
+        grows = describe_growth(found["growth"].value, found["held_open"].value)
+        write_remark(panels["Adjuster\npressure"], f"{most}; check valve open in {opened:.3g} % of the turn")
+        write_remark(panels["Adjuster\nextension"], f"leaks {leak:.3g} µm in the turn; {grows}")
 
 
 def _measure(data: FigureData, train: Train, figure: str) -> Found:

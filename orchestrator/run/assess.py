@@ -17,6 +17,7 @@ from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, su
 from ..assessment.frozen import list_frozen
 from ..assessment.merits import (
     Merit,
+    describe_adjusters,
     describe_bearings,
     describe_drive,
     describe_trains,
@@ -92,6 +93,7 @@ def _summarise_contacts(system: System, summary: Summary, result: ResultFile) ->
         contacts = with_angles(system, contacts, read)
         figures = list_merits(system, contacts, lambda name: read([name])[name])
         drive += describe_drive(system, figures, lambda name: read([name])[name])
+        drive += describe_adjusters(system, figures, lambda name: read([name])[name])
     told = [*describe_trains(system, figures), *drive, *describe_bearings(system, figures)]
     return replace(
         summary, contacts=contacts, contacts_from=source, merits=told, figures_of_merit=figures,

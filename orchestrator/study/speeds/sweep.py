@@ -20,6 +20,7 @@ from models.core.system import System
 from models.core.words import tally
 from models.monolithic.cycle import STEADY
 
+from ...assessment.adjusters import describe_over_speed
 from ...assessment.contacts.lines import FED
 from ...assessment.friction.losses import remark_outside
 from ...assessment.friction.shares import add_losses
@@ -102,6 +103,7 @@ def sweep(
     texts = [second["text"]] if second else []
     notices = [
         *texts, *describe_unsteady(table), *describe_lift_loss(table), *describe_feeding(subject, table),
+        *describe_over_speed(table),
         *remark_outside(build_system(subject.scenario)),
     ]  # fmt: skip
     for text in notices:

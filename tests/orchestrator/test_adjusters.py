@@ -1,0 +1,135 @@
+"""What is told of a hydraulic lash adjuster, from columns whose answers are known."""
+
+import numpy as np
+import pytest
+import xarray
+
+from models.core import roles
+from orchestrator.assessment.adjusters import ADJUSTER, describe_growth, describe_over_speed
+from orchestrator.assessment.merits import describe_adjusters, list_merits, read_motion
+from orchestrator.assessment.motion import Part
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
+
+SYSTEM = build_system(load("direct-acting-hla"))
+AREA = 0.25 * np.pi * 9e-3**2
+# Two turns of the cam in 0.12 s; it lifts from 90 to 270 degrees.
+TIME = np.linspace(0.0, 0.12, 7201)
+ANGLE = 4.0 * np.pi * TIME / 0.12
+TURNED = np.mod(ANGLE, 2.0 * np.pi)
+LIFTS = (0.5 * np.pi < TURNED) & (1.5 * np.pi > TURNED)
+# The check valve is open for 9 degrees after the lift, and lets in what has leaked.
+FILLS = (1.5 * np.pi < TURNED) & (1.55 * np.pi > TURNED)
+LEAK = 1e-7
+
+
+def read_columns(rows=slice(None), **changed):
+    """Columns of the train at 1000 r/min, else 0."""
+    bump = np.where(LIFTS, np.sin(TURNED - 0.5 * np.pi), 0.0)
+    columns = {
+        "time": TIME,
+        "tappet.profile_angle": ANGLE,
+        "tappet.cam_lift": 8e-3 * bump,
+        "adjuster.pressure": 9e6 * bump,
+        "adjuster.extension": -15e-6 - 70e-6 * bump,
+        "adjuster.leak_flow": np.where(LIFTS, LEAK, -1e-12),
+        "adjuster.valve_flow": np.where(FILLS, 20.0 * LEAK, 0.0),
+        "valve_spring.seat_dip": np.where(LIFTS, -8e-3 * bump, 15e-6),
+        "valve_spring.seat_force": np.where(LIFTS, 0.0, 310.0),
+    } | {name.replace("__", "."): values for name, values in changed.items()}
+    return lambda name: columns.get(name, 0.0 * TIME)[rows]
+
+
+def find(**changed):
+    part = Part(read_motion(SYSTEM, read_columns(**changed)), "adjuster")
+    return {name: figure(part) for name, (_, figure) in ADJUSTER.items()}
+
+
+def test_leak_and_intake_move_the_plunger_by_their_volume_over_its_area():
+    """Half a turn of 30 ms at 1e-7 m3/s are 3e-9 m3, on 63.6 mm2 47.2 um; filled in 9 of 360 degrees."""
+    found = find()
+    assert found["leak_down"].value == pytest.approx(LEAK * 0.03 / AREA, rel=1e-3)
+    assert 1e6 * found["leak_down"].value == pytest.approx(47.2, abs=0.1)
+    assert found["intake"].value == pytest.approx(20.0 * LEAK * 0.0015 / AREA, rel=1e-2)
+    assert found["check_valve_open"].value == pytest.approx(9.0 / 360.0, rel=1e-2)
+    assert TURNED[found["intake"].row] == pytest.approx(1.5 * np.pi, abs=2e-3)
+
+
+def test_extremes_stand_at_their_rows():
+    found = find()
+    for name, value in (("chamber_pressure", 9e6), ("shortening", 70e-6)):
+        assert found[name].value == pytest.approx(value)
+        assert TURNED[found[name].row] == pytest.approx(np.pi, abs=2e-3)
+    assert found["shortening"].row > TIME.size // 2  # of the last turn
+    assert (found["growth"].value, found["held_open"].value) == (pytest.approx(0.0, abs=1e-12), 0.0)
+    assert found["seat_force_kept"].value == pytest.approx(310.0)
+
+
+def test_a_run_tells_of_pressure_leak_check_valve_and_seat():
+    read = read_columns()
+    (line,) = describe_adjusters(SYSTEM, list_merits(SYSTEM, {}, read), read)
+    assert line == (
+        "adjuster: highest chamber pressure 9 MPa at cam 180.0 deg; leaks 47.1 µm in a turn, and is at most "
+        "70 µm shorter; its check valve, open in 2.5 % of the turn, lets 47.2 µm in, most at cam 270.0 deg; "
+        "does not pump up; the seat bears 310 N on the base circle"
+    )
+
+
+def test_an_adjuster_that_pumps_up_is_told_by_its_growth_and_the_valve_it_holds_open():
+    """It grows by 20 um in a turn; in the second one the valve does not reach its seat by 5 um."""
+    grown = -15e-6 + 20e-6 * ANGLE / (2.0 * np.pi)
+    found = find(adjuster__extension=grown)
+    assert found["growth"].value == pytest.approx(20e-6, rel=1e-9)
+    assert describe_growth(found["growth"].value, 0.0) == "pumps up by 20 µm in a turn"
+    assert describe_growth(-20e-6, 0.0) == "sinks further by 20 µm from turn to turn"
+    read = read_columns(
+        adjuster__extension=grown,
+        valve_spring__seat_dip=np.where(2.0 * np.pi > ANGLE, 15e-6, -5e-6),
+        valve_spring__seat_force=0.0 * TIME,
+    )
+    (line,) = describe_adjusters(SYSTEM, list_merits(SYSTEM, {}, read), read)
+    assert line.endswith(
+        "has pumped up and holds the valve open by 5 µm; the seat bears 0 N on the base circle"
+    )
+
+
+def test_less_than_a_turn_tells_of_the_pressure_alone():
+    part = Part(read_motion(SYSTEM, read_columns(slice(0, 3000))), "adjuster")
+    known = {name for name, (_, figure) in ADJUSTER.items() if np.isfinite(figure(part).value)}
+    assert known == {"chamber_pressure", "largest_extension"}
+    read = read_columns(slice(0, 3000))
+    (line,) = describe_adjusters(SYSTEM, list_merits(SYSTEM, {}, read), read)
+    assert line == "adjuster: highest chamber pressure 9 MPa at cam 180.0 deg"
+
+
+@pytest.mark.parametrize(
+    ("lost", "held", "said"),
+    [
+        ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], "; the valve closes at all speeds"),
+        (
+            [0.0, 0.0, 0.1],
+            [0.0, 3e-6, 2e-3],
+            "; pumped up, it holds the valve open at 2 speeds, the lowest 2000 ",
+        ),
+        ([0.0, 0.0, 0.1], [np.nan, np.nan, np.nan], ""),  # no seat
+    ],
+)
+def test_a_sweep_tells_of_an_adjuster_where_contact_is_kept_and_where_its_valve_stays_open(lost, held, said):
+    """Where the valve floats, chamber pressures are those of impacts."""
+    pressure = [9e6, 1e7, 2e8 if lost[-1] else 9e6]
+    columns = {"a.chamber_pressure": pressure, "a.leak_down": [4e-5, 2e-5, 1e-5], "a.held_open": held}
+    table = xarray.Dataset(
+        {name: ("speed", values) for name, values in (columns | {"contact.lost": lost}).items()},
+        {"speed": np.array([1000.0, 2000.0, 3000.0]) * np.pi / 30.0},
+    )
+    (text,) = describe_over_speed(table)
+    first = "a: highest chamber pressure 10 MPa at 2000 r/min; leaks at most 40 µm in a turn, at 1000 r/min"
+    rest = text.removeprefix(first)
+    assert rest.startswith(said)
+    assert ("by at most 2000 µm" in rest) == ("pumped" in said)
+
+
+def test_every_adjuster_promises_what_is_read_of_it():
+    component = SYSTEM.instances["adjuster"].component
+    assert set(component.find_role(roles.Adjuster).promised) <= set(component.outputs.names)
+    assert "plunger_diameter" in component.parameters.names
