@@ -170,6 +170,10 @@ def describe_adjusters(system: System, merits: Sequence[Merit], read: Read) -> l
         if "seat_force_kept" in own:
             said.append(f"the seat bears {own['seat_force_kept'].text} on the base circle")
         told.append(f"{highest.part}: {'; '.join(said)}")
+    if len(known) > SHOWN:
+        told.append(
+            f"{tally(len(known) - SHOWN, 'more adjuster')} with lower chamber pressures: see summary.csv"
+        )
     return told
 
 
