@@ -37,7 +37,7 @@ WEIGHTS = 7.0 / 15.0 + 119.0 / (30.0 * _ROOT), 7.0 / 15.0 - 119.0 / (30.0 * _ROO
 # Along each pad.
 CELLS = 32
 # Steps for the direction of u end at this change (rad), or after so many; so do those for an end in a cell.
-CLOSE, NEAR, STEPS = 1e-12, 1e-6, 60
+CLOSE, NEAR, STEPS = 1e-12, 3e-5, 60
 GAUSS, TURN = 0.5 - math.sqrt(3.0) / 6.0, math.sqrt(3.0) / 12.0
 
 
@@ -80,12 +80,14 @@ class Cell(NamedTuple):
 
 
 class Step(NamedTuple):
-    """Magnus' exponent ((d, b), (c, -d)) of (P, M), and what becomes of R and shrinks Q."""
+    """Magnus' exponent ((d, b), (c, -d)) of (P, M) over its determinant, and what becomes of R and 1/R, and
+    shrinks Q."""
 
     b: float
     c: float
     d: float
     r: float
+    stiff: float
     shrink: float
 
 
@@ -99,9 +101,10 @@ class Cubic(NamedTuple):
 
 
 class Mode(NamedTuple):
-    """At a place: R, m for u and v, and the impedance up to there. The film has ended where m.u <= 0."""
+    """At a place: R, 1/R, m for u and v, and the impedance up to there. The film has ended where m.u <= 0."""
 
     r: float
+    stiff: float
     along: float
     across: float
     impedance: Impedance
@@ -126,27 +129,29 @@ def turn(at: Squeeze, by: Squeeze) -> Squeeze:
 def see_film(at: Squeeze, pad: Pad) -> Point:
     """At cosine and sine of tau."""
     c, s, gap = at.x, at.y, 1.0 - pad.eps
-    denominator = 1.0 + c + gap * (1.0 - c)
-    rate = 2.0 * math.sqrt(gap) / denominator
-    cos, sin = (1.0 + c - gap * (1.0 - c)) / denominator, rate * s
-    h = gap * (1.0 + 2.0 * pad.eps * (1.0 - c) / denominator)
+    part = 1.0 / (1.0 + c + gap * (1.0 - c))
+    rate = 2.0 * math.sqrt(gap) * part
+    cos, sin = (1.0 + c - gap * (1.0 - c)) * part, rate * s
+    h = gap * (1.0 + 2.0 * pad.eps * (1.0 - c) * part)
     along, across = cos * pad.cos + sin * pad.sin, sin * pad.cos - cos * pad.sin
-    return Point(rate / h**3, rate * h**3, rate * along, rate * across)
+    cube = h * h * h
+    return Point(rate / cube, rate * cube, rate * along, rate * across)
 
 
 @kernel
-def find_step(r: float, square: float, cell: Cell) -> Step:
-    """square = (kappa D/L)^2."""
+def find_step(r: float, hardness: float, cell: Cell) -> Step:
+    """hardness = (kappa D/L)^2."""
     one, two, step = cell.one, cell.two, cell.length
     b = 0.5 * step * (one.ease + two.ease)
-    c = 0.5 * step * square * (one.hold + two.hold)
-    d = TURN * step * step * square * (two.ease * one.hold - one.ease * two.hold)
-    size = math.sqrt(d * d + b * c)
+    c = 0.5 * step * hardness * (one.hold + two.hold)
+    d = TURN * step * step * hardness * (two.ease * one.hold - one.ease * two.hold)
+    square = d * d + b * c
+    size = math.sqrt(square)
     small = math.exp(-size)
-    slope = (1.0 - small * small) / (size * (1.0 + small * small))
-    divisor = 1.0 + slope * (c * r - d)
-    shrink = 2.0 * small / ((1.0 + small * small) * divisor)
-    return Step(b, c, d, (r + slope * (d * r + b)) / divisor, shrink)
+    cosh, sinh = size * (1.0 + small * small), 1.0 - small * small
+    whole = 1.0 / (cosh + sinh * (c * r - d))
+    after, part = (cosh * r + sinh * (d * r + b)) * whole, 1.0 / square
+    return Step(b * part, c * part, d * part, after, 1.0 / after, 2.0 * small * size * whole)
 
 
 @kernel
@@ -154,16 +159,18 @@ def carry(m: float, r: float, by: Step, one: float, two: float, cell: Cell) -> f
     """m at the end of a cell, with the sources at its two places, by the step's fixed point (p, flux)."""
     step = cell.length
     pull = TURN * step * step * (cell.one.ease * two - cell.two.ease * one)
-    push, square = 0.5 * step * (one + two), by.d * by.d + by.b * by.c
-    p, flux = (by.b * push - by.d * pull) / square, -(by.c * pull + by.d * push) / square
-    return ((r * (m + flux) - p) * by.shrink + p) / by.r - flux
+    push = 0.5 * step * (one + two)
+    p, flux = by.b * push - by.d * pull, -(by.c * pull + by.d * push)
+    return ((r * (m + flux) - p) * by.shrink + p) * by.stiff - flux
 
 
 @kernel
-def bend(m: tuple[float, float], r: tuple[float, float], sources: tuple[float, float], cell: Cell) -> Cubic:
-    """Hermite's, with m' = n.u - m/(h^3 R), of which the groove has half of n.u."""
-    rise = cell.length * (sources[0] - m[0] * cell.low.ease / r[0] if r[0] > 0.0 else 0.5 * sources[0])
-    end = cell.length * (sources[1] - m[1] * cell.high.ease / r[1])
+def bend(
+    m: tuple[float, float], stiff: tuple[float, float], sources: tuple[float, float], cell: Cell
+) -> Cubic:
+    """Hermite's, with m' = n.u - m/(h^3 R), of which the groove has half of n.u; stiff = 1/R, there 0."""
+    rise = sources[0] - m[0] * cell.low.ease * stiff[0] if stiff[0] > 0.0 else 0.5 * sources[0]
+    rise, end = cell.length * rise, cell.length * (sources[1] - m[1] * cell.high.ease * stiff[1])
     more = m[1] - m[0]
     return Cubic(m[0], rise, 3.0 * more - 2.0 * rise - end, rise + end - 2.0 * more)
 
@@ -192,16 +199,16 @@ def find_end(m: Cubic) -> float:
 
 
 @kernel
-def advance(at: Mode, square: float, cell: Cell, pad: Pad) -> Mode:
+def advance(at: Mode, hardness: float, cell: Cell, pad: Pad) -> Mode:
     """Over a cell, or to the end of the film in it: int m m^T/h^3 at two places of Gauss."""
     if has_ended(at):
         return at
-    by = find_step(at.r, square, cell)
-    one, two, r = cell.one, cell.two, (at.r, by.r)
+    by = find_step(at.r, hardness, cell)
+    one, two, stiff = cell.one, cell.two, (at.stiff, by.stiff)
     along = carry(at.along, at.r, by, one.along, two.along, cell)
     across = carry(at.across, at.r, by, one.across, two.across, cell)
-    u = bend((at.along, along), r, (cell.low.along, cell.high.along), cell)
-    v = bend((at.across, across), r, (cell.low.across, cell.high.across), cell)
+    u = bend((at.along, along), stiff, (cell.low.along, cell.high.along), cell)
+    v = bend((at.across, across), stiff, (cell.low.across, cell.high.across), cell)
     part = 1.0
     if along <= 0.0:
         part = find_end(u)
@@ -215,7 +222,7 @@ def advance(at: Mode, square: float, cell: Cell, pad: Pad) -> Mode:
         at.impedance.across + a * v_one * v_one + b * v_two * v_two,
         at.impedance.mixed + a * u_one * v_one + b * u_two * v_two,
     )
-    return Mode(by.r, along, across, total)
+    return Mode(by.r, by.stiff, along, across, total)
 
 
 @kernel
@@ -228,7 +235,7 @@ def add(total: Impedance, k: Impedance, share: float) -> Impedance:
 def sweep(pad: Pad, ratio: float) -> Impedance:
     """Of a pad whose film begins at its first groove."""
     dry = Impedance(0.0, 0.0, 0.0)
-    first, second = Mode(0.0, 0.0, 0.0, dry), Mode(0.0, 0.0, 0.0, dry)
+    first, second = Mode(0.0, 0.0, 0.0, 0.0, dry), Mode(0.0, 0.0, 0.0, 0.0, dry)
     step, at = pad.length / CELLS, point(pad.begin)
     high, whole = see_film(at, pad), point(step)
     nearer, farther = point(GAUSS * step), point((1.0 - GAUSS) * step)
