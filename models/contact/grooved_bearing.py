@@ -20,7 +20,7 @@ impedance of `short_bearing` needs no pressure:
     A = 3 (D/L)^2 sum weight int m m^T/h^3 dt    from a groove to the free end or to the other groove
 
 Steps are Magnus' of fourth order (Iserles and Norsett 1999) between even places tau, which are closer to each
-other at the thin place: tan(t/2) = sqrt(1 - eps) tan(tau/2).
+other at the thin place: tan(t/2) = (1 - eps)^1/4 tan(tau/2).
 """
 
 import math
@@ -50,9 +50,11 @@ class Grooves(NamedTuple):
 
 
 class Pad(NamedTuple):
-    """eps; from which tau on, and how long; cosine and sine of the direction of u from the thin place."""
+    """eps and (1 - eps)^1/4; from which tau on, and how long; cosine and sine of the direction of u from the
+    thin place."""
 
     eps: float
+    near: float
     begin: float
     length: float
     cos: float
@@ -128,11 +130,11 @@ def turn(at: Squeeze, by: Squeeze) -> Squeeze:
 @kernel
 def see_film(at: Squeeze, pad: Pad) -> Point:
     """At cosine and sine of tau."""
-    c, s, gap = at.x, at.y, 1.0 - pad.eps
-    part = 1.0 / (1.0 + c + gap * (1.0 - c))
-    rate = 2.0 * math.sqrt(gap) * part
-    cos, sin = (1.0 + c - gap * (1.0 - c)) * part, rate * s
-    h = gap * (1.0 + 2.0 * pad.eps * (1.0 - c) * part)
+    c, s, near = at.x, at.y, pad.near * pad.near * (1.0 - at.x)
+    part = 1.0 / (1.0 + c + near)
+    rate = 2.0 * pad.near * part
+    cos, sin = (1.0 + c - near) * part, rate * s
+    h = 1.0 - pad.eps + 2.0 * pad.eps * near * part
     along, across = cos * pad.cos + sin * pad.sin, sin * pad.cos - cos * pad.sin
     cube = h * h * h
     return Point(rate / cube, rate * cube, rate * along, rate * across)
@@ -253,10 +255,10 @@ def sweep(pad: Pad, ratio: float) -> Impedance:
 
 
 @kernel
-def find_tau(angle: float, eps: float) -> float:
+def find_tau(angle: float, near: float) -> float:
     turns = 2.0 * math.pi * math.floor(0.5 * angle / math.pi + 0.5)
     half = 0.5 * (angle - turns)
-    return turns + 2.0 * math.atan2(math.sin(half), math.sqrt(1.0 - eps) * math.cos(half))
+    return turns + 2.0 * math.atan2(math.sin(half), near * math.cos(half))
 
 
 @kernel
@@ -269,6 +271,7 @@ def find_grooved_impedance(u: Squeeze, eps: Squeeze, grooves: Grooves) -> Impeda
     far = math.sqrt(eps.x**2 + eps.y**2)
     c, s = (eps.x / far, eps.y / far) if far > 0.0 else (1.0, 0.0)
     along, across, at = c * u.x + s * u.y, c * u.y - s * u.x, math.atan2(s, c)
+    near = math.sqrt(math.sqrt(1.0 - far))
     total = Impedance(0.0, 0.0, 0.0)
     for i in range(4):
         side = 1.0 - 2.0 * (i % 2)
@@ -277,8 +280,8 @@ def find_grooved_impedance(u: Squeeze, eps: Squeeze, grooves: Grooves) -> Impeda
         low = max(along * math.cos(begin) + side * across * math.sin(begin), 0.0) ** 2
         high = max(along * math.cos(end) + side * across * math.sin(end), 0.0) ** 2
         if low > 0.0:
-            tau = find_tau(begin, far)
-            pad = Pad(far, tau, find_tau(end, far) - tau, along, side * across)
+            tau = find_tau(begin, near)
+            pad = Pad(far, near, tau, find_tau(end, near) - tau, along, side * across)
             k = sweep(pad, grooves.ratio)
             total = add(total, Impedance(k.along, k.across, side * k.mixed), low / (low + high))
     return total

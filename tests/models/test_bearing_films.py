@@ -302,7 +302,7 @@ def attitude_of(eps, ratio, mobility):
     [
         *((r, e, (), 1e-3, 0.05) for r in (0.25, 0.5, 1.0) for e in (0.2, 0.6, 0.8, 0.9, 0.95)),
         *((r, e, SIDES, 2e-3, 0.1) for r in (0.25, 0.5, 1.0) for e in (0.1, 0.6, 0.8, 0.95)),
-        (0.1, 0.8, SIDES, 1e-2, 0.4),
+        (0.1, 0.8, SIDES, 1e-2, 0.5),
     ],
 )
 def test_films_and_attitudes_of_steady_loads(ratio, eps, grooves, film, degrees, record):

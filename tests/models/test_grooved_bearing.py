@@ -11,6 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import eigh
 
+from models.contact.analysis.bearing.reynolds import Grid, solve
 from models.contact.analysis.bearing.steady import GROOVE
 from models.contact.grooved_bearing import (
     SQUARES,
@@ -50,6 +51,21 @@ def grooved(direction, eps, ratio=0.5):
     """The impedance for a squeeze in this direction, with eps along x and grooves of 20 degrees."""
     k = find_grooved_impedance(polar(1.0, direction), polar(eps, 0.0), Grooves(ratio, 0.4, GROOVE))
     return np.array(k)
+
+
+@pytest.mark.parametrize("ratio", [0.25, 1.0])
+@pytest.mark.parametrize("eps", [0.3, 0.8, 0.95])
+def test_squeezes_in_all_directions(eps, ratio, record):
+    """The largest difference of the force, over its size, in nine directions."""
+    worst, grid = 0.0, Grid(eps, ratio, (0.4, 0.4 + math.pi), opening=GROOVE)
+    for direction in np.arange(0.1, 2.0 * math.pi, 0.7):
+        exact = solve(grid, direction).force
+        along, _, mixed = grooved(direction, eps, ratio)
+        u = polar(1.0, direction)
+        off = math.hypot(along * u.x - mixed * u.y - exact[0], along * u.y + mixed * u.x - exact[1])
+        worst = max(worst, off / math.hypot(*exact))
+    quantity = f"journal bearing with two grooves, L/D = {ratio:g}, eps = {eps:g}: force of a squeeze (rel.)"
+    record("Film", quantity, worst, 0.0, "Reynolds' equation, p >= 0", tolerance=0.01)
 
 
 @settings(max_examples=40, deadline=None)
