@@ -14,6 +14,8 @@ from . import Line, ScenarioError
 from .side_lines import check_equal_types
 from .units import to_base_units
 
+# Offsets of one unit are given with five digits or more, as 255.37 K of degF.
+OFFSETS_AGREE = 1e-3
 Transformations = dict[str, dict[str, Linear]]
 
 
@@ -72,6 +74,13 @@ def _find_linear(
         )
     if linear is not None and linear.offset and given.relative != wanted.relative:
         raise ScenarioError(f"{line}: {explain_differences(line.source, line.target, given.relative)}")
+    usual = convert_units(given.unit, {}, wanted.unit, {}, given.relative and wanted.relative)
+    if linear and usual and abs(usual.offset - linear.offset) > OFFSETS_AGREE * abs(usual.offset):
+        meant, defined = (replace(line, factor=way.factor, offset=way.offset) for way in (usual, linear))
+        raise ScenarioError(
+            f"{line}: {given.unit} to {wanted.unit} adds {usual.offset:g}, but {linear.offset:g} by the "
+            f"definitions of the FMUs; write what is meant: {meant}, or {defined}"
+        )
     return linear
 
 

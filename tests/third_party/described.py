@@ -8,7 +8,8 @@ import fmpy
 ABLE = 'canGetAndSetFMUstate="true" canHandleVariableCommunicationStepSize="true"'
 UNITS = (
     '<UnitDefinitions><Unit name="K"><BaseUnit K="1"/></Unit>'
-    '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit></UnitDefinitions>'
+    '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>'
+    '<Unit name="degF"><BaseUnit K="1" factor="0.5555555555555556"/></Unit></UnitDefinitions>'  # no offset
 )
 
 

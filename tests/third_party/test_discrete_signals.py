@@ -114,6 +114,16 @@ def test_a_difference_to_a_temperature_is_refused(tmp_path: Path) -> None:
         connected(2, f'unit="degC" {RELATIVE}', 'unit="K"', tmp_path)
 
 
+def test_an_offset_that_a_definition_leaves_out_is_asked_for(tmp_path: Path) -> None:
+    """An FMU that gives degF no offset has made a mistake, or means differences."""
+    with pytest.raises(
+        ScenarioError, match=r"degF to K adds 255\.372, but 0 by .*: a\.y \* 0\.555.* \+ 255\.372"
+    ):
+        connected(2, 'unit="degF"', 'unit="K"', tmp_path)
+    assert connected(2, 'unit="degF"', 'unit="degF"', tmp_path) == Linear()
+    assert connected(2, f'unit="degF" {RELATIVE}', KELVIN, tmp_path).offset == 0.0
+
+
 def test_values_of_differences_have_no_offset(tmp_path: Path) -> None:
     """Nor is 5 degC of a difference without a unit another number in K."""
     rise = real2("dT", 0, "parameter", f'{KELVIN} start="0"', "fixed")
