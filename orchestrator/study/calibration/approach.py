@@ -18,7 +18,7 @@ from .objective import Objective
 from .signals import Eliminated, eliminate_all
 
 # Standard deviations of the window, of the span of the positions; rows stand in this part of it.
-WINDOWS, APART = (1 / 8, 1 / 20, 1 / 50), 0.5
+WINDOWS, APART = (1 / 8, 1 / 20), 0.5
 # Of the prior, and the longest step, of the parameters' logarithms.
 PRIOR, LONGEST = 0.3, 0.3
 # A level ends after so many steps, or where one promises or takes less than this part of the sum.

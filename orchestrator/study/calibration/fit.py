@@ -86,7 +86,7 @@ def _minimise(objective: Objective, start: Vector) -> Vector:
         deviations = np.sqrt(np.diag(invert(objective.jacobian(x))))
         if objective.is_fresh(x, deviations):
             break
-        objective.refresh()
+        objective.refresh(deviations)
     return x
 
 

@@ -2,6 +2,8 @@
 
 These are the tangents of steady cycles, or differences of predictions where a model has no tangents. A
 derivative is corrected by Broyden's rule after a step that it predicted well, and found anew after others.
+Where tangents predicted a step badly, as those of a train that rattles, differences over steps take their
+place.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,6 +28,8 @@ from .signals import Eliminated, eliminate_all
 SHARE = 1e-3
 # Derivatives are found anew at the end of a fit that moved by more than this, and by part of a deviation.
 FRESH = 0.02
+# Of a parameter: the longest difference that takes the place of tangents.
+WIDEST = 0.02
 # Part of the change of the signals that a step's prediction may miss before the derivatives are found anew.
 MISSED = 0.3
 # Points whose predictions are held: a rejected step goes back to the last one.
@@ -48,6 +52,8 @@ class Objective:
         # As they were found, without corrections: of signals, all outputs and last states, (..., parameters).
         self.derivatives: list[Prediction] = []
         self._exact, self._rounds = False, 0
+        # Over which differences take the place of tangents that predicted a step badly, if any did.
+        self._spans: Vector | None = None
 
     def values(self, x: Vector) -> dict[str, float]:
         return {one.name: float(one.size * part) for one, part in zip(self.parameters, x, strict=True)}
@@ -125,9 +131,11 @@ class Objective:
         near = np.minimum(0.3 * np.nan_to_num(deviations), FRESH * np.abs(x))
         return bool(np.all(moved <= np.maximum(SHARE * np.abs(x), near)))
 
-    def refresh(self) -> None:
-        """Have the next derivatives found anew."""
+    def refresh(self, deviations: Vector | None = None) -> None:
+        """Have the next derivatives found anew: where tangents misled on the way, as differences over the
+        `deviations`."""
         self._x = None
+        self._spans = None if self._spans is None else deviations
 
     def find_slopes(self, x: Vector) -> list[Vector]:
         """Derivatives of the signals (signals, positions, parameters) by experiment."""
@@ -152,6 +160,8 @@ class Objective:
         changed = [new - old for new, old in zip(now, before, strict=True)]
         missed = [one - slope @ step for one, slope in zip(changed, self._slopes, strict=True)]
         if self._norm(missed) > MISSED * self._norm(changed):
+            if self._exact or self._spans is not None:
+                self._spans = np.abs(step)
             return False
         rule = step / (step @ step)
         self._slopes = [s + one[..., None] * rule for s, one in zip(self._slopes, missed, strict=True)]
@@ -163,7 +173,7 @@ class Objective:
 
     def centre(self, x: Vector) -> None:
         """Have `derivatives` by differences be of both sides."""
-        if self._exact:
+        if self._exact or self._spans is not None:
             return
         up, down = (self._difference(x, side) for side in (1.0, -1.0))
         pairs = zip(up, down, strict=True)
@@ -173,6 +183,9 @@ class Objective:
         """By tangents, or where these are not known by differences of one side."""
         self._rounds += 1
         self._reporter.line(f"round {self._rounds}: residuals: {self.describe(x)}")
+        if self._spans is not None:
+            self._exact = False
+            return self._difference(x)
         requests = [replace(one, task="differentiate") for one in self._list_requests(x, x.tobytes())]
         found = self._make(f"tangents of {tally(len(requests), 'cycle')}", requests)
         why = next((one.message for one in found if one.message), "")
@@ -205,6 +218,8 @@ class Objective:
         """Away from the nearer bound."""
         one = self.parameters[k]
         step = SHARE * max(abs(float(x[k])), SHARE)
+        if self._spans is not None:
+            step = float(np.clip(self._spans[k], step, max(step, WIDEST * abs(x[k]))))
         return -step if x[k] + step > one.high / one.size else step
 
     def _predict_beside(self, x: Vector, steps: Mapping[int, float]) -> list[list[Prediction]]:
