@@ -195,13 +195,13 @@ def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
     """A line for each speed."""
     columns, lost = select_columns(table), find_lost(table)
     heads = (head for head, _, _ in columns)
-    marked = Column("motion", no_wrap=True)
+    marked = Column("cycle", no_wrap=True)
     shown = Table("r/min", *heads, marked, title="Steady cycles", title_justify="left", padding=0)
     for i, speed in enumerate(table["speed"].values):
         cells = (format_number(scale * float(table[name][i])) for _, name, scale in columns)
         marks = {"contact lost": lost[i], "not steady": table["change"][i] > STEADY}
-        motion = ", ".join(text for text, holds in marks.items() if holds) or "steady"
-        shown.add_row(f"{speed * RPM:.0f}", *cells, motion)
+        found = ", ".join(text for text, holds in marks.items() if holds) or "steady"
+        shown.add_row(f"{speed * RPM:.0f}", *cells, found)
     reporter.console.print(shown)
 
 
