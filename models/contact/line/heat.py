@@ -240,11 +240,54 @@ def build_bodies(problem: FilmProblem, laws: HeatLaws, X: Any, nodes: Nodes, hea
 
 
 @kernel
+def pressed(i: int, heat: Heat) -> float:
+    """The share of a node's answer to its stress that a pressure makes there (1/Pa)."""
+    return float(heat.pressing[i] / heat.response[i] * heat.columns.softer[i])
+
+
+@kernel
+def foresee_drift(
+    p: Any, h: Any, problem: FilmProblem, laws: HeatLaws, X: Any, nodes: Nodes, heat: Heat
+) -> None:  # fmt: skip
+    """What the pressures of a node and of those beside it make of its drift by heat: by that of their stress,
+    which layers carry to it from either side, and by that of the slope, which shears and compresses one half
+    of the film more. One adjoint column of the node serves all."""
+    c, layers, first = heat.columns, heat.speed.shape[1], SOLID_LAYERS
+    middle, wanted, sliding = 0.5 * (layers - 1), c.right, problem.drive.sliding
+    for i in range(1, p.shape[0] - 1):
+        own, left, right, slope = 0.0, 0.0, 0.0, 0.0
+        softening, answer, come = heat.softening[i], c.answer[i], c.come[i]
+        lower, inverse, upper = c.lower[i], c.inverse[i], c.upper[i]
+        if p[i] > 0.0 and heat.stress[i] != 0.0:
+            for k in range(layers):
+                wanted[first + k] = ((k - middle) / layers - heat.wedge[i]) * softening[k]
+                own += wanted[first + k] * answer[first + k]
+            for k in range(layers):
+                wanted[first + k] -= own * c.softer[i] * softening[k]
+            for r in range(first + 1, first + layers):
+                wanted[r] -= upper[r - 1] * wanted[r - 1]
+            volume = laws.expansion * h[i] * problem.scale * cell(X, i) / layers
+            passing, after = 0.5 * (nodes.through[i - 1] + nodes.through[i]) / nodes.mass[i], 0.0
+            for k in range(layers - 1, -1, -1):
+                r = first + k
+                after = wanted[r] * inverse[r] - lower[r + 1] * after
+                left += after * come[2 + k, 1] * c.answer[i - 1, r]
+                right += after * come[2 + k, 2] * c.answer[i + 1, r]
+                leant = 2.0 * ((k - middle) / layers - heat.wedge[i]) * h[i] / heat.stress[i]
+                hot = volume * (laws.thermal.temperature + heat.rise[i, r])
+                slope += after * (hot * (passing + heat.speed[i, k]) - leant * heat.heating[i, k])
+        slope *= sliding / (problem.scale * (X[i + 1] - X[i - 1]))
+        nodes.drift_p[i] = sliding * pressed(i, heat) * own + heat.wedging[i]
+        nodes.drift_left[i] = sliding * pressed(i - 1, heat) * left - slope
+        nodes.drift_right[i] = sliding * pressed(i + 1, heat) * right + slope
+
+
+@kernel
 def build_columns(
     p: Any, h: Any, problem: FilmProblem, old: Any, laws: HeatLaws, X: Any, nodes: Nodes, heat: Heat
 ) -> None:
     """The columns of all nodes, after `build_bodies`, under p and h, about the temperatures that `shear` saw;
-    and in `nodes` what heat makes of the drift where the pressure changes."""
+    and in `nodes` what heat makes of the drift where pressures change."""
     c, n, layers, rows = heat.columns, p.shape[0], heat.speed.shape[1], heat.rise.shape[1]
     per_time = 1.0 / problem.time_step
     share, end = laws.capacity / layers, SOLID_LAYERS + layers
@@ -267,15 +310,11 @@ def build_columns(
         fill_layers(i, held, grown, share, inner, width, at, laws, h[i], heat)
         if p[i] > 0.0:
             divide_film(c.lower[i], c.inverse[i], c.upper[i], c.answer[i])
-        softer, moved, middle = 1.0, 0.0, 0.5 * (layers - 1)
+        softer = 1.0
         for k in range(layers):
-            answered = heat.softening[i, k] * c.answer[i, SOLID_LAYERS + k]
-            softer += answered
-            leant = (k - middle) / layers - heat.wedge[i]
-            moved += leant * answered
+            softer += heat.softening[i, k] * c.answer[i, SOLID_LAYERS + k]
         c.softer[i] = 1.0 / softer
-        moved *= problem.drive.sliding * heat.pressing[i] / (heat.response[i] * softer)
-        nodes.drift_p[i] = moved + heat.wedging[i]
+    foresee_drift(p, h, problem, laws, X, nodes, heat)
 
 
 @kernel

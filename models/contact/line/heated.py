@@ -1,9 +1,8 @@
 """The film and its temperatures together: Newton's method for the film, then the heat, until both settle.
 
 The film is solved with factors that the temperatures make (see `shear`), the temperatures with the film's
-flows (see `heat`), along the film and back. What one leaves of the other shrinks slowly where entrainment
-reverses: oil is carried there by the drift that its temperatures make. Each turn's guess is therefore that of
-three turns by which least would be left (Anderson 1965, J. ACM 12, 547).
+flows (see `heat`), along the film and back. Where entrainment reverses, oil is carried by the drift that its
+temperatures make: there the film is solved with what its pressures make of that drift (`foresee_drift`).
 """
 
 import math
@@ -25,12 +24,11 @@ from .workspace import Workspace
 # The heat alone settles to this share of the highest rise.
 CLOSED = 1e-5
 MOST_TURNS = 20
-# Pressures of a turn are found to this share of that to which temperatures settle.
-NEAR = 0.1
+# Pressures of a turn are found to this share of the last change of temperatures, of which the first is taken
+# to be FIRST, or of that to which they settle.
+NEAR, FIRST = 0.1, 0.03
 # Changes of so many times that may be the last but for what is foreseen.
 FORESEEN = 5.0
-# Changes of turns are taken as dependent from this determinant on, relative.
-DEPENDENT = 1e-6
 
 
 @kernel
@@ -74,34 +72,6 @@ def is_settled(changed: float, before: float, settled: float) -> bool:
 
 
 @kernel
-def accelerate(turn: int, heat: Heat) -> None:
-    """The next guess of the temperatures from three turns, of which this is the number `turn`: that for which
-    what turns change, linear in the guesses, is least (Anderson 1965)."""
-    found, left = heat.flat, heat.guess
-    one, other = heat.trail[0], heat.trail[2]
-    left_one, left_other = heat.trail[1], heat.trail[3]
-    n = found.shape[0]
-    a, b, c, to_one, to_other = 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(n):
-        first, second = left_one[i] - left[i], left_other[i] - left[i]
-        a, b, c = a + first * first, b + first * second, c + second * second
-        to_one, to_other = to_one - first * left[i], to_other - second * left[i]
-    determinant, to_last = a * c - b * b, 0.0
-    if determinant > DEPENDENT * a * c:
-        to_one, to_last = (c * to_one - b * to_other) / determinant, (a * to_other - b * to_one) / determinant
-    elif a > 0.0:
-        to_one /= a
-    for i in range(n):
-        at = found[i]
-        if turn == 0:
-            one[i], left_one[i] = at, left[i]
-        else:
-            found[i] += to_one * (one[i] - at) + to_last * (other[i] - at)
-        other[i], left_other[i] = one[i], left_one[i]
-        one[i], left_one[i] = at, left[i]
-
-
-@kernel
 def close(heat: Heat) -> bool:
     """`warm` forth and back until what is left, the order in which columns are solved, closes the balance of
     heat."""
@@ -123,11 +93,12 @@ def solve_film(
     sliding, heat = problem.drive.sliding, w.heat
     iterations, finite, before = 0, True, math.inf
     build_bodies(problem, laws, w.X, w.nodes, heat)
-    for turn in range(MOST_TURNS):
+    for _ in range(MOST_TURNS):
         copy(heat.guess, heat.flat)
         thin_film(fluid, laws, heat, w.nodes)
         shear_film(w.X, problem.scale, p, h, sliding, fluid, laws, heat, w.nodes)
-        found = newton(p, h, approach, problem, bodies, fluid, old, w, NEAR * laws.settled)
+        near = NEAR * max(min(before, FIRST), laws.settled)
+        found = newton(p, h, approach, problem, bodies, fluid, old, w, near)
         approach, iterations = found.approach, iterations + found.iterations
         if found.error != 0.0:
             break
@@ -141,7 +112,6 @@ def solve_film(
             if close(heat):
                 return FilmSolution(approach, 0.0, iterations)
             break
-        accelerate(turn, heat)
         before = changed
     # A further attempt goes on from what there is.
     for i in range(heat.flat.shape[0]):
@@ -161,7 +131,7 @@ def begin_heat(
             find_filled(p, filling, w.nodes)
         copy(w.heat.pressure_base, p)
         copy_rows(w.heat.start, w.heat.rise)
-        w.nodes.drift_p[:] = 0.0
+        w.nodes.drift_p[:], w.nodes.drift_left[:], w.nodes.drift_right[:] = 0.0, 0.0, 0.0
         thin_film(fluid, laws, w.heat, w.nodes)
         shear_film(w.X, scale, p, h, drive.sliding, fluid, laws, w.heat, w.nodes)
 

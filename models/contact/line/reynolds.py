@@ -40,7 +40,8 @@ class Nodes(NamedTuple):
     Not filled there: the filling, and `share`, a factor of the flow through the face behind the node, both 1
     but for cavities that keep their oil; that flow (m2/s), which `balance` fills. And what heat makes (see
     `shear`): factor of the pressure's flow, expansion, a factor of rho, and the drift of the mean velocity
-    without pressure (m/s) with its derivative, from which `properties` has the drift."""
+    without pressure (m/s) with its derivatives by the node's own and by those on either side, from which
+    `properties` has the drift."""
 
     mass: Any
     mass_p: Any
@@ -59,16 +60,20 @@ class Nodes(NamedTuple):
     expansion: Any
     drift_0: Any
     drift_p: Any
+    drift_left: Any
+    drift_right: Any
 
 
 @kernel
 def properties(p: Any, h: Any, fluid: Lubricant, f: Nodes) -> None:
     """Fill f from pressure and film."""
-    for i in range(p.shape[0]):
+    n = p.shape[0]
+    for i in range(n):
         rho = f.expansion[i] * density_ratio(p[i], fluid)
         slope = f.expansion[i] * density_slope(p[i], fluid)
         cube = f.factor[i] * (h[i] ** 3 / 12.0)
-        f.drift[i] = f.drift_0[i] + f.drift_p[i] * p[i]
+        beside = f.drift_left[i] * p[max(i - 1, 0)] + f.drift_right[i] * p[min(i + 1, n - 1)]
+        f.drift[i] = f.drift_0[i] + f.drift_p[i] * p[i] + beside
         f.rho[i] = rho
         f.mass[i] = rho * h[i]
         f.mass_p[i] = slope * h[i]
@@ -178,8 +183,9 @@ def balance(
         p_second = -by_gradient - (
             0.5 * f.flow_p[i + 1] * mean + flow * by_second * f.log_eta_p[i + 1]
         ) * gradient  # fmt: skip
-        p_first += 0.5 * f.drift_p[i] * dragged
-        p_second += 0.5 * f.drift_p[i + 1] * dragged
+        p_first += 0.5 * (f.drift_p[i] + f.drift_left[i + 1]) * dragged
+        p_second += 0.5 * (f.drift_right[i] + f.drift_p[i + 1]) * dragged
+        p_before, p_after = 0.5 * f.drift_left[i] * dragged, 0.5 * f.drift_right[i + 1] * dragged
         h_first = -(0.5 * f.flow_h[i] + flow * by_film) * mean * gradient
         h_second = -(0.5 * f.flow_h[i + 1] + flow * by_film) * mean * gradient
         for side in range(2):
@@ -194,7 +200,9 @@ def balance(
             share = -sign * velocity * reach
             A[far - row + 2, row] += share * f.mass_p[far]
             B[far - row + 2, row] += share * f.rho[far]
+            A[i - row + 1, row] += sign * p_before
             A[i - row + 2, row] += sign * p_first
             A[i - row + 3, row] += sign * p_second
+            A[i - row + 4, row] += sign * p_after
             B[i - row + 2, row] += sign * h_first
             B[i - row + 3, row] += sign * h_second

@@ -76,17 +76,16 @@ class Columns(NamedTuple):
 class Heat(NamedTuple):
     """Scratch over nodes. Rises of temperature (K) over rows (n, rows): body 1 from the depth to its surface,
     film, body 2 to the depth; `flat` is `rise` as one vector, `slope` its rate (K/s) in the last step,
-    `guess` and `trail` (4) are such of the turns of film and heat. Over layers (n, layers): heat (W/m), its
-    growth by the layer's own temperature, what all temperatures make of the stress (1/K), velocity (m/s) less
-    the mean, and what heat makes of ln(eta) at no pressure with its slope (1/K). Over nodes: stress (Pa), how
-    heat answers the stress, pressure at the base (Pa), heat of asperities (W/m), growth of heat (1/Pa) by the
-    pressure, the pressure under which the node was sheared (Pa; -1: at other temperatures), zeta_c - 1/2, and
-    what the pressure makes of the drift at these temperatures (m/(s Pa))."""
+    `guess` is such of a turn of film and heat. Over layers (n, layers): heat (W/m), its growth by the layer's
+    own temperature, what all temperatures make of the stress (1/K), velocity (m/s) less the mean, and what
+    heat makes of ln(eta) at no pressure with its slope (1/K). Over nodes: stress (Pa), how heat answers the
+    stress, pressure at the base (Pa), heat of asperities (W/m), growth of heat (1/Pa) by the pressure, the
+    pressure under which the node was sheared (Pa; -1: at other temperatures), zeta_c - 1/2, and what the
+    pressure makes of the drift at these temperatures (m/(s Pa))."""
 
     flat: Any
     slope: Any
     guess: Any
-    trail: Any
     rise: Any
     start: Any
     middle: Any
@@ -204,13 +203,13 @@ def shear_node(
     if follows < 1.0 and limit > 0.0:
         heat.pressing[i] += (1.0 - follows) * laws.traction.limiting_coefficient / limit
     stress = math.copysign(stress, sliding)
-    passed, mean, wedging, part, thin = 0.0, 0.0, 0.0, share / J0, film * share / eta
+    passed, mean, wedging, part, easing = 0.0, 0.0, 0.0, share / J0, film * share / eta
     rubbed = heat.stress[i] * sheared
     for k in range(layers):
         away = (k + 0.5) * share - centre
         leant, flows, softer = away * tilt, fluidity[k], -pressed * thinning_slope[k]
         wedging -= flows * away * thinned[k]
-        slid = (stress - leant) * (flows * thin)
+        slid = (stress - leant) * (flows * easing)
         heating[k] = (rubbed - leant * width) * slid if sheared > 0.0 else 0.0
         growth[k] = softer * heating[k]
         softening[k] = softer * (flows * part)
@@ -228,8 +227,8 @@ def shear_node(
     if fluid.eyring_stress > 0.0:
         # What the pressure's slope makes of the drift flows by it; Conry's factor is that of cold oil.
         slope = 12.0 * J2 - 12.0 * eta * sliding * (centre - plain_centre) / (film * leaning)
-        thin = thinning(eta, film, leaning / film, sliding, fluid.eyring_stress)
-        return slope / thin.factor, sliding * (plain_centre - 0.5)
+        conry = thinning(eta, film, leaning / film, sliding, fluid.eyring_stress)
+        return slope / conry.factor, sliding * (plain_centre - 0.5)
     return 12.0 * J2, sliding * (centre - 0.5)
 
 
@@ -268,4 +267,5 @@ def shear_film(
             i, p[i], h[i], tilt, sliding, width, sheared, fluid, laws, heat
         )
         nodes.drift[i] *= nodes.filled[i]
-        nodes.drift_0[i] = nodes.drift[i] - nodes.drift_p[i] * p[i]
+        beside = nodes.drift_left[i] * p[before] + nodes.drift_right[i] * p[after]
+        nodes.drift_0[i] = nodes.drift[i] - nodes.drift_p[i] * p[i] - beside

@@ -20,7 +20,7 @@ _VECTORS = 21
 # Of Mixed.
 _MIXED = 8
 # Of Heat: over rows, over layers and over nodes; and over rows of one column.
-_ROWS, _LAYERS, _STRESSES, _COLUMNS = 15, 7, 12, 4
+_ROWS, _LAYERS, _STRESSES, _COLUMNS = 11, 7, 12, 4
 # Nodes from which heat comes to one.
 _BESIDE = 4
 # Says that grid and matrix are filled; so much more for every layer.
@@ -70,7 +70,7 @@ def nodes_in(f: Any) -> Nodes:
     """The first FIELDS rows of f."""
     return Nodes(
         f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9], f[10], f[11], f[12], f[13], f[14], f[15],
-        f[16],
+        f[16], f[17], f[18],
     )  # fmt: skip
 
 
@@ -79,7 +79,7 @@ def keep_cold(f: Nodes) -> None:
     """The oil is that of the laws."""
     for i in range(f.factor.shape[0]):
         f.factor[i], f.expansion[i] = 1.0, 1.0
-        f.drift_0[i], f.drift_p[i] = 0.0, 0.0
+        f.drift_0[i], f.drift_p[i], f.drift_left[i], f.drift_right[i] = 0.0, 0.0, 0.0, 0.0
 
 
 @kernel
@@ -103,7 +103,6 @@ def heat_in(work: Any, n: int, layers: int) -> Heat:
     size = n * rows
     k = _ROWS * size
     t = shaped(work[:k], (_ROWS, n, rows))
-    trail = shaped(work[5 * size : 9 * size], (4, size))
     v = shaped(work[k : k + _LAYERS * n * layers], (_LAYERS, n, layers))
     k += _LAYERS * n * layers
     s = shaped(work[k : k + _STRESSES * n], (_STRESSES, n))
@@ -112,11 +111,9 @@ def heat_in(work: Any, n: int, layers: int) -> Heat:
     come = shaped(work[k : k + _BESIDE * n * beside], (n, beside, _BESIDE))
     k += _BESIDE * n * beside
     one = shaped(work[k : k + _COLUMNS * rows], (_COLUMNS, rows))
-    columns = Columns(
-        t[9], t[10], t[11], t[12], t[13], come, s[9:11], v[4], s[8], one[0], one[1], one[2], one[3]
-    )
+    columns = Columns(t[5], t[6], t[7], t[8], t[9], come, s[9:11], v[4], s[8], one[0], one[1], one[2], one[3])
     return Heat(
-        work[:size], work[14 * size : 15 * size], work[4 * size : 5 * size], trail, t[0], t[1], t[2], t[3],
+        work[:size], work[10 * size : 11 * size], work[4 * size : 5 * size], t[0], t[1], t[2], t[3],
         v[0], v[1], v[2], v[3], v[5], v[6], s[0], s[1], s[2], s[3], s[4], s[5], s[11], s[6], s[7], columns,
     )  # fmt: skip
 
