@@ -128,9 +128,10 @@ def test_elements_of_an_array_stand_as_one_by_their_last_index():
     [
         ("run", "run: scenario is missing; write"),
         ("run valve-train --ovr", "run: no option --ovr; did you mean --out or --overwrite?"),
-        ("run valve-train --out", "option '--out' requires an argument"),
-        ("run a --overwrite=3", "option '--overwrite' does not take a value"),
+        ("run valve-train --out", "run: option '--out' requires an argument; `tribocosim run --help`"),
+        ("run a --overwrite=3", "run: option '--overwrite' does not take a value"),
         ("run a b", "run: got unexpected extra arguments (b)"),
+        ("fmu build --fmi", "fmu build: option '--fmi' requires an argument; `tribocosim fmu build --help`"),
         ("fmu buld", "fmu: no such command 'buld'"),
         ("fmu build --fmi x", "fmu build: --fmi"),
         ("speeds a --workers 0", "speeds: --workers"),

@@ -144,10 +144,11 @@ def describe_over_speed(table: xarray.Dataset) -> list[str]:
         texts = []
         if not lost.all():
             most, thin = (int(np.nanargmax(np.where(lost, -np.inf, one))) for one in (pressure, leak))
-            texts += [
-                f"highest chamber pressure {1e-6 * pressure[most]:.3g} MPa at {rpm[most]:.0f} r/min",
-                f"leaks at most {_write(leak[thin])} in a turn, at {rpm[thin]:.0f} r/min",
-            ]
+            texts.append(
+                f"{'where contact is kept, ' if lost.any() else ''}highest chamber pressure "
+                f"{1e-6 * pressure[most]:.3g} MPa at {rpm[most]:.0f} r/min, largest leak in a turn "
+                f"{_write(leak[thin])} at {rpm[thin]:.0f} r/min"
+            )
         if (opened := np.flatnonzero(held > 0.0)).size:
             texts.append(
                 f"pumped up, it holds the valve open at {tally(opened.size, 'speed')}, the lowest "
@@ -155,7 +156,8 @@ def describe_over_speed(table: xarray.Dataset) -> list[str]:
             )
         elif np.isfinite(held).all():
             texts.append("the valve closes at all speeds")
-        said.append(f"{name}: {'; '.join(texts)}")
+        if texts:
+            said.append(f"{name}: {'; '.join(texts)}")
     return said
 
 

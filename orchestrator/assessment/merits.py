@@ -161,10 +161,13 @@ def describe_adjusters(system: System, merits: Sequence[Merit], read: Read) -> l
         said = [f"highest chamber pressure {highest.text} at {_find_place(system, highest, read)}"]
         if "leak_down" in own:
             opened, intake = own["check_valve_open"], own["intake"]
+            lets_in = (
+                f"its check valve, open in {opened.text} of the turn, lets {intake.text} in, most at "
+                f"{_find_place(system, intake, read)}"
+            )
             said += [
                 f"leaks {own['leak_down'].text} in a turn, and is at most {own['shortening'].text} shorter",
-                f"its check valve, open in {opened.text} of the turn, lets {intake.text} in, most at "
-                f"{_find_place(system, intake, read)}",
+                lets_in if opened.value > 0.0 else "its check valve stays closed",
                 describe_growth(own["growth"].value, own["held_open"].value if "held_open" in own else 0.0),
             ]
         if "seat_force_kept" in own:

@@ -75,7 +75,7 @@ class Part:
 
     @cached_property
     def lost(self) -> NDArray[np.bool_]:
-        """Where a contact is (`ContactLaw`)."""
+        """Where this contact is lost (`ContactLaw`)."""
         return find_lost_rows(self.motion.system, self.name, self.motion.column)
 
     def parameter(self, name: str) -> float:

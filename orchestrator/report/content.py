@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from models.core.quantities import Vector
+from models.core.system import System
 
 from ..assessment.diagnosis.report import WORDS
 from ..assessment.diagnosis.suggestions import percent
@@ -46,6 +47,7 @@ def collect_run(records: Records, scenario: Scenario | None, summary: Mapping[st
     panels = _choose_panels(variables, scenario, summary)
     _add_detail(records, bases, variables, panels)
     coupled = [str(v["name"]) for v in variables if v["group"] == "coupled"]
+    system = build_system(scenario) if scenario else None
     return {
         "bases": bases,
         "variables": variables,
@@ -54,7 +56,7 @@ def collect_run(records: Records, scenario: Scenario | None, summary: Mapping[st
         "profiles": {name: _pack_profiles(group) for name, group in records.profiles.items()},
         "panels": panels,
         "abscissa": next((str(v["name"]) for v in variables if is_angle(str(v["name"]))), ""),
-        "marks": list_marks(coupled, lambda part: [_list_lost(records, scenario, part)]),
+        "marks": list_marks(coupled, lambda part: [_list_lost(records, system, part)]),
         "steps": _tell_steps(records, bases, variables, scenario),
     }
 
@@ -190,9 +192,8 @@ def list_marks(
     return marks
 
 
-def _list_lost(records: Records, scenario: Scenario | None, part: str) -> list[list[int]]:
+def _list_lost(records: Records, system: System | None, part: str) -> list[list[int]]:
     group = records.groups["coupled"]
-    system = build_system(scenario) if scenario else None
     return list_spans(find_lost_rows(system, part, group.read), _find_stretch(group.rows))
 
 

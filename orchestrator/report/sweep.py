@@ -92,9 +92,9 @@ def _collect(cycles: xarray.Dataset, numbers: xarray.Dataset, scenario: Scenario
     variables.insert(0, _pack(ANGLE, cycles[ANGLE].copy(data=turned)))
     sketches = list_sketches(scenario, names) if scenario else []
     system = build_system(scenario) if scenario else None
+    every = [{name: cycles[name].values[k] for name in names} for k in range(speeds.size)]
 
     def list_lost(part: str) -> list[list[list[int]]]:
-        every = [{name: cycles[name].values[k] for name in names} for k in range(speeds.size)]
         return [list_spans(find_lost_rows(system, part, one.__getitem__)) for one in every]
 
     return {

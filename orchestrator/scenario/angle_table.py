@@ -295,8 +295,8 @@ def _check_order(angle: Vector, lines: list[tuple[int, str]], kind: Kind) -> Non
         )
     if turned < LEAST_SPAN:
         raise AngleTableError(
-            f"spans {turned:g} deg: must be at least {LEAST_SPAN:g} deg; if its angles are radians, write "
-            "'angle [rad]'"
+            f"spans {turned:g} deg: must be at least {LEAST_SPAN:g} deg; if its angles are radians, name "
+            "their unit [rad] in the first line"
         )
 
 

@@ -75,13 +75,19 @@ def _find_linear(
     if linear is not None and linear.offset and given.relative != wanted.relative:
         raise ScenarioError(f"{line}: {explain_differences(line.source, line.target, given.relative)}")
     usual = convert_units(given.unit, {}, wanted.unit, {}, given.relative and wanted.relative)
-    if linear and usual and abs(usual.offset - linear.offset) > OFFSETS_AGREE * abs(usual.offset):
+    if linear and usual and abs(usual.offset - linear.offset) > OFFSETS_AGREE * _find_size(given, wanted):
         meant, defined = (replace(line, factor=way.factor, offset=way.offset) for way in (usual, linear))
         raise ScenarioError(
             f"{line}: {given.unit} to {wanted.unit} adds {usual.offset:g}, but {linear.offset:g} by the "
             f"definitions of the FMUs; write what is meant: {meant}, or {defined}"
         )
     return linear
+
+
+def _find_size(given: Quantity, wanted: Quantity) -> float:
+    """The larger of the two units' common offsets, in the wanted unit."""
+    common = [unit for one in (given, wanted) if (unit := to_base_units(one.unit))]
+    return max((abs(unit.offset / common[-1].factor) for unit in common), default=0.0)
 
 
 def _replace_units(instance: Instance, units: Mapping[str, str]) -> Instance:

@@ -242,7 +242,7 @@ def test_a_gap_on_the_base_circle_is_round_whatever_row_is_first(tmp_path, first
 
 @pytest.mark.parametrize("header", ["angle, lift", "angle [deg], lift [mm]", "crank angle [deg], lift [mm]"])
 def test_radians_that_are_named_degrees_are_refused(tmp_path, header):
-    with pytest.raises(AngleTableError, match=r"at least 13 deg; .* write 'angle \[rad\]'"):
+    with pytest.raises(AngleTableError, match=r"at least 13 deg; .* unit \[rad\] in the first line"):
         read(tmp_path, header, "{0:.5f}, {1:.3f}", angles=np.radians(2.0 * ANGLES), lifts=lift(ANGLES))
 
 

@@ -9,7 +9,8 @@ ABLE = 'canGetAndSetFMUstate="true" canHandleVariableCommunicationStepSize="true
 UNITS = (
     '<UnitDefinitions><Unit name="K"><BaseUnit K="1"/></Unit>'
     '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>'
-    '<Unit name="degF"><BaseUnit K="1" factor="0.5555555555555556"/></Unit></UnitDefinitions>'  # no offset
+    '<Unit name="degF"><BaseUnit K="1" factor="0.5555555555555556"/></Unit>'  # no offset
+    '<Unit name="celsius"><BaseUnit K="1" offset="273.1500001"/></Unit></UnitDefinitions>'
 )
 
 

@@ -122,6 +122,8 @@ def test_an_offset_that_a_definition_leaves_out_is_asked_for(tmp_path: Path) -> 
         connected(2, 'unit="degF"', 'unit="K"', tmp_path)
     assert connected(2, 'unit="degF"', 'unit="degF"', tmp_path) == Linear()
     assert connected(2, f'unit="degF" {RELATIVE}', KELVIN, tmp_path).offset == 0.0
+    rounded = connected(2, 'unit="celsius"', 'unit="degC"', tmp_path)  # by two tools with other digits
+    assert rounded.offset == pytest.approx(1e-7, rel=1e-3)
 
 
 def test_values_of_differences_have_no_offset(tmp_path: Path) -> None:

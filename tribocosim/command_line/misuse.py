@@ -1,6 +1,7 @@
 """Mistakes in the options and arguments of commands, told as all others are: one sentence, status 2."""
 
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 import typer
@@ -23,16 +24,26 @@ class Commands(TyperGroup):
         except UsageError as error:
             status = MISTAKE
             if type(error).__name__ != "NoArgsIsHelpError":  # whose help is printed
-                say(describe_misuse(error))
+                given = arguments[0] if arguments else options.get("args")
+                say(describe_misuse(error, find_command(self, sys.argv[1:] if given is None else given)))
         sys.exit(status)
 
 
-def describe_misuse(error: Any) -> str:
+def find_command(group: Any, words: Sequence[str]) -> str:
+    """The command with which these words begin."""
+    path = ["tribocosim"]
+    for word in words:
+        if (group := getattr(group, "commands", {}).get(word)) is None:
+            break
+        path.append(word)
+    return " ".join(path)
+
+
+def describe_misuse(error: Any, command: str) -> str:
     """The sentence: command, option and value, what is wrong or allowed, and where to look it up."""
-    command = error.ctx.command_path if error.ctx else "tribocosim COMMAND"
     remedy = f"`{command} --help` lists what it takes"
     before, kind = command.partition(" ")[2], type(error).__name__
-    place = f"{before}: " if before and error.ctx else ""
+    place = f"{before}: " if before else ""
     param, cause = getattr(error, "param", None), error.__cause__
     name = param and (param.opts[-1] if param.param_type_name == "option" else param.name)
     if kind == "MissingParameter":
