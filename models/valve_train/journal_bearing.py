@@ -115,7 +115,9 @@ class Outputs:
         "to 0.2 % for L/D >= 0.25"
     )
     film_ratio: float = kinds.NUMBER("least film over roughness")
-    maximum_pressure: float = kinds.PRESSURE("highest pressure of the film")
+    maximum_pressure: float = kinds.PRESSURE(
+        "highest pressure of the film; grooved: of the film without grooves, too low under a load near one"
+    )
     asperity_load: float = kinds.FORCE("load on the asperities")
     power_loss: float = kinds.POWER("power lost to friction and squeeze", nominal=10.0)
 
@@ -187,7 +189,7 @@ def squeeze_film(force: Squeeze, film: Film, p: PlainBearingParameters) -> Squee
 
 @kernel
 def press_film(force: Squeeze, film: Film, p: PlainBearingParameters) -> float:
-    """The highest pressure (Pa) under a force (N)."""
+    """The highest pressure (Pa) under a force (N); between grooves that of the film without them."""
     scale = 1.5 * p.viscosity * p.width**2 / (p.radial_clearance**3 * film_impedance(p))
     if p.film_model == SHORT:
         return scale * highest_pressure(find_squeeze(force, film.eps), film.eps)

@@ -67,7 +67,9 @@ class Outputs:
     eccentricity_ratio: float = kinds.NUMBER("eccentricity over the radial clearance")
     minimum_film_thickness: float = kinds.FILM("least thickness of the film")
     film_ratio: float = kinds.NUMBER("least film over roughness")
-    maximum_pressure: float = kinds.PRESSURE("highest pressure of the film")
+    maximum_pressure: float = kinds.PRESSURE(
+        "highest pressure of the film; grooved: of the film without grooves, too low under a load near one"
+    )
     asperity_load: float = kinds.FORCE("load N on the asperities")
     asperity_torque: float = kinds.FRICTION_TORQUE("share T_N of the asperities")
     sticking_margin: float = kinds.FRICTION_TORQUE(
