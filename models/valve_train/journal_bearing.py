@@ -39,8 +39,8 @@ ROUGHEST = 0.1
 # Of the mean planes of rough surfaces that are pressed together, over the roughness: no load reaches it.
 OVERLAP = 10.0
 SHORT, FINITE, GROOVED = 0.0, 1.0, 2.0
-# Pads are longer than a right angle, so that a squeeze in any direction meets one.
-WIDEST_GROOVE = 0.5 * math.pi
+# The search for the squeeze does not resolve narrower grooves. Pads are longer than a right angle.
+NARROWEST_GROOVE, WIDEST_GROOVE = math.radians(1.0), 0.5 * math.pi
 # Least L/D with grooves: narrower, the ends of the pads need closer steps.
 NARROWEST = 0.1
 
@@ -276,10 +276,11 @@ def is_inside(x: Any, u: Any, p: PlainBearingParameters, numbers: Vector) -> boo
     return x.eccentricity_x**2 + x.eccentricity_y**2 < farthest**2
 
 
-@require("groove_width = {0:g} deg: must be less than {1:g} deg")
+@require("groove_width = {0:g} deg: must be at least {1:g} and less than {2:g} deg")
 def has_pads(p: PlainBearingParameters, numbers: Vector) -> bool:
-    numbers[0], numbers[1] = math.degrees(p.groove_width), math.degrees(WIDEST_GROOVE)
-    return p.groove_width < WIDEST_GROOVE
+    numbers[0] = math.degrees(p.groove_width)
+    numbers[1], numbers[2] = math.degrees(NARROWEST_GROOVE), math.degrees(WIDEST_GROOVE)
+    return NARROWEST_GROOVE <= p.groove_width < WIDEST_GROOVE
 
 
 @require("width = {0:g} mm: must be >= {1:g} mm, a tenth of the diameter, for film_model = grooved")

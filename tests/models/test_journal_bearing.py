@@ -256,7 +256,8 @@ def test_bearings_outside_the_theory_and_journals_outside_their_bush_are_refused
     for values, message in (
         ({"width": 30e-3}, "width = 30 mm: must be <= diameter = 25 mm"),
         ({"roughness": 5e-6}, "roughness = 5 um: must be <= 2.5 um"),
-        ({"groove_width": 2.0}, "groove_width = 114.592 deg: must be less than 90 deg"),
+        ({"groove_width": 2.0}, "groove_width = 114.592 deg: must be at least 1 and less than 90 deg"),
+        ({"groove_width": 1e-3}, "groove_width = 0.0572958 deg: must be at least 1"),
         ({"width": 2e-3, "film_model": 2.0}, "width = 2 mm: must be >= 2.5 mm, a tenth of the diameter"),
     ):
         assert message in BEARING.parameter_faults(BEARING.parameters.vector(values))[0]
