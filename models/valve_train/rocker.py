@@ -74,11 +74,14 @@ def place_ends(x: LeverMotion, p: RockerParameters) -> Ends:
 
 
 def find_rod_position(tip: float, p: Mapping[str, float]) -> float:
-    """Position of the pushrod's end (m) where the pad's is `tip` (m): `place_ends` the other way round."""
+    """Position of the pushrod's end (m) where the pad's is `tip` (m): `place_ends` the other way round.
+
+    Where the arm does not reach so far it is that at its end.
+    """
     rod, valve = p["rod_arm"], p["valve_arm"]
     if p["small_motion"]:
         return tip * rod * math.cos(p["rod_angle"]) / (valve * math.cos(p["valve_angle"]))
-    rotation = p["valve_angle"] + math.asin(tip / valve - math.sin(p["valve_angle"]))
+    rotation = p["valve_angle"] + math.asin(min(1.0, tip / valve - math.sin(p["valve_angle"])))
     return rod * (math.sin(rotation - p["rod_angle"]) + math.sin(p["rod_angle"]))
 
 

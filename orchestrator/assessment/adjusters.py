@@ -99,17 +99,17 @@ ADJUSTER: Mapping[str, tuple[Quantity, Callable[[Part], Found]]] = {
     ),
     "shortening": (LENGTH.of("largest shortening in a turn, by leak and compression"), _over_turn(_shorten)),
     "leak_down": (
-        LENGTH.of("sinking by what leaks in a turn"),
+        LENGTH.of("sinking in a turn, by its leak"),
         _over_turn(lambda part, turn: Found(_move(part, turn, part["leak_flow"]))),
     ),
-    "intake": (LENGTH.of("rise by what the check valve lets in in a turn"), _over_turn(_take_in)),
+    "intake": (LENGTH.of("rise in a turn, by what the check valve lets in"), _over_turn(_take_in)),
     "check_valve_open": (
         Quantity("1", "share of a turn in which the check valve is open", display_unit="%"),
         _over_turn(_stay_open),
     ),
     "growth": (LENGTH.of("growth from turn to turn"), _over_turn(_grow)),
     "held_open": (
-        LENGTH.of("least lift of the valve in a turn: by what it is held open"),
+        LENGTH.of("least lift of the valve in a turn, by which it is held open"),
         _over_turn(_hold_open),
     ),
     "seat_force_kept": (

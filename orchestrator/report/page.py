@@ -11,7 +11,7 @@ import jinja2
 import numpy as np
 from markupsafe import Markup
 
-from ..errors import MistakeError
+from ..errors import MistakeError, another
 from ..scenario import Scenario, ScenarioError
 from ..scenario.display import show_unit
 from ..scenario.files import load
@@ -53,7 +53,7 @@ def write_page(page: str, path: Path) -> Path:
     try:
         atomic_write.write_whole(path, page.encode("utf-8"))
     except OSError as error:
-        raise MistakeError(f"{path}: cannot be written ({error.strerror}); choose another") from None
+        raise MistakeError(f"{path}: cannot be written ({error.strerror})", another()) from None
     return path
 
 

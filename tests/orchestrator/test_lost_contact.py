@@ -70,10 +70,11 @@ def test_the_cam_takes_up_the_lash_at_the_valve_by_the_ratio_of_the_train(name, 
     assert train.contact_law == (train.lash, train.lobe)
 
 
-def test_a_lash_above_a_tenth_of_the_lift_moves_the_lobe_by_the_cams_share_of_it():
-    """1.2 mm at the valve are 0.96 mm of the tappet, whose cam lifts by 7.35 mm."""
-    system = build_system(load("pushrod-train", ["components.valve_spring.parameters.lash='1.2 mm'"]))
-    assert find_law(system, "cam_contact") == pytest.approx((0.96e-3, 0.96e-3))
+@pytest.mark.parametrize(("lash", "lift"), [("1.2 mm", 0.96e-3), ("60 mm", 32e-3)])
+def test_a_lash_above_a_tenth_of_the_lift_moves_the_lobe_by_the_cams_share_of_it(lash, lift):
+    """1.2 mm at the valve are 0.96 mm of the tappet, whose cam lifts by 7.35 mm; 60 mm no rocker takes up."""
+    system = build_system(load("pushrod-train", [f"components.valve_spring.parameters.lash='{lash}'"]))
+    assert find_law(system, "cam_contact") == pytest.approx((lift, lift))
 
 
 @pytest.mark.parametrize("angles", [(0.0, 0.0), (0.3, -0.2)])
