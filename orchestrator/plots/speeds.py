@@ -248,7 +248,8 @@ def list_frequencies(cycles: xarray.Dataset) -> list[tuple[str, float]]:
 
 
 def _scale(amplitude: NDArray[np.float64]) -> LogNorm:
-    return LogNorm(1e-4 * float(amplitude.max()), float(amplitude.max()))
+    largest = float(amplitude.max()) or 1.0  # of a contact that nothing closes
+    return LogNorm(1e-4 * largest, largest)
 
 
 def _add_legend(axes: Axes) -> None:

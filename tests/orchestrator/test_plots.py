@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray
 
 from models.core.quantities import Quantity, Vector
 from models.core.system import System
@@ -21,6 +22,7 @@ from orchestrator.plots import (
     valves,
 )  # fmt: skip
 from orchestrator.plots.data import FigureData
+from orchestrator.plots.speeds import draw_campbell, draw_map
 from orchestrator.scenario import parse_ends
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, list_parameters
@@ -302,3 +304,15 @@ def test_orbits_are_in_parts_of_the_clearance():
     assert labels >= {"coupled", "bush", "start"}
     hidden = {"pin.eccentricity_ratio": coupled["bearing_1.eccentricity_ratio"]}
     assert not journal_orbits.applies(build_data("roller-friction", time, hidden)), "the place is not shown"
+
+
+def test_a_contact_that_nothing_closes_has_figures_over_speed(tmp_path):
+    turn = np.broadcast_to(np.linspace(0.0, 2.0 * np.pi, 73), (2, 73))
+    columns = {"cam_angle": turn, "contact.load": 0.0 * turn}
+    cycles = xarray.Dataset({name: (("speed", "share"), one) for name, one in columns.items()})
+    cycles = cycles.assign_coords(speed=[80.0, 100.0]).assign_attrs(cam_ratio=1.0)
+    for figure in (
+        draw_map(cycles, "contact.load", np.zeros(2, bool)),
+        draw_campbell(cycles, "contact.load"),
+    ):
+        figure.savefig(tmp_path / "one.png")
