@@ -23,7 +23,7 @@ ARC = Quantity("m", nominal=1e-2, positive=True, display_unit="mm", plausible=pl
 OFFSET = Quantity("m", nominal=1e-3, display_unit="mm", plausible=plausible.OFFSET)
 CAM_LIFT = Quantity("m", nominal=1e-2, positive=True, display_unit="mm", plausible=plausible.CAM_LIFT)
 LASH = Quantity("m", nominal=1e-4, display_unit="mm", plausible=plausible.LASH)
-CLEARANCE = Quantity("m", nominal=1e-5, positive=True, display_unit="um", plausible=plausible.PLAY)
+CLEARANCE = Quantity("m", nominal=1e-5, positive=True, display_unit="um", plausible=plausible.CLEARANCE)
 PART_MASS = Quantity("kg", plausible=plausible.PART_MASS)
 INERTIA = Quantity("kg.m2", nominal=1e-4, positive=True)
 ROD_INERTIA = Quantity("kg.m2", nominal=1e-3, minimum=0.0)

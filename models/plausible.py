@@ -34,6 +34,9 @@ CAM_RADIUS = Plausible(1e-3, 0.5, _LENGTH, "cams and their shafts measure 1 to 5
 CURVATURE = Plausible(1e-4, 5.0, _LENGTH, "contacts have radii of 0.1 mm to 5 m")
 WIRE = Plausible(1e-4, 0.02, _LENGTH, "wires of springs measure 0.1 to 20 mm")
 PLAY = Plausible(1e-7, 0.02, _LENGTH, "pistons have 0.1 um to 20 mm of play")
+CLEARANCE = Plausible(
+    1e-7, 1e-3, (("um", 1e-6), ("mm", 1e-3)), "plungers, guides and bearings have 0.1 um to 1 mm of clearance"
+)
 OFFSET = Plausible(1e-5, 0.2, _LENGTH, "pins and centres of mass lie 0.01 to 200 mm off")
 AREA = Plausible(1e-8, 1e-2, (("mm2", 1e-6),), "sections of rods measure 0.01 to 10000 mm2")
 VOLUME = Plausible(1e-11, 1e-3, (("mm3", 1e-9),), "oil chambers hold 0.01 mm3 to a litre")

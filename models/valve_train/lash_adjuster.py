@@ -16,7 +16,7 @@ from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Quantity, Vector, layouts
-from ..plausible import GAS_PRESSURE, PART_LENGTH, PLAY, VOLUME
+from ..plausible import CLEARANCE, GAS_PRESSURE, PART_LENGTH, VOLUME
 from .shared import EndMotions
 
 # Newton's steps for the pressure of oil with air end at this part of a volume; they converge from below.
@@ -40,7 +40,9 @@ class Parameters:
         "Pa", "absolute pressure of the oil supply",
         nominal=1e5, positive=True, display_unit="MPa", plausible=GAS_PRESSURE,
     ).default(5e5)  # fmt: skip
-    leak_clearance: float = kinds.FILM("radial clearance of the plunger", 6e-6, minimum=0.0, plausible=PLAY)
+    leak_clearance: float = kinds.FILM(
+        "radial clearance of the plunger", 6e-6, minimum=0.0, plausible=CLEARANCE
+    )
     leak_length: float = kinds.DISPLACEMENT(
         "length of the clearance", 5e-3, positive=True, plausible=PART_LENGTH
     )

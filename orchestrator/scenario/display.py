@@ -9,10 +9,8 @@ import numpy as np
 
 from models.core.quantities import Quantity
 
-from .units import to_unit
+from .units import USUAL, to_unit
 
-# Of quantities that name none. Lengths name theirs: lifts are in mm, films in um.
-USUAL = {"Pa": "MPa", "rad": "deg", "rad/s": "rpm", "m2": "mm2"}
 # As they are set in a figure; in a text the degree is a word.
 SYMBOLS = {
     "um": "µm",

@@ -37,6 +37,11 @@ DIMENSIONS = {
     "m/s": "velocity", "N/m": "stiffness", "kg.m2": "moment of inertia", "Hz": "frequency",
 }  # fmt: skip
 
+# In which quantities are shown that name no unit. Lengths name theirs: lifts are in mm, films in um.
+USUAL = {"Pa": "MPa", "rad": "deg", "rad/s": "rpm", "m2": "mm2"}
+# Of examples.
+EXAMPLES = USUAL | {"m": "mm", "N/m": "N/mm"}
+
 # Pint's names of FMI's base units, in the order of FMI's attributes.
 BASE = ("kilogram", "meter", "second", "ampere", "kelvin", "mole", "candela", "radian")
 
@@ -78,11 +83,11 @@ def format_time(seconds: float) -> str:
     return f"{seconds / 1e-9:.3g} ns"
 
 
-def to_unit(text: str, unit: str, relative: bool = False) -> float:
+def to_unit(text: str, unit: str, relative: bool = False, shown: str = "") -> float:
     """Convert a string to a number in `unit` (SI symbols as in `Quantity`); UnitError if it does not fit.
 
     A number without a unit is already in `unit`. A `relative` number is a difference: 5 degC are 5 K.
-    Angles are a dimension, so that r/min is not Hz.
+    `shown` is the unit of the error's example. Angles are a dimension, so that r/min is not Hz.
     """
     text = text.strip()
     if len(text) > LONGEST:
@@ -91,7 +96,7 @@ def to_unit(text: str, unit: str, relative: bool = False) -> float:
     if match is None:
         if unit == "1":
             raise UnitError(f"{text!r} is not a number")
-        example = "mm" if unit == "m" else unit
+        example = shown or EXAMPLES.get(unit, unit)
         raise UnitError(f"{text!r} is not a number with a unit; write for example '8 {example}'")
     number, given = float(match[1]), match[2]
     if not given or given == unit:

@@ -123,7 +123,8 @@ def parse_value(quantity: Quantity, value: Any) -> Value:
         raise ValueError("must be a number, not true or false")
     if isinstance(value, str):
         try:
-            made = to_unit(value, quantity.unit, quantity.relative)
+            usual = quantity.plausible.units[0][0] if quantity.plausible else ""
+            made = to_unit(value, quantity.unit, quantity.relative, quantity.display_unit or usual)
         except UnitError as error:
             raise ValueError(str(error)) from None
         return made if is_bare(value) else WithUnit(made)

@@ -47,6 +47,18 @@ SLIPS = {
 }
 
 
+def test_a_clearance_is_read_in_micrometres_and_a_missing_number_has_the_unit_in_use():
+    """A plunger of 6 mm of clearance and a spring of 8 N/m are a thousand times off."""
+    (doubt,) = list_warnings(load("leak-down", ["components.adjuster.parameters.leak_clearance=6"]))
+    assert "did you mean 6 um?" in doubt
+    for scenario, path, unit in (
+        ("valve-train", "valve_spring.parameters.spring_rate", "N/mm"),
+        ("leak-down", "adjuster.parameters.leak_clearance", "um"),
+    ):
+        with pytest.raises(ScenarioError, match=f"write for example '8 {unit}'"):
+            load(scenario, [f"components.{path}="])
+
+
 @pytest.mark.parametrize("setting", SLIPS)
 def test_a_slip_of_the_unit_is_doubted_with_both_readings(setting):
     path, number = setting.split("=")
