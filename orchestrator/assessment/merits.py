@@ -108,7 +108,7 @@ def _list_observed(contact: ContactSummary) -> Iterator[tuple[str, float, float 
         yield "impact_speed", contact.impact.speed, contact.impact.time, IMPACT
 
 
-def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
+def describe_trains(system: System, merits: Sequence[Merit], read: Read) -> list[str]:
     """A line for each train."""
     found = {(merit.part, merit.figure): merit for merit in merits}
     told = []
@@ -116,7 +116,7 @@ def describe_trains(system: System, merits: Sequence[Merit]) -> list[str]:
         margin, followed = _follow(train, found)
         said = [
             *followed,
-            *_list_landing(train, found),
+            *_list_landing(train, found, read),
             *_list_clash(train, found),
             *_list_wire(train, found),
             *_list_clearance(train, found),
@@ -202,12 +202,12 @@ def _follow(train: Train, found: Merits) -> tuple[float, list[str]]:
     return (least.value, [f"least load {least.text} while the cam lifts"]) if least else (0.0, [])
 
 
-def _list_landing(train: Train, found: Merits) -> Iterator[str]:
+def _list_landing(train: Train, found: Merits, read: Read) -> Iterator[str]:
     """Seating velocity and bounce of each valve that lands on a seat."""
     for valve in train.list_parts(roles.Valve):
         velocity, bounce = found.get((valve, "seating_velocity")), found.get((valve, "bounce"))
         if velocity and bounce:
-            when = "" if velocity.time is None else f" at t = {1e3 * velocity.time:.4g} ms"
+            when = "" if velocity.time is None else f" at {_find_place(train.system, velocity, read)}"
             yield f"hardest seating {velocity.text}{when}"
             yield f"bounces by {bounce.text}" if bounce.value > 0.0 else "does not bounce"
 

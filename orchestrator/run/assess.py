@@ -85,16 +85,20 @@ def _conclude(summary: Summary, status: int, verdict: Words) -> Summary:
 
 def _summarise_contacts(system: System, summary: Summary, result: ResultFile) -> Summary:
     """The contacts as observed, or else as recorded, with their angles; figures of merit of all parts."""
-    contacts, source, figures, drive = summary.contacts, MACRO_STEPS, list[Merit](), list[str]()
+    contacts, source, figures, told = summary.contacts, MACRO_STEPS, list[Merit](), list[str]()
     if result.length("coupled") > 1:
         read = partial(result.read, "coupled", rows=slice(None))
         if not contacts and (found := summarise_rows(system, read)):
             contacts, source = found, ROWS
         contacts = with_angles(system, contacts, read)
-        figures = list_merits(system, contacts, lambda name: read([name])[name])
-        drive += describe_drive(system, figures, lambda name: read([name])[name])
-        drive += describe_adjusters(system, figures, lambda name: read([name])[name])
-    told = [*describe_trains(system, figures), *drive, *describe_bearings(system, figures)]
+
+        def column(name: str) -> Vector:
+            return read([name])[name]
+
+        figures = list_merits(system, contacts, column)
+        told += describe_trains(system, figures, column)
+        told += describe_drive(system, figures, column)
+        told += [*describe_adjusters(system, figures, column), *describe_bearings(system, figures)]
     return replace(
         summary, contacts=contacts, contacts_from=source, merits=told, figures_of_merit=figures,
         friction=sum_friction(system, figures),

@@ -47,6 +47,7 @@ def read_columns(**changed: Vector) -> Callable[[str], Vector]:
     columns = {
         "time": 0.06 * ANGLE / (2.0 * np.pi),
         "camshaft.profile_angle": ANGLE,
+        "camshaft.cam_angle": ANGLE,
         "camshaft.cam_lift": LIFT,
         "contact.load": 300.0 + 0.0 * ANGLE,
         "spring.force": np.where(LIFT > 4e-3, 400.0, 310.0),
@@ -65,14 +66,15 @@ def read_columns(**changed: Vector) -> Callable[[str], Vector]:
 
 def told(**changed: Vector) -> str:
     """The line of the train."""
-    (line,) = describe_trains(SYSTEM, list_merits(SYSTEM, {}, read_columns(**changed)))
+    read = read_columns(**changed)
+    (line,) = describe_trains(SYSTEM, list_merits(SYSTEM, {}, read), read)
     return line
 
 
 def test_a_run_says_first_whether_its_valve_follows_lands_and_what_it_bears():
     assert told() == (
         "valve: spring margin 75 % (least load on the open valve over the force of its springs); "
-        "hardest seating 0.25 m/s at t = 39.99 ms; does not bounce; no clash of coils, least gap 0.2 mm; "
+        "hardest seating 0.25 m/s at cam 239.9 deg; does not bounce; no clash of coils, least gap 0.2 mm; "
         "highest pressure 500 MPa in contact; least film ratio 0.5 in contact; "
         "friction 24 W in the mean of the run: 0 W in the motion, 24 W outside, of "
         "cam contact (contact), rolling (contact)"
@@ -96,7 +98,7 @@ def test_a_run_tells_the_friction_of_all_shares():
         for part in system.instances
         for figure in ("friction_power", "rolling_power")
     ]
-    (line,) = describe_trains(system, merits)
+    (line,) = describe_trains(system, merits, read_columns())
     assert "friction 5 W in the mean of the run" in line
 
 
@@ -130,7 +132,7 @@ def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_p
     )
     cycle = Cycle(SYSTEM, read("time"), inputs, outputs, SYSTEM.x0, 0.0, 1)
     found = {(part, figure): one.value for part, figure, _, one in measure(to_motion(cycle, "flywheel"))}
-    said, (line,) = [], describe_trains(SYSTEM, merits)
+    said, (line,) = [], describe_trains(SYSTEM, merits, read)
     for merit in merits:
         assert found[merit.part, merit.figure] == merit.value
         shown = show(merit.quantity).factor * merit.value

@@ -95,7 +95,8 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         return f"{shaft} {summary.angles[key]:.1f} deg" if known else f"t = {summary.times()[key]:.6g} s"
 
     when = " while the cam lifts" if summary.seated else ""
-    text = f"kept{when}, least load {summary.least_load:.4g} N at {at('least_load')}"
+    whole = "" if summary.seated else " of the whole run"
+    text = f"kept{when}, least load{whole} {summary.least_load:.4g} N at {at('least_load')}"
     if summary.least_load == math.inf:
         text = "the cam does not lift"
     if summary.separation:
