@@ -183,12 +183,18 @@ def _describe_shape(radius: Vector, least: float, values: Mapping[str, Any]) -> 
 
 
 def _describe(values: Mapping[str, Any]) -> str:
-    """What the results are of; radii, reversals and velocities depend on it."""
+    """What the results are of; radii, reversals and velocities depend on it, opening and overlap too."""
     fields = FIELDS[values["follower"]]
     radius = f" of radius {1e3 * values['radius']:g} mm" if "radius" in fields else ""
+    shown = {"speed": (RPM, "r/min"), **dict.fromkeys(PARAMETERS, (180.0 / math.pi, "deg"))}
+    told = [
+        f"{name} {values[name] * factor:g} {unit}"
+        + " (default)" * (values[name] == ANALYSIS.parameters[name].default)
+        for name, (factor, unit) in shown.items()
+    ]
     return (
         f"{values['follower'].replace('_', ' ')} follower{radius}, base circle radius "
-        f"{1e3 * values['base_radius']:g} mm, {values['speed'] * RPM:g} r/min"
+        f"{1e3 * values['base_radius']:g} mm, {', '.join(told)}"
     )
 
 
@@ -274,7 +280,11 @@ ANALYSIS = declare(
     results={
         "largest_lift": Result("m", "largest lift", display_unit="mm"),
         "at_angle": Result("rad", "cam angle of the largest lift", display_unit="deg"),
-        "event": Result("rad", "cam angle over which the valve is lifted", display_unit="deg"),
+        "event": Result(
+            "rad",
+            "cam angle of any lift, with ramps; of a table: above its noise and 0.1 % of the largest lift",
+            display_unit="deg",
+        ),
         "ample_factor": Result("1", "mean lift of the event over the largest"),
         "largest_velocity": Result("m/s", "largest velocity of the lift at this speed"),
         "largest_acceleration": Result("m/s2", "largest acceleration"),

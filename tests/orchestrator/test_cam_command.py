@@ -110,10 +110,13 @@ def test_scenarios_give_the_cam_and_follower_that_they_have():
     assert find_settings("valve-train")["follower"] == "flat"
 
 
-def test_it_says_of_which_follower_and_speed_its_results_are():
+def test_it_says_of_which_follower_speed_and_timing_its_results_are():
     describe = load("cam").describe
-    values = load("cam").complete(find_settings("roller-finger") | {"speed": "3000 rpm"})
-    assert describe(values) == "finger roller follower of radius 9 mm, base circle radius 18 mm, 3000 r/min"
+    given = {"speed": "3000 rpm", "lobe_centre": "106 deg"}
+    assert describe(load("cam").complete(find_settings("roller-finger") | given)) == (
+        "finger roller follower of radius 9 mm, base circle radius 18 mm, speed 3000 r/min, "
+        "lobe_centre 106 deg, lobe_separation 108 deg (default)"
+    )
 
 
 @pytest.mark.parametrize(
