@@ -49,9 +49,19 @@ class Grooves(NamedTuple):
     width: float
 
 
+class Journal(NamedTuple):
+    """eps, (1 - eps)^1/4, angle of the thin place; cosine and sine of the direction of u from there."""
+
+    eps: float
+    near: float
+    angle: float
+    cos: float
+    sin: float
+
+
 class Pad(NamedTuple):
-    """eps and (1 - eps)^1/4; from which tau on, and how long; cosine and sine of the direction of u from the
-    thin place."""
+    """As `Journal`, with a tau to begin at and a length; the sweep's share in the whole, 0 where no film
+    begins."""
 
     eps: float
     near: float
@@ -59,6 +69,7 @@ class Pad(NamedTuple):
     length: float
     cos: float
     sin: float
+    share: float
 
 
 class Point(NamedTuple):
@@ -262,28 +273,42 @@ def find_tau(angle: float, near: float) -> float:
 
 
 @kernel
-def find_grooved_impedance(u: Squeeze, eps: Squeeze, grooves: Grooves) -> Impedance:
-    """A for a unit squeeze u, in its axes.
-
-    Films are swept from the edges of grooves, those before a groove in a mirror. A full film is swept from
-    both its ends, so that nothing jumps where it leaves one of them.
-    """
+def find_journal(u: Squeeze, eps: Squeeze) -> Journal:
+    """For a unit squeeze u."""
     far = math.sqrt(eps.x**2 + eps.y**2)
     c, s = (eps.x / far, eps.y / far) if far > 0.0 else (1.0, 0.0)
-    along, across, at = c * u.x + s * u.y, c * u.y - s * u.x, math.atan2(s, c)
     near = math.sqrt(math.sqrt(1.0 - far))
-    total = Impedance(0.0, 0.0, 0.0)
+    return Journal(far, near, math.atan2(s, c), c * u.x + s * u.y, c * u.y - s * u.x)
+
+
+@kernel
+def find_pad(i: int, journal: Journal, grooves: Grooves) -> Pad:
+    """Of the four edges of grooves; those before a groove in a mirror.
+
+    A full film is swept from both its ends, so that nothing jumps where it leaves one of them.
+    """
+    cos, side = journal.cos, 1.0 - 2.0 * (i % 2)
+    sin = side * journal.sin
+    begin = side * (grooves.angle + math.pi * (i // 2) - journal.angle) + 0.5 * grooves.width
+    end = begin + math.pi - grooves.width
+    low = max(cos * math.cos(begin) + sin * math.sin(begin), 0.0) ** 2
+    if low == 0.0:
+        return Pad(journal.eps, journal.near, 0.0, 0.0, cos, sin, 0.0)
+    high = max(cos * math.cos(end) + sin * math.sin(end), 0.0) ** 2
+    tau = find_tau(begin, journal.near)
+    length = find_tau(end, journal.near) - tau
+    return Pad(journal.eps, journal.near, tau, length, cos, sin, low / (low + high))
+
+
+@kernel
+def find_grooved_impedance(u: Squeeze, eps: Squeeze, grooves: Grooves) -> Impedance:
+    """A for a unit squeeze u, in its axes."""
+    journal, total = find_journal(u, eps), Impedance(0.0, 0.0, 0.0)
     for i in range(4):
-        side = 1.0 - 2.0 * (i % 2)
-        begin = side * (grooves.angle + math.pi * (i // 2) - at) + 0.5 * grooves.width
-        end = begin + math.pi - grooves.width
-        low = max(along * math.cos(begin) + side * across * math.sin(begin), 0.0) ** 2
-        high = max(along * math.cos(end) + side * across * math.sin(end), 0.0) ** 2
-        if low > 0.0:
-            tau = find_tau(begin, near)
-            pad = Pad(far, near, tau, find_tau(end, near) - tau, along, side * across)
+        pad = find_pad(i, journal, grooves)
+        if pad.share > 0.0:
             k = sweep(pad, grooves.ratio)
-            total = add(total, Impedance(k.along, k.across, side * k.mixed), low / (low + high))
+            total = add(total, Impedance(k.along, k.across, (1.0 - 2.0 * (i % 2)) * k.mixed), pad.share)
     return total
 
 

@@ -23,6 +23,7 @@ from ..contact.asperities import APART, Asperities, mean_gap
 from ..contact.asperity_arc import Arc, AsperityForce, press_arc
 from ..contact.finite_bearing import find_finite_squeeze, find_highest_pressure
 from ..contact.grooved_bearing import Grooves, find_grooved_squeeze
+from ..contact.grooved_pressure import find_grooved_pressure
 from ..contact.short_bearing import Squeeze, find_squeeze, highest_pressure
 from ..core import roles
 from ..core.bonds import counts_energies
@@ -115,9 +116,7 @@ class Outputs:
         "to 0.2 % for L/D >= 0.25"
     )
     film_ratio: float = kinds.NUMBER("least film over roughness")
-    maximum_pressure: float = kinds.PRESSURE(
-        "highest pressure of the film; grooved: of the film without grooves, too low under a load near one"
-    )
+    maximum_pressure: float = kinds.PRESSURE("highest pressure of the film")
     asperity_load: float = kinds.FORCE("load on the asperities")
     power_loss: float = kinds.POWER("power lost to friction and squeeze", nominal=10.0)
 
@@ -177,23 +176,29 @@ def rub(film: Film, u: Inputs, p: Parameters) -> float:
 
 
 @kernel
+def find_grooves(p: PlainBearingParameters) -> Grooves:
+    return Grooves(p.width / p.diameter, p.groove_angle, p.groove_width)
+
+
+@kernel
 def squeeze_film(force: Squeeze, film: Film, p: PlainBearingParameters) -> Squeeze:
     """mu R L^3/c^3 u."""
     if p.film_model == SHORT:
         return find_squeeze(force, film.eps)
     if p.film_model == GROOVED:
-        grooves = Grooves(p.width / p.diameter, p.groove_angle, p.groove_width)
-        return find_grooved_squeeze(force, film.eps, grooves)
+        return find_grooved_squeeze(force, film.eps, find_grooves(p))
     return find_finite_squeeze(force, film.eps, p.width / p.diameter)
 
 
 @kernel
-def press_film(force: Squeeze, film: Film, p: PlainBearingParameters) -> float:
-    """The highest pressure (Pa) under a force (N); between grooves that of the film without them."""
-    scale = 1.5 * p.viscosity * p.width**2 / (p.radial_clearance**3 * film_impedance(p))
+def press_film(force: Squeeze, squeeze: Squeeze, film: Film, p: PlainBearingParameters) -> float:
+    """The highest pressure (Pa) under a force (N), which moves the journal with the squeeze u (m/s)."""
+    scale = 1.5 * p.viscosity * p.width**2 / p.radial_clearance**3
     if p.film_model == SHORT:
-        return scale * highest_pressure(find_squeeze(force, film.eps), film.eps)
-    return scale * find_highest_pressure(force, film.eps, p.width / p.diameter)
+        return scale * highest_pressure(squeeze, film.eps)
+    if p.film_model == GROOVED:
+        return scale * find_grooved_pressure(squeeze, film.eps, find_grooves(p))
+    return scale / film_impedance(p) * find_highest_pressure(force, film.eps, p.width / p.diameter)
 
 
 @kernel
@@ -240,7 +245,7 @@ def output(t: float, x: Place, u: Inputs, p: Parameters, y: Outputs) -> None:
     y.eccentricity_ratio = film.eccentricity / p.radial_clearance
     y.minimum_film_thickness = film.thinnest
     y.film_ratio = film.thinnest / p.roughness
-    y.maximum_pressure = press_film(motion.force, film, p)
+    y.maximum_pressure = press_film(motion.force, motion.squeeze, film, p)
     y.asperity_load = film.asperities.load
     y.power_loss = lost_power(film, motion, u, p)
 

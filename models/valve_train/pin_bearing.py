@@ -67,9 +67,7 @@ class Outputs:
     eccentricity_ratio: float = kinds.NUMBER("eccentricity over the radial clearance")
     minimum_film_thickness: float = kinds.FILM("least thickness of the film")
     film_ratio: float = kinds.NUMBER("least film over roughness")
-    maximum_pressure: float = kinds.PRESSURE(
-        "highest pressure of the film; grooved: of the film without grooves, too low under a load near one"
-    )
+    maximum_pressure: float = kinds.PRESSURE("highest pressure of the film")
     asperity_load: float = kinds.FORCE("load N on the asperities")
     asperity_torque: float = kinds.FRICTION_TORQUE("share T_N of the asperities")
     sticking_margin: float = kinds.FRICTION_TORQUE(
@@ -126,7 +124,7 @@ def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     y.eccentricity_ratio = film.eccentricity / p.radial_clearance
     y.minimum_film_thickness = film.thinnest
     y.film_ratio = film.thinnest / p.roughness
-    y.maximum_pressure = journal.press_film(motion.force, film, p)
+    y.maximum_pressure = journal.press_film(motion.force, motion.squeeze, film, p)
     y.asperity_load = film.asperities.load
     y.asperity_torque = motion.rubbed.transmitted
     limit = p.boundary_friction_coefficient * film.asperities.load * 0.5 * p.diameter

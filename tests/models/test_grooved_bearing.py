@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh
 
 from models.contact.analysis.bearing.reynolds import Grid, solve
-from models.contact.analysis.bearing.steady import GROOVE
+from models.contact.analysis.bearing.steady import GROOVE, WEDGE
 from models.contact.grooved_bearing import (
     SQUARES,
     WEIGHTS,
@@ -20,7 +20,8 @@ from models.contact.grooved_bearing import (
     find_grooved_impedance,
     find_grooved_squeeze,
 )
-from models.contact.short_bearing import Squeeze
+from models.contact.grooved_pressure import find_grooved_pressure
+from models.contact.short_bearing import Squeeze, highest_pressure
 
 pytestmark = pytest.mark.plain
 
@@ -66,6 +67,31 @@ def test_squeezes_in_all_directions(eps, ratio, record):
         worst = max(worst, off / math.hypot(*exact))
     quantity = f"journal bearing with two grooves, L/D = {ratio:g}, eps = {eps:g}: force of a squeeze (rel.)"
     record("Film", quantity, worst, 0.0, "Reynolds' equation, p >= 0", tolerance=0.01)
+
+
+@pytest.mark.parametrize("degrees", [20.0, 80.0])
+@pytest.mark.parametrize("ratio", [0.25, 0.5, 1.0])
+@pytest.mark.parametrize("eps", [0.1, 0.8, 0.95])
+def test_the_highest_pressure_of_a_turning_journal(eps, ratio, degrees, record):
+    """The largest difference for grooves at six angles from the thin place."""
+    worst, width = 0.0, math.radians(degrees)
+    for angle in np.arange(-1.5, 1.5, 0.5):
+        exact = solve(Grid(eps, ratio, (angle, angle + math.pi), opening=width), WEDGE).highest
+        found = find_grooved_pressure(polar(1.0, WEDGE), polar(eps, 0.0), Grooves(ratio, angle, width))
+        worst = max(worst, abs(6.0 * ratio**2 * found / exact - 1.0))
+    quantity = f"journal bearing, two grooves of {degrees:g} degrees, L/D = {ratio:g}, eps = {eps:g}"
+    source = "Reynolds' equation, p >= 0"
+    record("Film", f"{quantity}: highest pressure (rel.)", worst, 0.0, source, tolerance=0.01)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(0.0, 0.9), ANGLES, ANGLES, st.floats(0.1, 10.0))
+def test_the_pressure_between_grooves_is_less_than_in_a_short_film(eps, angle, direction, size):
+    """Flow round the journal relieves it. It is proportional to the squeeze."""
+    u, at, grooves = polar(1.0, direction), polar(eps, angle), Grooves(0.5, 0.4, GROOVE)
+    found = find_grooved_pressure(u, at, grooves)
+    assert 0.0 < found < 1.001 * highest_pressure(u, at)
+    assert find_grooved_pressure(polar(size, direction), at, grooves) == pytest.approx(size * found)
 
 
 @settings(max_examples=40, deadline=None)
