@@ -48,7 +48,8 @@ def test_noses_come_in_firing_order_half_a_crank_turn_apart(kind):
 
 @pytest.mark.long
 def test_camshafts_move_as_they_do_alone_and_give_way_to_their_followers():
-    """The crankshaft's speed is prescribed: the same bits as alone. Axes move away from followers."""
+    """The crankshaft's speed is prescribed: the same bits as alone. Axes move away from followers, whose
+    contacts only push; on the base circle a shaft that springs back leaves some."""
     system = build_system(load("valve-train-16v"))
     together = run_short(system, 100)
     for kind in ("intake", "exhaust"):
@@ -60,9 +61,10 @@ def test_camshafts_move_as_they_do_alone_and_give_way_to_their_followers():
         ):
             np.testing.assert_array_equal(together[output], alone[output])
             assert np.ptp(alone[output]) > 0.0
-        loads = np.array([together[f"tappet_{kind}_{c}{s}.cam_force_y"] for c in (1, 2, 3, 4) for s in "ab"])
+        loads = np.array([together[f"cam_contact_{kind}_{c}{s}.load"] for c in (1, 2, 3, 4) for s in "ab"])
         moved = np.array([together[f"{kind}_shaft.axis_y[{i}]"] for i in range(1, 9)])
-        assert (loads[:, 1:] < 0.0).all()
+        assert (loads >= 0.0).all()
+        assert (loads.max(axis=1) > 0.0).all()
         assert (moved.min(axis=1) < 0.0).all()
 
 
