@@ -224,3 +224,14 @@ def test_texts_of_a_package_pass_and_have_values(tmp_path):
         "one.Binary_output -> two.Binary_input",
     ]
     assert find_texts(one, "two", ["String_output", "Binary_output"]) == ["so", "00ff"]
+
+
+def test_the_lines_of_the_guide_run_a_package_in_fmpy(exported, isolated):
+    """To the first order of held inputs."""
+    guide = Path("docs/how-to/exchange-ssp.md").read_text("utf-8")
+    code = re.findall(r"```python\n(.+?)```", guide, re.DOTALL)[0].replace("two-masses.ssp", str(exported))
+    found = isolated(
+        f'{code}\nreport([float(found[f"{{part}}.position"][-1]) for part in ("first", "second")])'
+    )
+    truth = two_masses(np.array([STEPS * STEP]), FIRST, SECOND, START)[0]
+    assert found == pytest.approx(truth[[0, 2]], abs=0.02)
