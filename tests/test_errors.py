@@ -135,6 +135,7 @@ def test_elements_of_an_array_stand_as_one_by_their_last_index():
         ("fmu buld", "fmu: no such command 'buld'"),
         ("fmu build --fmi x", "fmu build: --fmi"),
         ("speeds a --workers 0", "speeds: --workers"),
+        ("calibrate leak-down none.csv", "--parameters: names none; e.g. --parameters weight.mass"),
     ],
 )
 def test_a_mistake_in_options_is_one_sentence_with_status_2(line: str, sentence: str) -> None:

@@ -19,9 +19,9 @@ def run_calibrate(  # noqa: PLR0913  # options of the command
         list[Path], typer.Argument(help="CSV files of measured signals over angle or time, with speed.")
     ],
     parameters: Annotated[
-        list[str],
+        list[str] | None,
         typer.Option(metavar="COMPONENT.PARAMETER,...", help="Fit these; repeat, or separate by commas."),
-    ],
+    ] = None,
     signal: Annotated[
         list[str] | None,
         typer.Option(
@@ -59,7 +59,7 @@ def run_calibrate(  # noqa: PLR0913  # options of the command
 
     tables = read_tables(scenario, set_ or [])
     source = Source(tables, "" if set_ else scenario)
-    asked = Asked(parameters, bounds or [], signal or [], starts, profile or [])
+    asked = Asked(parameters or [], bounds or [], signal or [], starts, profile or [])
     folder = out or Path("results") / f"{tables['name']}-calibration"
     found = calibrate(
         source, data, asked, folder, Where(workers=workers), build_fmu, build_reporter(as_json), overwrite
