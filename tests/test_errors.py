@@ -135,7 +135,6 @@ def test_elements_of_an_array_stand_as_one_by_their_last_index():
         ("fmu buld", "fmu: no such command 'buld'"),
         ("fmu build --fmi x", "fmu build: --fmi"),
         ("speeds a --workers 0", "speeds: --workers"),
-        ("calibrate leak-down none.csv", "--parameters: names none; e.g. --parameters weight.mass"),
     ],
 )
 def test_a_mistake_in_options_is_one_sentence_with_status_2(line: str, sentence: str) -> None:
@@ -145,3 +144,9 @@ def test_a_mistake_in_options_is_one_sentence_with_status_2(line: str, sentence:
     assert done.stderr.startswith(f"tribocosim: {sentence}")
     assert "0" not in line or "'0'" in done.stderr or "0 is" in done.stderr
     assert "run [OPTIONS] {scenario}" in done.stderr or "--help` lists" in done.stderr
+
+
+def test_a_fit_of_no_parameter_names_one_of_the_scenario() -> None:
+    done = called("calibrate", "leak-down", "none.csv")
+    assert done.returncode == MISTAKE
+    assert done.stderr == "tribocosim: --parameters: names none; e.g. --parameters weight.mass\n"
