@@ -143,11 +143,11 @@ def describe_over_speed(table: xarray.Dataset) -> list[str]:
         pressure, leak, held = (table[f"{name}.{figure}"].values for figure in figures)
         texts = []
         if not lost.all():
-            most, thin = (int(np.nanargmax(np.where(lost, -np.inf, one))) for one in (pressure, leak))
+            most, leaking = (int(np.nanargmax(np.where(lost, -np.inf, one))) for one in (pressure, leak))
             texts.append(
                 f"{'where contact is kept, ' if lost.any() else ''}highest chamber pressure "
                 f"{1e-6 * pressure[most]:.3g} MPa at {rpm[most]:.0f} r/min, largest leak in a turn "
-                f"{_write(leak[thin])} at {rpm[thin]:.0f} r/min"
+                f"{_write(leak[leaking])} at {rpm[leaking]:.0f} r/min"
             )
         if (opened := np.flatnonzero(held > 0.0)).size:
             texts.append(

@@ -121,7 +121,7 @@ def accumulate(memory: Any, summaries: Any, time: float) -> None:
         for k in range(4):
             _range(ranges[i, 4 * k : 4 * k + 4], groups[k], bounds[k, 0], bounds[k, 1], load > 0.0, step)
         state = judge(load, lift, lash, lobe, int(c.state))
-        _last(c, state, step)
+        _count_open(c, state, step)
         if state == ON_RAMP and lift > c.ramp_lift:
             c.ramp_lift, c.ramp_time = lift, time
         _lose(c, -row[5], state == LOST, time)
@@ -176,7 +176,7 @@ def _range(r: Any, value: float, low: float, high: float, loaded: bool, step: fl
 
 
 @compiled
-def _last(c: Any, state: int, step: float) -> None:
+def _count_open(c: Any, state: int, step: float) -> None:
     """How long it was open at rest and on ramps, and lost, by the trapezoidal rule."""
     for one in (int(c.state), state):
         c.rest_duration += 0.5 * step * (one in (AT_REST, ON_RAMP))

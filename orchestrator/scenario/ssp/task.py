@@ -4,7 +4,6 @@ Each step names the files that it took and gave, and has the classifications of 
 """
 
 import copy
-import mimetypes
 import uuid
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,28 +14,39 @@ from .names import PACKAGE_TYPE, add_element, to_bytes
 from .traceability import SUFFIX, VERSION, locate
 
 TASK_SUFFIX = ".stmd"
-# Kinds are the standard's. Figures are the files in folders.
-TYPES = {".srmd": "application/x-srmd-meta-data", ".ssp": PACKAGE_TYPE, ".toml": "application/toml"}
+TYPES = {
+    ".ssp": PACKAGE_TYPE,
+    SUFFIX: "application/x-srmd-meta-data",
+    ".toml": "application/toml",
+    ".nc": "application/x-netcdf",
+    ".csv": "text/csv",
+    ".json": "application/json",
+    ".html": "text/html",
+    ".png": "image/png",
+}
+# Kinds are the standard's: by a file of the run, a folder in it, or a suffix beside the run.
+TAKEN = {".ssp": "system", SUFFIX: "document", files.SCENARIO: "configuration"}
 RESULTS = dict.fromkeys((files.RESULT, files.CSV, files.UNITS, files.TEXTS), "result")
-SHOWN = {files.MERITS: "result", files.REPORT: "report", files.FIGURES: "report"}
+SHOWN = {files.REPORT: "report", files.MERITS: "result", files.FIGURES: "report"}
 
 
 class Step(NamedTuple):
-    """Its name, the kinds of the files that it gave, and the run's classifications that tell of it."""
+    """Its name, the kinds of the files that it took and gave, and the classifications that tell of it."""
 
     name: str
-    given: Mapping[str, str]
+    taken: Mapping[str, str] = {}
+    given: Mapping[str, str] = {}
     classifications: tuple[str, ...] = ()
 
 
 PHASES = {
     "ExecutionPhase": [
-        Step("ExecuteSimulation", RESULTS | {files.PRINTED: "report"}, ("version", "fmu-sha256"))
+        Step("ExecuteSimulation", TAKEN, RESULTS | {files.PRINTED: "report"}, ("version", "fmu-sha256"))
     ],
     "EvaluationPhase": [
-        Step("EvaluateSimulationResults", SHOWN),
-        Step("AssureSimulationQuality", {files.SUMMARY: "report"}, ("tolerance", "relative-rms-error")),
-        Step("DeriveSimulationQualityVerdict", {}, ("run",)),
+        Step("EvaluateSimulationResults", given=SHOWN),
+        Step("AssureSimulationQuality", {}, {files.SUMMARY: "report"}, ("tolerance", "relative-rms-error")),
+        Step("DeriveSimulationQualityVerdict", classifications=("run",)),
     ],
 }
 
@@ -44,36 +54,31 @@ PHASES = {
 def write_task(described: Any, run: Path, package: Path) -> bytes:
     """The file of a run's task, from the run's element as `describe_run` makes it.
 
-    The execution takes the package with its metadata and the scenario. The GUID is that of the content.
+    The GUID is that of the content.
     """
-    taken = {
-        package: "system",
-        package.with_suffix(SUFFIX): "document",
-        run / files.SCENARIO: "configuration",
-    }
-    written = {path: path.relative_to(run).parts[0] for path in files.list_files(run) if path.is_file()}
+    places = {SUFFIX: [package.with_suffix(SUFFIX)], ".ssp": [package]}
+    for path in filter(Path.is_file, files.list_files(run)):
+        places.setdefault(path.relative_to(run).parts[0], []).append(path)
     known = {key: described.get(key) for key in ("name", "description", "generationTool")}
     task = add_element(None, "stmd:SimulationTaskMetaData", version=VERSION, **known)
     for phase, steps in PHASES.items():
         parent = add_element(task, f"stmd:{phase}")
-        for name, given, classifications in steps:
-            step = add_element(parent, f"stmd:{name}")
-            if name == "ExecuteSimulation":
-                _add_resources(step, "Input", taken, package)
-            came = {path: given[place] for path, place in written.items() if place in given}
-            _add_resources(step, "Output", came, package)
-            types = {f"tribocosim.{one}" for one in classifications}
-            step.extend(copy.deepcopy(one) for one in described if one.get("type") in types)
+        for one in steps:
+            step = add_element(parent, f"stmd:{one.name}")
+            for particle, kinds in (("Input", one.taken), ("Output", one.given)):
+                _add_resources(step, particle, kinds, places, package)
+            types = {f"tribocosim.{kind}" for kind in one.classifications}
+            step.extend(copy.deepcopy(element) for element in described if element.get("type") in types)
     task.set("GUID", str(uuid.uuid5(uuid.NAMESPACE_URL, to_bytes(task).decode())))
     return to_bytes(task)
 
 
-def _add_resources(step: Any, particle: str, kinds: Mapping[Path, str], package: Path) -> None:
+def _add_resources(
+    step: Any, particle: str, kinds: Mapping[str, str], places: Mapping[str, list[Path]], package: Path
+) -> None:
     """What the step took or gave, each file with its kind and MIME type."""
-    if kinds:
-        parent = add_element(step, f"stc:{particle}")
-        # Without the types of this machine's files.
-        known = mimetypes.MimeTypes()
-        for path, kind in kinds.items():
-            mime = TYPES.get(path.suffix) or known.guess_type(path.name)[0] or "application/octet-stream"
-            add_element(parent, "stc:Resource", kind=kind, type=mime, source=locate(path, package))
+    found = [(path, kind) for name, kind in kinds.items() for path in places.get(name, [])]
+    parent = add_element(step, f"stc:{particle}") if found else None
+    for path, kind in found:
+        mime = TYPES.get(path.suffix, "application/octet-stream")
+        add_element(parent, "stc:Resource", kind=kind, type=mime, source=locate(path, package))
